@@ -35,10 +35,8 @@ class Running(TypedDict, total=False):
     """The FMU, instead of the study's."""
     jobs: int | None
     """The number of parallel simulations; the number of cores unless given."""
-    isolation: Literal["fresh", "audited", "reuse"] | None
-    """How points share processes; ``audited`` unless given."""
-    in_process: bool
-    """Runs points in one process: a little faster, but a crash of the FMU ends the run."""
+    isolation: Literal["fresh", "shared", "none"] | None
+    """Whether points run alone (``fresh``, unless given), share processes, or run in the program's own (``none``)."""
     point_timeout: float | None
     """The longest time that a point may take, s."""
     memory_limit: str | None

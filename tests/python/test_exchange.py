@@ -134,7 +134,7 @@ def test_points_are_the_same_however_they_are_run(fmu, tmp_path):
 
     one = points("one", "--jobs", "1", "--isolation", "fresh")
     assert one.count(b",ok\n") == 40
-    assert points("two", "--jobs", "2", "--isolation", "reuse") == one
+    assert points("two", "--jobs", "2", "--isolation", "shared") == one
     # As a kill leaves it: the head and four points.
     journal = (tmp_path / "two/journal.txt").read_text().splitlines(keepends=True)
     (tmp_path / "killed").mkdir()

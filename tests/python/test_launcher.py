@@ -236,7 +236,7 @@ def test_an_fmu_that_comes_slowly_is_waited_for(study, single, tmp_path):
     assert files(out) == files(single)
 
 
-@pytest.mark.parametrize("options", [["--hosts", "x"], ["--ship"], ["--launcher", ""], ["--launcher", "env", "--in-process"],
+@pytest.mark.parametrize("options", [["--hosts", "x"], ["--ship"], ["--launcher", ""], ["--launcher", "env", "--isolation", "none"],
                                      ["--launcher", "env", "--launcher-timeout", "0"]])
 def test_mistakes(options, study, tmp_path):
     assert run("verify", study, "--output", tmp_path, *options).returncode == 2

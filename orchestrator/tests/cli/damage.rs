@@ -121,7 +121,7 @@ fn number(names: &[&str], name: &str) -> usize {
 #[test]
 fn a_point_spoils_no_other() {
     let bench = Bench::empty();
-    bench.damage(&[]);
+    bench.damage();
     for (what, how) in [
         ("static memory", "plainly"),
         ("heap", "with a warning"),
@@ -141,7 +141,7 @@ fn a_point_spoils_no_other() {
 #[ignore = "takes minutes"]
 fn all_behaviours() {
     let bench = Bench::empty();
-    bench.damage(&[]);
+    bench.damage();
     let mut spoilt = Vec::new();
     for (every, jobs) in [(10, "1"), (10, "2"), (50, "2"), (500, "1")] {
         let points = 100.max(3 * every);
