@@ -52,7 +52,6 @@ const WHAT: [&str; 36] = [
 /// How it ends, likewise.
 const HOW: [&str; 6] =
     ["plainly", "with a warning", "with discard", "with an error", "with NaN", "with a logged error"];
-const PLAINLY: usize = 0;
 
 /// How many healthy points are wrong in a study of which one point in `every` leaves a trace.
 fn wrong(bench: &Bench, what: usize, how: usize, every: usize, points: usize, jobs: &str) -> usize {
