@@ -192,11 +192,11 @@ fn method(way: Way, samples: usize) -> String {
     match (way, samples) {
         (Way::Once, 1) => "Clopper and Pearson's".to_owned(),
         (Way::Once, n) => {
-            format!("Student's over {n} replicates; Clopper and Pearson's where their counts hardly differ")
+            format!("Korn and Graubard's over {n} replicates")
         }
         (Way::EveryPoint, _) => "a confidence sequence, which may be looked at after every point".to_owned(),
         (Way::Doublings, n) => {
-            format!("Student's over {n} replicates, with the probability of a wrong verdict divided among the looks")
+            format!("Korn and Graubard's over {n} replicates, with the probability of a wrong verdict divided among the looks")
         }
     }
 }

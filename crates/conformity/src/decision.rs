@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::interval::{clopper_pearson, student};
+use super::interval::{LEAST_SAMPLES, clopper_pearson, of_samples, wider};
 
 /// The decision about a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -51,19 +51,23 @@ impl Rule {
     }
 }
 
-/// The interval of a share of points that belong in turn to independent randomisations of a design,
-/// given the count of each: Student's about their shares. Where nearly all counts are equal, their
-/// scatter tells nothing, and the points count as independent trials (see [`clopper_pearson`]); a
-/// design spreads its points more evenly than chance.
+/// The interval of a share of points that belong in turn to independent randomisations of a design, given the count of
+/// each: the one [of their shares](of_samples). Where nearly all counts are equal, or the points are hardly more than the
+/// randomisations, the scatter tells little, and the interval is no narrower than that of as many independent trials (see
+/// [`clopper_pearson`]). Fewer than [`LEAST_SAMPLES`] counts are those of independent points.
 pub fn randomised(counts: &[u64], points: u64, confidence: f64) -> [f64; 2] {
+    const FEW: u64 = 4;
     let (n, total) = (counts.len() as u64, counts.iter().sum::<u64>());
-    if n < 2 || total.min(points - total) < n || unequal(counts) < (n / 2).min(4) {
-        return clopper_pearson(total as f64, points as f64, confidence);
+    let independent = clopper_pearson(total as f64, points as f64, confidence);
+    if counts.len() < LEAST_SAMPLES || points < n {
+        return independent;
     }
     let size = |k: u64| points / n + u64::from(k < points % n);
     let shares = (0..).zip(counts).map(|(k, &count)| count as f64 / size(k) as f64);
     let shares: Vec<f64> = shares.collect();
-    student(total as f64 / points as f64, &shares, confidence)
+    let ends = of_samples(total as f64 / points as f64, &shares, points, confidence);
+    let tells_little = total.min(points - total) < n || unequal(counts) < FEW;
+    if tells_little { wider(ends, independent) } else { ends }
 }
 
 /// The interval of the probability that another sample of as many independent points would come to the other verdict by

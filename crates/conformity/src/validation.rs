@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::interval::student_limit;
 use crate::measured::Measured;
 
 /// The comparison for one criterion, in its unit.
@@ -25,7 +26,10 @@ pub struct Comparison {
     pub u_val: f64,
     /// Whether all three are known; otherwise u_val is a lower bound.
     pub complete: bool,
-    /// The coverage factor of the interval.
+    /// The effective degrees of freedom of u_val (Welch and Satterthwaite); none where they are as good as infinite.
+    #[serde(default)]
+    pub freedom: Option<f64>,
+    /// The coverage factor of the interval, of as much probability as 2 has for a normal number.
     pub coverage: f64,
     /// E - k u_val and E + k u_val, between which the model's error lies.
     pub model_error: [f64; 2],
@@ -52,17 +56,20 @@ impl Comparison {
     /// The comparison with a measured value, given mean and standard deviation of the model's value over the points. None where
     /// nothing is measured, or one of its numbers would be beyond all numbers.
     pub fn new(measured: &Measured, [mean, deviation]: [f64; 2], numerical: Numerical) -> Option<Self> {
-        const COVERAGE: f64 = 2.0;
+        /// That of two standard deviations of a normal number (GUM, table G.2).
+        const PROBABILITY: f64 = 0.954_499_736_103_642;
         let u_d = measured.error.map(|error| error.standard());
         let known = [("numerical", numerical.standard), ("input", Some(deviation)), ("measurement", u_d)];
         // Squares of large numbers would be beyond all numbers.
         let u_val = known.iter().filter_map(|(_, u)| *u).fold(0.0, f64::hypot);
+        let freedom = measured.error.and_then(|error| error.freedom_within(u_val));
+        let coverage = freedom.map_or(2.0, |freedom| student_limit(PROBABILITY, freedom));
         let error = mean - measured.value?;
         let largest = known.iter().max_by(|a, b| {
             let [a, b] = [a.1, b.1].map(|u| u.unwrap_or(0.0));
             a.total_cmp(&b)
         });
-        let model_error = [-1.0, 1.0].map(|side| error + side * COVERAGE * u_val);
+        let model_error = [-1.0, 1.0].map(|side| error + side * coverage * u_val);
         let numbers = [mean, error, deviation, u_val].into_iter().chain(model_error);
         numbers.into_iter().all(f64::is_finite).then(|| Self {
             model: mean,
@@ -73,7 +80,8 @@ impl Comparison {
             u_d,
             u_val,
             complete: known.iter().all(|(_, u)| u.is_some()),
-            coverage: COVERAGE,
+            freedom,
+            coverage,
             model_error,
             dominant: largest.map_or("", |(name, _)| name).to_owned(),
         })
@@ -212,6 +220,20 @@ mod tests {
         assert!((told.u_val - 1.3).abs() < 1e-12 && told.complete);
         assert!((told.model_error[0] + 3.6).abs() < 1e-12 && (told.model_error[1] - 1.6).abs() < 1e-12);
         assert_eq!(told.dominant, "input");
+    }
+
+    /// GUM, G.4.1 and table G.2: three repeats alone have 2 degrees of freedom and k = 4.53; beside an equal normal part 8,
+    /// and k = 2.37.
+    #[test]
+    fn few_repeats_have_few_degrees_of_freedom() {
+        let repeated = Uncertainty { noise: 3.0_f64.sqrt(), repeats: Some(3), ..Uncertainty::normal(0.0, 2.0) };
+        let measured = Measured::within(82.0, 0.6, Some(repeated.law(82.0)));
+        for (input, freedom, coverage) in [(0.0, 2.0, 4.53), (1.0, 8.0, 2.37)] {
+            let told = Comparison::new(&measured, [81.0, input], Numerical::default()).unwrap();
+            assert!((told.freedom.unwrap() - freedom).abs() < 1e-9, "{told:?}");
+            assert!((told.coverage - coverage).abs() < 5.1e-3, "{told:?}");
+            assert!((told.model_error[1] + 1.0 - told.coverage * told.u_val).abs() < 1e-12);
+        }
     }
 
     #[test]

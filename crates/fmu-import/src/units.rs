@@ -100,6 +100,9 @@ impl Conversion {
 impl Units {
     /// How values in `from` become values in `to`; `None` is a value without a unit.
     ///
+    /// The FMU's definitions decide. [`known`] names only fill in units that it does not define: another name is never
+    /// converted by what it usually means.
+    ///
     /// # Errors
     /// When neither the FMU's definitions nor [`known`] names know a way from one to the other.
     pub fn conversion(&self, from: &str, to: Option<&str>) -> Result<Conversion, UnitError> {
@@ -108,7 +111,8 @@ impl Units {
         if let Some((_, way)) = ways.iter().find(|(name, _)| plain(name) == from) {
             return Ok(*way);
         }
-        if let Some(way) = to.and_then(|to| known::between(&from, to)) {
+        let to_unit = to.filter(|unit| !is_none(unit));
+        if let Some(way) = way(&self.meanings(&from), &self.meanings(to_unit.unwrap_or("1"))) {
             return Ok(way);
         }
         let remedy = match to.filter(|unit| *unit != "1") {
@@ -123,19 +127,39 @@ impl Units {
         })
     }
 
+    /// What a name means, in base units: as the FMU defines it, or as usual where it does not.
+    fn meanings(&self, name: &str) -> Vec<BaseUnit> {
+        let name = plain(name);
+        let usual = known::meanings(&name);
+        if let Some((_, unit)) = self.0.iter().find(|(own, _)| plain(own) == name) {
+            return match unit.base {
+                Some(base) => vec![with_radians(base, &usual)],
+                None => usual,
+            };
+        }
+        let shown = self.0.values().filter_map(|unit| {
+            let (_, to_unit) = unit.displays().find(|(own, _)| plain(own) == name)?;
+            Some(unit.base.map(|base| BaseUnit { to_base: to_unit.then(base.to_base), ..base }))
+        });
+        let shown: Vec<Option<BaseUnit>> = shown.collect();
+        if shown.is_empty() { usual } else { shown.into_iter().flatten().collect() }
+    }
+
     /// Every unit in which a value of unit `to` may be given, and how it converts.
     fn ways(&self, to: Option<&str>) -> Vec<(String, Conversion)> {
-        let Some(to) = to.filter(|unit| !matches!(*unit, "1" | "" | "-")) else {
-            return vec![("1".to_owned(), Conversion::IDENTITY), ("%".to_owned(), Conversion::scaled(0.01))];
+        let Some(to) = to.filter(|unit| !is_none(unit)) else {
+            let percent = way(&self.meanings("%"), &known::meanings("1"));
+            let percent = percent.map(|way| ("%".to_owned(), way));
+            return [("1".to_owned(), Conversion::IDENTITY)].into_iter().chain(percent).collect();
         };
         let mut ways = vec![(to.to_owned(), Conversion::IDENTITY)];
         let Some(unit) = self.0.get(to) else {
             return ways;
         };
         ways.extend(unit.displays());
-        let Some(base) = unit.base else { return ways };
+        let Some(base) = unit.base.filter(BaseUnit::is_usable) else { return ways };
         for (name, other) in &self.0 {
-            let alike = |other: &BaseUnit| name != to && other.exponents == base.exponents;
+            let alike = |other: &BaseUnit| name != to && other.exponents == base.exponents && other.is_usable();
             let Some(other_base) = other.base.filter(alike) else {
                 continue;
             };
@@ -145,6 +169,42 @@ impl Units {
         }
         ways
     }
+}
+
+impl BaseUnit {
+    /// Whether values convert at all: with factor 0 they do not.
+    fn is_usable(&self) -> bool {
+        self.to_base.factor != 0.0
+    }
+}
+
+/// Whether a unit's name says that there is none.
+fn is_none(unit: &str) -> bool {
+    matches!(unit, "1" | "" | "-")
+}
+
+/// The way from a unit of several meanings to another one: by the first two of the same kind.
+fn way(from: &[BaseUnit], to: &[BaseUnit]) -> Option<Conversion> {
+    let mut pairs = from.iter().flat_map(|a| to.iter().map(move |b| (a, b)));
+    let (from, to) = pairs.find(|(a, b)| a.exponents == b.exponents && a.is_usable() && b.is_usable())?;
+    Some(from.to_base.then(to.to_base.inverse()))
+}
+
+/// The unit with the exponent of rad that its name has: many tools leave it out, as before FMI 2.0 there was none. Whatever
+/// else differs from the usual meaning is meant.
+fn with_radians(base: BaseUnit, usual: &[BaseUnit]) -> BaseUnit {
+    const RAD: usize = 7;
+    let near = |a: f64, b: f64| (a - b).abs() <= 1e-6 * b.abs();
+    let is_same = |usual: &&BaseUnit, ignoring_rad: bool| {
+        let mut exponents = usual.exponents;
+        if ignoring_rad && base.exponents[RAD] == 0 {
+            exponents[RAD] = 0;
+        }
+        let [own, other] = [base.to_base, usual.to_base];
+        exponents == base.exponents && near(own.factor, other.factor) && near(own.offset, other.offset)
+    };
+    let same = |ignoring| usual.iter().find(|usual| is_same(usual, ignoring));
+    same(false).or_else(|| same(true)).copied().map_or(base, |usual| BaseUnit { exponents: usual.exponents, ..base })
 }
 
 impl Unit {
@@ -203,6 +263,16 @@ mod tests {
         unit("m", length, 1.0, 0.0, &[("mm", 1e3, 0.0), ("um", 1e6, 0.0)]);
         unit("in", length, 0.0254, 0.0, &[("mil", 1e3, 0.0)]);
         unit("K", temperature, 1.0, 0.0, &[("degC", 1.0, -273.15)]);
+        unit("cel", temperature, 1.0, 273.15, &[]);
+        unit("t", [1, 0, 0, 0, 0, 0, 0, 0], 1e3, 0.0, &[]);
+        unit("kcal", [1, 2, -2, 0, 0, 0, 0, 0], 4184.0, 0.0, &[]);
+        // Names that usually mean something else.
+        unit("h", length, 1.0, 0.0, &[("g", 100.0, 0.0)]);
+        unit("1/s", [0, 0, -1, 0, 0, 0, 0, 0], 1.0, 0.0, &[]);
+        unit("rad/s", [0, 0, -1, 0, 0, 0, 0, 1], 1.0, 0.0, &[("rpm", 10.0, 0.0)]);
+        unit("deg/s", [0, 0, -1, 0, 0, 0, 0, 0], std::f64::consts::PI / 180.0, 0.0, &[]);
+        unit("bar", [0; 8], 0.5, 0.0, &[]);
+        unit("W", [1, 2, -3, 0, 0, 0, 0, 0], 0.0, 0.0, &[]);
         unit("degF", temperature, 5.0 / 9.0, 459.67 * 5.0 / 9.0, &[]);
         units
     }
@@ -222,6 +292,56 @@ mod tests {
         close("degC", "degF", 100.0, 212.0);
     }
 
+    /// By hand from the base units above: `base = factor * value + offset`.
+    #[test]
+    fn the_definitions_of_the_fmu_decide() {
+        let mut units = units();
+        units.0.insert("N".to_owned(), Unit::default());
+        for (from, to, value, expected) in [
+            ("degC", "cel", 20.0, Some(20.0)),
+            ("cel", "degF", 100.0, Some(212.0)),
+            ("K", "cel", 300.0, Some(26.85)),
+            ("kg", "t", 500.0, Some(0.5)),
+            ("g", "t", 500.0, None),
+            ("J", "kcal", 8368.0, Some(2.0)),
+            ("kcal", "kJ", 1.0, Some(4.184)),
+            ("m", "h", 3.0, Some(3.0)),
+            ("g", "m", 100.0, Some(1.0)),
+            ("s", "h", 60.0, None),
+            ("min", "h", 60.0, None),
+            ("h", "s", 1.0, None),
+            ("Hz", "1/s", 5.0, Some(5.0)),
+            ("kHz", "1/s", 1.0, Some(1000.0)),
+            ("1/s", "rad/s", 1.0, None),
+            ("rad/s", "1/s", 1.0, None),
+            ("rev/s", "rad/s", 1.0, Some(std::f64::consts::TAU)),
+            ("rpm", "rad/s", 10.0, Some(1.0)),
+            ("rpm", "1/s", 60.0, None),
+            ("deg/s", "rad/s", 180.0, Some(std::f64::consts::PI)),
+            ("bar", "Pa", 1.0, None),
+            ("Pa", "bar", 1.0, None),
+            ("bar", "1", 1.0, Some(0.5)),
+            ("%", "1", 5.0, Some(0.05)),
+            ("kW", "W", 1.0, None),
+            ("kN", "N", 2.0, Some(2000.0)),
+            ("Nm", "bar", 2.0, None),
+            ("mm", "in", 25.4, Some(1.0)),
+            ("cm", "in", 2.54, Some(1.0)),
+            ("ft", "in", 1.0, None),
+        ] {
+            let got = units.conversion(from, Some(to)).ok().map(|way| way.value(value));
+            let same = match (got, expected) {
+                (Some(got), Some(expected)) => (got - expected).abs() < 1e-9 * expected.abs(),
+                (got, expected) => got == expected,
+            };
+            assert!(same, "{value} {from} in {to}: {got:?}, not {expected:?}");
+        }
+        // A unit of its own for per cent.
+        let percent = BaseUnit { exponents: [0; 8], to_base: Conversion::scaled(0.02) };
+        units.0.insert("%".to_owned(), Unit { base: Some(percent), display: Vec::new() });
+        assert_eq!(units.conversion("%", None).unwrap().value(5.0), 0.1);
+    }
+
     #[test]
     fn differences_have_no_offset() {
         let conversion = units().conversion("degC", Some("K")).unwrap();
@@ -237,7 +357,7 @@ mod tests {
     #[test]
     fn an_unfit_unit_is_answered_with_those_that_fit() {
         let error = units().conversion("degC", Some("m")).unwrap_err();
-        assert_eq!(error.to_string(), "unit `degC` does not fit: the value is in m; use m, mm, um, in, mil");
+        assert_eq!(error.to_string(), "unit `degC` does not fit: the value is in m; use m, mm, um, in, mil, h, g");
     }
 
     #[test]

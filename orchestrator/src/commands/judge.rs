@@ -35,11 +35,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
     warn(&judge);
     let conversions = conversions(&study, &judge, fmu)?;
     let mut rows = Table::read_results(&options.table, &columns(&study))?;
-    let sample = match study.design.method.is_by_levels() {
-        true => Sample::Grid,
-        false => Sample::Replicates(1),
-    };
-    let mut tally = Tally::new(&judge, sample);
+    let mut tally = Tally::new(&judge, Sample::of(&study.design));
     let mut survey = Survey::new(&judge, None, false);
     let (mut seen, mut repeated) = (HashSet::new(), 0);
     let folder = options.output.as_deref();

@@ -5,7 +5,9 @@ use std::collections::HashMap;
 use toml::Spanned;
 
 use super::{Criterion, Judge};
+use crate::results::tally::Sample;
 use conformity::decision::Rule;
+use conformity::interval::LEAST_SAMPLES;
 use conformity::measured::{Limits, Measurement};
 use conformity::risk::Guard;
 use fmu_import::quantity::Quantity;
@@ -43,7 +45,7 @@ impl Judge {
     pub(super) fn add_requirements(&mut self, study: &Study) -> Result<(), FileError> {
         self.measurement = self.correlated(study)?;
         if let Some(required) = &study.verdict {
-            refuse_grid(study, required)?;
+            refuse_without_interval(study, required)?;
             self.rule = Some(rule(study, required.as_ref())?);
             self.guard = self.guard_band(study, required)?;
         }
@@ -266,18 +268,25 @@ impl Judge {
     }
 }
 
-/// Points of a grid are no sample: no interval tells how far their share is from that of the space.
-fn refuse_grid(study: &Study, required: &Spanned<Required>) -> Result<(), FileError> {
-    let method = study.design.method;
-    if !method.is_by_levels() {
-        return Ok(());
-    }
-    let message = format!(
-        "[verdict] needs points that are drawn at random: those of a {} grid are not, so that no share of the space can be \
-         stated with a confidence; use method = \"sobol\" with replicates = 16 or \"monte-carlo\" under [design], or \
-         remove [verdict]",
-        method.name()
-    );
+/// Points of a grid are no sample, and those of one net hang together: no interval tells how far their share is from that of
+/// the space.
+fn refuse_without_interval(study: &Study, required: &Spanned<Required>) -> Result<(), FileError> {
+    let (method, replicates) = (study.design.method, study.design.replicates);
+    let message = match Sample::of(&study.design) {
+        Sample::Replicates(_) => return Ok(()),
+        Sample::Net if method.has_replicates() => format!(
+            "[verdict] needs {LEAST_SAMPLES} independent nets or more, not {replicates}: points of one {} net hang together, \
+             so that no share of the space can be stated with a confidence; add replicates = {LEAST_SAMPLES} under [design], \
+             or use method = \"monte-carlo\"",
+            method.name()
+        ),
+        Sample::Net | Sample::Grid => format!(
+            "[verdict] needs independent points or nets: those of one {} design are not, so that no share of the space can \
+             be stated with a confidence; use method = \"monte-carlo\", or \"sobol\" with replicates = {LEAST_SAMPLES}, \
+             under [design], or remove [verdict]",
+            method.name()
+        ),
+    };
     Err(study.error_at(required, message))
 }
 

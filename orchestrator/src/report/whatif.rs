@@ -169,7 +169,7 @@ fn fixed(summary: &Summary, study: Option<&Study>) -> Option<&'static str> {
         return Some("the points come from a table, whose distributions are not known");
     }
     if summary.verified_interval.is_none() {
-        return Some("the points of a grid are no sample of a distribution");
+        return Some("the points of a grid or of one net tell no interval");
     }
     match study {
         None => Some("the study's text cannot be read"),

@@ -13,6 +13,7 @@ use super::summary::{
 use crate::judge::{Judge, PointVerdict, Variant};
 use conformity::conclusion::{Conclusion, Ruling, grouped};
 use conformity::decision::{Decision, randomised};
+use conformity::interval::LEAST_SAMPLES;
 use conformity::looks::Looks;
 use conformity::measured::Limits;
 use conformity::risk::RiskTally;
@@ -20,6 +21,7 @@ use fmu_import::validity;
 use fmu_points::failure::Failure;
 use fmu_points::notices::{Notices, Replicates};
 use point_journal::Outcome;
+use sampling::design::Sampling;
 
 /// How the points represent the space.
 #[derive(Clone, Copy, Debug)]
@@ -28,6 +30,20 @@ pub enum Sample {
     Replicates(u64),
     /// A grid, which is no sample: no interval tells how far the share of its points is from that of the space.
     Grid,
+    /// A single net or too few of them: points that hang together, so that their scatter tells no interval.
+    Net,
+}
+
+impl Sample {
+    /// How the points of a study's own design represent the space.
+    pub fn of(design: &Sampling) -> Self {
+        match design.method {
+            method if method.is_by_levels() => Self::Grid,
+            method if method.is_as_independent() => Self::Replicates(1),
+            _ if design.replicates >= LEAST_SAMPLES as u64 => Self::Replicates(design.replicates),
+            _ => Self::Net,
+        }
+    }
 }
 
 /// Points that meet a condition, for each randomisation of the design on its own.
@@ -38,7 +54,8 @@ type Passed = Vec<u64>;
 pub struct Tally<'a> {
     judge: &'a Judge,
     replicates: usize,
-    is_grid: bool,
+    /// Why no interval can be stated.
+    no_interval: Option<&'static str>,
     looks: Looks,
     look: u64,
     /// How many points were counted.
@@ -93,15 +110,16 @@ impl Counts {
 impl<'a> Tally<'a> {
     /// No points yet.
     pub fn new(judge: &'a Judge, sample: Sample) -> Self {
-        let (replicates, is_grid) = match sample {
-            Sample::Replicates(number) => (usize::try_from(number).unwrap_or(1).max(1), false),
-            Sample::Grid => (1, true),
+        let (replicates, no_interval) = match sample {
+            Sample::Replicates(number) => (usize::try_from(number).unwrap_or(1).max(1), None),
+            Sample::Grid => (1, Some("none: the points of a grid are no sample")),
+            Sample::Net => (1, Some("none: the points of one net hang together")),
         };
         let none = Counts::new(judge, replicates);
         Self {
             judge,
             replicates,
-            is_grid,
+            no_interval,
             looks: Looks::default(),
             look: 1,
             points: 0,
@@ -213,7 +231,7 @@ impl<'a> Tally<'a> {
         Count {
             passed: all,
             fraction: all as f64 / self.points.max(1) as f64,
-            interval: (!self.is_grid).then(|| randomised(passed, self.points, CONFIDENCE)),
+            interval: self.no_interval.is_none().then(|| randomised(passed, self.points, CONFIDENCE)),
         }
     }
 
@@ -249,7 +267,7 @@ impl<'a> Tally<'a> {
         let (judge, points) = (self.judge, self.points);
         let ruling = judge.rule.map(|rule| Ruling { rule, looks: self.looks, count: self.look });
         let statement = match ruling {
-            _ if self.is_grid => self.risk.statement().without_intervals(),
+            _ if self.no_interval.is_some() => self.risk.statement().without_intervals(),
             Some(Ruling { rule, looks, .. }) => {
                 let confidence = looks.band_confidence(rule.confidence);
                 self.risk.statement_at(confidence)
@@ -257,8 +275,7 @@ impl<'a> Tally<'a> {
             None => self.risk.statement(),
         };
         let mut conclusion = Conclusion::new(ruling, &statement, points);
-        if self.is_grid {
-            // A grid has no seed.
+        if self.no_interval.is_some() || self.replicates > 1 {
             conclusion.other_verdict_interval = None;
         }
         let compared = self.failed() < points;
@@ -319,13 +336,11 @@ impl<'a> Tally<'a> {
     }
 
     fn interval_method(&self, provenance: &Provenance) -> String {
-        match (self.replicates, provenance.method.as_str()) {
-            _ if self.is_grid => "none: the points of a grid are no sample".to_owned(),
-            (1, "monte-carlo" | "table") => "Clopper and Pearson's".to_owned(),
-            (1, _) => "Clopper and Pearson's; it takes the points as independent".to_owned(),
-            (n, _) => format!(
-                "Student's over {n} independently scrambled nets; Clopper and Pearson's where their counts hardly differ"
-            ),
+        match (self.no_interval, self.replicates) {
+            (Some(why), _) => why.to_owned(),
+            (None, 1) if matches!(&*provenance.method, "monte-carlo" | "table") => "Clopper and Pearson's".to_owned(),
+            (None, 1) => "Clopper and Pearson's; the points scatter no more than independent ones".to_owned(),
+            (None, n) => format!("Korn and Graubard's over {n} independently scrambled nets"),
         }
     }
 

@@ -40,10 +40,9 @@ impl Verification {
         let finished = Finished::read(folder)?;
         let mut outcomes = finished.outcomes()?;
         let provenance = self.provenance();
-        let replicates = provenance.replicates.unwrap_or(1);
-        let sample = match self.is_grid() {
-            true => Sample::Grid,
-            false => Sample::Replicates(replicates),
+        let sample = match &self.header.table {
+            Some(_) => Sample::Replicates(1),
+            None => Sample::of(&session.study.design),
         };
         let mut tally = Tally::new(&session.judge, sample);
         let mut survey = Survey::new(&session.judge, Some(&session.plan), self.is_drawn());

@@ -3,8 +3,8 @@
 use std::str::FromStr;
 
 use crate::judge::Judge;
-use conformity::decision::{Decision, Rule};
-use conformity::interval::{LEAST_SAMPLES, clopper_pearson};
+use conformity::decision::{Decision, Rule, randomised};
+use conformity::interval::LEAST_SAMPLES;
 use conformity::looks::{History, Looks, Way};
 use conformity::risk::Guard;
 use point_journal::Outcome;
@@ -114,8 +114,7 @@ impl Ending {
         const CONFIDENCE: f64 = 0.95;
         match self.condition {
             Condition::Width(width) => {
-                let hits: u64 = counts.iter().sum();
-                let [low, high] = clopper_pearson(hits as f64, points as f64, CONFIDENCE);
+                let [low, high] = randomised(counts, points, CONFIDENCE);
                 points > 0 && points.is_multiple_of(ROUND) && high - low <= width
             }
             Condition::Verdict(rule, looks) => {

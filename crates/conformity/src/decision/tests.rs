@@ -21,54 +21,40 @@ fn decisions_are_written_as_in_a_verdict() {
     assert_eq!(words, ["verified", "not verified", "inconclusive"]);
 }
 
-/// A point in each randomisation is enough for their scatter to count, on either side; one point less is not.
-#[test]
-fn as_many_points_as_randomisations_have_a_scatter() {
-    let few = |total: u64| -> Vec<u64> {
-        let twos = (0..16).map(|k| if k < 4 { 2 } else { u64::from(k >= 8) });
-        let mut counts: Vec<u64> = twos.collect();
-        counts[15] -= 16 - total;
-        counts
-    };
-    let exact = |hits: u32| clopper_pearson(hits.into(), 512.0, 0.95);
-    let misses = |counts: &[u64]| -> Vec<u64> { counts.iter().map(|count| 32 - count).collect() };
-    assert_eq!(randomised(&few(15), 512, 0.95), exact(15));
-    assert_eq!(randomised(&misses(&few(15)), 512, 0.95), exact(497));
-    // Student's interval: four counts of 0, eight of 1 and four of 2; t is 2.131450 with 15 degrees of freedom.
-    let half = 2.131_449_5 * (8.0_f64 / 15.0 / 16.0).sqrt() / 32.0;
-    for (counts, centre) in [(few(16), 1.0 / 32.0), (misses(&few(16)), 31.0 / 32.0)] {
-        let [low, high] = randomised(&counts, 512, 0.95);
-        assert!((low - (centre - half)).abs() < 1e-9, "{low}");
-        assert!((high - (centre + half)).abs() < 1e-9, "{high}");
-    }
-    // Two equal counts have no scatter to tell of.
-    assert_eq!(randomised(&[42, 42], 200, 0.95), clopper_pearson(84.0, 200.0, 0.95));
-}
-
+/// Where the scatter of the counts tells little, the interval is no narrower than that of independent points.
 #[test]
 fn equal_counts_tell_nothing_of_their_scatter() {
     let exact = |hits: u32, points: u32| clopper_pearson(hits.into(), points.into(), 0.95);
-    assert_eq!(randomised(&[8; 16], 512, 0.95), exact(128, 512));
+    let rare = [[1; 8], [0; 8]].concat();
+    for counts in [vec![8; 16], vec![0; 16], rare, vec![0; 8], vec![64; 8]] {
+        let (hits, points) = (counts.iter().sum::<u64>(), 64 * counts.len() as u64);
+        let ([low, high], [least, most]) = (randomised(&counts, points, 0.95), exact(hits as u32, points as u32));
+        assert!(low <= least && high >= most, "{counts:?}: {low} {high}");
+    }
+    // Equal shares of 16 nets, but for four of them.
     let mut counts = [8; 16];
-    counts[..3].fill(9);
-    assert_eq!(randomised(&counts, 512, 0.95), exact(131, 512));
-    counts[3] = 9;
+    counts[..4].fill(9);
     let [low, high] = randomised(&counts, 512, 0.95);
-    assert!(high - low < 0.02 && low > 0.25, "{low} {high}");
-    assert_eq!(randomised(&[30], 100, 0.95), exact(30, 100));
-    let few = [[1; 8], [0; 8]].concat();
-    assert_eq!(randomised(&few, 512, 0.95), exact(8, 512));
+    assert!(high - low < 0.04 && low > 0.24, "{low} {high}");
 }
 
-/// Student's interval of two shares, by hand: t is 12.706 with one degree of freedom.
+/// Nets that hold all or nothing are eight trials, whatever the number of their points: 3 of 8, and t is 2.364624 with 7
+/// degrees of freedom.
 #[test]
-fn two_randomisations() {
-    let [low, high] = randomised(&[40, 44], 201, 0.95);
-    let (a, b) = (40.0 / 101.0, 44.0 / 100.0_f64);
-    let half = 12.706_204_7 * (b - a).abs() / 2.0;
-    let centre = 84.0 / 201.0;
-    assert!((low - (centre - half)).abs() < 1e-8, "{low}");
-    assert!((high - (centre + half)).abs() < 1e-8, "{high}");
+fn nets_of_all_or_nothing_are_single_trials() {
+    let points = 8 * 1_000_000;
+    let [low, high] = randomised(&[0, 1_000_000, 0, 0, 1_000_000, 1_000_000, 0, 0], points, 0.95);
+    let effective = 7.0 * (1.959_964_f64 / 2.364_624).powi(2);
+    let [least, most] = clopper_pearson(effective * 0.375, effective, 0.95);
+    assert!((low - least).abs() < 2e-6 && (high - most).abs() < 2e-6, "{low} {high}");
+    assert!(low < 0.07 && high > 0.78, "{low} {high}");
+}
+
+/// Too few randomisations are no sample of their own.
+#[test]
+fn fewer_than_eight_counts_are_those_of_independent_points() {
+    assert_eq!(randomised(&[42, 42], 200, 0.95), clopper_pearson(84.0, 200.0, 0.95));
+    assert_eq!(randomised(&[30], 100, 0.95), clopper_pearson(30.0, 100.0, 0.95));
 }
 
 /// The most wrong decisions in a number of studies at which a binomial test at 5 % does not yet say that their

@@ -37,6 +37,13 @@ macro_rules! methods {
                 }
             }
 
+            /// Whether intervals for independent points hold for a single randomisation, whatever is counted.
+            pub fn is_as_independent(self) -> bool {
+                match self {
+                    $(Self::$method => <$rule as rule::Registered>::AS_INDEPENDENT,)*
+                }
+            }
+
             /// Whether each of N equally probable slices of every input holds one of N points.
             fn is_stratified(self) -> bool {
                 match self {

@@ -39,6 +39,10 @@ pub trait Registered: Rule + Sized + 'static {
     /// Whether the points can belong in turn to independent randomisations.
     const REPLICATES: bool = false;
 
+    /// Whether shares of the points scatter no more than those of independent ones, whatever is counted, so that
+    /// intervals for independent points hold.
+    const AS_INDEPENDENT: bool = false;
+
     /// Whether each of N equally probable slices of every input holds one of N points, which correlations must keep.
     const STRATIFIED: bool = false;
 
