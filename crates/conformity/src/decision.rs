@@ -88,4 +88,7 @@ fn unequal(counts: &[u64]) -> u64 {
 }
 
 #[cfg(test)]
+mod nets_tests;
+
+#[cfg(test)]
 mod tests;

@@ -52,8 +52,9 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
     };
     told.hint(format!(
         "After ASME V&V 20: E is the mean of the model's values minus the measured value. Where all uncertainties are known, \
-         the model's own error lies in E ± 2 u_{{val}}; otherwise the interval is at least so wide. u_{{val}} joins the \
-         uncertainties of the numerical solution, of the parameters (the spread of the points) and of the measured value. \
+         the model's own error lies in E ± k u_{{val}}; otherwise the interval is at least so wide. u_{{val}} joins the \
+         uncertainties of the numerical solution, of the parameters (the spread of the points) and of the measured value; k is 2, \
+         and Student's factor for its degrees of freedom where the measured value is the mean of few repeats. \
          What is called verification here, V&V 10 and V&V 20 call validation: a comparison with measurements.{notes}{missing}"
     ));
     (!summary.validation.is_empty()).then_some(told)
@@ -69,7 +70,14 @@ fn compared(comparison: &Comparison) -> [String; 7] {
         number(comparison.u_input, 3),
         known(comparison.u_d),
         format!("{least}{}", number(comparison.u_val, 3)),
-        format!("{least}{low} .. {high}"),
+        match comparison.freedom {
+            None => format!("{least}{low} .. {high}"),
+            Some(freedom) => format!(
+                "{least}{low} .. {high} (k = {}, {} degrees of freedom)",
+                number(comparison.coverage, 3),
+                number(freedom, 3)
+            ),
+        },
         comparison.dominant.clone(),
     ]
 }

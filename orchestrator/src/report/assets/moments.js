@@ -1,7 +1,6 @@
 "use strict";
 // Sums over numbers from 0 to 1, and the intervals of their means, as `conformity::interval` has them.
 const Moments = (() => {
-  const LEAST_SAMPLES = 8;
   const none = () => ({ count: 0, sum: 0, squares: 0 });
   const take = (moments, number) => {
     moments.count += 1;
@@ -24,44 +23,23 @@ const Moments = (() => {
   const scaled = ({ count, sum, squares }, factor) => ({ count, sum: factor * sum, squares: factor * factor * squares });
   const among = (moments, count) => ({ ...moments, count });
 
-  const clamp = v => Math.min(Math.max(v, 0), 1);
-  // Draws an interval out by what so many numbers may have missed.
-  const drawnOut = (ends, lowered, numbers, confidence) => {
-    const missed = Numbers.clopperPearson(0, numbers, confidence)[1], [low, high] = ends.map(clamp);
-    return [Math.max(low - missed * lowered, 0), high + missed * (1 - high)];
-  };
-  const nearer = (all, scattering, confidence) => {
-    const [low, high] = Numbers.clopperPearson(all.sum, all.count, confidence);
-    return [Math.max(low, scattering[0]), Math.min(high, scattering[1])];
-  };
-  const ofNumbers = (all, confidence) => {
-    const n = all.count, centre = mean(all);
-    const variance = Math.max((all.squares - n * centre * centre) / (n - 1), 0);
-    const half = Numbers.studentLimit(confidence, n - 1) * Math.sqrt(variance / n);
-    return [centre - half, centre + half];
-  };
+  const independent = (all, confidence) => Numbers.clopperPearson(all.sum, all.count, confidence);
 
-  /** The interval of the mean of one sample, or of several that are independent of each other. */
+  /** The interval of the mean of independent numbers, or of several samples that are independent of each other. */
   const ofMean = (parts, confidence) => {
     const all = total(parts);
-    let scattering = [0, 1];
-    if (parts.length >= LEAST_SAMPLES && parts.every(part => part.count > 0)) {
-      const ends = Numbers.student(mean(all), parts.map(mean), confidence);
-      scattering = drawnOut(ends, 1, all.count, confidence);
-    } else if (all.count > 1) {
-      scattering = drawnOut(ofNumbers(all, confidence), mean(all), all.count, confidence);
-    }
-    return nearer(all, scattering, confidence);
+    if (parts.length < Numbers.LEAST_SAMPLES || parts.some(part => part.count === 0)) return independent(all, confidence);
+    return Numbers.ofSamples(mean(all), parts.map(mean), all.count, confidence);
   };
 
   /** The interval of the mean of the numbers of a random part of the sample, such as the accepted points. */
   const ofPart = (parts, confidence) => {
     const all = total(parts), samples = parts.length;
-    if (samples < LEAST_SAMPLES || all.count < 4 * samples) return ofMean([all], confidence);
+    if (samples < Numbers.LEAST_SAMPLES || all.count === 0) return independent(all, confidence);
     const ratio = mean(all), usual = all.count / samples;
     const values = parts.map(part => ratio + (part.sum - ratio * part.count) / usual);
-    const ends = Numbers.student(ratio, values, confidence);
-    return nearer(all, drawnOut(ends, 1, all.count, confidence), confidence);
+    const ends = Numbers.ofSamples(ratio, values, all.count, confidence);
+    return all.count < 4 * samples ? Numbers.wider(ends, independent(all, confidence)) : ends;
   };
 
   return { none, take, merge, total, mean, complement, scaled, among, ofMean, ofPart };

@@ -202,15 +202,32 @@ const Numbers = (() => {
     return [Math.max(centre - half, 0), Math.min(centre + half, 1)];
   };
 
-  /** The interval of a share of points that belong in turn to randomisations of a design, by the count of each. */
-  const randomised = (counts, points, confidence) => {
-    const n = counts.length, total = counts.reduce((a, b) => a + b, 0);
-    const usual = Math.max(...counts.map(count => counts.filter(other => other === count).length));
-    const few = n < 2 || Math.min(total, points - total) < n || n - usual < Math.min(Math.floor(n / 2), 4);
-    if (few) return clopperPearson(total, points, confidence);
-    const size = k => Math.floor(points / n) + (k < points % n ? 1 : 0);
-    return student(total / points, counts.map((count, k) => count / size(k)), confidence);
+  // Draws an interval out by what so many numbers may have missed.
+  const drawnOut = (ends, numbers, confidence) => {
+    const missed = clopperPearson(0, numbers, confidence)[1], [low, high] = ends.map(v => Math.min(Math.max(v, 0), 1));
+    return [Math.max(low - missed, 0), high + missed * (1 - high)];
+  };
+  const wider = (a, b) => [Math.min(a[0], b[0]), Math.max(a[1], b[1])];
+
+  /** The interval about a mean from values of independent samples, after Korn and Graubard. */
+  const ofSamples = (mean, values, numbers, confidence) => {
+    const MANY = 1e4, n = values.length, centre = values.reduce((a, b) => a + b, 0) / n;
+    const variance = values.reduce((sum, v) => sum + (v - centre) ** 2, 0) / (n - 1) / n;
+    const effective = (normalLimit(confidence) / studentLimit(confidence, n - 1)) ** 2 * mean * (1 - mean) / variance;
+    const ends = effective < MANY ? clopperPearson(mean * effective, effective, confidence) : student(mean, values, confidence);
+    return drawnOut(ends, numbers, confidence);
   };
 
-  return { below, between, betweenBoth, errorBelow, errorBetween, score, beta, clopperPearson, student, studentLimit, randomised };
+  /** The interval of a share of points that belong in turn to randomisations of a design, by the count of each. */
+  const LEAST_SAMPLES = 8;
+  const randomised = (counts, points, confidence) => {
+    const n = counts.length, total = counts.reduce((a, b) => a + b, 0), independent = clopperPearson(total, points, confidence);
+    if (n < LEAST_SAMPLES || points < n) return independent;
+    const usual = Math.max(...counts.map(count => counts.filter(other => other === count).length));
+    const size = k => Math.floor(points / n) + (k < points % n ? 1 : 0);
+    const ends = ofSamples(total / points, counts.map((count, k) => count / size(k)), points, confidence);
+    return Math.min(total, points - total) < n || n - usual < 4 ? wider(ends, independent) : ends;
+  };
+
+  return { below, between, betweenBoth, errorBelow, errorBetween, score, beta, clopperPearson, wider, ofSamples, randomised, LEAST_SAMPLES };
 })();
