@@ -29,6 +29,10 @@ pub struct Comparison {
     /// The effective degrees of freedom of u_val (Welch and Satterthwaite); none where they are as good as infinite.
     #[serde(default)]
     pub freedom: Option<f64>,
+    /// E_n = E / sqrt(U_S^2 + U_D^2), with the expanded uncertainties of model (k = 2) and measured value (ISO 13528, 9.7);
+    /// none where the latter is not stated, or both are 0.
+    #[serde(default)]
+    pub e_n: Option<f64>,
     /// The coverage factor of the interval, of as much probability as 2 has for a normal number.
     pub coverage: f64,
     /// E - k u_val and E + k u_val, between which the model's error lies.
@@ -65,6 +69,8 @@ impl Comparison {
         let freedom = measured.error.and_then(|error| error.freedom_within(u_val));
         let coverage = freedom.map_or(2.0, |freedom| student_limit(PROBABILITY, freedom));
         let error = mean - measured.value?;
+        let of_model = 2.0 * numerical.standard.unwrap_or(0.0).hypot(deviation);
+        let e_n = measured.error.map(|law| error / of_model.hypot(law.expanded)).filter(|ratio| ratio.is_finite());
         let largest = known.iter().max_by(|a, b| {
             let [a, b] = [a.1, b.1].map(|u| u.unwrap_or(0.0));
             a.total_cmp(&b)
@@ -81,6 +87,7 @@ impl Comparison {
             u_val,
             complete: known.iter().all(|(_, u)| u.is_some()),
             freedom,
+            e_n,
             coverage,
             model_error,
             dominant: largest.map_or("", |(name, _)| name).to_owned(),
@@ -220,6 +227,8 @@ mod tests {
         assert!((told.u_val - 1.3).abs() < 1e-12 && told.complete);
         assert!((told.model_error[0] + 3.6).abs() < 1e-12 && (told.model_error[1] - 1.6).abs() < 1e-12);
         assert_eq!(told.dominant, "input");
+        // U_S is twice the root of 0.16 + 1.44, U_D is 0.6: together 2.6.
+        assert!((told.e_n.unwrap() + 1.0 / 2.6).abs() < 1e-12);
     }
 
     /// GUM, G.4.1 and table G.2: three repeats alone have 2 degrees of freedom and k = 4.53; beside an equal normal part 8,
@@ -241,7 +250,7 @@ mod tests {
         let told = Comparison::new(&measured(None), [81.0, 1.2], Numerical::default());
         let told = told.unwrap();
         assert_eq!((told.u_num, told.u_d, told.complete), (None, None, false));
-        assert_eq!(told.u_num_note, "not observed");
+        assert_eq!((told.u_num_note.as_str(), told.e_n), ("not observed", None));
         assert_eq!(told.u_val, 1.2);
     }
 

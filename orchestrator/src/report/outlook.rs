@@ -27,7 +27,8 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
             numbers("u_{input}"),
             numbers("u_{D}"),
             numbers("u_{val}"),
-            numbers("E ± 2 u_{val}"),
+            numbers("E ± k u_{val}"),
+            numbers("E_{n}"),
             words("Largest"),
         ],
         rows: summary.validation.iter().map(row).collect(),
@@ -35,7 +36,7 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
     let note = |(name, comparison): (&String, &Comparison)| {
         let bound = match comparison.complete {
             true => "",
-            false => "; since not all uncertainties are known, E ± 2 u_{val} is wider than stated",
+            false => "; since not all uncertainties are known, E ± k u_{val} is wider than stated",
         };
         format!(
             " {name}: the {} uncertainty dominates; numerical uncertainty {}{bound}.",
@@ -55,12 +56,13 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
          the model's own error lies in E ± k u_{{val}}; otherwise the interval is at least so wide. u_{{val}} joins the \
          uncertainties of the numerical solution, of the parameters (the spread of the points) and of the measured value; k is 2, \
          and Student's factor for its degrees of freedom where the measured value is the mean of few repeats. \
+         E_{{n}} is E over the joint expanded uncertainty of model and measured value (ISO 13528): beyond ±1 they disagree. \
          What is called verification here, V&V 10 and V&V 20 call validation: a comparison with measurements.{notes}{missing}"
     ));
     (!summary.validation.is_empty()).then_some(told)
 }
 
-fn compared(comparison: &Comparison) -> [String; 7] {
+fn compared(comparison: &Comparison) -> [String; 8] {
     let known = |u: Option<f64>| u.map_or_else(|| "not known".to_owned(), |u| number(u, 3));
     let least = if comparison.complete { "" } else { "at least " };
     let [low, high] = comparison.model_error.map(|limit| number(limit, 3));
@@ -78,6 +80,7 @@ fn compared(comparison: &Comparison) -> [String; 7] {
                 number(freedom, 3)
             ),
         },
+        known(comparison.e_n),
         comparison.dominant.clone(),
     ]
 }
@@ -184,6 +187,7 @@ mod tests {
             u_val: 0.5,
             complete: false,
             freedom: None,
+            e_n: None,
             coverage: 2.0,
             model_error: [-2.0, 0.0],
             dominant: "input".into(),
