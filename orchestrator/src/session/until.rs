@@ -65,7 +65,12 @@ impl Ending {
             return Err(format!("this design needs all its points; use {with}"));
         }
         let condition = match until {
-            Until::Width(width) => Condition::Width(width),
+            Until::Width(width) => {
+                if design.is_some() {
+                    way(design)?;
+                }
+                Condition::Width(width)
+            }
             Until::Verdict => {
                 let rule =
                     judge.rule.ok_or("there is no verdict to wait for: add [verdict] with the required share")?;

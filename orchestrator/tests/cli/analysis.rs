@@ -270,11 +270,15 @@ fn replicates_of_a_sobol_design_narrow_the_interval() {
         assert!((share - 0.5248).abs() < 0.02 && end(0) < share && share < end(1));
         end(1) - end(0)
     };
+    assert_eq!(study("latin-hypercube\"").code, 0);
+    let independent = width();
+    assert!(bench.read("s/report.html").contains("scatter no more than independent ones"));
     assert_eq!(study("sobol\"").code, 0);
-    let wilson = width();
-    assert!(bench.read("s/report.html").contains("takes the points as independent"));
+    let summary = json(&bench, "s/summary.json");
+    assert!(summary["verified_interval"].is_null(), "{summary}");
+    assert_eq!(summary["interval_method"], "none: the points of one net hang together");
     assert_eq!(study("sobol\"\nreplicates = 16").code, 0);
-    assert!(width() < 0.7 * wilson);
+    assert!(width() < 0.7 * independent);
     let summary = json(&bench, "s/summary.json");
     let y = &summary["criteria"]["Y"];
     assert_eq!((&y["binds"], &summary["points"]), (&512.into(), &512.into()));

@@ -200,7 +200,7 @@ fn mistakes_have_their_place_and_remedy() {
         (
             vec![("[verdict]", "[design]\nmethod = \"full-factorial\"\n[verdict]".into())],
             "s.toml:24:1:",
-            "those of a full-factorial grid are not",
+            "those of one full-factorial design are not",
         ),
         (vec![("\"0.3 degC\"", "\"-1 degC\"".into())], "s.toml:13:15:", "the uncertainty -1"),
         (vec![("\"0.3 degC\"", "\"1 K\"".into())], "s.toml:13:15:", "without the FMU"),

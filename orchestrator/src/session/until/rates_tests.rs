@@ -119,6 +119,7 @@ fn intervals_of_replicates_hold_the_share_in_95_per_cent_of_repetitions() {
         narrower += u64::from(high - low < to - from);
     }
     let coverage = held as f64 / REPETITIONS as f64;
-    assert!((coverage - 0.95).abs() <= 0.03, "{coverage}");
+    // Drawn out by what the points may have missed, it holds more often than it says.
+    assert!(coverage >= 0.95, "{coverage}");
     assert!(narrower > REPETITIONS * 9 / 10, "{narrower}");
 }
