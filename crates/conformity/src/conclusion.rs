@@ -196,7 +196,9 @@ fn method(way: Way, samples: usize) -> String {
         }
         (Way::EveryPoint, _) => "a confidence sequence, which may be looked at after every point".to_owned(),
         (Way::Doublings, n) => {
-            format!("Korn and Graubard's over {n} replicates, with the probability of a wrong verdict divided among the looks")
+            format!(
+                "Korn and Graubard's over {n} replicates, with the probability of a wrong verdict divided among the looks"
+            )
         }
     }
 }
