@@ -5,6 +5,7 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 use super::tests::{STUDY, judge, seen};
 use super::*;
 use conformity::decision::randomised;
+use conformity::interval::clopper_pearson;
 use sampling::design::{Design, Sampling};
 use sampling::distribution::Distribution;
 
