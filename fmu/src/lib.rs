@@ -7,6 +7,8 @@
 pub mod bearing;
 pub mod documentation;
 pub mod drive;
+#[cfg(any(target_os = "linux", target_os = "macos", windows))]
+mod load_time;
 pub mod load;
 pub mod multirate;
 pub mod oil;
