@@ -226,6 +226,9 @@ struct Place {
     weights: [f64; 4],
 }
 
+/// Contact forces have grown by 22,000 there since the table's end, where the surfaces' law ends, too.
+const MOST_RISE: f64 = 10.0;
+
 impl Place {
     /// The place at a position along the nodes.
     #[inline]
@@ -235,7 +238,7 @@ impl Place {
         Self { cell: cell as usize, t, weights: hermite(t.min(1.0)) }
     }
 
-    /// Adds a share of the quantities between the nodes of a table's cell. Beyond the table, logarithms go on along their tangents.
+    /// Adds a share of the quantities between the nodes of a table's cell. Beyond the table, logarithms go on [`beyond`].
     #[inline]
     fn add(&self, [left, right]: [&Node; 2], share: f64, sum: &mut [f64; QUANTITIES]) {
         let [a, b, c, d] = self.weights.map(|weight| share * weight);
@@ -244,7 +247,7 @@ impl Place {
         }
         if self.t > 1.0 {
             for (sum, slope) in sum[..LOGARITHMS].iter_mut().zip(&right[1]) {
-                *sum += share * (self.t - 1.0) * slope;
+                *sum += share * beyond((self.t - 1.0) * slope);
             }
         }
     }
@@ -264,6 +267,12 @@ impl Place {
             place,
         }
     }
+}
+
+/// How a logarithm goes on beyond the table by a tangent's rise. No load presses surfaces together so far that it rises by
+/// [`MOST_RISE`], but solvers try such places on their way: from there on the force itself is straight, so that it stays finite.
+fn beyond(rise: f64) -> f64 {
+    if rise <= MOST_RISE { rise } else { MOST_RISE + (rise - MOST_RISE).ln_1p() }
 }
 
 /// Logarithms of the integrals of `F_5/2(H)*cos(theta)/e` and of `F_5/2(H)` over the circumference, the integral of the
@@ -341,5 +350,24 @@ mod tests {
         let surface = Surface { roughness: 0.0, ..Surface::default() };
         let table = ContactTable::new(&surface, 2e-5, 0.019, 0.025);
         assert_eq!(table.at(0.999), Contact::default());
+    }
+
+    /// What a solver tries on its way is finite, and the force has no kink where it becomes straight.
+    #[test]
+    fn far_outside_the_contact_is_finite() {
+        for roughness in [1e-7, 1e-6, 1e-5] {
+            let surface = Surface { roughness, ..Surface::default() };
+            let table = ContactTable::new(&surface, 20e-6, 0.019, 0.025);
+            let family = ContactFamily::new(&surface, 20e-6, 0.019, 0.025);
+            let mut last = 0.0;
+            for e in [1.0, 1.5, 3.0, 42.7, 1e3, 1e9] {
+                let force = table.at(e).force;
+                assert!(force.is_finite() && force > last, "{roughness} {e}: {force}");
+                assert!(family.at(e, 19e-6).force.is_finite());
+                last = force;
+            }
+        }
+        let slope = |rise: f64| (beyond(rise + 1e-6) - beyond(rise)) / 1e-6;
+        assert!((slope(MOST_RISE) - slope(MOST_RISE - 1e-6)).abs() < 1e-4);
     }
 }

@@ -26,6 +26,7 @@
 //! beyond the table, so that under a finite load the journal never reaches the bush.
 
 mod blend;
+mod centre;
 mod coordinates;
 mod family;
 mod generate;

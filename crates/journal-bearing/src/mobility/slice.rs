@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use std::sync::{Arc, OnceLock};
 
 use super::blend::Blend;
+use super::centre::{self, Centre};
 use super::coordinates::Point;
 use super::rough::{Correction, SIZE};
 use super::table::{CHANNELS, Lattice, Node};
@@ -18,6 +19,8 @@ pub struct MobilitySlice {
     /// One row per `u`. A journal visits few of them, so each is made on first use.
     rows: Vec<OnceLock<Box<[Node]>>>,
     source: Source,
+    /// The law about the centre, made on first use.
+    centre: OnceLock<Centre>,
 }
 
 /// What the rows are made from.
@@ -98,7 +101,8 @@ impl MobilitySlice {
     }
 
     fn with_rows(lattice: Lattice, source: Source) -> Self {
-        Self { lattice, rows: vec![OnceLock::new(); lattice.last_u as usize + 1], source }
+        let rows = vec![OnceLock::new(); lattice.last_u as usize + 1];
+        Self { lattice, rows, source, centre: OnceLock::new() }
     }
 
     /// The slice of rough bearings. It has a row for each place of the corrections, which stands for `u`.
@@ -196,7 +200,12 @@ impl MobilitySlice {
     #[inline]
     pub fn look_up(&self, eps: Vector2<f64>, e: f64, direction: Vector2<f64>) -> LookUp {
         let [cos, sin] = ahead(eps, e, direction);
-        self.look_up_at(Point::new(1.0 - e, cos, sin), direction, sin)
+        let mut film = self.look_up_at(Point::new(1.0 - e, cos, sin), direction, sin);
+        if e < centre::RADIUS {
+            let law = self.centre.get_or_init(|| Centre::new(self.row(0), self.lattice.per_u));
+            film.values = law.blend(film.values, e, cos, sin);
+        }
+        film
     }
 
     /// Locates a point, under a load along a unit vector with this sine of the angle ahead of the eccentricity.

@@ -10,7 +10,7 @@ pub const CHANNELS: usize = 4;
 
 /// Index of the lead among the quantities. Beyond the ends of `s` it changes its sign with the angle from eccentricity to load,
 /// the others do not.
-const LEAD: usize = 1;
+pub const LEAD: usize = 1;
 
 /// One node: of each quantity the value, the slope over `u`, the slope over `s`, and the mixed derivative ("twist"),
 /// all per node spacing.
