@@ -182,7 +182,7 @@ fn a_mean_of_three_repeats_has_students_interval() {
 #[test]
 fn means_of_repeats_are_combined_as_on_a_grid() {
     let problem = of_repeats(&[vec![0.9, 1.05, 1.1], vec![1.2, 1.9], vec![0.6, 0.9, 1.0, 1.3]]);
-    let (_, sampled, _) = answer(&problem, &|p| vec![p; 3], 2000);
+    let (_, sampled, _) = answer(&problem, &|p| vec![p; 3], 8000);
     let grid: Vec<f64> = (0..4000).map(|k| -1.0 + 0.001 * f64::from(k)).collect();
     let density = |p: &f64| {
         let values = problem.cases[0].measured.iter().zip(&problem.not_normal);
