@@ -188,7 +188,7 @@ mod tests {
         let mut random = StdRng::seed_from_u64(7);
         let mut told = [0, 0];
         for (count, deviation) in told.iter_mut().zip([0.1, 0.1 * 5.0_f64.sqrt()]) {
-            for _ in 0..60 {
+            for _ in 0..400 {
                 let draw = |_| deviation * random.sample::<f64, _>(StandardNormal);
                 let misfits: Vec<f64> = (0..20).map(draw).collect();
                 let (problem, predicted) = problem(&misfits, 0.1);
@@ -196,8 +196,8 @@ mod tests {
                 *count += u32::from(Discrepancy::estimate(&unknown, &problem, &predicted, 0).told);
             }
         }
-        // 3 expected, with a standard deviation of 1.7.
-        assert!(told[0] < 10, "{told:?}");
-        assert!(told[1] > 54, "{told:?}");
+        // 20 expected, with a standard deviation of 4.4.
+        assert!((4..36).contains(&told[0]), "{told:?}");
+        assert!(told[1] > 380, "{told:?}");
     }
 }
