@@ -15,6 +15,7 @@ use std::sync::Arc;
 
 use crate::failure::{Failure, Partial};
 use crate::notices::Notices;
+use crate::system;
 use crate::task::{Probe, Task};
 use fmu_import::{Call, End, Instance, Library, State, Warnings};
 use gauge::Gauge;
@@ -124,6 +125,7 @@ impl Runner {
         let simulated = self.simulate(&mut held, values);
         let failed = simulated.is_err();
         let simulated = simulated.map_err(|call| Failure::from_call(&call));
+        self.notices.port = system::held_port();
         match simulated.and_then(|()| self.finite()) {
             Ok(()) => tell(self, Ok(&self.scene.results)),
             Err(failure) => tell(self, Err(&failure)),

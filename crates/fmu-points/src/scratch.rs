@@ -11,8 +11,9 @@ use std::sync::{Mutex, MutexGuard};
 use std::thread::sleep;
 use std::time::Duration;
 
-use tempfile::TempDir;
 use thiserror::Error;
+
+use crate::system;
 
 /// Why there is no folder.
 #[derive(Debug, Error)]
@@ -34,7 +35,7 @@ impl ScratchError {
 /// A folder that is removed with this.
 #[derive(Debug)]
 pub struct Scratch {
-    folder: TempDir,
+    folder: PathBuf,
     /// Says that the folder is in use.
     _lock: File,
 }
@@ -48,7 +49,7 @@ const PREFIX: &str = "orchestrator-";
 
 /// The name of a folder that several processes of a user have together.
 pub(crate) fn shared_name(what: &str) -> String {
-    format!("{PREFIX}{}-{what}", crate::system::user())
+    format!("{PREFIX}{}-{what}", system::user())
 }
 
 fn folders() -> MutexGuard<'static, BTreeSet<PathBuf>> {
@@ -69,13 +70,13 @@ impl Scratch {
 
     fn within(place: &Path) -> io::Result<Self> {
         for number in 1_u32.. {
-            let name = shared_name(&number.to_string());
+            let folder = place.join(shared_name(&number.to_string()));
             // A signal that comes between the two finds the folder.
             let mut folders = folders();
-            match tempfile::Builder::new().prefix(&name).rand_bytes(0).tempdir_in(place) {
-                Ok(folder) => {
-                    folders.insert(folder.path().to_owned());
-                    let lock = locked(&folder.path().join(LOCK))?;
+            match system::make_private(&folder) {
+                Ok(()) => {
+                    folders.insert(folder.clone());
+                    let lock = locked(&folder.join(LOCK))?;
                     return Ok(Self { folder, _lock: lock });
                 }
                 Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
@@ -87,15 +88,17 @@ impl Scratch {
 
     /// Where it is.
     pub fn path(&self) -> &Path {
-        self.folder.path()
+        &self.folder
     }
 }
 
 impl Drop for Scratch {
     fn drop(&mut self) {
-        // A signal that comes in between removes the rest.
-        remove(self.path());
-        folders().remove(self.path());
+        // Once it has gone, the next command may have a folder of the same name: it is removed once.
+        let mut folders = folders();
+        if folders.remove(&self.folder) {
+            remove(&self.folder);
+        }
     }
 }
 
@@ -120,8 +123,13 @@ fn locked(path: &Path) -> io::Result<File> {
 /// Removes the folders of commands that were killed: their locks are free.
 fn remove_abandoned(place: &Path) {
     for folder in starting_with(place, &[PREFIX]) {
-        let file = OpenOptions::new().write(true).open(folder.join(LOCK));
-        if file.is_ok_and(|file| file.try_lock().is_ok()) {
+        let lock = folder.join(LOCK);
+        let Ok(file) = OpenOptions::new().write(true).open(&lock) else {
+            continue;
+        };
+        // Between the two the folder may have gone, and another one have come under its name. The lock keeps other commands from
+        // removing the folder, too: they might remove the next one of that name.
+        if file.try_lock().is_ok() && system::is_that_file(&file, &lock) {
             remove(&folder);
         }
     }
@@ -129,7 +137,10 @@ fn remove_abandoned(place: &Path) {
 
 /// Removes all folders, for a process that is about to end itself.
 pub(crate) fn remove_all() {
-    folders().iter().for_each(|folder| remove(folder));
+    let mut folders = folders();
+    while let Some(folder) = folders.pop_first() {
+        remove(&folder);
+    }
 }
 
 /// Removes the files and folders whose names begin so.
@@ -183,5 +194,26 @@ mod tests {
         drop(held);
         remove_abandoned(place.path());
         assert!(!used.exists() && begun.exists());
+    }
+
+    /// Folders of ended commands get their names again at once: nobody may remove those of others.
+    #[test]
+    fn a_folder_is_removed_by_its_owner_alone() {
+        let place = tempfile::tempdir().unwrap();
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    for _ in 0..200 {
+                        remove_abandoned(place.path());
+                        let scratch = Scratch::within(place.path()).unwrap();
+                        let file = scratch.path().join("file");
+                        fs::write(&file, "x").unwrap();
+                        std::thread::yield_now();
+                        assert!(file.exists());
+                    }
+                });
+            }
+        });
+        assert_eq!(fs::read_dir(place.path()).unwrap().count(), 0);
     }
 }

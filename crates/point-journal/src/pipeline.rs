@@ -11,7 +11,7 @@ mod progress;
 mod shard;
 
 use std::collections::{BTreeMap, HashMap};
-use std::ops::ControlFlow;
+use std::ops::{ControlFlow, Range};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -139,13 +139,23 @@ impl<'a> Pipeline<'a> {
         &mut self,
         open: impl Iterator<Item = u64> + Send,
         job: &(dyn Fn(u64) -> Job + Sync),
+        receive: impl FnMut(u64, Outcome) -> ControlFlow<()>,
+    ) -> Result<(), Error> {
+        self.recall(0..u64::MAX, job)?;
+        self.run(open, job, receive)
+    }
+
+    /// The same without points that an earlier part of the run has recorded.
+    fn run(
+        &mut self,
+        open: impl Iterator<Item = u64> + Send,
+        job: &(dyn Fn(u64) -> Job + Sync),
         mut receive: impl FnMut(u64, Outcome) -> ControlFlow<()>,
     ) -> Result<(), Error> {
         // Points that share processes are known from the beginning, even if the run is killed.
         if self.crew.is_some_and(|crew| crew.conduct().isolation != Isolation::Fresh) {
             self.note_conduct()?;
         }
-        self.recall(job)?;
         let mut workers = std::mem::take(&mut self.workers);
         let result = fmu_points::run(&mut workers, open, job, stop::flag(), |event| {
             Ok::<_, Error>(match self.take(event, job)? {
@@ -158,11 +168,11 @@ impl<'a> Pipeline<'a> {
         self.settle()
     }
 
-    /// Chooses some of the first points that an earlier part of the run has recorded: they run again at the end.
-    fn recall(&mut self, job: Known<'_>) -> Result<(), Error> {
+    /// Chooses some of the first points `of` these that an earlier part of the run has recorded: they run again at the end.
+    fn recall(&mut self, of: Range<u64>, job: Known<'_>) -> Result<(), Error> {
         let Some(finished) = self.finished.clone() else { return Ok(()) };
         let mut outcomes = finished.outcomes()?;
-        for index in finished.points().take(again::EARLIER) {
+        for index in finished.points().filter(|index| of.contains(index)).take(again::EARLIER) {
             if let Some(outcome) = outcomes.get(index)? {
                 self.again.recall(job(index), outcome);
             }
@@ -289,7 +299,9 @@ impl<'a> Pipeline<'a> {
         let values: Vec<Vec<f64>> = points.iter().map(|point| model.values(point)).collect();
         let job = |index: u64| Job { index, values: values[(index - first) as usize].clone() };
         let open: Vec<u64> = open.iter().map(|&k| first + k as u64).collect();
-        self.compute(open.into_iter(), &job, |index, outcome| {
+        // Of other sets nobody has the points here.
+        self.recall(first..first + points.len() as u64, &job)?;
+        self.run(open.into_iter(), &job, |index, outcome| {
             outcomes[(index - first) as usize] = Some(outcome);
             ControlFlow::Continue(())
         })

@@ -15,6 +15,11 @@ use point_journal::Outcome;
 use study::concern::{Code, Concern};
 use study::plan::Plan;
 
+/// What no process can keep from another one.
+const HELD_PORT: &str = "the FMU waits for others at a port of this machine, where points that run at the same time meet each \
+                         other, and other programs";
+const ONE_JOB: &str = "Compare with `--jobs 1`, where one point runs at a time.";
+
 /// Looks at points one by one, in constant memory.
 #[derive(Debug)]
 pub struct Survey<'a> {
@@ -106,6 +111,8 @@ impl<'a> Survey<'a> {
         summary.concerns.extend(failed);
         let beyond = self.beyond_validity(summary);
         summary.concerns.extend(beyond);
+        let ports = summary.asides.as_ref().and_then(|asides| asides.ports.remark(HELD_PORT));
+        summary.concerns.extend(ports.map(|text| Concern::new(Code::HeldPort, text).remedied(ONE_JOB)));
         for (k, criterion) in criteria() {
             // The comparison is about a measured number.
             let spread =

@@ -599,7 +599,7 @@ T = { column = "T", variable = "lag.temperature", accuracy = "0.5 degC", toleran
 #[test]
 fn of_many_points_an_even_choice_and_the_best_are_read() {
     let bench = bench();
-    let run = ["verify", "study.toml", "--points", "1900", "--in-process", "--output", "out"];
+    let run = ["verify", "study.toml", "--points", "1900", "--isolation", "none", "--output", "out"];
     assert_eq!(bench.run(&run).code, 0);
     let folder = bench.path("out");
     let (_, all) = read_some(&folder, u64::MAX).unwrap();

@@ -258,7 +258,7 @@ fn the_risk_of_a_curve_joins_that_of_numbers() {
     assert_eq!(summary["criteria"]["Y"]["row_correlation"], 1.0);
     assert!(said.out.contains("risk presumes that all measured rows of Y share one error"), "{}", said.out);
     // The same numbers whatever the processes, and after the run was interrupted.
-    for isolation in ["fresh", "reuse"] {
+    for isolation in ["fresh", "shared"] {
         bench.run(&["verify", "study.toml", "--isolation", isolation, "--output", isolation]);
         assert_eq!(bench.summary(isolation)["risk"], summary["risk"]);
     }

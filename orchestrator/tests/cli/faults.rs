@@ -103,7 +103,7 @@ fn exit_is_called() {
 #[test]
 fn an_error_with_its_message() {
     is_confined(6, &[], "fmi2Error", "the spring broke (fmi2DoStep)");
-    is_confined(6, &["--in-process"], "fmi2Error", "the spring broke (fmi2DoStep)");
+    is_confined(6, &["--isolation", "none"], "fmi2Error", "the spring broke (fmi2DoStep)");
 }
 
 #[test]
@@ -143,7 +143,7 @@ fn warnings_before_a_failure_are_counted() {
     const FAIL: u32 = 6;
     let bench = Bench::empty();
     bench.fmu("warning.fmu", &["WARNS"], &crate::support::model("", ""));
-    for isolation in ["fresh", "reuse"] {
+    for isolation in ["fresh", "shared"] {
         let said = verify(&bench, "warning.fmu", FAIL, &["--isolation", isolation]);
         assert!(status(&bench, &said).starts_with("fmi2Error"));
         let warnings = &bench.summary("out")["warnings"];

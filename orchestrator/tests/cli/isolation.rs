@@ -11,7 +11,7 @@ fmu = "lag.fmu"
 stop = 1
 step = 0.1
 [design]
-points = 1000
+points = 200
 [parameters."lag.rate"]
 distribution = "uniform"
 min = 0.5
@@ -31,8 +31,7 @@ fn bench(macros: &[&str]) -> Bench {
 
 fn verify(bench: &Bench, folder: &str, options: &[&str]) -> Said {
     let said = bench.run(
-        &[&["verify", "study.toml", "--verbose", "--points", "200", "--jobs", "2", "--output", folder], options]
-            .concat(),
+        &[&["verify", "study.toml", "--verbose", "--jobs", "2", "--output", folder], options].concat(),
     );
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     said
