@@ -332,7 +332,8 @@ fn a_study_that_waits_for_its_verdict_sees_all_finished_points_whatever_gaps_the
         lines.retain(|line| line.split(' ').nth(1) != Some("1"));
     });
     assert_eq!(verify(&bench, "gap", &[&until[..], &["--resume"]].concat()).code, 0);
-    assert_eq!(bench.summary("gap")["run"]["computed"], 1);
+    // The worker may have begun another one before the verdict was there.
+    assert!(bench.summary("gap")["run"]["computed"].as_u64() >= Some(1));
     assert!(files(&bench, "gap") == files(&bench, "whole"));
 }
 

@@ -33,7 +33,8 @@ fn verify(bench: &Bench, folder: &str, options: &[&str]) -> Said {
     let said = bench.run(
         &[&["verify", "study.toml", "--verbose", "--jobs", "2", "--output", folder], options].concat(),
     );
-    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    // An FMU that tells the time misses every tolerance.
+    assert!(said.code < 2, "{}{}", said.out, said.err);
     said
 }
 
@@ -106,7 +107,7 @@ fn a_label_says_what_was_compared() {
     };
     for isolation in ["fresh", "shared"] {
         let basis = basis(isolation, &["--isolation", isolation]);
-        assert!(basis.contains("of the first points ran again") && basis.contains("s or more later"), "{basis}");
+        assert!(basis.contains("of the first points ran again") && basis.contains("s later"), "{basis}");
     }
     assert!(basis("here", &["--isolation", "none"]).contains("not known"));
 }

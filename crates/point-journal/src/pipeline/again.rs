@@ -107,26 +107,22 @@ impl Again {
         if count == 0 {
             return Ok(());
         }
-        let which = format!(
-            "{count} of the first points{}",
-            if self.earlier > 0 { " of this run and of an earlier one" } else { "" }
-        );
+        let which = match self.earlier {
+            0 => format!("{count} of the first points"),
+            _ => format!("{count} of the first points of this run and of an earlier one"),
+        };
         let later = match latest {
-            Some(least) => format!("{:.1} s or more later", least.as_secs_f64()),
+            Some(least) if least < Duration::from_secs(1) => format!("at least {} ms later", least.as_millis()),
+            Some(least) => format!("at least {:.0} s later", least.as_secs_f64()),
             None => "after an earlier run".to_owned(),
         };
         self.found = Some(match differences.first() {
-            None => {
-                let text = format!(
-                    "{which} ran again, {later}, in new processes with other bytes in unwritten memory: identical to the last bit"
-                );
-                (true, text)
-            }
+            None => (true, format!("{which} ran again, {later}, in new processes: identical to the last bit")),
             Some(first) => {
                 let text = format!(
-                    "not reproducible: {} of {which} gave other results when they ran again, {later} ({first}); the results \
-                     depend on something beside the parameters: the clock, memory that was never written, random numbers, \
-                     the path, files or ports outside of the FMU",
+                    "not reproducible: {which} ran again, {later}, and {} gave other results ({first}); they depend on something \
+                     beside the parameters: the clock, unwritten memory, random numbers, the path, files or ports outside of \
+                     the FMU",
                     differences.len()
                 );
                 (false, text)
