@@ -132,9 +132,9 @@ pub fn memory_of_machine() -> Option<u64> {
 
 /// A port at which this process waits for others. None of the program's own descriptors does.
 pub(crate) fn held_port() -> Option<String> {
-    /// An FMU that has more files open is not looked at wholly.
-    const DESCRIPTORS: i32 = 256;
-    (0..DESCRIPTORS).find_map(|descriptor| {
+    /// The first descriptors are those of the FMU: the program keeps its own far above. Of more files it is not looked at.
+    const DESCRIPTORS: std::ops::Range<i32> = 3..16;
+    DESCRIPTORS.into_iter().find_map(|descriptor| {
         let is_datagram = option(descriptor, libc::SO_TYPE)? == libc::SOCK_DGRAM;
         let waits = option(descriptor, libc::SO_ACCEPTCONN)? != 0;
         let port = port(descriptor).filter(|&port| port != 0)?;
