@@ -11,7 +11,7 @@ fmu = "lag.fmu"
 stop = 1
 step = 0.1
 [design]
-points = 200
+points = 1000
 [parameters."lag.rate"]
 distribution = "uniform"
 min = 0.5
@@ -25,7 +25,7 @@ tolerance = 0.2
 fn bench(macros: &[&str]) -> Bench {
     let bench = Bench::empty();
     bench.fmu("lag.fmu", macros, &model("", ""));
-    bench.write("study.toml", STUDY);
+    bench.write("study.toml", &STUDY.replace("1000", "200"));
     bench
 }
 
