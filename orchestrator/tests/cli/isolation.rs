@@ -30,8 +30,9 @@ fn bench(macros: &[&str]) -> Bench {
 }
 
 fn verify(bench: &Bench, folder: &str, options: &[&str]) -> Said {
-    let said =
-        bench.run(&[&["verify", "study.toml", "--verbose", "--jobs", "2", "--output", folder], options].concat());
+    let said = bench.run(
+        &[&["verify", "study.toml", "--verbose", "--jobs", "2", "--output", folder], options].concat(),
+    );
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     said
 }
