@@ -37,7 +37,6 @@ ANALYSES = {
     "until": ("verify", "--until", "ci 0.04"),
     "sensitivity": ("sensitivity", "--base", 16),
     "identify": ("identify",),
-    "pareto": ("pareto", "--generations", 3, "--population", 8),
     "robustness": ("robustness", "--from", "{verified}", "--confirm", 20),
 }
 

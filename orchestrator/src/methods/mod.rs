@@ -67,7 +67,7 @@ methods! {
     Tolerances = tolerances;
     /// Tells which parameter matters: Sobol indices, Shapley effects, Morris screening, ranks, PAWN
     Sensitivity = sensitivity;
-    /// Tells how far parameters may move: maps, largest box and ellipsoid, margins
+    /// Tells how far parameters may move: maps, largest box, margins
     Robustness = robustness;
     /// Shows the trade-off between criteria: Pareto front, best compromise
     Pareto = pareto;

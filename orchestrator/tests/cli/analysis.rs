@@ -193,25 +193,13 @@ fn robustness_finds_the_room_and_confirms_it() {
     // y = 1 - exp(-2 rate) within 0.86 +- 0.02 is rate = 0.9163 .. 1.0601.
     let margin = |side: &str| result["margins"][0][side][0].as_f64().unwrap();
     assert!((margin("low") - 0.9163).abs() < 0.01 && (margin("high") - 1.0601).abs() < 0.01, "{result}");
-    for part in ["region", "ellipsoid"] {
-        let fresh = &result[part]["fresh"];
-        assert_eq!(fresh["points"], 200, "{result}");
-        let (stated, interval) = (&result[part]["interval"], &fresh["interval"]);
-        let end = |of: &serde_json::Value, k: usize| of[k].as_f64().unwrap();
-        assert!(end(interval, 0) <= end(stated, 1) && end(stated, 0) <= end(interval, 1), "{stated} {fresh}");
-        assert!(end(stated, 0) >= 0.9, "{stated}");
-    }
+    let fresh = &result["region"]["fresh"];
+    assert_eq!(fresh["points"], 200, "{result}");
+    let (stated, interval) = (&result["region"]["interval"], &fresh["interval"]);
+    let end = |of: &serde_json::Value, k: usize| of[k].as_f64().unwrap();
+    assert!(end(interval, 0) <= end(stated, 1) && end(stated, 0) <= end(interval, 1), "{stated} {fresh}");
+    assert!(end(stated, 0) >= 0.9, "{stated}");
     assert!(said.out.contains("stated probability holds"), "{}", said.out);
-    // Below the rate of 0.9163 and above that of 1.0601 nothing is verified, whatever the length.
-    let unsafe_combinations = result["unsafe_combinations"].as_array().unwrap();
-    assert_eq!(unsafe_combinations.len(), 2, "{result}");
-    for combination in unsafe_combinations {
-        let bound = &combination["bounds"][0];
-        let expected = if bound["below"] == true { 0.9163 } else { 1.0601 };
-        assert!((bound["limit"].as_f64().unwrap() - expected).abs() < 0.02, "{bound}");
-        assert_eq!(combination["confirmed"]["verified"], 0);
-    }
-    assert!(said.out.contains("Unsafe combinations") && said.out.contains("lag.rate below"));
     assert!(bench.read("out/report.html").contains("id=\"robustness\""));
     bench.run(&["robustness", "study.toml", "--from", "out", "--level", "1.5"]).is_mistake(&["--level"]);
     bench.run(&["robustness", "study.toml", "--from", "none"]).is_mistake(&["none holds no study"]);
@@ -244,12 +232,6 @@ fn pareto_weighs_the_criteria_against_each_other() {
     assert!(largest(&cloud["front"][0]) <= largest(&nominal["member"]) + 1e-9);
     assert!(bench.read("out/report.html").contains("id=\"pareto\""));
     assert!(bench.path("out/plots/pareto-Y-Z.svg").exists());
-    // A search does at least as well as the cloud.
-    let said = bench.run(&["pareto", "two.toml", "--generations", "15", "--population", "20", "--output", "n"]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    let found = json(&bench, "n/pareto.json");
-    assert_eq!(found["points"], 16 * 20);
-    assert!(largest(&found["front"][0]) <= largest(&cloud["front"][0]) + 1e-3, "{found}");
     assert!(said.out.contains("Best compromise"), "{}", said.out);
     bench.run(&["pareto", "two.toml", "--from", "none"]).is_mistake(&["none holds no study"]);
 }

@@ -57,11 +57,6 @@ const SCREENING: Analysis = Analysis {
     state: "sensitivity",
     files: &["sensitivity.json", "sensitivity-runs.csv"],
 };
-const PARETO: Analysis = Analysis {
-    command: &["pareto", "study.toml", "--generations", "6", "--population", "10"],
-    state: "pareto",
-    files: &["pareto.json"],
-};
 const ROBUSTNESS: Analysis = Analysis {
     command: &["robustness", "study.toml", "--from", "verified", "--confirm", "40", "--level", "0.8"],
     state: "robustness",
@@ -275,7 +270,7 @@ fn an_analysis_of_one_set_of_points_goes_on() {
 
 #[test]
 fn a_search_goes_on() {
-    PARETO.stop_and_resume(2, &BOTH);
+    IDENTIFICATION.stop_and_resume(2, &BOTH);
 }
 
 #[test]
@@ -311,7 +306,7 @@ fn cross_validation_goes_on_from_a_fit_and_predicts_each_case_from_the_others() 
 #[test]
 #[ignore = "takes minutes: cargo test --workspace --test cli interrupted -- --ignored --nocapture"]
 fn every_analysis_goes_on_from_twenty_moments() {
-    for analysis in [SENSITIVITY, SCREENING, PARETO, ROBUSTNESS, RARE, IDENTIFICATION, POSTERIOR, CROSS_VALIDATION] {
+    for analysis in [SENSITIVITY, SCREENING, ROBUSTNESS, RARE, IDENTIFICATION, POSTERIOR, CROSS_VALIDATION] {
         for signal in BOTH {
             analysis.stop_and_resume(20, &[signal]);
         }
@@ -481,7 +476,6 @@ fn shards_join_to_the_same_results() {
 fn what_has_no_parts_is_refused_with_the_reason() {
     let bench = bench();
     let shard = ["--shard", "1/2"];
-    PARETO.run(&bench, "p", &shard).is_mistake(&["--shard", "each generation depends on the one before"]);
     IDENTIFICATION.run(&bench, "i", &shard).is_mistake(&["--shard", "depends on the one before"]);
     bench
         .run(&["pareto", "study.toml", "--from", "verified", "--shard", "1/2"])
@@ -506,17 +500,4 @@ fn other_analyses_are_not_resumed_and_an_unfinished_one_is_not_overwritten() {
     for _ in 0..2 {
         assert_eq!(SENSITIVITY.run(&bench, "whole", &[]).code, 0);
     }
-}
-
-#[test]
-fn a_search_over_more_generations_goes_on_with_the_earlier_ones() {
-    let bench = bench();
-    let (whole, _) = PARETO.undisturbed(&bench);
-    let fewer = ["pareto", "study.toml", "--population", "10", "--output", "more"];
-    let said = bench.run(&[&fewer[..], &["--generations", "3"]].concat());
-    assert_eq!(said.code, 0, "{}", said.err);
-    assert_eq!(PARETO.run(&bench, "more", &["--resume"]).code, 0);
-    assert!(PARETO.results(&bench, "more") == whole);
-    // 40 of the first search with its nominal design, and the 30 and 1 that came to it.
-    assert_eq!(PARETO.noted(&bench, "more"), 41 + 31);
 }
