@@ -69,6 +69,21 @@ pub struct Requirement {
     pub points_needed_going_on: Option<u64>,
 }
 
+impl Requirement {
+    /// What is required, while nothing is known of the share.
+    pub fn open(rule: Rule, looks: u64) -> Self {
+        Self {
+            rule,
+            interval: None,
+            method: String::new(),
+            guard_bands: None,
+            looks,
+            points_needed: None,
+            points_needed_going_on: None,
+        }
+    }
+}
+
 fn one() -> u64 {
     1
 }
@@ -88,15 +103,8 @@ impl Ruling {
     /// The verdict with its words.
     fn verdict(self, statement: &Statement, points: u64) -> (Decision, Requirement, String) {
         let Self { rule, looks, count } = self;
-        let mut required = Requirement {
-            rule,
-            interval: None,
-            method: method(looks.way, statement.accepted_by_sample.len()),
-            guard_bands: None,
-            looks: count,
-            points_needed: None,
-            points_needed_going_on: None,
-        };
+        let method = method(looks.way, statement.accepted_by_sample.len());
+        let mut required = Requirement { method, ..Requirement::open(rule, count) };
         if let Some(unfit) = statement.unfit {
             return undecided(self, unfit, statement, points, required);
         }
@@ -192,11 +200,13 @@ fn method(way: Way, samples: usize) -> String {
     match (way, samples) {
         (Way::Once, 1) => "Clopper and Pearson's".to_owned(),
         (Way::Once, n) => {
-            format!("Student's over {n} replicates; Clopper and Pearson's where their counts hardly differ")
+            format!("the wider of Student's over {n} replicates and Clopper and Pearson's")
         }
         (Way::EveryPoint, _) => "a confidence sequence, which may be looked at after every point".to_owned(),
         (Way::Doublings, n) => {
-            format!("Student's over {n} replicates, with the probability of a wrong verdict divided among the looks")
+            format!(
+                "the wider of Student's over {n} replicates and Clopper and Pearson's, with the probability of a wrong verdict divided among the looks"
+            )
         }
     }
 }

@@ -123,12 +123,14 @@ impl Prospect {
 }
 
 impl Improvements {
-    /// The same without intervals, of points that are no sample.
+    /// The same without intervals and the verdicts that rest on them, of points that depend on each other.
     pub(super) fn without_intervals(mut self) -> Self {
-        self.now.interval = None;
-        for change in &mut self.changes {
+        let prospects = self.changes.iter_mut().map(|change| {
             change.gain_interval = None;
-            change.prospect.interval = None;
+            &mut change.prospect
+        });
+        for prospect in prospects.chain([&mut self.now]) {
+            (prospect.interval, prospect.verdict) = (None, None);
         }
         self
     }

@@ -310,16 +310,12 @@ fn samples_of_a_design_are_told_apart() {
     };
     let (one, many) = (tally(1), tally(16));
     assert!((one.consumer - many.consumer).abs() < 1e-12);
-    let width = |risk: &Risk| {
-        let [low, high] = risk.intervals.unwrap().consumer;
-        high - low
-    };
-    assert!(width(&many) < 0.1 * width(&one), "{one:?} {many:?}");
-    let width = |risk: &Risk| {
-        let [low, high] = risk.intervals.unwrap().not_conforming_given_accepted;
-        high - low
-    };
-    assert!(width(&many) < 0.2 * width(&one), "{one:?} {many:?}");
+    // Nets that agree are no worse than their points as independent ones; their scatter alone would promise too much.
+    let [narrow, wide] = [&one, &many].map(|risk| {
+        let intervals = risk.intervals.unwrap();
+        [intervals.consumer, intervals.not_conforming_given_accepted].map(|[low, high]| high - low)
+    });
+    assert!((0..2).all(|k| wide[k] > narrow[k]), "{one:?} {many:?}");
 }
 
 /// The global risks over a normal population N(84, 0.6) with simple acceptance.

@@ -266,7 +266,7 @@ impl Study<'_> {
             format!("step = {} # s{}", number(step), of_step.map_or_else(String::new, |told| format!("; {told}"))),
             String::new(),
             "[design]".to_owned(),
-            format!("method = \"sobol\" # or {}", Method::named(|method| method != Method::Sobol)),
+            format!("method = \"monte-carlo\" # or {}", Method::named(|method| method != Method::MonteCarlo)),
             "points = 64".to_owned(),
             "seed = 1".to_owned(),
             String::new(),

@@ -174,9 +174,9 @@ const Judge = (() => {
   // ---- the verdict -----------------------------------------------------------------------------------------------
   const decide = (rule, [low, high]) => low >= rule.share ? "verified" : high < rule.share ? "not verified" : "inconclusive";
   const byBands = (rule, bands, points) => {
-    const [low] = Numbers.randomised(bands.least, points, rule.confidence);
-    const [, high] = Numbers.randomised(bands.most, points, rule.confidence);
-    const verdicts = [bands.least, bands.most].map(of => decide(rule, Numbers.randomised(of, points, rule.confidence)));
+    const [low] = Moments.ofCounts(bands.least, points, rule.confidence);
+    const [, high] = Moments.ofCounts(bands.most, points, rule.confidence);
+    const verdicts = [bands.least, bands.most].map(of => decide(rule, Moments.ofCounts(of, points, rule.confidence)));
     const verdict = verdicts[0] === "verified" ? "verified" : verdicts[1] === "not verified" ? "not verified" : "inconclusive";
     return { verdict, interval: [low, high] };
   };
@@ -193,7 +193,7 @@ const Judge = (() => {
   const undecided = ({ verdict, interval }) => ({ verdict: verdict === "inconclusive" ? "not decided" : verdict, interval });
   // Where no point can be accepted, although some are within all tolerances.
   const unfit = (rule, within, points) => {
-    const interval = Numbers.randomised(within, points, rule.confidence);
+    const interval = Moments.ofCounts(within, points, rule.confidence);
     const no = decide(rule, interval) === "not verified";
     return no ? { verdict: "not verified", interval: [0, interval[1]] } : { verdict: "inconclusive", interval: null };
   };
@@ -268,7 +268,7 @@ const Judge = (() => {
   /** Judges all points by a setting. */
   const judge = ({ criteria, correlations, rule }, points) => {
     const { size, completed, samples, grid } = points;
-    const share = list => ({ passed: sum(list), fraction: sum(list) / size, interval: grid ? null : Numbers.randomised(list, size, LEVEL) });
+    const share = list => ({ passed: sum(list), fraction: sum(list) / size, interval: grid ? null : Moments.ofCounts(list, size, LEVEL) });
     const certain = criteria.every(c => c.uncertainty), blocks = certain ? errors(criteria.length, correlations) : null;
     const own = criteria.map((c, k) => assessed(c, points, k)), { margins, probability } = together(criteria, blocks, own, points);
     const all = tallied(rule, margins, probability, points), within = countBy(samples, size, i => margins[i] >= 0);
@@ -290,7 +290,8 @@ const Judge = (() => {
       points: size,
       failed,
       // Where all points failed, nothing was compared.
-      ...(!result ? { verdict: "inconclusive", interval: null }
+      // Nor do points decide on a share whose error nothing tells.
+      ...(!result || grid && rule ? { verdict: "inconclusive", interval: null }
         : unknown ? undecided(byBands(rule, bounds, size)) : conclude(rule, bands, accepted, within, size, cannot)),
       cannot,
       verified: share(countBy(samples, size, i => own.every(({ ok }) => ok[i]))),
