@@ -315,7 +315,7 @@ fn bounds(steps: &[Vec<Step>], ends: &[[f64; 2]], correlated: bool, outputs: &[f
 mod tests {
     use super::*;
     use crate::functions::{ishigami, ishigami_indices};
-    use crate::testing::{holds, lattice, near, settled};
+    use crate::testing::{holds, lattice, settled};
 
     fn run(
         parameters: usize,
@@ -351,7 +351,7 @@ mod tests {
     /// Independent: half of first-order and total indices, since Ishigami's function has interactions of two only.
     #[test]
     fn effects_of_independent_parameters_are_those_of_their_interactions() {
-        let shapley = run(3, None, &settled(4096, 3), ishigami);
+        let shapley = run(3, None, &settled(8192, 3), ishigami);
         let (first, total) = ishigami_indices();
         for ((effect, first), total) in shapley.effects.iter().zip(first).zip(total) {
             assert!((effect.value - (first + total) / 2.0).abs() < 0.02, "{effect:?}");
@@ -484,8 +484,9 @@ mod tests {
         holds(shapley.effects[0], [0.638_470_768_5, 0.624_475_505_1, 0.652_466_032_0]);
         holds(shapley.effects[1], [0.370_226_265_5, 0.359_609_159_2, 0.380_843_371_8]);
         let bounds = shapley.effects_bounds.unwrap();
-        near(bounds[0], [0.303_047_251_1, 1.0]);
-        near(bounds[1], [0.065_551_986_2, 0.628_511_745_3]);
+        for (bounds, whole) in bounds.iter().zip(&whole.effects) {
+            assert!(bounds[0] < whole.low && whole.high < bounds[1], "{bounds:?} {whole:?}");
+        }
     }
 
     /// A verdict that is the same wherever there is one: no effect, and none that a failed run could have.
