@@ -1,6 +1,7 @@
 use std::path::Path;
 
 use super::*;
+use conformity::interval::clopper_pearson;
 use study::Study;
 
 pub(super) const STUDY: &str = r#"
