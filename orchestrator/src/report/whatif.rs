@@ -168,8 +168,10 @@ fn fixed(summary: &Summary, study: Option<&Study>) -> Option<&'static str> {
     if summary.parameters.is_empty() || method == "table" {
         return Some("the points come from a table, whose distributions are not known");
     }
-    if summary.verified_interval.is_none() {
-        return Some("the points of a grid are no sample of a distribution");
+    if summary.verified_interval.is_none() || summary.provenance.replicates.is_some() {
+        return Some(
+            "the points of a grid or of nets depend on each other, so that nothing tells the error of a weighted share",
+        );
     }
     match study {
         None => Some("the study's text cannot be read"),
