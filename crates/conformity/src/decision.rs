@@ -72,4 +72,7 @@ pub fn other_verdict(accepted: u64, points: u64, confidence: f64) -> [f64; 2] {
 }
 
 #[cfg(test)]
+mod nets_tests;
+
+#[cfg(test)]
 mod tests;
