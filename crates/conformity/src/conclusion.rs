@@ -23,9 +23,12 @@ pub struct Conclusion {
     pub other_verdict_interval: Option<[f64; 2]>,
     /// How many points are accepted: within all tolerances less the guard bands.
     pub accepted: u64,
-    /// The guard band of every criterion, in expanded uncertainties; none where no guard band limits
-    /// the risk as required, and nothing is accepted.
+    /// The guard band of every criterion, in expanded uncertainties; none where the points show of none that it limits the
+    /// risk as required, and nothing is accepted.
     pub guard_band: Option<f64>,
+    /// The largest probability not to conform of an accepted point, where each has to keep it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub point_risk: Option<f64>,
     /// The risks of all criteria together; none unless every criterion has an uncertainty.
     pub risk: Option<Risk>,
 }
@@ -161,6 +164,9 @@ fn undecided(
             100.0 * (1.0 - least),
             percent(1.0 - limit)
         ),
+        Unfit::Point { limit } => {
+            format!("no value conforms with the required {} %, as the uncertainties are too large", percent(1.0 - limit))
+        }
         Unfit::Guard => "the guard band is as wide as a tolerance and leaves nothing of it".to_owned(),
     };
     let words = format!("{verdict}: the measurement cannot decide: {why}");
@@ -168,6 +174,11 @@ fn undecided(
 }
 
 impl Conclusion {
+    /// Whether fewer points may be accepted than lie within all tolerances.
+    pub fn is_guarded(&self) -> bool {
+        self.guard_band != Some(0.0) || self.point_risk.is_some()
+    }
+
     /// Draws it from what is known of so many points; without a rule one point is enough.
     pub fn new(ruling: Option<Ruling>, statement: &Statement, points: u64) -> Self {
         let accepted = statement.accepted;
@@ -191,6 +202,7 @@ impl Conclusion {
             other_verdict_interval: ruling.is_none().then(|| other_verdict(accepted, points, 0.95)),
             accepted,
             guard_band: statement.guard,
+            point_risk: None,
             risk: statement.all.clone(),
         }
     }

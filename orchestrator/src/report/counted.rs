@@ -4,6 +4,7 @@
 use crate::results::Summary;
 use crate::results::summary::{CaseCount, Count, CriterionCount, VariantCount};
 use crate::results::words::capitalised;
+use conformity::conclusion::Conclusion;
 use conformity::measured::{Limits, Measured};
 use conformity::risk::Risk;
 use result_document::format::{count, number, percent};
@@ -199,9 +200,9 @@ pub fn readings(summary: &Summary) -> Vec<Block> {
     };
     let mut told = vec![heading("With the tolerances read otherwise")];
     let conclusion = summary.conclusion.as_ref();
-    if conclusion.is_some_and(|conclusion| conclusion.guard_band != Some(0.0)) {
+    if conclusion.is_some_and(Conclusion::is_guarded) {
         told.push(Block::Sentence(
-            "These counts are of points within the tolerances; the guard band of the verdict is not applied to them."
+            "These counts are of points within the tolerances; what [verdict] asks of accepted points is not applied to them."
                 .to_owned(),
         ));
     }

@@ -175,6 +175,8 @@ mod tests {
             u_d: None,
             u_val: 0.5,
             complete: false,
+            freedom: None,
+            e_n: None,
             coverage: 2.0,
             model_error: [-2.0, 0.0],
             dominant: "input".into(),

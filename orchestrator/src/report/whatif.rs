@@ -91,6 +91,10 @@ impl WhatIf {
             None => None,
             Some(required) => {
                 let stated = study?.verdict.as_ref()?.as_ref();
+                // The page knows guard bands only.
+                if stated.point_risk.is_some() {
+                    return None;
+                }
                 let risk = stated.risk.as_ref();
                 let risk = risk.and_then(|risk| share(risk.as_ref()));
                 let band = stated.guard_band.as_ref().map_or(0.0, |band| *band.as_ref());

@@ -125,8 +125,11 @@ fn asked(summary: &Summary) -> String {
     }
     let criteria = criteria(summary);
     let guarded = match &summary.conclusion {
-        Some(Conclusion { guard_band: Some(0.0), .. }) | None => "",
-        Some(_) => ", less the guard bands,",
+        Some(Conclusion { point_risk: Some(risk), .. }) => {
+            format!(", with a conformance probability of {} % or more,", percent(1.0 - risk))
+        }
+        Some(Conclusion { guard_band: Some(0.0), .. }) | None => String::new(),
+        Some(_) => ", less the guard bands,".to_owned(),
     };
     match required(summary) {
         Some(Requirement { rule, .. }) => format!(

@@ -16,7 +16,7 @@ use conformity::decision::{Decision, randomised};
 use conformity::interval::LEAST_SAMPLES;
 use conformity::looks::Looks;
 use conformity::measured::Limits;
-use conformity::risk::RiskTally;
+use conformity::risk::{Guard, RiskTally};
 use fmu_import::validity;
 use fmu_points::failure::Failure;
 use fmu_points::notices::{Notices, Replicates};
@@ -159,6 +159,7 @@ impl<'a> Tally<'a> {
             self.judge.measurement.assess_with(values, told.as_ref())
         });
         self.risk.add(conformity.as_ref());
+        let verdict = PointVerdict { together: conformity.map(|conformity| conformity.all), ..verdict };
         self.stated.add(self.judge, &verdict, replicate);
         for (counts, variant) in self.variants.iter_mut().zip(&self.judge.variants) {
             let verdict = self.judge.variant_verdict(variant, values);
@@ -265,7 +266,7 @@ impl<'a> Tally<'a> {
         let (judge, points) = (self.judge, self.points);
         let ruling = judge.rule.map(|rule| Ruling { rule, looks: self.looks, count: self.look });
         let statement = match ruling {
-            _ if self.is_dependent => self.risk.statement().without_intervals(),
+            _ if self.is_dependent => self.risk.statement_of_no_sample(),
             Some(Ruling { rule, looks, .. }) => {
                 let confidence = looks.band_confidence(rule.confidence);
                 self.risk.statement_at(confidence)
@@ -273,8 +274,15 @@ impl<'a> Tally<'a> {
             None => self.risk.statement(),
         };
         let mut conclusion = Conclusion::new(ruling, &statement, points);
+        if let Guard::EachPoint { risk } = judge.guard {
+            conclusion.point_risk = Some(risk);
+        }
         if self.is_dependent {
             untold(&mut conclusion, points);
+        }
+        if self.replicates > 1 {
+            // How another seed's nets would differ is not known.
+            conclusion.other_verdict_interval = None;
         }
         let compared = self.failed() < points;
         if !compared {

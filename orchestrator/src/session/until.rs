@@ -81,8 +81,8 @@ impl Ending {
                         .to_owned());
                 }
                 if !judge.guard.leaves_something(&judge.measurement) {
-                    return Err("the guard band is as wide as a tolerance, so that no point can be accepted and no \
-                                verdict comes; give a smaller `guard-band` under [verdict]"
+                    return Err("the guard band is as wide as a tolerance, or no value conforms as surely as `point-risk` \
+                                asks, so that no point can be accepted and no verdict comes; change [verdict]"
                         .to_owned());
                 }
                 Condition::Verdict(rule, history.awaiting(way(design)?))
@@ -110,6 +110,7 @@ impl Ending {
         };
         let counts = match (self.condition, self.guard) {
             (Condition::Verdict(..), Guard::Given(band)) => judge.measurement.margin(values) >= band,
+            (Condition::Verdict(..), guard) => guard.accepts(judge.measurement.assess(values).all, None),
             _ => judge.verdict(Some(values)).verified(),
         };
         if counts { Seen::Counts } else { Seen::Misses }

@@ -180,7 +180,7 @@ fn more(names: &[&str], what: &str) -> Option<String> {
 
 fn head(variable: &Variable) -> [String; 2] {
     // Columns of points.csv have these names already.
-    let taken = ["point", "verified", "accepted", "status"].contains(&&*variable.name);
+    let taken = ["point", "verified", "accepted", "conformance", "status"].contains(&&*variable.name);
     let name = one_line(&variable.name) + if taken { "_" } else { "" };
     [format!("[criteria.{}]", quoted(&name)), format!("variable = {}{}", quoted(&variable.name), about(variable))]
 }

@@ -43,7 +43,7 @@ const Moments = (() => {
   // The wider ends for independent nets, from the value of each about the mean of all.
   const ofNets = (nets, values, confidence) => {
     const all = total(nets), centre = mean(all);
-    let ends = Numbers.student(centre, values, confidence);
+    let ends = Numbers.student(centre, values, 0.5 + 0.5 * confidence);
     const widen = trials => {
       const [low, high] = Numbers.clopperPearson(centre * trials, trials, confidence);
       ends = [Math.min(ends[0], low), Math.max(ends[1], high)];
