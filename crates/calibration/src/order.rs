@@ -34,7 +34,8 @@ impl Order {
         let products = residuals.windows(2).map(|pair| pair[0] * pair[1]);
         let correlation = products.sum::<f64>() / squares;
         let of_noise = noise.map_or(0.0, |noise| noise.correlation.max(0.0));
-        let known = noise.map_or(0.0, |noise| noise.freedom.recip());
+        // Where no recording told a correlation, none is assumed, and its estimate has no error.
+        let known = noise.filter(|noise| noise.correlation != 0.0).map_or(0.0, |noise| noise.freedom.recip());
         let deviation = ((n - 1.0) / (n * (n + 2.0)) + known).sqrt();
         correlation.is_finite().then(|| Self {
             name: name.to_owned(),

@@ -88,7 +88,11 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
             let expanded = number(error.expanded, 4);
             match error.is_normal() {
                 true => format!("{expanded}{unit} (k = {})", number(stated.coverage, 3)),
-                false => format!("{expanded}{unit} (95 %)"),
+                false => {
+                    let freedom = error.freedom_within(error.standard());
+                    let freedom = freedom.map_or_else(String::new, |f| format!(", {} degrees of freedom", number(f, 2)));
+                    format!("{expanded}{unit} (95 %: k = {}{freedom})", number(error.expanded / error.standard(), 3))
+                }
             }
         }
         (None, Some(_)) => "that of the rows".to_owned(),
