@@ -118,6 +118,9 @@ pub fn scattering(over: &Parts, scatter: &Parts, under: &Parts, offset: f64) -> 
 /// - Student's of as many independent points, by linearisation (Efron 1982, "The jackknife, the bootstrap and other resampling
 ///   plans", chapter 6), since sixteen nets may scatter little by chance.
 ///
+/// Of few base points the ratio is skewed, so that the width is a part of 16 over their number larger: at 64 points 1.7 % of
+/// all indices were off by more than 1.5 half widths without it.
+///
 /// `None` where fewer than two blocks have terms.
 pub fn half_width(over: &Parts, under: &Parts, ratio_of_all: f64) -> Option<f64> {
     let points = over.sums.len();
@@ -147,7 +150,7 @@ pub fn half_width(over: &Parts, under: &Parts, ratio_of_all: f64) -> Option<f64>
     let independent = (0..points).map(influence).sum::<f64>().sqrt() / (n * below);
     let of_points = quantile(over.used())? * independent;
     let of_nets = quantile(filled.len())? * jackknife(&without);
-    Some(of_points.max(of_nets))
+    Some(of_points.max(of_nets) * (1.0 + BLOCKS as f64 / points as f64))
 }
 
 /// The standard error of an estimate from its values with each group left out.
@@ -221,7 +224,7 @@ mod tests {
         let estimate = estimate(&over, &under, 0.0).unwrap();
         assert!((estimate.value - 0.992_125_984).abs() < 1e-9);
         let half = estimate.high - estimate.value;
-        assert!((half - 0.204_155_408_9).abs() < 1e-9, "{half}");
+        assert!((half / 1.25 - 0.204_155_408_9).abs() < 1e-9, "{half}");
     }
 
     /// The wider one of the intervals of points and of sixteen blocks: numpy, with Student's quantiles.
@@ -236,7 +239,8 @@ mod tests {
             let under = (0..points).map(|k| 1.0 + f64::from(k % 16) / 8.0);
             let over = Parts::of(over);
             let estimate = estimate(&over, &Parts::of(under), 0.0).unwrap();
-            (over.used(), [estimate.value, estimate.high - estimate.value])
+            let more = 1.0 + 16.0 / f64::from(points);
+            (over.used(), [estimate.value, (estimate.high - estimate.value) / more])
         };
         near(of_points(256, 0.0, &[]).1, [3.973_991_935_5, 0.319_516_497_2]);
         let (used, all) = of_points(256, 1.0, &[]);

@@ -279,9 +279,16 @@ mod tests {
         let a = [0.0, 0.5, 3.0, 9.0, 99.0, 99.0];
         let (first, total) = sobol_g_indices(&a);
         let product = |u: &[f64]| u[..3].iter().map(|u| 2.0 * u - 0.5).product::<f64>();
-        // Each factor has mean 1/2 and variance 1/3, so that a parameter has alone (1/3) (1/4)^2 of 343/1728 - 1/64.
-        let whole = f64::powi(7.0 / 12.0, 3) - 1.0 / 64.0;
-        let [alone, all] = [1.0 / 48.0 / whole, f64::powi(7.0 / 12.0, 2) / 3.0 / whole];
+        // Sobol and Levitan's: the exponential of a sum.
+        const RATES: [f64; 6] = [1.5, 0.9, 0.7, 0.5, 0.3, 0.1];
+        let levitan = |u: &[f64]| u.iter().zip(RATES).map(|(u, rate)| rate * u).sum::<f64>().exp();
+        // Of a product each factor has a variance over its squared mean: 4/3, and that of an exponential.
+        let of_exponential = |rate: f64| 0.5 * rate * (2.0 * rate).exp_m1() / rate.exp_m1().powi(2) - 1.0;
+        let of_product = |relative: &[f64]| -> Vec<[f64; 2]> {
+            let whole: f64 = relative.iter().map(|v| 1.0 + v).product();
+            relative.iter().map(|v| [*v, v / (1.0 + v) * whole].map(|part| part / (whole - 1.0))).collect()
+        };
+        let products = [of_product(&[4.0 / 3.0; 3]), of_product(&RATES.map(of_exponential))];
         let off = |index: &Estimate, exact: f64| {
             let half = 0.5 * (index.high - index.low);
             u64::from((index.value - exact).abs() > 1.5 * half)
@@ -294,9 +301,11 @@ mod tests {
             for (index, &exact) in s.first.iter().zip(&first).chain(s.total.iter().zip(&total)) {
                 count = [count[0] + off(index, exact), count[1] + 1];
             }
-            let s = indices(&evaluate(&pairs, product), 6, FirstOrder::default()).unwrap();
-            for k in 0..3 {
-                count = [count[0] + off(&s.first[k], alone) + off(&s.total[k], all), count[1] + 2];
+            for (f, exact) in [&product as &dyn Fn(&[f64]) -> f64, &levitan].into_iter().zip(&products) {
+                let s = indices(&evaluate(&pairs, f), 6, FirstOrder::default()).unwrap();
+                for (k, [alone, all]) in exact.iter().enumerate() {
+                    count = [count[0] + off(&s.first[k], *alone) + off(&s.total[k], *all), count[1] + 2];
+                }
             }
         }
         count
@@ -311,13 +320,11 @@ mod tests {
     #[test]
     #[ignore = "takes minutes; run by scripts/test --long"]
     fn hardly_any_index_of_any_base_is_far_off() {
-        // The ratio of few base points is skewed: 1.7 % at 64.
-        let counted = [(64, 20), (128, 10), (256, 10), (512, 10)].map(|(base, most)| {
+        for base in [64, 128, 256, 512] {
             let [off, of] = far_off(base, 1000..1300);
             println!("{base}: {off} of {of}");
-            (base, 1000 * off <= most * of)
-        });
-        assert!(counted.iter().all(|(_, holds)| *holds), "{counted:?}");
+            assert!(100 * off <= of, "{base}: {off} of {of}");
+        }
     }
 
     #[test]
@@ -419,14 +426,17 @@ mod tests {
     }
 
     /// numpy, scipy: Jansen's interval of pass or fail, of which one in ten is rare. Four pairs of B and A_B show their
-    /// scatter; of one pair, the upper end of Clopper and Pearson's interval is farther.
+    /// scatter, and those of one pair.
     #[test]
     fn rare_pairs_of_a_verdict_leave_a_wide_interval() {
         let rare = |u: &[f64]| f64::from(u8::from(u[0] + 0.3 * u[1] > 1.05));
         let outputs = evaluate(&lattice(40, 4), rare);
         let indices = indices(&outputs, 2, FirstOrder::Jansen).unwrap();
-        holds(indices.first[0], [0.722_222_222_2, 0.273_415_779_1, 1.171_028_665_4]);
-        holds(indices.first[1], [0.166_666_666_7, -0.495_690_741_9, 1.0]);
+        // Of 40 base points the width is 1.4 times as large.
+        let value = 0.722_222_222_2;
+        holds(indices.first[0], [value, value - 1.4 * (value - 0.273_415_779_1), value + 1.4 * (1.171_028_665_4 - value)]);
+        let value = 0.166_666_666_7;
+        holds(indices.first[1], [value, value - 1.4 * (value + 0.495_690_741_9), value + 1.4 * (value + 0.495_690_741_9)]);
     }
 
     #[test]

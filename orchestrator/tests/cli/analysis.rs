@@ -97,7 +97,10 @@ fn sensitivity_finds_the_only_parameter_that_matters() {
     let y = &result["outputs"][0];
     assert_eq!(y["name"], "Y");
     assert_eq!(y["dominant"], "lag.rate");
-    assert!((y["sobol"]["total"][0]["value"].as_f64().unwrap() - 1.0).abs() < 0.15, "{y}");
+    // Of a part of the variance that no other parameter has, 64 base points tell an interval that holds 1.
+    let total = &y["sobol"]["total"][0];
+    let [low, value, high] = ["low", "value", "high"].map(|key| total[key].as_f64().unwrap());
+    assert!(low <= 1.0 && 1.0 <= high && (value - 1.0).abs() < 0.35, "{y}");
     assert_eq!(y["sobol"]["total"][1]["value"], 0.0);
     assert_eq!(result["outputs"][1]["name"], "verified");
 }
@@ -596,7 +599,7 @@ T = { column = "T", variable = "lag.temperature", accuracy = "0.5 degC", toleran
 #[test]
 fn of_many_points_an_even_choice_and_the_best_are_read() {
     let bench = bench();
-    let run = ["verify", "study.toml", "--points", "1900", "--in-process", "--output", "out"];
+    let run = ["verify", "study.toml", "--points", "1900", "--isolation", "none", "--output", "out"];
     assert_eq!(bench.run(&run).code, 0);
     let folder = bench.path("out");
     let (_, all) = read_some(&folder, u64::MAX).unwrap();

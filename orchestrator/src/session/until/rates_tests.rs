@@ -122,7 +122,7 @@ fn intervals_of_replicates_hold_the_share_in_95_per_cent_of_repetitions() {
 fn intervals_of_nets_with_a_bad_pair_hold() {
     const STUDIES: u64 = 60;
     let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
-    for (points, replicates) in [(64, 8), (512, 8), (512, 16)] {
+    for (points, replicates) in [(64, 16), (512, 16), (512, 32)] {
         let held = (0..STUDIES).filter(|&seed| {
             let sampling = Sampling { method: Method::Sobol, points, seed, replicates };
             let design = Design::new(&sampling, vec![unit.clone(); 24]).unwrap();
