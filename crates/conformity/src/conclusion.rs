@@ -165,7 +165,10 @@ fn undecided(
             percent(1.0 - limit)
         ),
         Unfit::Point { limit } => {
-            format!("no value conforms with the required {} %, as the uncertainties are too large", percent(1.0 - limit))
+            format!(
+                "no value conforms with the required {} %, as the uncertainties are too large",
+                percent(1.0 - limit)
+            )
         }
         Unfit::Guard => "the guard band is as wide as a tolerance and leaves nothing of it".to_owned(),
     };

@@ -72,7 +72,8 @@ impl Comparison {
         let few = measured.error.filter(|law| law.student > 0.0);
         let coverage = few.map_or(2.0, |law| law.with_normal(of_model).half_interval(PROBABILITY) / u_val);
         let error = mean - measured.value?;
-        let e_n = measured.error.map(|law| error / (2.0 * of_model).hypot(law.expanded)).filter(|ratio| ratio.is_finite());
+        let e_n =
+            measured.error.map(|law| error / (2.0 * of_model).hypot(law.expanded)).filter(|ratio| ratio.is_finite());
         let largest = known.iter().max_by(|a, b| {
             let [a, b] = [a.1, b.1].map(|u| u.unwrap_or(0.0));
             a.total_cmp(&b)

@@ -458,9 +458,15 @@ mod tests {
         let indices = indices(&outputs, 2, FirstOrder::Jansen).unwrap();
         // Of 40 base points the width is 1.4 times as large.
         let value = 0.722_222_222_2;
-        holds(indices.first[0], [value, value - 1.4 * (value - 0.273_415_779_1), value + 1.4 * (1.171_028_665_4 - value)]);
+        holds(
+            indices.first[0],
+            [value, value - 1.4 * (value - 0.273_415_779_1), value + 1.4 * (1.171_028_665_4 - value)],
+        );
         let value = 0.166_666_666_7;
-        holds(indices.first[1], [value, value - 1.4 * (value + 0.495_690_741_9), value + 1.4 * (value + 0.495_690_741_9)]);
+        holds(
+            indices.first[1],
+            [value, value - 1.4 * (value + 0.495_690_741_9), value + 1.4 * (value + 0.495_690_741_9)],
+        );
     }
 
     #[test]

@@ -90,7 +90,8 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
                 true => format!("{expanded}{unit} (k = {})", number(stated.coverage, 3)),
                 false => {
                     let freedom = error.freedom_within(error.standard());
-                    let freedom = freedom.map_or_else(String::new, |f| format!(", {} degrees of freedom", number(f, 2)));
+                    let freedom =
+                        freedom.map_or_else(String::new, |f| format!(", {} degrees of freedom", number(f, 2)));
                     format!("{expanded}{unit} (95 %: k = {}{freedom})", number(error.expanded / error.standard(), 3))
                 }
             }

@@ -99,9 +99,7 @@ pub(super) fn guard(conclusion: &Conclusion) -> Option<String> {
             grouped(conclusion.accepted),
             bands(conclusion)
         )),
-        None if !bands(conclusion).is_empty() => {
-            Some(format!("Nothing is accepted:{}", bands(conclusion)))
-        }
+        None if !bands(conclusion).is_empty() => Some(format!("Nothing is accepted:{}", bands(conclusion))),
         None => Some(
             "No guard band keeps the risk as low as required, so nothing is accepted: measure better or widen the \
              tolerances."

@@ -81,9 +81,11 @@ impl Ending {
                         .to_owned());
                 }
                 if !judge.guard.leaves_something(&judge.measurement) {
-                    return Err("the guard band is as wide as a tolerance, or no value conforms as surely as `point-risk` \
+                    return Err(
+                        "the guard band is as wide as a tolerance, or no value conforms as surely as `point-risk` \
                                 asks, so that no point can be accepted and no verdict comes; change [verdict]"
-                        .to_owned());
+                            .to_owned(),
+                    );
                 }
                 Condition::Verdict(rule, history.awaiting(way(design)?))
             }

@@ -66,7 +66,10 @@ fn held(design: (Method, u64), points: u64, seeds: u64, bands: &[Band]) -> [u64;
         }
     }
     let worst = [held.into_iter().min().unwrap(), verified.into_iter().chain(refused).max().unwrap()];
-    println!("{method:?} of {points} points, {replicates} nets: least held {}, most wrong {} of {seeds}", worst[0], worst[1]);
+    println!(
+        "{method:?} of {points} points, {replicates} nets: least held {}, most wrong {} of {seeds}",
+        worst[0], worst[1]
+    );
     worst
 }
 

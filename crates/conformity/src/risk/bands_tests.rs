@@ -214,10 +214,9 @@ fn exceeded(population: &Population, studies: u32, nets: usize) -> [u32; 2] {
 #[test]
 fn the_band_of_a_study_keeps_its_limit() {
     const STUDIES: u32 = 200;
-    for (population, nets) in [
-        (population(Shape::Normal(0.5), 0.3, 0.04, 200), 1),
-        (population(Shape::Peaks(0.5), 0.2, 0.05, 128), 8),
-    ] {
+    for (population, nets) in
+        [(population(Shape::Normal(0.5), 0.3, 0.04, 200), 1), (population(Shape::Peaks(0.5), 0.2, 0.05, 128), 8)]
+    {
         let [found, least] = exceeded(&population, STUDIES, nets);
         assert!(found <= STUDIES / 20, "{population:?} {nets}: {found}");
         assert!(least > STUDIES / 5, "{population:?} {nets}: {least}");
