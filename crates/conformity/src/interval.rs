@@ -302,7 +302,7 @@ mod tests {
         let means: Vec<f64> = parts.iter().map(Moments::mean).collect();
         let mean = means.iter().sum::<f64>() / 16.0;
         let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / 15.0;
-        let half = 2.489_879_9 * (variance / 16.0).sqrt();
+        let half = 2.489_879_703 * (variance / 16.0).sqrt();
         let [low, high] = of_mean(&parts, 0.95);
         assert!((low - (mean - half)).abs() < 1e-8);
         assert!((high - (mean + half)).abs() < 1e-8);

@@ -30,7 +30,7 @@ fn a_share_of_nets_has_the_wider_interval() {
     close(randomised(&[8; 16], 512, 0.95), exact(128, 512));
     close(randomised(&[30], 100, 0.95), exact(30, 100));
     let uneven: Vec<u64> = (0..16).map(|k| if k % 2 == 0 { 4 } else { 28 }).collect();
-    let half = 2.489_879_9 * (144.0_f64 / 15.0).sqrt() / 32.0;
+    let half = 2.489_879_703 * (144.0_f64 / 15.0).sqrt() / 32.0;
     close(randomised(&uneven, 512, 0.95), [0.5 - half, 0.5 + half]);
 }
 
