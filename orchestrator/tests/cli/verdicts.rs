@@ -561,3 +561,27 @@ fn a_gain_of_nothing_is_no_uncertainty() {
     let said = bench.run(&["judge", "study.toml", "table.csv"]);
     said.is_mistake(&["study.toml:10:", "measured value of 0", "add `uncertainty`"]);
 }
+
+/// Conformance probabilities by scipy: the sum of a normal error of 0.25 and one of Student's with 2 degrees of freedom and the
+/// scale 0.1 / sqrt(3), integrated between the tolerances.
+#[test]
+fn each_accepted_point_conforms_with_the_required_probability() {
+    let bench = Bench::new();
+    let study = "fmu = \"none.fmu\"\n[design]\nmethod = \"monte-carlo\"\npoints = 4\n[criteria.T]\nvariable = \"t\"\nnominal = 82\n\
+                 tolerance = \"1 degC\"\nunit = \"degC\"\nuncertainty = \"0.5 degC\"\nnoise = \"0.1 degC\"\nrepeats = 3\n\
+                 [verdict]\nshare = \"5 %\"\npoint-risk = \"5 %\"\n";
+    bench.write("s.toml", study);
+    bench.write("t.csv", "t\n82\n82.4\n82.6\n82.9\n");
+    assert_eq!(bench.run(&["judge", "s.toml", "t.csv", "--output", "out"]).code, 3);
+    let text = bench.read("out/points.csv");
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("point,T,T.ok,verified,accepted,conformance,status"));
+    let expected = [("true", 0.995_619), ("true", 0.981_208), ("false", 0.925_928), ("false", 0.643_403)];
+    for (line, (accepted, probability)) in lines.zip(expected) {
+        let cells: Vec<&str> = line.split(',').collect();
+        assert_eq!(cells[4], accepted, "{line}");
+        assert!((cells[5].parse::<f64>().unwrap() - probability).abs() < 1e-4, "{line}");
+    }
+    let summary = bench.summary("out");
+    assert_eq!((&summary["accepted"], &summary["point_risk"]), (&2.into(), &0.05.into()));
+}
