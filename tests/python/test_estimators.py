@@ -69,19 +69,20 @@ def test_sobol_indices_equal_salib(indices, name):
 
 
 @pytest.mark.parametrize("name", [*CRITERIA, "verified"])
-def test_sobol_intervals_are_no_wider_than_salibs_bootstrap(indices, name):
+def test_sobol_intervals_are_no_narrower_than_salibs_bootstrap(indices, name):
+    # SALib resamples base points as if they were independent; ours also see how independent nets differ.
     estimator, designs = indices
     # A thousand resamples leave an error of 2 % in SALib's widths.
     theirs = [
         sobol.analyze(problem(names), columns[name], calc_second_order=False, num_resamples=1000, seed=1)
         for _, columns, names in designs
     ]
-    orders = [("total", "ST_conf")] + [("first", "S1_conf")] * (estimator != "jansen")
+    orders = [("total", "ST_conf")] + [("first", "S1_conf")] * (estimator == "saltelli")
     for order, width in orders:
         found = [outputs[name]["sobol"][order] for outputs, _, _ in designs]
         half = np.mean([[(one["high"] - one["low"]) / 2 for one in estimates] for estimates in found], axis=0)
         expected = np.mean([each[width] for each in theirs], axis=0)
-        assert np.all(half <= 1.1 * expected), (half, expected)
+        assert np.all(half >= 0.9 * expected), (half, expected)
 
 
 @pytest.mark.parametrize("order", ["first", "total"])

@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::digits::rounded;
+use super::influence::Farthest;
 use super::next::Group;
 use super::order::Order;
 use super::outcome::IdentificationOutcome;
@@ -58,9 +59,15 @@ impl IdentificationOutcome {
         self.cost > MISSED
     }
 
-    /// The level of each test, where there is one of the size of the misfits and one of the order along each curve.
+    /// The level of each test, where there is one of the size of the misfits, one of the value that is the farthest off and one
+    /// of the order along each curve.
     fn level(&self) -> f64 {
-        DOUBTFUL / (1 + self.orders.len()) as f64
+        DOUBTFUL / (1 + usize::from(self.farthest.is_some()) + self.orders.len()) as f64
+    }
+
+    /// Whether the value that is the farthest off is farther than chance explains.
+    pub fn is_farthest_doubtful(&self) -> bool {
+        self.farthest.as_ref().is_some_and(|farthest| farthest.probability < self.level())
     }
 
     /// What speaks against the model, or the stated uncertainties, a sentence each.
@@ -97,7 +104,19 @@ impl IdentificationOutcome {
                 rounded(order.correlation, 2)
             )
         });
-        size.into_iter().chain(orders).collect()
+        let farthest = self.farthest.as_ref().filter(|_| self.is_farthest_doubtful());
+        let farthest = farthest.map(|farthest| {
+            let Farthest { case, quantity, studentised, leverage, probability } = farthest;
+            let of_case = if self.cases.len() > 1 { format!(" in case {case}") } else { String::new() };
+            format!(
+                "The measured value of {quantity}{of_case} is {} of its own standard deviations off (leverage {}); by chance the largest \
+                 of all is so large in fewer than {} records. Look at it: nothing was left out.",
+                rounded(studentised.abs(), 3),
+                rounded(*leverage, 2),
+                times(*probability)
+            )
+        });
+        size.into_iter().chain(farthest).chain(orders).collect()
     }
 }
 

@@ -326,6 +326,8 @@ pub struct Required {
     pub confidence: Option<Spanned<f64>>,
     /// The largest probability that an accepted point does not conform; sets the guard band.
     pub risk: Option<Spanned<Quantity>>,
+    /// The largest probability not to conform of each accepted point.
+    pub point_risk: Option<Spanned<Quantity>>,
     /// The guard band of every criterion, in expanded uncertainties.
     pub guard_band: Option<Spanned<f64>>,
 }

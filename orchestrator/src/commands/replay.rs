@@ -142,6 +142,5 @@ fn accepted(folder: &Path, judge: &Judge, values: Option<&[f64]>) -> Option<bool
         return None;
     }
     let band = table::summary(folder).ok()?.conclusion?.guard_band;
-    let margin = values.map_or(f64::NEG_INFINITY, |values| judge.measurement.margin(values));
-    Some(judge.guard.accepts(margin, band))
+    Some(values.is_some_and(|values| judge.guard.accepts(judge.measurement.assess(values).all, band)))
 }

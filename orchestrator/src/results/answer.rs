@@ -125,8 +125,11 @@ fn asked(summary: &Summary) -> String {
     }
     let criteria = criteria(summary);
     let guarded = match &summary.conclusion {
-        Some(Conclusion { guard_band: Some(0.0), .. }) | None => "",
-        Some(_) => ", less the guard bands,",
+        Some(Conclusion { point_risk: Some(risk), .. }) => {
+            format!(", with a conformance probability of {} % or more,", percent(1.0 - risk))
+        }
+        Some(Conclusion { guard_band: Some(0.0), .. }) | None => String::new(),
+        Some(_) => ", less the guard bands,".to_owned(),
     };
     match required(summary) {
         Some(Requirement { rule, .. }) => format!(
@@ -306,8 +309,8 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
 /// The surest gain, or that the points are too few to tell one.
 pub fn improve_first(summary: &Summary) -> Option<String> {
     let improvements = summary.improvements.as_ref()?;
-    // Those of a grid have no intervals that would tell a gain from chance.
-    summary.verified_interval?;
+    // Those of points that depend on each other have no intervals that would tell a gain from chance.
+    improvements.now.interval?;
     let by = |sign| improvements.changes.iter().find(move |c| c.sign() == sign);
     let Some(first) = by(Gain::Gain) else {
         let nothing = match by(Gain::Open) {

@@ -136,8 +136,8 @@ impl<'a> Survey<'a> {
         let drawn = self.plan.filter(|_| self.drawn);
         if self.points > 0 && !summary.has_own_values() {
             let gains = improvements(self.judge, drawn, &self.first);
-            // A grid is no sample.
-            let is_sample = summary.verified_interval.is_some();
+            // The intervals of gains take the points as independent.
+            let is_sample = summary.verified_interval.is_some() && summary.provenance.replicates.is_none();
             summary.improvements = match gains {
                 Some(gains) if !is_sample => Some(gains.without_intervals()),
                 gains => gains,

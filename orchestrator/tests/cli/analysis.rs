@@ -97,7 +97,10 @@ fn sensitivity_finds_the_only_parameter_that_matters() {
     let y = &result["outputs"][0];
     assert_eq!(y["name"], "Y");
     assert_eq!(y["dominant"], "lag.rate");
-    assert!((y["sobol"]["total"][0]["value"].as_f64().unwrap() - 1.0).abs() < 0.15, "{y}");
+    // Of a part of the variance that no other parameter has, 64 base points tell an interval that holds 1.
+    let total = &y["sobol"]["total"][0];
+    let [low, value, high] = ["low", "value", "high"].map(|key| total[key].as_f64().unwrap());
+    assert!(low <= 1.0 && 1.0 <= high && (value - 1.0).abs() < 0.35, "{y}");
     assert_eq!(y["sobol"]["total"][1]["value"], 0.0);
     assert_eq!(result["outputs"][1]["name"], "verified");
 }
@@ -237,27 +240,24 @@ fn pareto_weighs_the_criteria_against_each_other() {
 }
 
 #[test]
-fn replicates_of_a_sobol_design_narrow_the_interval() {
+fn one_net_states_no_interval_and_replicates_do() {
     let bench = bench();
     let study = |design: &str| {
         let text = STUDY.replace("points = 60", &format!("points = 512\nmethod = \"{design}"));
         bench.write("sobol.toml", &text);
         bench.run(&["verify", "sobol.toml", "--output", "s"])
     };
-    let width = || {
-        let summary = json(&bench, "s/summary.json");
-        let end = |k: usize| summary["verified_interval"][k].as_f64().unwrap();
-        let share = summary["verified_fraction"].as_f64().unwrap();
-        // The rate lies within 0.9163 .. 1.0601 of a normal distribution of 1 +- 0.1.
-        assert!((share - 0.5248).abs() < 0.02 && end(0) < share && share < end(1));
-        end(1) - end(0)
-    };
     assert_eq!(study("sobol\"").code, 0);
-    let wilson = width();
-    assert!(bench.read("s/report.html").contains("takes the points as independent"));
-    assert_eq!(study("sobol\"\nreplicates = 16").code, 0);
-    assert!(width() < 0.7 * wilson);
     let summary = json(&bench, "s/summary.json");
+    assert!(summary["verified_interval"].is_null(), "{summary}");
+    assert!(summary["conclusion"]["other_verdict_interval"].is_null(), "{summary}");
+    assert!(summary["interval_method"].as_str().unwrap().contains("depend on each other"), "{summary}");
+    assert_eq!(study("sobol\"\nreplicates = 16").code, 0);
+    let summary = json(&bench, "s/summary.json");
+    let end = |k: usize| summary["verified_interval"][k].as_f64().unwrap();
+    let share = summary["verified_fraction"].as_f64().unwrap();
+    // The rate lies within 0.9163 .. 1.0601 of a normal distribution of 1 +- 0.1.
+    assert!((share - 0.5248).abs() < 0.02 && end(0) < share && share < end(1));
     let y = &summary["criteria"]["Y"];
     assert_eq!((&y["binds"], &summary["points"]), (&512.into(), &512.into()));
     assert_eq!(y["only_failure"], 512 - summary["verified"].as_u64().unwrap());

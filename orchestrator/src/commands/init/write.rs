@@ -6,6 +6,7 @@ use super::measured::{Column, Measured};
 use super::run::{SMALL, Signal, TOLERANCE};
 use crate::error::Error;
 use crate::results::points::number;
+use conformity::interval::LEAST_SAMPLES;
 use curves::Metric;
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Kind, Variable};
@@ -180,7 +181,7 @@ fn more(names: &[&str], what: &str) -> Option<String> {
 
 fn head(variable: &Variable) -> [String; 2] {
     // Columns of points.csv have these names already.
-    let taken = ["point", "verified", "accepted", "status"].contains(&&*variable.name);
+    let taken = ["point", "verified", "accepted", "conformance", "status"].contains(&&*variable.name);
     let name = one_line(&variable.name) + if taken { "_" } else { "" };
     [format!("[criteria.{}]", quoted(&name)), format!("variable = {}{}", quoted(&variable.name), about(variable))]
 }
@@ -268,6 +269,7 @@ impl Study<'_> {
             "[design]".to_owned(),
             format!("method = \"sobol\" # or {}", Method::named(|method| method != Method::Sobol)),
             "points = 64".to_owned(),
+            format!("replicates = {LEAST_SAMPLES} # independent nets: their scatter tells the error of a share"),
             "seed = 1".to_owned(),
             String::new(),
         ]);
