@@ -66,9 +66,10 @@ def test_no_process_outlives_a_killed_supervisor(case):
 @every_model
 def test_the_summary_tells_what_the_results_are_worth(case):
     for outcome in (case.whole, case.resumed):
-        assert outcome.summary["reproducible"] is case.model.reproducible
+        # What a few points do shows where one of them runs again.
+        assert case.model.reproducible in (None, outcome.summary["reproducible"])
         assert outcome.summary["isolation"] == "fresh"
-        if not case.model.reproducible:
+        if case.model.reproducible is False:
             assert "not reproducible" in outcome.said
 
 
@@ -226,11 +227,11 @@ def test_an_fmu_of_which_no_instance_ever_comes(laboratory, tmp_path):
 
 
 @pytest.mark.parametrize("attributes", ["", 'needsExecutionTool="true"'], ids=["slow", "tool"])
-def test_what_starts_slowly_is_started_seldom(laboratory, tmp_path, attributes):
+def test_what_starts_slowly_starts_once_in_shared_processes(laboratory, tmp_path, attributes):
     workshop = laboratory.workshop
     fmu = workshop.fmu("starts_slowly", workshop.binary("starts_slowly"), faulty.description(attributes))
     expected = laboratory.fresh(workshop.fmu("quick", workshop.binary("healthy")), points=30)
-    run = study(tmp_path, fmu, (), points=30)
+    run = study(tmp_path, fmu, (), options=["--isolation", "shared"], points=30)
     outcome = run.run()
     assert outcome.code == 0, outcome.said
     assert {point: bits(row) for point, row in outcome.points.items()} == expected

@@ -221,7 +221,7 @@ def test_an_fmu_is_sent_once(study, tmp_path):
 def test_an_fmu_that_comes_slowly_is_waited_for(study, single, tmp_path):
     """By all workers of its host: while another one receives it, they are alive, and so is the supervisor."""
     node, out = tmp_path / "node", tmp_path / "out"
-    folder = node / f"orchestrator-{hashlib.sha256((study.parent / 'healthy.fmu').read_bytes()).hexdigest()}"
+    folder = node / f"fmu-run-{os.getuid()}-{hashlib.sha256((study.parent / 'healthy.fmu').read_bytes()).hexdigest()}"
     folder.mkdir(parents=True)
     command = [PROGRAM, "verify", study, "--output", out, "--launcher", f"env TMPDIR={node}", "--jobs", "1", "--ship",
                "--launcher-timeout", "2"]

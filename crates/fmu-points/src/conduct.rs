@@ -32,14 +32,18 @@ impl Conduct {
         }
     }
 
+    /// How points ran, where they did not run alone.
+    pub fn company(&self) -> Option<&'static str> {
+        match self.isolation {
+            Isolation::Fresh => None,
+            Isolation::Shared => Some("points share processes, as you asked"),
+            Isolation::None => Some("all points ran in one process, as you asked"),
+        }
+    }
+
     /// Remarks for a reader of the results, one sentence each: what casts doubt on all results comes first.
     pub fn remarks(&self) -> Vec<String> {
-        let mut remarks = Vec::new();
-        match self.isolation {
-            Isolation::Fresh => {}
-            Isolation::Shared => remarks.push("points share processes, as you asked".to_owned()),
-            Isolation::None => remarks.push("all points ran in one process, as you asked".to_owned()),
-        }
+        let mut remarks: Vec<String> = self.company().map(str::to_owned).into_iter().collect();
         if let Some(file) = &self.changed_file {
             remarks.push(format!(
                 "the FMU changes files in its own folder (the first: {file}), so each point had a folder of its own from then on"

@@ -135,11 +135,11 @@ impl Crew {
         }
     }
 
-    /// The host that answered a point, of the first points of each, and the one on which it ran again.
-    pub fn hosts_of(&self, index: u64) -> [Option<String>; 2] {
+    /// The host that answered a point last, where there are several; it is asked for once.
+    pub fn take_host(&self, index: u64) -> Option<String> {
         match &self.way {
-            Way::Elsewhere(team) => team.hosts_of(index),
-            _ => [None, None],
+            Way::Elsewhere(team) => team.take_host(index),
+            _ => None,
         }
     }
 

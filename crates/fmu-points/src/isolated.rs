@@ -315,8 +315,20 @@ impl Isolated {
         });
         drop(floor);
         let (lost, failure) = ran?;
-        let lost = lost.into_iter().map(|job| (job, Reply::new(job.index, Err(Trouble::lost(failure.clone())))));
-        failed.extend(lost);
+        // One of them has ended the worker, and nobody knows which: each runs in a worker that has no other point.
+        let is_one = jobs.len() == 1;
+        for job in lost {
+            let floor = common.quiet.beside_others();
+            let reply = match is_one {
+                true => Reply::new(job.index, Err(Trouble::lost(failure.clone()))),
+                false => self.once(way, job, post)?,
+            };
+            drop(floor);
+            match reply.answer {
+                Ok(simulated) => post.send(Event::Answer(job.index, Ok(simulated))),
+                Err(_) => failed.push((job, reply)),
+            }
+        }
         for (job, reply) in failed {
             let reply = self.insist(reply, way, job, post)?;
             self.finish(job, reply, post)?;

@@ -60,9 +60,8 @@ struct State {
     told: BTreeSet<(String, &'static str)>,
     /// How many points each host has answered.
     answered: BTreeMap<String, u64>,
-    /// The hosts of the first points of each, and of those that ran again, by their index.
+    /// The hosts of points that were answered, by their index, until somebody asks.
     hosts: BTreeMap<u64, String>,
-    hosts_again: BTreeMap<u64, String>,
     /// The first file that the FMU changed in its folder.
     changed: Option<String>,
 }
@@ -170,10 +169,9 @@ impl Team {
         locked(&self.lanes[number])
     }
 
-    /// The host that answered a point, of the first points of each, and the one on which it ran again.
-    pub(crate) fn hosts_of(&self, index: u64) -> [Option<String>; 2] {
-        let state = self.state();
-        [&state.hosts, &state.hosts_again].map(|hosts| hosts.get(&index).cloned())
+    /// The host that answered a point last; it is asked for once.
+    pub(crate) fn take_host(&self, index: u64) -> Option<String> {
+        self.state().hosts.remove(&index)
     }
 
     /// Starts the worker of a lane, where there is none; whether there is one now.
@@ -353,7 +351,10 @@ impl Team {
                 Ok(Report::News(news)) => news,
                 Ok(Report::Done(changed, took)) => {
                     changed.iter().for_each(|changed| self.know(changed));
-                    break End::Done(took);
+                    break match open.len() {
+                        0 => End::Done(took),
+                        left => End::Lost(Fault::lasting(format!("it left {left} points without an answer"))),
+                    };
                 }
                 Ok(Report::Unable(how, lasting)) => break End::Lost(Fault { how, lasting }),
                 Ok(_) => {
@@ -376,7 +377,7 @@ impl Team {
                     if open.remove(index).is_none() {
                         continue;
                     }
-                    self.note_host(*index, &lane.host);
+                    self.state().hosts.insert(*index, lane.host.clone());
                 }
                 post.send(event);
             }
@@ -390,14 +391,6 @@ impl Team {
             lane.failures = 0;
         }
         (end, open)
-    }
-
-    fn note_host(&self, index: u64, host: &str) {
-        const FIRST: usize = 2;
-        let mut state = self.state();
-        if state.hosts.values().filter(|known| *known == host).count() < FIRST {
-            state.hosts.entry(index).or_insert_with(|| host.to_owned());
-        }
     }
 
     /// Points of a worker that was lost: they are handed out again, unless one alone has cost too many workers.
@@ -486,10 +479,6 @@ impl Remote {
         self.begin(&mut lane);
         let order = Order::Run(jobs.to_vec(), team.changed());
         let (end, open) = team.order(&mut lane, &order, jobs, self.results(), post);
-        if self.series.again {
-            let again = jobs.iter().map(|job| (job.index, lane.host.clone()));
-            team.state().hosts_again.extend(again);
-        }
         match end {
             End::Done(took) => {
                 let took = Duration::try_from_secs_f64(took).unwrap_or_default();

@@ -44,8 +44,8 @@ pub struct Scratch {
 static FOLDERS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 /// The file of a folder in the system's place for such folders that its process has locked.
 pub(crate) const LOCK: &str = "in-use";
-/// The names of those folders begin so.
-const PREFIX: &str = "orchestrator-";
+/// The names of those folders begin so. Earlier versions sweep up "orchestrator-..." by names that no other command had.
+const PREFIX: &str = "fmu-run-";
 
 /// The name of a folder that several processes of a user have together.
 pub(crate) fn shared_name(what: &str) -> String {
@@ -184,11 +184,11 @@ mod tests {
             fs::create_dir(&folder).unwrap();
             folder
         };
-        let used = folder("orchestrator-used");
+        let used = folder("fmu-run-used");
         let held = locked(&used.join(LOCK)).unwrap();
-        let killed = folder("orchestrator-killed");
+        let killed = folder("fmu-run-killed");
         drop(locked(&killed.join(LOCK)).unwrap());
-        let [begun, other] = ["orchestrator-begun", "other"].map(folder);
+        let [begun, other] = ["fmu-run-begun", "other"].map(folder);
         remove_abandoned(place.path());
         assert!(!killed.exists() && [&used, &begun, &other].iter().all(|folder| folder.exists()));
         drop(held);

@@ -191,7 +191,7 @@ impl<'a> Pipeline<'a> {
                 self.journal.append(index, &outcome, notices.as_deref())?;
                 self.computed += 1;
                 if let Some(crew) = self.crew {
-                    self.again.note(crew, &outcome, || job(index));
+                    self.again.note(crew, index, &outcome, job);
                 }
                 let verified = self.model.is_verified(&outcome);
                 let answered = || self.crew.map_or_else(BTreeMap::new, Crew::answered);

@@ -104,6 +104,12 @@ fn warnings(summary: &Summary) -> impl Iterator<Item = &Concern> {
     concerns.filter(|concern| concern.severity == Severity::Warning)
 }
 
+/// How points ran, where they did not run alone.
+fn company(summary: &Summary) -> Option<String> {
+    let conduct = summary.conduct.as_ref()?;
+    conduct.company().map(|text| format!("{}.", capitalised(text)))
+}
+
 /// What the points' own runs say against all results.
 fn odd(summary: &Summary) -> Option<String> {
     let conduct = summary.conduct.as_ref()?;
@@ -212,6 +218,7 @@ fn decides(summary: &Summary) -> Vec<String> {
     let weak = conclusion.filter(|conclusion| is_weak(conclusion));
     list.extend(weak.and_then(|conclusion| firmness(conclusion, summary)));
     list.extend(odd(summary).map(|odd| format!("Warning: {odd}.")));
+    list.extend(company(summary));
     list.extend(doubts(summary));
     list.extend(conclusion.and_then(|_| beyond_validity(summary)));
     list.extend(conclusion.and_then(guard));
