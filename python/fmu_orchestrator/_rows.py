@@ -133,12 +133,23 @@ def read(path: Path, options: Options) -> Columns:
 def _split(path: Path, lines: Sequence[str], delimiter: str) -> list[list[str]]:
     """The cells of all lines; a blank line has none."""
     if delimiter == " ":
-        return [line.split() for line in lines]
+        return [_words(line) for line in lines]
     try:
         # A quote that nobody closes would swallow the rest: each line is read alone.
         return [[cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])] if line.strip() else [] for line in lines]
     except (csv.Error, TypeError) as error:
         raise OrchestratorError(f"{path}: {error}; say --delimiter") from error
+
+
+def _words(line: str) -> list[str]:
+    """Words of a line; a unit belongs to the name before it."""
+    row: list[str] = []
+    for word in line.removeprefix("#").split():
+        if row and word[0] in "[(":
+            row[-1] += f" {word}"
+        else:
+            row.append(word)
+    return row
 
 
 def _is_number(cell: str) -> bool:
@@ -171,6 +182,8 @@ def _separator(path: Path, lines: Sequence[str]) -> str:
         cells = [cell for row in rows if len(row) == width for cell in row if cell]
         sound = sum(_is_value(cell) for cell in cells) / max(len(cells), 1)
         best.append((count / len(sample) * (0.5 + sound), letter))
+    # Blanks stand within cells, too: they separate where nothing else does.
+    best = [pair for pair in best if pair[1] != " "] or best
     if not best:
         return ","
     best.sort(key=lambda pair: -pair[0])
@@ -213,6 +226,11 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     columns_named = max((j + 1 for j, name in enumerate(names) if name), default=0)
     if columns_named > width:
         raise OrchestratorError(f"{path}: {columns_named} names on line {header} and {width} cells in most rows; say --delimiter or --header")
+    most = max(filled[k] for k in good)
+    if header and len(names) < most:
+        raise OrchestratorError(
+            f"{path}: {len(names)} names on line {header} and {most} cells below; a decimal comma needs another letter between cells: say "
+            "--delimiter or --header, or correct the names")
     last = len(rows) - 1
     if len(rows[last]) < width and last == good[-1] and len(good) > 2 and len(rows[good[-2]]) == width:
         good.pop()
@@ -250,6 +268,9 @@ def _header(path: Path, rows: list[list[str]], first: int, width: int, options: 
             row = row[1:]
         return [cell.strip("\"' ") for cell in row]
 
+    if rows[0][:1] == ["TOA5"] and first >= 4:
+        # Campbell Scientific: a line about the station, names, units, how each was processed.
+        return rows[1], [unit(cell) if cell else "" for cell in rows[2]], 2
     if options.header:
         above = [k for k in range(options.header - 1, first) if any(rows[k])]
     else:
