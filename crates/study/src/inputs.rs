@@ -54,6 +54,14 @@ pub(super) fn series(
                 .map_err(|message| named(format!("{}: {message}", path.display())))?;
         }
         concerns.extend(doubts(&series, schedule, &scale));
+        concerns.extend(recording.uncertainty.as_ref().map(|stated| {
+            let text = format!(
+                "{key}: the stated uncertainty of the recorded input ({stated}) counts in `identify` alone: no risk and no error bar of \
+                 a verdict has it"
+            );
+            let remedy = "Add what it does to the results to the `uncertainty` of the criteria, or let `identify` find the zero error.";
+            Concern::new(Code::InputTakenAsExact, text).remedied(remedy)
+        }));
         Ok(series)
     };
     let inputs = study.inputs.iter().map(&mut bind);
