@@ -72,6 +72,11 @@ impl RecordedTable {
         let columns: Vec<Column> = rows.names().iter().map(column).collect();
         let mut table = Self { path: path.to_owned(), columns, rows: 0 };
         while rows.advance().map_err(plain)? {
+            let is_text = |k: usize| rows.number(k).is_none() && !rows.text(k).is_empty();
+            if table.rows == 0 && (0..table.columns.len()).all(is_text) {
+                let message = format!("line {} below the names has no number; {}", rows.line(), convert(path));
+                return Err(FileError::new(path, message));
+            }
             for (k, column) in table.columns.iter_mut().enumerate() {
                 let (text, number) = (rows.text(k), rows.number(k).filter(|number| !number.is_infinite()));
                 match number {
