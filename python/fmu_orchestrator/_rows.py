@@ -87,7 +87,8 @@ def _named(name: str) -> tuple[str, str]:
     name = " ".join(name.split())
     if found := re.fullmatch(r"(.*\S) ?\[([^][]+)\]", name):
         return (name, "") if re.fullmatch(r"[\d, ]+", found[2]) and " [" not in name else (found[1], unit(found[2]))
-    for form in (r"(.*\S) ?\(([^()]+)\)", r"(.*\S) in (\S+)", r"(.*\S) / (\S+)", r"(\S+)/\((.+)\)", r"(\w+)/(\S+)"):
+    # `G(h)` is a name, and `t (h)` a time in hours.
+    for form in (r"(.*\S) \(([^()]+)\)", r"(.*\S) in (\S+)", r"(.*\S) / (\S+)", r"(\S+)/\((.+)\)"):
         if (found := re.fullmatch(form, name)) and _is_unit(found[2]):
             return found[1].rstrip("/ "), unit(found[2])
     return name, ""
@@ -125,7 +126,7 @@ def read(path: Path, options: Options) -> Columns:
         delimiter = _separator(path, lines)
     rows = _split(path, lines, delimiter)
     shown = next((name for name, letter in SEPARATORS.items() if letter == delimiter), delimiter)
-    columns = table(path, rows, options, "." if delimiter == "," and not any('"' in line for line in lines[:SAMPLE]) else None)
+    columns = table(path, rows, options, "." if delimiter == "," and not any('"' in line for line in lines[:SAMPLE]) else None, delimiter == " ")
     columns.told = [*told, f"between cells: {shown}", *columns.told]
     return columns
 
@@ -153,11 +154,14 @@ def _words(line: str) -> list[str]:
 
 
 def _is_number(cell: str) -> bool:
+    if cell.isdigit():
+        return True
     return NUMBER.fullmatch(_plain(cell)) is not None
 
 
 def _plain(cell: str) -> str:
-    return BLANKS.sub("", cell.replace("\u2212", "-").strip())
+    cell = cell.strip()
+    return cell if cell.isascii() and "'" not in cell and " " not in cell else BLANKS.sub("", cell.replace("\u2212", "-"))
 
 
 def _is_stamp(cell: str) -> bool:
@@ -190,13 +194,13 @@ def _separator(path: Path, lines: Sequence[str]) -> str:
     return best[0][1]
 
 
-def table(path: Path, rows: list[list[str]], options: Options, decimal: str | None = None) -> Columns:
-    """The columns of a table of texts."""
+def table(path: Path, rows: list[list[str]], options: Options, decimal: str | None = None, exact: bool = False) -> Columns:
+    """The columns of a table of texts; with ``exact``, an empty cell is none."""
     told: list[str] = []
     decimal = options.decimal or decimal
     while rows and not any(rows[-1]):
         rows.pop()
-    body = [k for k, row in enumerate(rows) if sum(map(_is_value, row)) and len(row) > 0]
+    body = [k for k, row in enumerate(rows) if any(map(_is_value, row))]
     if options.header:
         body = [k for k in body if k >= options.header]
     if len(body) < 2:
@@ -213,10 +217,13 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
         row = rows[k]
         there = [j for j in typed if j < len(row) and row[j].lower() not in NOTHING]
         sound = sum(_is_number(row[j]) if kinds[j] == "number" else _is_value(row[j]) for j in there)
-        return filled[k] <= width and sound > 0 and (2 * sound >= len(there))
+        fitting = len(row) == width if exact else filled[k] <= width
+        return fitting and sound > 0 and (2 * sound >= len(there))
 
     good = [k for k in body if fits(k)]
-    long = next((k for k in body if filled[k] > width and k > good[0]), None) if good else None
+    if not good:
+        raise OrchestratorError(f"{path}: no rows of numbers of one width; say --delimiter or --header")
+    long = next((k for k in body if filled[k] > width and k > good[0]), None)
     if long is not None:
         raise OrchestratorError(
             f"{path}: line {long + 1} has {filled[long]} cells and most rows have {width}; a decimal comma needs another letter between "
@@ -226,6 +233,8 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     columns_named = max((j + 1 for j, name in enumerate(names) if name), default=0)
     if columns_named > width:
         raise OrchestratorError(f"{path}: {columns_named} names on line {header} and {width} cells in most rows; say --delimiter or --header")
+    if not header:
+        told.append("no row of names: the columns are numbered")
     most = max(filled[k] for k in good)
     if header and len(names) < most:
         raise OrchestratorError(

@@ -77,6 +77,17 @@ def test_headers_of_loggers(tmp_path):
     assert converted(tmp_path, tabs) == (["time [s]", "T [degC]"], [[0.0, 20.0], [1.0, 20.1]])
 
 
+def test_what_stands_in_a_name_need_not_be_a_unit(tmp_path):
+    header, _ = converted(tmp_path, rows("t (s),G(h),T in °C,n / rpm,x[2],Dev0/A", "0,1,2,3,4,5", "1,2,3,4,5,6"))
+    assert header == ["t [s]", "G(h)", "T [degC]", "n [rpm]", "x[2]", "Dev0/A"]
+
+
+def test_a_line_above_that_begins_with_numbers_is_no_row(tmp_path):
+    lines = ["35.04 -106.6 1617 m version 1", "2019 56 2 25 0.5 79.9 102.6 1.5", "2019 56 2 25 1.5 79.8 102.5 1.5"]
+    header, table = converted(tmp_path, rows("Albuquerque", *lines))
+    assert header == [str(k) for k in range(1, 9)] and len(table) == 2
+
+
 def test_thousands_and_signs(tmp_path):
     lines = ["t [s];P [MWh]", "0;4.300,00", "1;900,50", "2;\u22121'200,25".replace("'", ".")]
     assert [row[1] for row in converted(tmp_path, rows(*lines))[1]] == [4300.0, 900.5, -1200.25]

@@ -45,14 +45,14 @@ pub fn open(path: &Path, how: How) -> Result<Box<dyn Rows>, FileError> {
 }
 
 /// A column's name without the unit in it, and that: `n [1/min]`, and with a known unit `n (rpm)`. What stands in `x[2]` is an
-/// index.
+/// index, and `G(h)` a name.
 pub fn name_and_unit(name: &str) -> (&str, Option<String>) {
     let enclosed = |from: char, to: char| name.strip_suffix(to).and_then(|name| name.rsplit_once(from));
     let is_index = |bare: &str, inner: &str| {
         !bare.ends_with(' ') && inner.chars().all(|c| c.is_ascii_digit() || c == ',' || c == ' ')
     };
     let square = enclosed('[', ']').filter(|(bare, inner)| !is_index(bare, inner));
-    let parts = square.or_else(|| enclosed('(', ')').filter(|(_, inner)| known::usual(inner.trim()).is_some()));
+    let parts = square.or_else(|| enclosed('(', ')').filter(|(bare, inner)| bare.ends_with(' ') && known::usual(inner.trim()).is_some()));
     match parts {
         Some((bare, inner)) if !bare.trim().is_empty() && !inner.trim().is_empty() => {
             let unit = inner.trim();
