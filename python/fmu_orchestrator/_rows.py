@@ -213,14 +213,24 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     if not typed:
         raise OrchestratorError(f"{path}: no column of numbers; say --delimiter")
 
-    def fits(k: int) -> bool:
+    def known(k: int) -> tuple[int, int]:
+        """How many cells of a row are what their columns are, and how many there are."""
         row = rows[k]
         there = [j for j in typed if j < len(row) and row[j].lower() not in NOTHING]
-        sound = sum(_is_number(row[j]) if kinds[j] == "number" else _is_value(row[j]) for j in there)
+        return sum(_is_number(row[j]) or bool(_suffix(row[j])) if kinds[j] == "number" else _is_value(row[j]) for j in there), len(there)
+
+    def fits(k: int) -> bool:
+        row = rows[k]
+        sound, there = known(k)
         fitting = len(row) == width if exact else filled[k] <= width
-        return fitting and sound > 0 and (2 * sound >= len(there))
+        return fitting and sound > 0 and 2 * sound >= there
 
     good = [k for k in body if fits(k)]
+    # The recording begins with a row that has no doubt, and with rows with marks right above it.
+    first = next((k for k in good if known(k)[0] == known(k)[1]), None)
+    while first is not None and first - 1 in good[: good.index(first)]:
+        first -= 1
+    good = [k for k in good if first is not None and k >= first]
     if not good:
         raise OrchestratorError(f"{path}: no rows of numbers of one width; say --delimiter or --header")
     long = next((k for k in body if filled[k] > width and k > good[0]), None)
@@ -228,7 +238,6 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
         raise OrchestratorError(
             f"{path}: line {long + 1} has {filled[long]} cells and most rows have {width}; a decimal comma needs another letter between "
             "cells: say --delimiter, or correct the line")
-    first = good[0]
     names, units, header = _header(path, rows, first, width, options)
     columns_named = max((j + 1 for j, name in enumerate(names) if name), default=0)
     if columns_named > width:
@@ -299,7 +308,8 @@ def _header(path: Path, rows: list[list[str]], first: int, width: int, options: 
         said = [cell for cell in row if cell]
         return bool(said) and 2 * sum(map(_is_unit, said)) >= len(said)
 
-    below = [j for j in range(1, len(heads)) if are_units(heads[j])]
+    # Units stand right below the names, with at most two rows of remarks behind them.
+    below = [j for j in range(max(1, len(heads) - 3), len(heads)) if are_units(heads[j])][-1:]
     if options.header:
         place, units = 0, heads[below[0]] if below else []
     elif below:
