@@ -67,7 +67,7 @@ def convert(path: str | Path, folder: str | Path | None = None, zero: str | None
     told = done.stderr.splitlines()
     if done.returncode == 0:
         *lines, last = done.stdout.splitlines()
-        print("\n".join([*lines]))
+        print("\n".join(lines))
         for line in told:
             print(line, file=sys.stderr)
         return [Path(name) for name in json.loads(last)]
@@ -256,17 +256,12 @@ def _tdms(path: Path) -> Contents:
     for part in file.groups():
         rates: dict[tuple[object, ...], Group] = {}
         for channel in part.channels():
-            values = channel[:]
+            values, stamped = channel[:], ""
             if getattr(getattr(values, "dtype", None), "kind", "") == "M" and len(values) > 1:
                 # Stamps of their own count from the first start, or from the first of them.
                 origin = first if first is not None else values[0]
-                if contents.start is None:
-                    contents.start = _stamp(str(origin)[:26])
-                stamps = (values - origin) / _second(origin)
-                contents.groups.append(Group(part.name, None, [(channel.name, "s", stamps)]))
-                key = (len(values), None, None, None)
-                rates.setdefault(key, contents.groups.pop()) if key not in rates else rates[key].channels.append((channel.name, "s", stamps))
-                continue
+                contents.start = contents.start or _stamp(str(origin)[:26])
+                values, stamped = (values - origin) / _second(origin), "s"
             if not _is_series(values):
                 contents.left_out.append(f"{part.name}/{channel.name}")
                 continue
@@ -277,7 +272,7 @@ def _tdms(path: Path) -> Contents:
                 late = (start - first) / _second(start) if start is not None else 0.0
                 begin = float(known.get("wf_start_offset", 0.0)) + float(late)
                 rates[key] = Group(part.name, [begin + k * step for k in range(len(values))] if step else None)
-            rates[key].channels.append((channel.name, str(known.get("unit_string", known.get("NI_UnitDescription", ""))), values))
+            rates[key].channels.append((channel.name, stamped or str(known.get("unit_string", known.get("NI_UnitDescription", ""))), values))
         contents.groups.extend(rates.values())
     return contents
 
