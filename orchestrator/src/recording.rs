@@ -387,7 +387,10 @@ impl Recorded<'_> {
         let (table, time) = &self.tables[file];
         let wrong = |message: String| FileError::new(table.path(), format!("time `{name}`: {message}"));
         if let Some(pair) = rows.windows(2).find(|pair| pair[1].0 < pair[0].0) {
-            return Err(wrong(format!("the clock jumps back from {} s to {} s: cut the file there", pair[0].0, pair[1].0)));
+            return Err(wrong(format!(
+                "the clock jumps back from {} s to {} s: cut the file there",
+                pair[0].0, pair[1].0
+            )));
         }
         let all = rows.len();
         let again = || rows.windows(2).filter(|pair| pair[1].0 == pair[0].0);

@@ -52,7 +52,9 @@ pub fn name_and_unit(name: &str) -> (&str, Option<String>) {
         !bare.ends_with(' ') && inner.chars().all(|c| c.is_ascii_digit() || c == ',' || c == ' ')
     };
     let square = enclosed('[', ']').filter(|(bare, inner)| !is_index(bare, inner));
-    let parts = square.or_else(|| enclosed('(', ')').filter(|(bare, inner)| bare.ends_with(' ') && known::usual(inner.trim()).is_some()));
+    let parts = square.or_else(|| {
+        enclosed('(', ')').filter(|(bare, inner)| bare.ends_with(' ') && known::usual(inner.trim()).is_some())
+    });
     match parts {
         Some((bare, inner)) if !bare.trim().is_empty() && !inner.trim().is_empty() => {
             let unit = inner.trim();
@@ -71,13 +73,11 @@ pub fn is_time_name(name: &str) -> bool {
 ///
 /// # Errors
 /// When they are not.
-pub fn agreed<'a>(
-    column: &str,
-    in_file: Option<&'a str>,
-    stated: Option<&'a str>,
-) -> Result<Option<&'a str>, String> {
+pub fn agreed<'a>(column: &str, in_file: Option<&'a str>, stated: Option<&'a str>) -> Result<Option<&'a str>, String> {
     match (in_file, stated) {
-        (Some(file), Some(stated)) if file != stated && known::usual(file).is_none_or(|usual| known::usual(stated) != Some(usual)) => {
+        (Some(file), Some(stated))
+            if file != stated && known::usual(file).is_none_or(|usual| known::usual(stated) != Some(usual)) =>
+        {
             let unknown = match known::usual(file) {
                 Some(_) => "",
                 None => ", which is no unit that is known here",

@@ -36,7 +36,15 @@ pub fn rows(path: &Path, _: How) -> Result<Box<dyn Rows>, FileError> {
     };
     let durations = notes.is_some_and(|notes| notes.iter().any(has_durations));
     let is_moment = |kind: Option<&LogicalType>| {
-        matches!(kind, Some(LogicalType::Timestamp { .. } | LogicalType::Time { .. } | LogicalType::Date | LogicalType::Decimal { .. }))
+        matches!(
+            kind,
+            Some(
+                LogicalType::Timestamp { .. }
+                    | LogicalType::Time { .. }
+                    | LogicalType::Date
+                    | LogicalType::Decimal { .. }
+            )
+        )
     };
     let moment = |field: &&parquet::schema::types::TypePtr| is_moment(field.get_basic_info().logical_type_ref());
     let moments: Vec<&str> = schema.get_fields().iter().filter(moment).map(|field| field.name()).collect();

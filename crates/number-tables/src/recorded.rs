@@ -194,7 +194,9 @@ impl RecordedTable {
         let found = self.column(name)?.unit.as_deref();
         let unit = crate::agreed(name, found, wanted).map_err(|message| self.wrong(message))?;
         let unit = unit.ok_or_else(|| {
-            self.wrong(format!("column `{name}` has no unit; write `{name} [unit]` in the file, or add `unit` to it in the settings"))
+            self.wrong(format!(
+                "column `{name}` has no unit; write `{name} [unit]` in the file, or add `unit` to it in the settings"
+            ))
         })?;
         Ok(known::usual(unit).unwrap_or(unit).to_owned())
     }

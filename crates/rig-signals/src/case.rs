@@ -461,7 +461,10 @@ impl<'a> Input<'a> {
             channel,
             drive,
             line,
-            lost: { let [spikes, clipped] = channel.dropped(&cleaned); [(early, EARLY), spikes, clipped] },
+            lost: {
+                let [spikes, clipped] = channel.dropped(&cleaned);
+                [(early, EARLY), spikes, clipped]
+            },
             doubts: match channel.drop.is_stated {
                 true => Vec::new(),
                 false => super::concerns(channel, &cleaned),

@@ -37,7 +37,8 @@ impl Cleaned {
     /// Looks at the least and the largest value of those that are no spikes. A signal is clipped there where that level is taken
     /// much more often than the one next to it, by samples side by side; a level far from all others is a mark.
     fn look_at_ends(&mut self, is_spike: &[bool]) {
-        let rest: Vec<f64> = self.values.iter().zip(is_spike).map(|(v, spike)| if *spike { f64::NAN } else { *v }).collect();
+        let rest: Vec<f64> =
+            self.values.iter().zip(is_spike).map(|(v, spike)| if *spike { f64::NAN } else { *v }).collect();
         let ordered = sorted(rest.iter().copied().filter(|v| v.is_finite()).collect());
         let (Some(least), Some(most)) = (ordered.first().copied(), ordered.last().copied()) else {
             return;

@@ -62,12 +62,7 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
         let early = channel.before(recording.begin());
         let outside = channel.time.len() - time.len() - early;
         let [spikes, clipped] = channel.dropped(&cleaned);
-        let lost = [
-            spikes,
-            clipped,
-            (early, recording::EARLY),
-            (outside, "outside of the window"),
-        ];
+        let lost = [spikes, clipped, (early, recording::EARLY), (outside, "outside of the window")];
         result.accounts.push(channel.account(&lost));
     }
     result.warnings.extend(result.doubts.clone());
@@ -163,7 +158,9 @@ fn concerns(channel: &Channel, cleaned: &Cleaned) -> Vec<String> {
     let fate = |word: &str, dropped: bool| match (drop.is_stated, dropped) {
         (_, true) => "they were left out, as the settings say".to_owned(),
         (true, false) => "they count, as the settings say".to_owned(),
-        (false, false) => format!("they count: `drop = [\"{word}\"]` leaves them out, `drop = []` says that they are right"),
+        (false, false) => {
+            format!("they count: `drop = [\"{word}\"]` leaves them out, `drop = []` says that they are right")
+        }
     };
     let mut concerns: Vec<String> = cleaned.marks.iter().map(|(mark, count)| format!(
         "{count} of {all} samples of {name} stand at {mark}, far from all others, and count: where that marks missing values, write \

@@ -194,7 +194,8 @@ pub fn in_seconds(table: &mut Table, column: &str) -> Result<(), String> {
     let Some(unit) = table.units[0].as_deref().filter(|unit| *unit != "s") else {
         return Ok(());
     };
-    let way = known::between(unit, "s").ok_or_else(|| format!("column `{column}` is in `{unit}`, which is no unit of time"))?;
+    let way = known::between(unit, "s")
+        .ok_or_else(|| format!("column `{column}` is in `{unit}`, which is no unit of time"))?;
     table.rows.iter_mut().for_each(|row| row[0] = way.value(row[0]));
     Ok(())
 }

@@ -112,11 +112,7 @@ fn is_number(variable: &Variable) -> bool {
 }
 
 /// The parameters that can vary about their start values: `parameter`s, or where there are none inputs.
-fn parameters<'a>(
-    fmu: &'a Description,
-    path: &Path,
-    driven: &[&str],
-) -> Result<Vec<(&'a Variable, Shown<'a>)>, Error> {
+fn parameters<'a>(fmu: &'a Description, path: &Path, driven: &[&str]) -> Result<Vec<(&'a Variable, Shown<'a>)>, Error> {
     for causality in [Causality::Parameter, Causality::Input] {
         // What was measured drives the model.
         let all = fmu.with(causality).filter(|variable| !driven.contains(&&*variable.name));

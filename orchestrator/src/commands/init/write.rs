@@ -156,7 +156,9 @@ impl Criteria {
                          of the";
         let is_of_points = table.time.is_none() && !table.inputs.is_empty();
         let uncertainty = match table.time {
-            _ if is_of_points => "# measurement: uncertainty = \"1 %\" (k = 2). Each row is an operating point, a case of its own.",
+            _ if is_of_points => {
+                "# measurement: uncertainty = \"1 %\" (k = 2). Each row is an operating point, a case of its own."
+            }
             Some(_) => "# measurement beside `file`: uncertainty = \"0.3 degC\" (k = 2).",
             None => {
                 "# measurement: uncertainty = \"1 %\" (k = 2). Several rows are taken as repeats of one measurement."
@@ -238,7 +240,9 @@ fn operating_point(table: &Measured<'_>, row: usize) -> Vec<String> {
         quoted(&format!("{}{unit}", number(column.values[row])))
     };
     let mut lines = vec![String::new(), "[[cases]]".to_owned(), format!("name = \"row {}\"", row + 1)];
-    lines.extend(table.inputs.iter().map(|column| format!("fixed.{} = {}", quoted(&column.variable.name), value(column))));
+    lines.extend(
+        table.inputs.iter().map(|column| format!("fixed.{} = {}", quoted(&column.variable.name), value(column))),
+    );
     for column in &table.columns {
         let (name, measured) = (quoted(&column.variable.name), column.values[row]);
         let tolerance = if measured == 0.0 { "0.1" } else { "\"5 %\"" };
