@@ -4,7 +4,7 @@ use super::values::{find, slot_of};
 use super::{Name, RecordingText, Study};
 use crate::concern::{Code, Concern};
 use fmu_import::description::Interface;
-use fmu_import::quantity::Scale;
+use fmu_import::quantity::{Quantity, Scale, Sense};
 use fmu_import::units::{Conversion, known};
 use fmu_import::{Causality, Content, Description, Variability, Variable};
 use fmu_points::task::{Schedule, Series, Slot, place};
@@ -43,6 +43,9 @@ pub(super) fn series(
         in_seconds(&mut table, time).map_err(in_file)?;
         let unit = number_tables::agreed(column, table.units[1].as_deref(), recording.unit.as_deref());
         let scale = Scale::new(unit.map_err(in_file)?, fmu, variable).map_err(named)?;
+        let offset = recording.offset.as_ref().map_or(Ok(0.0), |offset| known_offset(offset, &slot, &scale));
+        let offset = offset.map_err(named)?;
+        table.rows.iter_mut().for_each(|row| row[1] -= offset);
         let mut series = follow(&table, time, slot, scale.conversion)
             .map_err(|message| named(format!("{}: {message}", path.display())))?;
         series.hold = recording.hold || is_discrete(variable, &series.slot);
@@ -59,7 +62,13 @@ pub(super) fn series(
                 "{key}: the stated uncertainty of the recorded input ({stated}) counts in `identify` alone: no risk and no error bar of \
                  a verdict has it"
             );
-            let remedy = "Add what it does to the results to the `uncertainty` of the criteria, or let `identify` find the zero error.";
+            let remedy = match recording.offset {
+                Some(_) => "Add what it does to the results to the `uncertainty` of the criteria.",
+                None => {
+                    "Add what it does to the results to the `uncertainty` of the criteria, or let `identify` find the zero error: \
+                     its `optimum.toml` has it as the input's `offset`."
+                }
+            };
             Concern::new(Code::InputTakenAsExact, text).remedied(remedy)
         }));
         Ok(series)
@@ -68,6 +77,14 @@ pub(super) fn series(
     let inputs: Vec<Series> = inputs.collect::<Result<_, _>>()?;
     concerns.extend(many_steps(&inputs, schedule));
     Ok((inputs, concerns))
+}
+
+/// A known zero error in the recording's unit.
+fn known_offset(stated: &Quantity, slot: &Slot, scale: &Scale<'_>) -> Result<f64, String> {
+    let is_real = slot.handle.content == Content::Real && stated.unit.as_deref() != Some("%");
+    let offset = is_real.then(|| scale.number(stated, Sense::Difference)).transpose()?;
+    let wrong = || format!("the offset {stated} must be a number in the unit of a real input");
+    offset.filter(|offset| offset.is_finite()).ok_or_else(wrong)
 }
 
 /// Whether a recording covers a run. `words` are how to set start and stop, and how to let the ends hold.
