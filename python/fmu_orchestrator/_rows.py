@@ -1,6 +1,8 @@
 """Rows of text as a logger or a spreadsheet wrote them, as columns of numbers.
 
-What has two possible readings is refused with both and the option that decides; what is left out is told.
+What has two possible readings is refused with both and the option that decides; what is left out is told. That is why stamps, numbers
+and encodings are read here: dateutil takes 03/11 for March, pandas takes 1.234 for a number below 2, charset-normalizer ranks
+encodings by likeliness, and none of them says that there was a choice.
 """
 
 import csv
@@ -24,7 +26,7 @@ NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)*|[.,]\d+)([eE][+-]?\d+)?")
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+")
 BLANKS = re.compile(r"(?<=\d)['\u2019\u00a0\u202f\u2009 ](?=\d{3}(?!\d))")
 DAY = re.compile(r"(?:[A-Za-z]{2,3}[.,]? )?(\d{1,4})([-./ ])(\d{1,2}|[^\W\d_]{3,9})\.?\2 ?(\d{2,4})")
-COMPACT = re.compile(r"((?:19|20)\d{6})(?:[T ]?(\d{4}(?:\d\d)?(?:[.,]\d+)?))?(Z|[+-]\d\d:?\d\d)?")
+COMPACT = re.compile(r"((?:19|20)\d{6})(?:[T :_]?(\d{4}(?:\d\d)?(?:[.,]\d+)?))?(Z|[+-]\d\d:?\d\d)?")
 HOURS = re.compile(r"(?:(\d+) ?d(?:ays?)?,? ?)?(\d{1,6}):(\d\d)(?::(\d\d)(?:[.,:](\d{1,12}))?)?(?: ?([AaPp])\.?[Mm]\.?)?(?: ?(Z|[+-]\d\d:?\d\d))?")
 MONTHS = {name: k // 3 + 1 for k, name in enumerate(
     "jan jan jan feb feb feb mar mrz mär apr apr apr may mai mai jun jun jun jul jul jul aug aug aug sep sep sep oct okt okt "

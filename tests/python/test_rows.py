@@ -36,7 +36,7 @@ def stamps(form, count=4, step=60):
 
 @pytest.mark.parametrize("form", [
     "%Y-%m-%d %H:%M:%S", "%Y-%m-%dT%H:%MZ", "%Y/%m/%d %H:%M", "%d.%m.%y %H:%M", "%d.%m.%Y %H:%M:%S.%f", "%d-%b-%Y %H:%M:%S",
-    "%m/%d/%Y %I:%M:%S %p", "%Y%m%d%H%M%S", "%Y-%m-%dT%H:%M:%S+01:00",
+    "%m/%d/%Y %I:%M:%S %p", "%Y%m%d%H%M%S", "%Y%m%d:%H%M", "%Y-%m-%dT%H:%M:%S+01:00",
 ])
 def test_stamps_become_seconds(tmp_path, form):
     header, table = converted(tmp_path, rows("when;F [N]", *stamps(form)))

@@ -169,7 +169,8 @@ impl Criteria {
             lines.extend((0..table.columns[0].values.len()).flat_map(|row| operating_point(table, row)));
             return Self { lines, inputs: Vec::new(), count: table.columns.len(), own: false };
         }
-        let inputs = table.time.iter().flat_map(|time| table.inputs.iter().map(move |column| input(column, time, path)));
+        let inputs =
+            table.time.iter().flat_map(|time| table.inputs.iter().map(move |column| input(column, time, path)));
         let inputs: Vec<String> = inputs.collect();
         for column in &table.columns {
             lines.push(String::new());
