@@ -52,6 +52,12 @@ impl IdentificationOutcome {
         }
     }
 
+    /// Whether the misfit is smaller than the stated uncertainties allow.
+    pub fn is_too_close(&self) -> bool {
+        const RARE: f64 = 1e-3;
+        self.probability.is_some_and(|probability| probability > 1.0 - RARE)
+    }
+
     /// Whether the model misses values that it has enough unknowns for: a bound or its own form keeps it from them.
     fn is_out_of_reach(&self) -> bool {
         /// A single value is missed by two standard uncertainties.
@@ -170,6 +176,27 @@ mod tests {
         assert_eq!(outcome.fit(), Fit::Untested);
         let text = text::summary(&outcome);
         assert!(text.contains("As many unknowns as measured values: a fit was certain and shows nothing."), "{text}");
+    }
+
+    #[test]
+    fn a_misfit_that_is_impossibly_small_is_a_warning() {
+        let words = "fits so well in fewer than 1 of 1,000 tests";
+        for (size, told) in [(1e-3, true), (1.0, false)] {
+            let values: Vec<f64> = (0..20).map(|k| size * f64::from(k % 2)).collect();
+            let text = text::summary(&fitted(measured(&values, 0.5), &|p, _| p));
+            assert_eq!(text.contains(words), told, "{text}");
+        }
+    }
+
+    /// Of many valleys each search ends in another one, and none may be the lowest.
+    #[test]
+    fn an_unsure_search_asks_for_starts_before_it_blames_the_model() {
+        let outcome = fitted(measured(&[9.0, 9.0], 0.01), &|p, _| (7.0 * p).sin() + 0.3 * p);
+        let text = text::summary(&outcome);
+        let unsure = 2 * outcome.optima.iter().map(|o| o.reached).sum::<usize>() <= outcome.search.minima.len();
+        assert!(unsure, "{:?}", outcome.search.minima);
+        let places = ["give more `starts`", "A right model would miss"].map(|words| text.find(words));
+        assert!(places[0].is_some() && places[0] < places[1], "{text}");
     }
 
     /// A square reaches no negative number.

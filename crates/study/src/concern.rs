@@ -80,6 +80,8 @@ pub enum Code {
     MissedRows,
     /// A recording has a hole, which a straight line bridges.
     Hole,
+    /// A verdict takes a recorded input as exact, though its uncertainty is stated.
+    InputTakenAsExact,
     /// What `synchronise` found doubtful in a recording.
     Doubtful,
     /// Recordings make many more steps than the study asks for.
