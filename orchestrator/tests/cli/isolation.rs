@@ -30,9 +30,8 @@ fn bench(macros: &[&str]) -> Bench {
 }
 
 fn verify(bench: &Bench, folder: &str, options: &[&str]) -> Said {
-    let said = bench.run(
-        &[&["verify", "study.toml", "--verbose", "--jobs", "2", "--output", folder], options].concat(),
-    );
+    let said =
+        bench.run(&[&["verify", "study.toml", "--verbose", "--jobs", "2", "--output", folder], options].concat());
     // An FMU that tells the time misses every tolerance.
     assert!(said.code < 2, "{}{}", said.out, said.err);
     said

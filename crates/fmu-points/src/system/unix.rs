@@ -146,9 +146,7 @@ pub(crate) fn held_port() -> Option<String> {
 fn option(descriptor: i32, which: i32) -> Option<i32> {
     let (mut value, mut size) = (0_i32, size_of::<i32>() as libc::socklen_t);
     // SAFETY: writes at most `size` bytes to `value`; of a descriptor that is none the call says so.
-    let done = unsafe {
-        libc::getsockopt(descriptor, libc::SOL_SOCKET, which, (&raw mut value).cast(), &raw mut size)
-    };
+    let done = unsafe { libc::getsockopt(descriptor, libc::SOL_SOCKET, which, (&raw mut value).cast(), &raw mut size) };
     (done == 0).then_some(value)
 }
 

@@ -184,8 +184,9 @@ impl Again {
                           path, the host, files or ports outside of the FMU"
                         .to_owned(),
                 };
-                let text =
-                    format!("not reproducible: {which} ran again, {later}, and {all} gave other results ({first}); {cause}");
+                let text = format!(
+                    "not reproducible: {which} ran again, {later}, and {all} gave other results ({first}); {cause}"
+                );
                 (false, text)
             }
         });
