@@ -319,7 +319,9 @@ impl Recorded<'_> {
         let name = self.time_name(file, None).ok()?;
         let times = self.times(file, &Signal::default()).ok()?;
         let known = || times.iter().copied().filter(|value| value.is_finite());
-        let [from, to] = [known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max)];
+        // To the nanosecond: sums of decimals end otherwise.
+        let [from, to] = [known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max)]
+            .map(|time| (time * 1e9).round() / 1e9);
         let has_unit = time.unit.is_some() || table.get(name)?.unit.is_some();
         let unit = if has_unit { "" } else { ", which has no unit and is read as s" };
         Some(format!("{}: time: `{name}`{unit}, {from} .. {to} s", files::name(table.path())))

@@ -510,7 +510,7 @@ fn doubts(outcome: &IdentificationOutcome) -> String {
     let (searches, ended) =
         (outcome.search.minima.len(), outcome.optima.iter().map(|optimum| optimum.reached).sum::<usize>());
     // A model is blamed where the search is sure of its optimum.
-    let is_unsure = converged && outcome.fit() == Fit::Misses && 2 * ended <= searches;
+    let is_unsure = converged && outcome.fit() == Fit::Misses && 2 * ended < searches;
     let search = is_unsure.then(|| {
         format!(
             "Only {ended} of {searches} searches ended at this minimum, so a lower one may have been missed: give more `starts` in \

@@ -189,7 +189,7 @@ impl Finished {
     /// When the journal cannot be opened.
     pub fn outcomes(&self) -> Result<Outcomes<'_>, Error> {
         let file = File::open(&self.path).map_err(Error::io(&self.path))?;
-        Ok(Outcomes { finished: self, lines: Lines::new(file) })
+        Ok(Outcomes { finished: self, lines: Lines::new(file), width: None })
     }
 }
 
@@ -201,6 +201,8 @@ pub type Noted = (Outcome, Option<Notices>);
 pub struct Outcomes<'a> {
     finished: &'a Finished,
     lines: Lines,
+    /// How many values a point has.
+    width: Option<usize>,
 }
 
 impl Outcomes<'_> {
@@ -228,6 +230,11 @@ impl Outcomes<'_> {
             Line::Damaged | Line::End => None,
         };
         let damaged = || format!("the line of point {} is damaged", index + 1);
+        // All points have as many values.
+        let noted = noted.filter(|(outcome, _)| {
+            let count = outcome.as_ref().ok().map(Vec::len);
+            count.is_none_or(|count| *self.width.get_or_insert(count) == count)
+        });
         let noted = noted.ok_or_else(|| Error::content(path, damaged()))?;
         Ok(Some(noted))
     }

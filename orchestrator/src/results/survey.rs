@@ -69,10 +69,9 @@ impl<'a> Survey<'a> {
         }
         let Ok(values) = outcome else { return };
         self.points += 1;
-        for (k, &value) in values.iter().enumerate() {
-            let [low, high] = &mut self.reached[k];
+        for ((&value, [low, high]), spread) in values.iter().zip(&mut self.reached).zip(&mut self.spreads) {
             (*low, *high) = (low.min(value), high.max(value));
-            self.spreads[k].add(value);
+            spread.add(value);
         }
     }
 

@@ -346,7 +346,7 @@ fn synchronise_takes_values_as_they_are_where_the_model_has_no_unit() {
     assert_eq!(said.code, 0, "{}", said.err);
     for line in [
         "signals.y: the model has no unit, so the values are those in `degC`, as they are",
-        "measured.csv: the time has no unit and is read as s: 19.99 s long",
+        "measured.csv: time: `t`, which has no unit and is read as s, 0 .. 19.99 s",
         "y: the rows' noise alone (",
     ] {
         assert!(said.out.contains(line), "{line}: {}", said.out);
@@ -376,7 +376,8 @@ fn synchronise_writes_a_case() {
     run(&[]).is_mistake(&["settings.toml", "nothing drives the model", "variable = "]);
     let driven = SETTINGS
         .replace("speed = { ", "lag = \"2 ms\"\nspeed = { variable = \"drive.speed\", ")
-        .replace("accuracy = \"1 %\", group", "accuracy = \"1 %\", tolerance = \"15 N\", group");
+        .replace("accuracy = \"1 %\", group", "accuracy = \"1 %\", tolerance = \"15 N\", drop = [\"spikes\"], group")
+        .replace("accuracy = 0.01 }", "accuracy = 0.01, drop = [\"spikes\"] }");
     bench.write("settings.toml", &driven);
     let said = run(&["--held-out"]);
     assert_eq!(said.code, 0, "{}", said.err);
@@ -423,22 +424,11 @@ fn mistakes_of_a_recording_are_named() {
     say("\"25 mm\"", "\"-25 mm\"").is_mistake(&["diameter must be positive"]);
 }
 
-/// Time stamps, units below the header, decimal commas, and no unit in the settings.
+/// Units in the header, and none in the settings; what a logger writes otherwise is for `convert`.
 #[test]
-fn a_recording_as_loggers_write_it() {
+fn units_of_a_recording_stand_in_its_header() {
     let bench = Bench::empty();
-    let mut text = String::from("t;F;M;T\n;kN;N.m;degC\n");
-    for row in recording().lines().skip(1) {
-        let cells: Vec<&str> = row.split(',').collect();
-        let k: u32 = cells[0].parse().unwrap();
-        let rest = cells[1..].join(";").replace('.', ",");
-        let (second, part) = (50 + k / 1000, k % 1000);
-        let (minute, second) = (59 + second / 60, second % 60);
-        let (hour, minute) = (23 + minute / 60, minute % 60);
-        let (day, hour) = (21 + hour / 24, hour % 24);
-        text += &format!("2026-11-{day}T{hour:02}:{minute:02}:{second:02}.{part:03}+01:00;{rest}\n");
-    }
-    bench.write("measured.csv", &text);
+    bench.write("measured.csv", &recording().replacen("t,F,M,T", "t [ms],F [kN],M [N.m],T [degC]", 1));
     let settings = SETTINGS.replace(", unit = \"ms\"", "").replace(" unit = \"kN\",", "");
     bench.write("settings.toml", &settings.replace(" unit = \"degC\",", ""));
     let run = ["synchronise", "measured.csv", "--settings", "settings.toml", "--output", "m"];
@@ -449,6 +439,8 @@ fn a_recording_as_loggers_write_it() {
     assert!(text.contains("nominal = 750") && text.contains("unit = \"degC\""), "{text}");
     bench.write("settings.toml", &SETTINGS.replace("\"kN\"", "\"N\""));
     bench.run(&run).is_mistake(&["measured.csv: column `F` is in `kN`", "say `N`"]);
+    bench.write("measured.csv", &recording().replacen("\n", "\n;kN;N.m;degC\n", 1));
+    bench.run(&run).is_mistake(&["measured.csv", "convert"]);
 }
 
 /// Any signals, from two loggers that share nothing: other times, volts, units in names. The case runs as it is written.
