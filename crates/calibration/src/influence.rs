@@ -14,7 +14,6 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use super::errors::Errors;
 use super::next::Group;
 use super::optima::Optimum;
-use super::outcome::IdentificationOutcome;
 use super::problem::Problem;
 
 /// The value with the largest studentised residual.
@@ -63,19 +62,6 @@ pub struct Part {
     pub share: f64,
 }
 
-/// The curvature with the shared errors as unknowns behind the others, given that without them and how the derivatives lie along
-/// them: what they take from it comes back.
-pub(crate) fn with_sources(precision: &DMatrix<f64>, along: &DMatrix<f64>, errors: &Errors) -> DMatrix<f64> {
-    let (n, sources) = (precision.nrows(), errors.sources());
-    let halved = errors.halved(along.clone());
-    let mut full = DMatrix::zeros(n + sources, n + sources);
-    full.view_mut((0, 0), (n, n)).copy_from(&(precision + halved.tr_mul(&halved)));
-    full.view_mut((n, 0), (sources, n)).copy_from(along);
-    full.view_mut((0, n), (n, sources)).copy_from(&along.transpose());
-    full.view_mut((n, n), (sources, sources)).copy_from(&errors.matrix());
-    full
-}
-
 /// The linear problem at an optimum. An unknown at a bound is known.
 struct Rows<'a> {
     problem: &'a Problem,
@@ -91,7 +77,7 @@ impl<'a> Rows<'a> {
     fn new(problem: &'a Problem, optimum: &'a Optimum) -> Option<Self> {
         let errors = Errors::new(problem);
         let posterior = &optimum.posterior;
-        let full = with_sources(&posterior.precision, &posterior.slopes[1], &errors);
+        let full = errors.with_sources(&posterior.precision, &posterior.slopes[1]);
         let n = problem.unknowns();
         let inside = |k: &usize| *k >= n || (optimum.minimum.places[*k] > 0.0 && optimum.minimum.places[*k] < 1.0);
         let open: Vec<usize> = (0..full.nrows()).filter(inside).collect();
@@ -132,47 +118,45 @@ impl<'a> Rows<'a> {
     }
 }
 
-impl IdentificationOutcome {
-    /// Looks at single values at an optimum; `groups` are those that have their noise from one sensor.
-    pub fn look_at_values(&mut self, problem: &Problem, optimum: &Optimum, groups: &[Group]) {
-        /// Of a value that the fit goes through, whatever it is, the residual tells nothing.
-        const THROUGH: f64 = 1.0 - 1e-6;
-        let Some(rows) = Rows::new(problem, optimum) else { return };
-        let places = (0..problem.cases.len()).flat_map(|case| (0..problem.quantities.len()).map(move |q| (case, q)));
-        let all: Vec<_> = places.map(|(case, quantity)| (case, quantity, rows.pull(case, quantity))).collect();
-        let named = |case: usize, quantity: usize| {
-            (problem.cases[case].label.clone(), problem.quantities[quantity].name.clone())
-        };
-        let told = all.iter().filter(|(.., (_, leverage))| *leverage < THROUGH);
-        let studentised = told.map(|(case, quantity, (_, leverage))| {
-            let studentised = rows.residual(*case, *quantity) / (1.0 - leverage).sqrt();
-            (rows.chance(studentised, *quantity), *case, *quantity, studentised, *leverage)
-        });
-        let count = all.len() as f64;
-        let farthest = studentised.min_by(|a, b| a.0.total_cmp(&b.0));
-        self.farthest = farthest.map(|(chance, number, quantity, studentised, leverage)| {
-            let (case, quantity) = named(number, quantity);
-            Farthest { case, quantity, studentised, leverage, probability: (count * chance).min(1.0) }
-        });
-        let covariance = rows.factor.inverse();
-        let free = (0..problem.free.len()).filter_map(|k| Some((k, rows.open.iter().position(|&open| open == k)?)));
-        self.influence = free
-            .map(|(k, place)| {
-                let deviation = covariance[(place, place)].sqrt();
-                let change = |(case, quantity, (pull, leverage)): &(usize, usize, (DVector<f64>, f64))| {
-                    let residual = rows.optimum.minimum.misfit.residuals[case * problem.quantities.len() + quantity];
-                    let (case, quantity) = named(*case, *quantity);
-                    let change = pull[place] * residual / (1.0 - leverage.min(THROUGH)) / deviation;
-                    Moved { case, quantity, change }
-                };
-                let mut values: Vec<Moved> = all.iter().map(change).collect();
-                values.sort_by(|a, b| b.change.abs().total_cmp(&a.change.abs()));
-                values.truncate(SHOWN);
-                let budget = budget(&rows, &covariance, place, (groups, &all));
-                Influence { parameter: problem.free[k].name.clone(), values, budget }
-            })
-            .collect();
-    }
+/// Looks at single values at an optimum; `groups` are those that have their noise from one sensor.
+pub fn of_values(problem: &Problem, optimum: &Optimum, groups: &[Group]) -> (Option<Farthest>, Vec<Influence>) {
+    /// Of a value that the fit goes through, whatever it is, the residual tells nothing.
+    const THROUGH: f64 = 1.0 - 1e-6;
+    let Some(rows) = Rows::new(problem, optimum) else { return (None, Vec::new()) };
+    let places = (0..problem.cases.len()).flat_map(|case| (0..problem.quantities.len()).map(move |q| (case, q)));
+    let all: Vec<_> = places.map(|(case, quantity)| (case, quantity, rows.pull(case, quantity))).collect();
+    let named =
+        |case: usize, quantity: usize| (problem.cases[case].label.clone(), problem.quantities[quantity].name.clone());
+    let told = all.iter().filter(|(.., (_, leverage))| *leverage < THROUGH);
+    let studentised = told.map(|(case, quantity, (_, leverage))| {
+        let studentised = rows.residual(*case, *quantity) / (1.0 - leverage).sqrt();
+        (rows.chance(studentised, *quantity), *case, *quantity, studentised, *leverage)
+    });
+    let count = all.len() as f64;
+    let farthest = studentised.min_by(|a, b| a.0.total_cmp(&b.0));
+    let farthest = farthest.map(|(chance, number, quantity, studentised, leverage)| {
+        let (case, quantity) = named(number, quantity);
+        Farthest { case, quantity, studentised, leverage, probability: (count * chance).min(1.0) }
+    });
+    let covariance = rows.factor.inverse();
+    let free = (0..problem.free.len()).filter_map(|k| Some((k, rows.open.iter().position(|&open| open == k)?)));
+    let influence = free
+        .map(|(k, place)| {
+            let deviation = covariance[(place, place)].sqrt();
+            let change = |(case, quantity, (pull, leverage)): &(usize, usize, (DVector<f64>, f64))| {
+                let residual = rows.optimum.minimum.misfit.residuals[case * problem.quantities.len() + quantity];
+                let (case, quantity) = named(*case, *quantity);
+                let change = pull[place] * residual / (1.0 - leverage.min(THROUGH)) / deviation;
+                Moved { case, quantity, change }
+            };
+            let mut values: Vec<Moved> = all.iter().map(change).collect();
+            values.sort_by(|a, b| b.change.abs().total_cmp(&a.change.abs()));
+            values.truncate(SHOWN);
+            let budget = budget(&rows, &covariance, place, (groups, &all));
+            Influence { parameter: problem.free[k].name.clone(), values, budget }
+        })
+        .collect();
+    (farthest, influence)
 }
 
 /// Values for people.
@@ -217,6 +201,7 @@ fn budget(rows: &Rows<'_>, covariance: &DMatrix<f64>, place: usize, (groups, all
 mod tests {
     use super::super::fit::Fit;
     use super::super::objective::Objective;
+    use super::super::outcome::IdentificationOutcome;
     use super::super::problem::{Channel, Effect, Measured, SharedKind, Source, Spacing};
     use super::super::search::search;
     use super::super::testing::{effort, free, problem, starts};
@@ -251,7 +236,7 @@ mod tests {
         let (optima, progress) = search(&objective, &starts(2, 4), &effort(2, 40), &|_| ()).unwrap();
         let mut outcome = IdentificationOutcome::new(&problem, &optima, &progress);
         let group = Group { name: "y".to_owned(), values: (0..values.len()).map(|k| [0, k]).collect() };
-        outcome.look_at_values(&problem, &optima[0], std::slice::from_ref(&group));
+        (outcome.farthest, outcome.influence) = of_values(&problem, &optima[0], std::slice::from_ref(&group));
         outcome.look_along(&[group], &problem.estimates);
         outcome
     }

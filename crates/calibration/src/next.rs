@@ -10,7 +10,6 @@ use serde::Serialize;
 
 use super::digits::{rounded, shown};
 use super::errors::Errors;
-use super::influence::with_sources;
 use super::optima::Optimum;
 use super::problem::{Problem, Spacing};
 use super::sample::Sample;
@@ -80,7 +79,7 @@ impl NextOutcome {
         let errors = Errors::new(problem);
         let [slopes, along] = &posterior.slopes;
         let (n, sources) = (problem.unknowns(), errors.sources());
-        let full = with_sources(&precision, along, &errors);
+        let full = errors.with_sources(&precision, along);
         let free = &problem.free[parameter];
         let measurement = |work: String, more: DMatrix<f64>| {
             let covariance = Cholesky::new(&full + more)?.inverse();

@@ -57,7 +57,7 @@ fn six_exact_solutions_are_six_optima() {
     bench.write("study.toml", &format!("{STUDY}{decided}"));
     let said = identify(&bench, &["--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    assert!(said.out.contains("The intervals are normal approximations"), "{}", said.out);
+    assert!(said.out.contains("they are normal approximations"), "{}", said.out);
     assert!(bench.path("out/optimum.toml").exists());
     assert!(!bench.path("out/optimum-1.toml").exists());
     assert!(!bench.path("out/optimum-6.toml").exists());
