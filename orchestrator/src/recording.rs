@@ -570,7 +570,7 @@ impl Recorded<'_> {
         let ends = recording.signals().filter_map(|signal| signal.time.last());
         let window = settings.window.map(|[_, to]| to);
         let end = ends.copied().chain(window).fold(f64::INFINITY, f64::min);
-        match start.filter(|start| *start >= end) {
+        match start.filter(|start| start.is_nan() || *start >= end) {
             Some(start) => Err(settings.wrong(format!(
                 "line {}: start: {start} s is not before {} s, where a signal or the window ends; give an earlier time",
                 settings.start_line,

@@ -233,7 +233,7 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     while first is not None and first - 1 in good[: good.index(first)]:
         first -= 1
     good = [k for k in good if first is not None and k >= first]
-    if not good:
+    if first is None or not good:
         raise OrchestratorError(f"{path}: no rows of numbers of one width; say --delimiter or --header")
     long = next((k for k in body if filled[k] > width and k > good[0]), None)
     if long is not None:
@@ -677,7 +677,7 @@ def _calendar(
             row.append(None)
             continue
         try:
-            day = datetime.datetime(*(int(values[part] or 0) for part in ("year", "month", "day")))
+            day = datetime.datetime(int(values["year"] or 0), int(values["month"] or 0), int(values["day"] or 0))
         except ValueError:
             return None
         # Weather data count the hours from 1 to 24 and write the end of each.

@@ -438,7 +438,7 @@ fn units_of_a_recording_stand_in_its_header() {
     assert!(text.contains("torque shifted by 12.30"), "{text}");
     assert!(text.contains("nominal = 750") && text.contains("unit = \"degC\""), "{text}");
     bench.write("settings.toml", &SETTINGS.replace("\"kN\"", "\"N\""));
-    bench.run(&run).is_mistake(&["measured.csv: column `F` is in `kN`", "say `N`"]);
+    bench.run(&run).is_mistake(&["measured.csv: column `F` is in `kN`", "`unit` says `N`"]);
     bench.write("measured.csv", &recording().replacen("\n", "\n;kN;N.m;degC\n", 1));
     bench.run(&run).is_mistake(&["measured.csv", "convert"]);
 }

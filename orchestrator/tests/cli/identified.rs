@@ -357,7 +357,7 @@ max = 2
     let optimum: toml::Table = bench.read("out/optimum.toml").parse().unwrap();
     let text = |of: &toml::Value| of.as_str().map_or_else(|| of.to_string(), |text| format!("\"{text}\""));
     let offset = text(&optimum["inputs"]["drive.u"]["offset"]);
-    let best: f64 = text(&optimum["fixed"]["lag.rate"]).trim_matches('"').parse().unwrap();
+    let best: f64 = text(&optimum["fixed"]["lag.rate"]).trim_matches('"').split(" ").next().unwrap().parse().unwrap();
     let at_optimum = study
         .replace("min = 0.5\nmax = 2", &format!("min = {}\nmax = {}", best - 1e-6, best + 1e-6))
         .replace("tolerance = 0.1", "tolerance = 0.01");
