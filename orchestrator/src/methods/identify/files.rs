@@ -49,7 +49,11 @@ fn offsets(study: &Study, outcome: &IdentificationOutcome, place: usize) -> Stri
         let stated = cases.iter().find_map(|(case, of_case)| {
             let own = case.and_then(|case| path.strip_prefix(case.name.as_ref().as_str())?.strip_prefix(SEPARATOR));
             let key = own.unwrap_or(path);
-            of_case.inputs.iter().find(|(name, _)| name.as_ref().as_str() == key).map(|(_, text)| (key, own.is_some(), text))
+            of_case
+                .inputs
+                .iter()
+                .find(|(name, _)| name.as_ref().as_str() == key)
+                .map(|(_, text)| (key, own.is_some(), text))
         });
         let Some((key, of_case, text)) = stated else { continue };
         let unit = free.unit.as_deref().unwrap_or("1");
@@ -65,7 +69,10 @@ fn offsets(study: &Study, outcome: &IdentificationOutcome, place: usize) -> Stri
         let unit = behind(Some(unit).filter(|unit| *unit != "1"));
         let half = (free.interval[1] - free.interval[0]) / 2.0;
         if of_case {
-            section += &format!("# of the case {} alone:\n", path.strip_suffix(key).unwrap_or(path).trim_end_matches(SEPARATOR));
+            section += &format!(
+                "# of the case {} alone:\n",
+                path.strip_suffix(key).unwrap_or(path).trim_end_matches(SEPARATOR)
+            );
         }
         section += &format!("[inputs.\"{key}\"]  # beside its `file`\n");
         section += &format!("offset = \"{}{unit}\"\n", text::digits(before + free.value));
@@ -73,7 +80,9 @@ fn offsets(study: &Study, outcome: &IdentificationOutcome, place: usize) -> Stri
     }
     match section.as_str() {
         "" => section,
-        _ => format!("\n# The recorded inputs read too high by `offset`; the values above hold with these alone.\n{section}"),
+        _ => format!(
+            "\n# The recorded inputs read too high by `offset`; the values above hold with these alone.\n{section}"
+        ),
     }
 }
 

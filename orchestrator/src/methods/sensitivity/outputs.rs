@@ -158,7 +158,8 @@ pub fn from_runs(method: &dyn FromRuns, design: &[Vec<f64>], rows: &PointTable, 
         output.dominant = most_important(&method.shown(&told), &result.parameters);
         output.missing = failures::missing(values);
         output.told.extend(told);
-        above_total.extend(first_above_total(&output.told, &result.parameters).into_iter().map(|k| (k, output.name.clone())));
+        above_total
+            .extend(first_above_total(&output.told, &result.parameters).into_iter().map(|k| (k, output.name.clone())));
     }
     result.runs = rows.len();
     result.failed = failures::failed(rows);
