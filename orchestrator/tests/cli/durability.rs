@@ -195,7 +195,9 @@ fn two_hundred_kills_over_five_thousand_points() {
 /// Runs a study with a limit on the size of its files, KiB, as on a full disk.
 fn verify_in(bench: &Bench, folder: &str, kibibytes: u32) -> crate::support::Said {
     let program = env!("CARGO_BIN_EXE_orchestrator");
-    let script = format!("trap '' XFSZ; ulimit -f {kibibytes}; exec {program} verify study.toml --extra-runs 0 --output {folder}");
+    let script = format!(
+        "trap '' XFSZ; ulimit -f {kibibytes}; exec {program} verify study.toml --extra-runs 0 --output {folder}"
+    );
     let mut command = Command::new("bash");
     command.args(["-c", &script]).current_dir(bench.path(""));
     command.output().unwrap().into()
