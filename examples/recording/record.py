@@ -61,8 +61,7 @@ def record(fmu: Path, nominal: float, path: Path, noise: random.Random) -> None:
     rows = run(fmu, nominal)
     with path.open("w", newline="") as file:
         table = csv.writer(file)
-        table.writerow(["t", "n", "F", "M", "T"])
-        table.writerow(["s", "rpm", "N", "N.m", "degC"])
+        table.writerow(["t [s]", "n [rpm]", "F [N]", "M [N.m]", "T [degC]"])
         for k in range(round(STOP / STEP) + 1):
             t = k * STEP
             cells = {

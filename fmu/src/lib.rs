@@ -8,6 +8,8 @@ pub mod bearing;
 pub mod documentation;
 pub mod drive;
 pub mod load;
+#[cfg(any(target_os = "linux", target_os = "macos", windows))]
+mod load_time;
 pub mod multirate;
 pub mod oil;
 #[cfg(target_family = "wasm")]

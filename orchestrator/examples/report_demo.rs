@@ -96,7 +96,7 @@ fn documents(table: &PointTable) -> Vec<Document> {
     let cloud = || region::cloud(&rows(table), 1);
     let room = if few { robustness(table, &cloud(), 0.8) } else { None };
     let nominal = Some(Member::of(table, 0));
-    let costs = trade_off(table, true, nominal, "the study's points".into());
+    let costs = trade_off(table, nominal);
     let told = [
         matters.map(|result| sensitivity::document(&result, table)),
         room.map(|result| robust::document(&result)),

@@ -53,14 +53,18 @@ fn told(message: &str) -> String {
     let parts = message[..end].split("\n\n");
     let parts = parts.map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "));
     let parts: Vec<String> = parts.collect();
-    let line = of_the_study(&parts[0]).unwrap_or_else(|| parts.join("; "));
+    let line = elsewhere(&parts[0]).unwrap_or_else(|| parts.join("; "));
     let line = line + "; --help shows what there is";
     let replaced = |text: String, (from, to): &(&str, &str)| text.replace(from, to);
     WORDS.iter().fold(line, replaced)
 }
 
-/// The fault that an option is a key of the study's file: what looks like it among the options is no help then.
-fn of_the_study(fault: &str) -> Option<String> {
+/// The fault that an option has another name now, or is a key of the study's file: what looks like it among the options is no
+/// help then.
+fn elsewhere(fault: &str) -> Option<String> {
+    if fault.starts_with("unexpected argument '--in-process' found") {
+        return Some("unexpected argument '--in-process' found; it is called `--isolation none` now".to_owned());
+    }
     const SCHEMA: &str = include_str!("../../studies/study.schema.json");
     let option = fault.strip_prefix("unexpected argument '--")?;
     let key = option.split_once("' found")?.0;
@@ -187,8 +191,12 @@ mod tests {
             ("o verify", "the following required arguments are missing: <STUDY>"),
             ("o verfy s", "unrecognized subcommand 'verfy'; a similar subcommand exists: 'verify'"),
             (
-                "o verify s --isolation none",
-                "invalid value 'none' for '--isolation <HOW>' [possible values: fresh, audited, reuse]",
+                "o verify s --isolation reuse",
+                "invalid value 'reuse' for '--isolation <HOW>': it is called `shared` now",
+            ),
+            (
+                "o verify s --in-process",
+                "unexpected argument '--in-process' found; it is called `--isolation none` now",
             ),
             ("o verify s --output", "a value is required for '--output <DIR>' but none was supplied"),
         ] {

@@ -15,7 +15,7 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use conformity::decision::Rule;
-use conformity::measured::{Limits, Measured, Measurement};
+use conformity::measured::{Assessed, Limits, Measured, Measurement};
 use conformity::risk::Guard;
 use conformity::uncertainty::Uncertainty;
 use curves::{Kind, Metric};
@@ -241,10 +241,12 @@ pub struct Judge {
 }
 
 /// Whether a point agrees, criterion by criterion.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PointVerdict {
     /// A flag for each criterion.
     pub passed: Vec<bool>,
+    /// How far it is within all tolerances, and how probably so, where that was asked for and the point has all values.
+    pub together: Option<Assessed>,
 }
 
 impl PointVerdict {
@@ -380,7 +382,7 @@ impl Judge {
     fn verdict_within(&self, limits: impl Fn(usize) -> Limits, values: Option<&[f64]>) -> PointVerdict {
         let value = |number: usize| values.and_then(|values| values.get(number));
         let passed = (0..self.criteria.len()).map(|number| value(number).is_some_and(|&v| limits(number).accepts(v)));
-        PointVerdict { passed: passed.collect() }
+        PointVerdict { passed: passed.collect(), together: None }
     }
 
     /// Judges what came of one point. Where the study has cases, a failed point still meets the criteria of the cases that
@@ -400,7 +402,7 @@ impl Judge {
                 passed[k] = self.criteria[k].accepts(value);
             }
         }
-        PointVerdict { passed }
+        PointVerdict { passed, together: None }
     }
 
     /// Whether a nominal value comes from the model itself, so that agreement verifies nothing.
@@ -412,6 +414,11 @@ impl Judge {
     /// Whether a guard band decides which points are accepted.
     pub fn is_guarded(&self) -> bool {
         self.guard != Guard::Given(0.0)
+    }
+
+    /// Whether the conformance probability of a point is known.
+    pub fn knows_conformance(&self) -> bool {
+        !self.has_own_values() && (0..self.criteria.len()).all(|criterion| self.measurement.knows(criterion))
     }
 
     /// How far the values are from the measured ones: the root of the sum of the squared
@@ -440,7 +447,7 @@ fn cases(study: &Study) -> Vec<JudgedCase> {
 
 /// Refuses criteria whose columns in `points.csv` could not be told apart from other ones.
 fn check_columns(study: &Study) -> Result<(), FileError> {
-    const OWN: [&str; 4] = ["point", "verified", "accepted", "status"];
+    const OWN: [&str; 5] = ["point", "verified", "accepted", "conformance", "status"];
     let parameters = study.parameters.keys().map(|name| name.as_ref().as_str());
     let mut columns: HashSet<String> = OWN.into_iter().chain(parameters).map(String::from).collect();
     for name in study.criteria.keys() {

@@ -7,6 +7,7 @@ use orchestrator::{cli, commands};
 fn main() -> ExitCode {
     fmu_check::serve_if_probe();
     fmu_points::system::give_back_memory();
+    fmu_points::system::survive_large_files();
     let said = cli::parse().map(commands::run);
     let error = match said {
         Ok(Ok(code)) => return code,

@@ -70,11 +70,9 @@ pub struct Means {
     /// The number of parallel simulations [default: the cores that this process may use]
     #[arg(long, value_name = "J", allow_negative_numbers = true)]
     pub jobs: Option<NonZeroUsize>,
-    /// Run points in this process: a little faster, but a crash of the FMU ends the run
-    #[arg(long, conflicts_with = "isolation")]
-    pub in_process: bool,
-    /// How points share processes
-    #[arg(long, value_enum, value_name = "HOW", default_value = "audited")]
+    /// fresh: each point alone in a process of its own; shared: points share processes, for an FMU that you trust; none: all
+    /// in this process, which a crash of the FMU ends
+    #[arg(long, value_name = "HOW", default_value = "fresh")]
     pub isolation: Isolation,
     /// The longest time that a point may take, s
     #[arg(long, value_name = "T", default_value_t = 3600.0, allow_negative_numbers = true)]
@@ -92,7 +90,7 @@ pub struct Means {
 #[derive(Debug, Args)]
 pub struct Afar {
     /// Start each worker by this command, such as `srun -n1 -c1` or `ssh node7`
-    #[arg(long, value_name = "COMMAND", conflicts_with = "in_process")]
+    #[arg(long, value_name = "COMMAND")]
     launcher: Option<String>,
     /// Hosts, a line each with the number of workers; `{host}` in the command becomes the name
     #[arg(long, value_name = "FILE", requires = "launcher", conflicts_with = "jobs")]
@@ -162,11 +160,18 @@ impl Means {
     /// # Errors
     /// When a limit cannot be used.
     pub fn place(&self, jobs: usize) -> Result<Place, Error> {
-        if self.in_process {
-            return Ok(Place::Here);
-        }
         let limits = self.limits(jobs)?;
-        let Some(mut launcher) = self.afar.launcher(jobs)? else {
+        let launcher = self.afar.launcher(jobs)?;
+        if self.isolation == Isolation::None {
+            return match launcher {
+                None => Ok(Place::Here),
+                Some(_) => Err(Error::option(
+                    "isolation",
+                    "`none` is this process, and a launcher starts others: leave one out",
+                )),
+            };
+        }
+        let Some(mut launcher) = launcher else {
             return Ok(Place::Processes(limits, self.isolation));
         };
         launcher.memory = self.memory_limit.as_ref().map(|_| limits.memory);

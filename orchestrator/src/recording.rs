@@ -10,11 +10,11 @@ use fmu_import::quantity::Quantity;
 use fmu_import::units::{Conversion, known};
 use fmu_points::names::behind;
 use number_tables::files::{self, FileError};
-use number_tables::recorded::{Layout, RecordedTable, Stamp, composed, stamp};
+use number_tables::recorded::RecordedTable;
 use result_document::format::number;
 use rig_signals::case::{Drive, Driven};
 use rig_signals::smooth::Smoothing;
-use rig_signals::{Accuracy, Bearing, Channel, Derived, RigRecording, Synchronised};
+use rig_signals::{Accuracy, Bearing, Channel, Derived, Drop, RigRecording, Synchronised};
 use study::exactly_two;
 
 /// The settings of a recording.
@@ -49,7 +49,7 @@ pub struct Settings {
     #[serde(default, deserialize_with = "window")]
     window: Option<[f64; 2]>,
     /// When the model starts.
-    start: Option<Spanned<Moment>>,
+    start: Option<Spanned<Quantity>>,
     /// The line of `start`.
     #[serde(skip)]
     start_line: usize,
@@ -72,23 +72,50 @@ fn window<'de, D: Deserializer<'de>>(text: D) -> Result<Option<[f64; 2]>, D::Err
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TimeColumn {
-    /// The first one where it is not named.
+    /// Where it is not named, the one that has a unit of time, or is called time, and rises.
     column: Option<String>,
     /// Of the rows, where there is no such column.
     rate: Option<Quantity>,
     unit: Option<String>,
-    /// The form of time stamps.
-    format: Option<String>,
-    /// When the file's clock starts; a time stamp where another file has some.
-    offset: Option<Moment>,
+    /// When the file's clock starts.
+    offset: Option<Quantity>,
+    /// Which of several rows with one time counts.
+    repeated: Option<Repeated>,
 }
 
-/// A time of the recording in seconds or with its unit, or a time stamp.
+/// Which of several rows with one time counts.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Repeated {
+    First,
+    Last,
+}
+
+/// Samples that may be none of the signal.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+enum Doubtful {
+    Clipped,
+    Spikes,
+}
+
+/// What stands in a cell where nothing was measured.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(untagged, expecting = "expected a time, such as 12.3 or \"12300 ms\", or a time stamp")]
-enum Moment {
-    Seconds(f64),
+#[serde(untagged, expecting = "expected a number or a text, as it stands in the cells")]
+enum Mark {
+    Whole(i64),
+    Number(f64),
     Text(String),
+}
+
+impl Mark {
+    fn text(&self) -> String {
+        match self {
+            Self::Whole(mark) => mark.to_string(),
+            Self::Number(mark) => mark.to_string(),
+            Self::Text(mark) => mark.clone(),
+        }
+    }
 }
 
 /// How a file is written.
@@ -96,8 +123,6 @@ enum Moment {
 #[serde(deny_unknown_fields)]
 struct FileLayout {
     time: Option<TimeColumn>,
-    delimiter: Option<String>,
-    header: Option<usize>,
 }
 
 /// A column of a file and its use.
@@ -123,9 +148,20 @@ struct Signal {
     /// How far the model may be from the true curve, in a case; of an input, how far its line may be from the samples.
     tolerance: Option<Quantity>,
     group: Option<String>,
+    /// Cells that say that nothing was measured.
+    #[serde(default)]
+    missing: Vec<Mark>,
+    /// Doubtful samples that do not count; an empty list says that all are right.
+    drop: Option<Vec<Doubtful>>,
 }
 
 impl Signal {
+    /// Which doubtful samples do not count.
+    fn dropped(&self) -> Drop {
+        let has = |what: Doubtful| self.drop.as_ref().is_some_and(|drop| drop.contains(&what));
+        Drop { is_stated: self.drop.is_some(), spikes: has(Doubtful::Spikes), clipped: has(Doubtful::Clipped) }
+    }
+
     /// Whether the model has it without a unit: values, accuracy and tolerance are taken as they are.
     fn is_plain(&self) -> bool {
         self.scale.is_none() && self.unit.as_deref() == Some("1")
@@ -160,7 +196,7 @@ impl Settings {
     /// # Errors
     /// With file and line, when it cannot be read or says something else.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let text = composed(files::text(path)?);
+        let text = files::text(path)?;
         let line = |span: Range<usize>| text[..span.start].matches('\n').count() + 1;
         let settings: Self = toml::from_str(&text).map_err(|error| {
             let line = error.span().map_or(1, line);
@@ -190,19 +226,9 @@ impl Settings {
             let own = self.files.get(place);
             let time = own.and_then(|file| file.time.as_ref()).or(self.time.as_ref());
             let time = time.cloned().unwrap_or_default();
-            let layout = Layout {
-                delimiter: own.and_then(|file| file.delimiter.clone()),
-                header: own.and_then(|file| file.header),
-                format: time.format.clone(),
-            };
-            tables.push((RecordedTable::read(path, &layout)?, time));
+            tables.push((RecordedTable::read(path)?, time));
         }
-        let mut recorded = Recorded { settings: self, tables, zero: None };
-        for file in 0..recorded.tables.len() {
-            let first = recorded.first_stamp(file)?;
-            recorded.zero = recorded.zero.or(first);
-        }
-        Ok(recorded)
+        Ok(Recorded { settings: self, tables })
     }
 
     /// By how much the torque lags behind the load in the rig itself, s.
@@ -270,50 +296,35 @@ impl Settings {
 pub struct Recorded<'a> {
     settings: &'a Settings,
     tables: Vec<(RecordedTable, TimeColumn)>,
-    /// The time stamp at time 0.
-    zero: Option<Stamp>,
 }
 
 impl Recorded<'_> {
     /// What was left out of each file, for the reader.
     pub fn notes(&self) -> Vec<String> {
-        let above = self.tables.iter().filter_map(|(table, _)| {
-            let (line, count) = table.above?;
-            Some(format!(
-                "{}: {count} rows above the recording, from line {line} on, are another table and were left out; if they are the \
-                 recording, give `header`, the line of its names",
-                files::name(table.path())
-            ))
-        });
-        let note = |(table, _): &(RecordedTable, TimeColumn)| {
-            let ((line, count), name) = (table.others?, files::name(table.path()));
-            Some(match count {
-                1 => format!("{name}: line {line} holds no number and was left out"),
-                _ => format!("{name}: {count} lines hold no number and were left out, line {line} first"),
-            })
-        };
         let plain = self.settings.plain().filter_map(|(key, signal)| {
             let column = signal.column.as_deref()?;
             let table = self.tables.iter().find_map(|(table, _)| table.get(column))?;
             let unit = table.unit.as_deref()?;
             Some(format!("{key}: the model has no unit, so the values are those in `{unit}`, as they are"))
         });
-        let timeless = (0..self.tables.len()).filter_map(|file| self.timeless(file));
-        let notes = self.tables.iter().filter_map(note);
-        above.chain(notes).chain(plain).chain(timeless).collect()
+        (0..self.tables.len()).filter_map(|file| self.about_time(file)).chain(plain).collect()
     }
 
-    /// What the reader must know of times without a unit.
-    fn timeless(&self, file: usize) -> Option<String> {
+    /// Which column the times of a file are, and their range.
+    fn about_time(&self, file: usize) -> Option<String> {
         let (table, time) = &self.tables[file];
-        let name = self.time_name(file, None);
-        let (stamp, values) = table.times(name).ok()?;
-        if stamp.is_some() || time.rate.is_some() || time.unit.is_some() || table.get(name)?.unit.is_some() {
+        if time.rate.is_some() {
             return None;
         }
-        let known = || values.iter().copied().filter(|value| value.is_finite());
-        let length = known().fold(f64::NEG_INFINITY, f64::max) - known().fold(f64::INFINITY, f64::min);
-        Some(format!("{}: the time has no unit and is read as s: {length} s long", files::name(table.path())))
+        let name = self.time_name(file, None).ok()?;
+        let times = self.times(file, &Signal::default()).ok()?;
+        let known = || times.iter().copied().filter(|value| value.is_finite());
+        // To the nanosecond: sums of decimals end otherwise.
+        let [from, to] = [known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max)]
+            .map(|time| (time * 1e9).round() / 1e9);
+        let has_unit = time.unit.is_some() || table.get(name)?.unit.is_some();
+        let unit = if has_unit { "" } else { ", which has no unit and is read as s" };
+        Some(format!("{}: time: `{name}`{unit}, {from} .. {to} s", files::name(table.path())))
     }
 
     /// How far the noise of a row alone is beyond the tolerance of a curve.
@@ -339,86 +350,69 @@ impl Recorded<'_> {
     }
 
     /// The name of the column of a file's times.
-    fn time_name<'b>(&'b self, file: usize, signal: Option<&'b Signal>) -> &'b str {
+    fn time_name<'b>(&'b self, file: usize, signal: Option<&'b Signal>) -> Result<&'b str, FileError> {
         let (table, time) = &self.tables[file];
         let own = signal.and_then(|signal| signal.time.as_deref());
-        own.or(time.column.as_deref()).unwrap_or_else(|| table.first())
-    }
-
-    /// The first time stamp of a file that has some.
-    fn first_stamp(&self, file: usize) -> Result<Option<Stamp>, FileError> {
-        match self.tables[file].1.rate {
-            Some(_) => Ok(None),
-            None => Ok(self.tables[file].0.times(self.time_name(file, None))?.0),
-        }
+        own.or(time.column.as_deref()).map_or_else(|| table.time(), Ok)
     }
 
     /// The times of a file's rows, s.
     fn times(&self, file: usize, signal: &Signal) -> Result<Vec<f64>, FileError> {
         let ((table, time), settings) = (&self.tables[file], self.settings);
+        let start = time.offset.as_ref().map_or(Ok(0.0), |offset| settings.si("time: offset", offset, "s"))?;
         if let Some(rate) = &time.rate {
             let rate = settings.si("time: rate", rate, "Hz")?;
-            let start = self.offset(time)?;
             return Ok((0..table.rows).map(|row| start + row as f64 / rate).collect());
         }
-        let name = self.time_name(file, Some(signal));
-        let (first, values) = table.times(name)?;
-        let from_zero = |stamp: Stamp| {
-            let zero = self.zero.unwrap_or(stamp);
-            let wrong =
-                || settings.wrong("some time stamps have a zone, some a date alone, some neither; make them alike");
-            let between = (stamp.nanoseconds - zero.nanoseconds) as f64 * 1e-9;
-            (zero.clock == stamp.clock).then_some(between).ok_or_else(wrong)
-        };
-        if let Some(first) = first {
-            let start = from_zero(first)? + self.offset(time)?;
-            return Ok(values.iter().map(|time| start + time).collect());
-        }
+        let name = self.time_name(file, Some(signal))?;
+        let (values, _) = table.values(name, &[])?;
         let unit = match (&time.unit, &table.column(name)?.unit) {
             (None, None) => "s".to_owned(),
             (unit, _) => table.unit(name, unit.as_deref())?,
         };
         let way = conversion(&unit, "s").map_err(|message| settings.wrong(format!("time: {message}")))?;
-        let start = self.offset(time)?;
         Ok(values.iter().map(|time| start + way.value(*time)).collect())
-    }
-
-    /// When a file's clock starts, s.
-    fn offset(&self, time: &TimeColumn) -> Result<f64, FileError> {
-        let Some(moment) = &time.offset else {
-            return Ok(0.0);
-        };
-        self.moment("time: offset", moment, time.format.as_deref())
-    }
-
-    /// A time of the recording, s, from a time or a time stamp.
-    fn moment(&self, key: &str, at: &Moment, format: Option<&str>) -> Result<f64, FileError> {
-        let text = match at {
-            Moment::Seconds(time) if time.is_finite() => return Ok(*time),
-            Moment::Seconds(time) => {
-                return Err(self.settings.wrong(format!("{key}: {time} is no time")));
-            }
-            Moment::Text(text) => text,
-        };
-        if let (Some(zero), Some(stamp)) = (self.zero, stamp(text, format))
-            && zero.clock == stamp.clock
-        {
-            return Ok((stamp.nanoseconds - zero.nanoseconds) as f64 * 1e-9);
-        }
-        let quantity: Quantity = text.parse().map_err(|message| {
-            self.settings.wrong(format!("{key}: {message}, and no time stamp like those of a file"))
-        })?;
-        self.settings.si(key, &quantity, "s")
     }
 
     /// When the model starts, s.
     fn start(&self) -> Result<Option<f64>, FileError> {
-        let Some(moment) = &self.settings.start else {
-            return Ok(None);
-        };
-        let key = format!("line {}: start", self.settings.start_line);
-        let mut formats = self.tables.iter().filter_map(|(_, time)| time.format.as_deref());
-        self.moment(&key, moment.get_ref(), formats.next()).map(Some)
+        let settings = self.settings;
+        let key = format!("line {}: start", settings.start_line);
+        settings.start.as_ref().map(|start| settings.si(&key, start.get_ref(), "s")).transpose()
+    }
+
+    /// Which rows count where several have one time, and how many do not.
+    ///
+    /// # Errors
+    /// When times fall, or come again and no one says which row counts.
+    fn in_order(&self, file: usize, name: &str, rows: &mut Vec<(f64, f64)>) -> Result<usize, FileError> {
+        let (table, time) = &self.tables[file];
+        let wrong = |message: String| FileError::new(table.path(), format!("time `{name}`: {message}"));
+        if let Some(pair) = rows.windows(2).find(|pair| pair[1].0 < pair[0].0) {
+            return Err(wrong(format!(
+                "the clock jumps back from {} s to {} s: cut the file there",
+                pair[0].0, pair[1].0
+            )));
+        }
+        let all = rows.len();
+        let again = || rows.windows(2).filter(|pair| pair[1].0 == pair[0].0);
+        let (count, first) = (again().count(), again().next().map(|pair| pair[0].0));
+        match (first, time.repeated) {
+            (None, _) => {}
+            (Some(first), None) => {
+                return Err(wrong(format!(
+                    "{count} of {all} rows have the time of the row before, first {first} s; say time = {{ repeated = \"first\" }} \
+                     or \"last\" for the row that counts; where the times are coarser than the rows, time = {{ rate = \"... Hz\" }}"
+                )));
+            }
+            (Some(_), Some(Repeated::First)) => rows.dedup_by(|next, kept| next.0 == kept.0),
+            (Some(_), Some(Repeated::Last)) => {
+                rows.reverse();
+                rows.dedup_by(|next, kept| next.0 == kept.0);
+                rows.reverse();
+            }
+        }
+        Ok(all - rows.len())
     }
 
     /// A channel in its own unit, or in `si`.
@@ -448,37 +442,41 @@ impl Recorded<'_> {
         };
         let scaled = Conversion { factor: signal.scale.unwrap_or(1.0), offset };
         let to_unit = scaled.then(way);
-        let recorded = table.column(column)?;
+        let marks: Vec<String> = signal.missing.iter().map(Mark::text).collect();
+        let (cells, missing) = table.values(column, &marks)?;
         let times = self.times(file, signal)?;
-        let clock = table.get(self.time_name(file, Some(signal)));
-        if let Some(fall) = clock.and_then(|clock| clock.fall).filter(|_| self.tables[file].1.rate.is_none()) {
-            let message = format!("line {fall}: the clock jumps back: cut the file there");
-            return Err(FileError::new(table.path(), message));
-        }
-        let pairs = times.iter().zip(&recorded.values);
+        let pairs = times.iter().zip(&cells);
         let known = pairs.filter(|(time, value)| time.is_finite() && value.is_finite());
-        let (time, values): (Vec<f64>, Vec<f64>) = known.map(|(time, value)| (*time, to_unit.value(*value))).unzip();
-        let timeless = table.rows - values.len() - recorded.empty - recorded.unreadable;
+        let mut rows: Vec<(f64, f64)> = known.map(|(time, value)| (*time, to_unit.value(*value))).collect();
+        let empty = table.column(column)?.empty;
+        let timeless = table.rows - rows.len() - empty - missing;
+        let (time_column, repeated) = match self.tables[file].1.rate {
+            Some(_) => (table.width(), 0),
+            None => {
+                let name = self.time_name(file, Some(signal))?;
+                (table.place(name), self.in_order(file, name, &mut rows)?)
+            }
+        };
+        let (time, values) = rows.into_iter().unzip();
         let zero = Quantity::from(0.0);
         let accuracy = accuracy(signal.accuracy.as_ref().unwrap_or(&zero), &unit, way.factor).map_err(wrong)?;
-        let time_column = (file, self.time_name(file, Some(signal)));
         Ok(Channel {
             name: signal.name.clone().unwrap_or_else(|| name.to_owned()),
             variable: signal.variable.clone().unwrap_or_default(),
             unit: si.map_or(unit, str::to_owned),
-            clock: self.clock(time_column),
-            lost: vec![(recorded.empty, "empty"), (recorded.unreadable, "no number"), (timeless, "without a time")],
+            clock: self.tables[..file].iter().map(|(table, _)| table.width() + 1).sum::<usize>() + time_column,
+            lost: vec![
+                (empty, "empty"),
+                (missing, "missing"),
+                (timeless, "without a time"),
+                (repeated, "with the time of another row"),
+            ],
+            drop: signal.dropped(),
             time,
             values,
             accuracy,
             group: signal.group.clone(),
         })
-    }
-
-    /// The number of a column of times.
-    fn clock(&self, (file, name): (usize, &str)) -> usize {
-        let before = self.tables[..file].iter().map(|(table, _)| table.width()).sum::<usize>();
-        before + self.tables[file].0.place(name)
     }
 
     /// The file that has a signal's column.
@@ -572,7 +570,7 @@ impl Recorded<'_> {
         let ends = recording.signals().filter_map(|signal| signal.time.last());
         let window = settings.window.map(|[_, to]| to);
         let end = ends.copied().chain(window).fold(f64::INFINITY, f64::min);
-        match start.filter(|start| *start >= end) {
+        match start.filter(|start| start.is_nan() || *start >= end) {
             Some(start) => Err(settings.wrong(format!(
                 "line {}: start: {start} s is not before {} s, where a signal or the window ends; give an earlier time",
                 settings.start_line,
@@ -651,6 +649,11 @@ fn accuracy(quantity: &Quantity, unit: &str, factor: f64) -> Result<Accuracy, St
         _ if quantity.number < 0.0 || !quantity.number.is_finite() => {
             Err(format!("the accuracy `{quantity}` must not be negative"))
         }
+        Some("%") if unit == "%" => Err(format!(
+            "the accuracy `{quantity}` may be {0} points or a part of the value; write {0} without a unit for the points, or give the \
+             signal in unit `1` with `scale = 0.01` for a part",
+            quantity.number
+        )),
         Some("%") => Ok(Accuracy::Relative(quantity.number / 100.0)),
         // Where the model has no unit, the recording's is not converted.
         Some(given) if given != unit && unit != "1" => {

@@ -1,19 +1,25 @@
-"""Recordings in formats of their own as csv files that ``orchestrator synchronise`` reads: one for each rate.
+"""Recordings as plain tables that ``orchestrator`` reads: one csv file for each rate, one row of names ``name [unit]``, numbers.
 
-    python -m fmu_orchestrator convert x.mf4 [--output FOLDER]
+    python -m fmu_orchestrator convert FILE [--output FOLDER] [OPTIONS]
 
-Each library is imported only when a file needs it; ``pip install "fmu-orchestrator[recordings]"`` installs all of them.
+Each library is imported only when a file needs it; ``pip install "fmu-orchestrator[recordings]"`` installs all of them. They run in a
+process with limits: a file that is damaged costs a line, not the machine.
 """
 
 import csv
+import datetime
 import filecmp
 import importlib
+import json
+import os
+import subprocess
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
+from . import _rows
 from ._errors import OrchestratorError
 
 
@@ -33,42 +39,114 @@ class Contents:
     groups: list[Group] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)  # names of what is no series of numbers
     invalid: dict[str, int] = field(default_factory=dict)  # samples that the file calls invalid, by channels
-    start: str = ""  # the time stamp at time 0
+    start: Any = None  # the time stamp at time 0
+    told: list[str] = field(default_factory=list)  # how the file was understood
 
 
-def convert(path: str | Path, folder: str | Path | None = None) -> list[Path]:
-    """Writes a csv file for each rate of a recording, and gives their paths; what is left out is printed."""
+def convert(path: str | Path, folder: str | Path | None = None, zero: str | None = None, **said: Any) -> list[Path]:
+    """Writes a csv file for each rate of a recording, and gives their paths; how it was understood is printed.
+
+    ``said`` are the fields of ``_rows.Options``; ``zero`` is the time stamp at time 0 (otherwise the file's first).
+    """
     path = Path(path)
     if not path.is_file():
         raise OrchestratorError(f"{path}: no such file")
-    reader = READERS.get(path.suffix.lower())
-    if reader is None:
-        raise OrchestratorError(f"{path}: `{path.suffix}` is none of {', '.join(READERS)}; export it as csv")
+    into = Path(folder) if folder is not None else path.parent
+    task = {"path": str(path.absolute()), "shown": str(path), "folder": str(into), "zero": zero, "said": asdict(_rows.Options(**said))}
+    size = path.stat().st_size
+    allowed = SECONDS + size // SPEED
+    here = Path(__file__).parent.parent
+    paths = os.pathsep.join([str(here), *filter(None, [os.environ.get("PYTHONPATH")])])
+    # One thread: each thread of a library of linear algebra reserves memory of its own.
+    surroundings = {**os.environ, "PYTHONPATH": paths, "PYTHONIOENCODING": "utf-8", **dict.fromkeys(THREADS, "1")}
+    command = [sys.executable, "-m", "fmu_orchestrator", "convert", "--one", json.dumps({**task, "memory": MEMORY + 40 * size})]
     try:
-        contents = reader(path)
-    except OrchestratorError:
-        raise
+        done = subprocess.run(command, env=surroundings, capture_output=True, timeout=allowed, encoding="utf-8", errors="replace", check=False)
+    except subprocess.TimeoutExpired:
+        raise OrchestratorError(f"{path}: not read within {allowed} s; it is damaged, or no {path.suffix}; export it as csv") from None
+    told = done.stderr.splitlines()
+    if done.returncode == 0:
+        *lines, last = done.stdout.splitlines()
+        print("\n".join(lines))
+        for line in told:
+            print(line, file=sys.stderr)
+        return [Path(name) for name in json.loads(last)]
+    errors = [line.removeprefix("error: ") for line in told if line.startswith("error: ")]
+    if done.returncode == 2 and errors:
+        raise OrchestratorError(errors[-1])
+    why = "the memory that is allowed is not enough" if any("MemoryError" in line for line in told) else "its library crashed"
+    raise OrchestratorError(f"{path}: {why}; it is damaged, or no {path.suffix}; export it as csv")
+
+
+# A file may take so many seconds, and one more for so many bytes; so many bytes of memory, and 40 times its own.
+SECONDS, SPEED, MEMORY = 30, 500_000, 450 << 20
+THREADS = ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "ARROW_NUM_THREADS"]
+
+
+def _one(task: Mapping[str, Any]) -> None:
+    """What the process with limits does."""
+    try:
+        import resource
+
+        resource.setrlimit(resource.RLIMIT_DATA, (task["memory"], task["memory"]))
+        resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    except (ImportError, ValueError, OSError):
+        pass  # Windows has no such limits; the time's limit stays.
+    paths = convert_here(Path(task["path"]), Path(task["folder"]), task["zero"], _rows.Options(**task["said"]), task["shown"])
+    print(json.dumps([str(path) for path in paths]))
+
+
+def convert_here(path: Path, folder: Path, zero: str | None = None, options: _rows.Options | None = None, name: str | None = None) -> list[Path]:
+    """The same in this process."""
+    name = name or str(path)
+    options = options or _rows.Options()
+    with path.open("rb") as file:
+        begin = file.read(8)
+    reader = next((known for mark, known in MARKS.items() if begin.startswith(mark)), READERS.get(path.suffix.lower(), _text))
+    try:
+        contents = _text(path, options) if reader is _text else reader(path) if reader is not _xlsx else _xlsx(path, options)
+    except OrchestratorError as error:
+        raise OrchestratorError(str(error).replace(str(path), name)) from error
+    except MemoryError:
+        raise OrchestratorError(f"{name}: the memory that is allowed is not enough; it is damaged, or no {path.suffix}; export it as csv") from None
     except Exception as error:
         # The libraries raise whatever they like at files that are damaged or of a version that they do not know.
-        reason = " ".join(str(error).split()) or type(error).__name__
-        raise OrchestratorError(f"{path}: not readable as {path.suffix}: {reason}; export it as csv") from error
+        reason = " ".join(str(error).split())[:200] or type(error).__name__
+        raise OrchestratorError(f"{name}: not readable as {path.suffix}: {reason}; export it as csv") from error
     groups = [group for group in contents.groups if group.channels]
+    for line in contents.told:
+        print(f"{name}: {line}")
     if contents.left_out:
         shown = ", ".join(contents.left_out[:5]) + (" ..." if len(contents.left_out) > 5 else "")
         print(f"note: {len(contents.left_out)} left out, as they are no series of numbers: {shown}", file=sys.stderr)
-    for name, count in contents.invalid.items():
-        print(f"note: {name}: {count} samples are invalid, as the file says, and become empty cells", file=sys.stderr)
-    if contents.start:
-        print(f"{path}: its time 0 is {contents.start}")
+    for channel, count in contents.invalid.items():
+        print(f"note: {channel}: {count} samples are invalid, as the file says, and become empty cells", file=sys.stderr)
+    if contents.start is not None:
+        if zero is not None:
+            late = (contents.start - _stamp(zero)).total_seconds()
+            for group in groups:
+                group.time = None if group.time is None else [None if time is None else round(time + late, 9) for time in group.time]
+            contents.start = _stamp(zero)
+        print(f"{name}: its time 0 is {contents.start.isoformat()}; other files of the run: --zero {contents.start.isoformat()}")
+    elif zero is not None:
+        raise OrchestratorError(f"{name}: it has no time stamps, so --zero says nothing; use time = {{ offset = ... }} in the settings")
     if not groups:
-        raise OrchestratorError(f"{path}: it holds no series of numbers; export the recording as csv")
-    into = Path(folder) if folder is not None else path.parent
-    into.mkdir(parents=True, exist_ok=True)
-    return [_write(group, into / f"{path.stem}{f'-{k}' if len(groups) > 1 else ''}.csv") for k, group in enumerate(groups, 1)]
+        raise OrchestratorError(f"{name}: it holds no series of numbers; export the recording as csv")
+    folder.mkdir(parents=True, exist_ok=True)
+    return [_write(group, folder / f"{path.stem}{f'-{k}' if len(groups) > 1 else ''}.csv", path) for k, group in enumerate(groups, 1)]
+
+
+def _stamp(text: str) -> datetime.datetime:
+    """A time stamp without a zone, or in that of Greenwich."""
+    try:
+        at = datetime.datetime.fromisoformat(text)
+    except ValueError:
+        raise OrchestratorError(f"--zero {text}: no time stamp such as 2026-11-22T13:15:07") from None
+    return at if at.tzinfo is None else at.astimezone(datetime.UTC).replace(tzinfo=None)
 
 
 def is_text(path: Path) -> bool:
-    """Whether ``synchronise`` reads a recording as it is, or it is of no kind that is known here."""
+    """Whether the program reads a table as it is: the ending says so, or it is of no kind that is known here."""
     ending = path.suffix.lower()
     if ending not in READERS or ending == ".parquet" or not path.is_file():
         return True
@@ -76,22 +154,24 @@ def is_text(path: Path) -> bool:
         return ending == ".dat" and not file.read(3) == b"MDF"
 
 
-def _write(group: Group, path: Path) -> Path:
-    names, units, columns = [], [], []
-    if group.time is not None:
-        names, units, columns = ["time"], ["s"], [group.time]
-    for name, unit, values in group.channels:
+def _write(group: Group, path: Path, source: Path) -> Path:
+    names: list[str] = []
+    columns = []
+    channels = [*([("time", "s", group.time)] if group.time is not None else []), *group.channels]
+    for name, unit, values in channels:
+        unit = _rows.unit(unit)
+        full = f"{name} [{unit}]" if unit and unit != "-" else name
         # The same name may come again within a group.
-        again = sum(known == name or known.startswith(f"{name} (") for known in names) if name in names and name else 0
-        names.append(f"{name} ({again + 1})" if again else name)
-        units.append(unit)
+        again = sum(known == full for known in names)
+        bare = f"{name} ({again + 1})"
+        names.append(full if not again else f"{bare} [{unit}]" if unit else bare)
         columns.append(values)
+    if path.absolute() == source.absolute():
+        path = path.with_name(f"{path.stem}-plain.csv")
     part = path.with_suffix(".csv.part")
     with part.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(names)
-        if any(units):
-            table.writerow(unit or "-" for unit in units)
         rows = zip(*(_cells(column) for column in columns), strict=True)
         table.writerows(rows)
     if path.exists() and not filecmp.cmp(part, path, shallow=False):
@@ -99,9 +179,17 @@ def _write(group: Group, path: Path) -> Path:
         # Two loggers of a run often write files of one name.
         raise OrchestratorError(f"{path} is there already and holds something else; choose another folder with --output")
     part.replace(path)
-    timeless = "" if {name.rpartition("/")[2].lower() for name in names} & TIMES else "; without a column of times: time = { rate = ... }"
+    timeless = "" if {name.rpartition("/")[2].partition(" [")[0].lower() for name in names} & TIMES else "; without a column of times: time = { rate = ... }"
     print(f"{path}: {len(columns[0])} rows of {', '.join(names[:6])}{' ...' if len(names) > 6 else ''}{timeless}")
     return path
+
+
+def _text(path: Path, options: _rows.Options | None = None) -> Contents:
+    return _understood(path, _rows.read(path, options or _rows.Options()))
+
+
+def _understood(path: Path, columns: _rows.Columns) -> Contents:
+    return Contents([Group(path.stem, columns.time, columns.channels)], told=columns.told, start=columns.start)
 
 
 def _cells(column: Any) -> Iterator[object]:
@@ -125,7 +213,7 @@ def _is_series(values: Any) -> bool:
 def _mdf(path: Path) -> Contents:
     contents = Contents()
     with _library("asammdf", path).MDF(path) as mdf:
-        contents.start = mdf.header.start_time.isoformat()
+        contents.start = _stamp(mdf.header.start_time.isoformat())
         for number in mdf.virtual_groups:
             group = Group(f"group {number}", None)
             for signal in mdf.select(_channels(mdf, number), raw=False, copy_master=True):
@@ -163,10 +251,17 @@ def _tdms(path: Path) -> Contents:
     file = _library("nptdms", path).TdmsFile.read(path)
     starts = [c.properties["wf_start_time"] for g in file.groups() for c in g.channels() if "wf_start_time" in c.properties]
     first = min(starts, default=None)
+    if first is not None:
+        contents.start = _stamp(str(first)[:26])
     for part in file.groups():
         rates: dict[tuple[object, ...], Group] = {}
         for channel in part.channels():
-            values = channel[:]
+            values, stamped = channel[:], ""
+            if getattr(getattr(values, "dtype", None), "kind", "") == "M" and len(values) > 1:
+                # Stamps of their own count from the first start, or from the first of them.
+                origin = first if first is not None else values[0]
+                contents.start = contents.start or _stamp(str(origin)[:26])
+                values, stamped = (values - origin) / _second(origin), "s"
             if not _is_series(values):
                 contents.left_out.append(f"{part.name}/{channel.name}")
                 continue
@@ -177,7 +272,7 @@ def _tdms(path: Path) -> Contents:
                 late = (start - first) / _second(start) if start is not None else 0.0
                 begin = float(known.get("wf_start_offset", 0.0)) + float(late)
                 rates[key] = Group(part.name, [begin + k * step for k in range(len(values))] if step else None)
-            rates[key].channels.append((channel.name, str(known.get("unit_string", known.get("NI_UnitDescription", ""))), values))
+            rates[key].channels.append((channel.name, stamped or str(known.get("unit_string", known.get("NI_UnitDescription", ""))), values))
         contents.groups.extend(rates.values())
     return contents
 
@@ -222,6 +317,10 @@ def _hdf5(path: Path) -> Contents:
     def visit(name: str, node: Any) -> None:
         if not isinstance(node, h5py.Dataset) or node.shape is None:
             return
+        if node.external or node.is_virtual:
+            # What another file holds is none of this recording.
+            contents.left_out.append(f"{name} (in another file)")
+            return
         unit = next((node.attrs[key] for key in ("unit", "units", "Unit", "Units") if key in node.attrs), "")
         unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
         if node.dtype.names:
@@ -255,6 +354,9 @@ def _mat(path: Path) -> Contents:
 
 def _flat(name: str, value: Any, contents: Contents) -> Iterator[tuple[str, str, Any]]:
     """The arrays of a structure."""
+    if not hasattr(value, "ndim") or hasattr(value, "toarray"):
+        contents.left_out.append(name)
+        return
     names = getattr(getattr(value, "dtype", None), "names", None)
     if names and value.ndim == 0:
         for part in names:
@@ -266,52 +368,62 @@ def _flat(name: str, value: Any, contents: Contents) -> Iterator[tuple[str, str,
 
 
 def _parquet(path: Path) -> Contents:
+    """Moments and durations become seconds."""
     table = _library("pyarrow.parquet", path).read_table(path)
     group, contents = Group(path.stem, None), Contents()
     for name in table.column_names:
-        values = [_text(value) for value in table[name].to_pylist()]
-        if not _is_value(next((value for value in values if value is not None), None)):
+        values = table[name].to_pylist()
+        unit = (table.schema.field(name).metadata or {}).get(b"unit", b"").decode("utf-8", "replace")
+        first = next((value for value in values if value is not None), None)
+        if isinstance(first, datetime.timedelta):
+            values, unit = [None if value is None else value.total_seconds() for value in values], "s"
+        elif isinstance(first, datetime.date):
+            moments = [None if value is None else _stamp(value.isoformat()) for value in values]
+            zero = contents.start = contents.start or next(moment for moment in moments if moment is not None)
+            values, unit = [None if moment is None else (moment - zero).total_seconds() for moment in moments], "s"
+            contents.told.append(f"time: `{name}`, {values[0]} .. {values[-1]} s")
+        elif type(first).__name__ == "Decimal":
+            values = [None if value is None else float(value) for value in values]
+        elif isinstance(first, bool) or not isinstance(first, int | float):
             contents.left_out.append(name)
             continue
-        unit = (table.schema.field(name).metadata or {}).get(b"unit", b"").decode("utf-8", "replace")
-        group.channels.append((name, unit, values))
-    # Time stamps come first, as they are the time.
-    group.channels.sort(key=lambda channel: not isinstance(next(iter(channel[2]), None), str))
+        bare, own = _rows._named(name)
+        group.channels.append((bare, unit or own, values))
     contents.groups.append(group)
     return contents
 
 
-def _xlsx(path: Path) -> Contents:
+def _xlsx(path: Path, options: _rows.Options | None = None) -> Contents:
     book = _library("openpyxl", path).load_workbook(path, read_only=True, data_only=True)
     contents = Contents()
     for sheet in book.worksheets:
-        # Preambles, names and units stay where they are: `synchronise` knows them in csv.
-        rows = [[_text(cell) for cell in row] for row in sheet.iter_rows(values_only=True)]
-        rows = [row for row in rows if any(cell is not None for cell in row)]
-        if sum(any(_is_value(cell) for cell in row) for row in rows) < 2:
+        rows = [[_cell(cell) for cell in row] for row in sheet.iter_rows(values_only=True)]
+        if sum(any(_rows._is_value(cell) for cell in row) for row in rows) < 2:
             contents.left_out.append(sheet.title)
             continue
-        columns = zip(*rows, strict=True)
-        group = Group(sheet.title, None, [("" if name is None else str(name), "", column) for name, *column in columns])
-        contents.groups.append(group)
+        columns = _rows.table(path, rows, options or _rows.Options(), ".")
+        contents.told.extend(columns.told)
+        contents.start = contents.start or columns.start
+        contents.groups.append(Group(sheet.title, columns.time, columns.channels))
     book.close()
     return contents
 
 
-def _text(cell: Any) -> Any:
-    return cell.isoformat() if hasattr(cell, "isoformat") else cell
-
-
-def _is_value(cell: object) -> bool:
-    """Numbers, and texts that begin as numbers and time stamps do."""
-    return isinstance(cell, int | float) or (isinstance(cell, str) and cell.lstrip("+-")[:1].isdigit())
+def _cell(cell: Any) -> str:
+    """A cell of a spreadsheet as text."""
+    if cell is None:
+        return ""
+    if isinstance(cell, datetime.timedelta):
+        seconds = cell.total_seconds()
+        return f"{int(seconds // 3600)}:{int(seconds % 3600 // 60):02}:{seconds % 60:09.6f}"
+    return cell.isoformat() if hasattr(cell, "isoformat") else str(cell).strip()
 
 
 EXTRAS = {"asammdf": "mdf", "nptdms": "tdms", "h5py": "hdf5", "scipy": "mat", "openpyxl": "xlsx", "pyarrow": "parquet"}
 READERS: Mapping[str, Callable[[Path], Contents]] = {
     ".mf4": _mdf,
     ".mdf": _mdf,
-    ".dat": _mdf,
+    ".dat": _text,
     ".tdms": _tdms,
     ".h5": _hdf5,
     ".hdf5": _hdf5,
@@ -323,16 +435,50 @@ READERS: Mapping[str, Callable[[Path], Contents]] = {
 }
 
 
+# What a file begins with says more than its ending.
+MARKS: Mapping[bytes, Callable[[Path], Contents]] = {
+    b"MDF ": _mdf, b"UnFinMF": _mdf, b"TDSm": _tdms, b"\x89HDF": _hdf5, b"MATLAB": _mat, b"PAR1": _parquet, b"PK\x03\x04": _xlsx,
+}
+
+HELP = """convert FILE [OPTIONS]: a plain csv file for `orchestrator`, one for each rate: names `name [unit]`, numbers
+FILE: text in any usual form, or {endings}
+--output FOLDER   where the csv goes (beside FILE)
+--zero STAMP      the moment of time 0, for several files of a run
+for text and spreadsheets, where two readings are possible:
+--delimiter LETTER (or tab, space), --decimal . (or ,), --encoding NAME, --header LINE (of the names),
+--time COLUMN, --format "%d/%m/%Y %H:%M:%S", --unit NAME=UNIT"""
+
+
 def main(given: Sequence[str]) -> int:
-    """``convert FILE [--output FOLDER]``."""
-    match list(given):
-        case ["--help" | "-h"]:
-            print("""convert FILE [--output FOLDER]: csv files for `orchestrator synchronise`, one for each rate
-FILE: {endings}""".format(endings=" ".join(READERS)))
-        case [path]:
-            convert(path)
-        case [path, "--output", folder] | ["--output", folder, path]:
-            convert(path, folder)
-        case _:
-            raise OrchestratorError("convert takes one file: convert x.mf4 [--output FOLDER]")
+    """``convert FILE [OPTIONS]``."""
+    arguments = list(given)
+    if arguments in (["--help"], ["-h"]):
+        print(HELP.format(endings=" ".join(ending for ending, reader in READERS.items() if reader is not _text)))
+        return 0
+    if arguments[:1] == ["--one"]:
+        _one(json.loads(arguments[1]))
+        return 0
+    said: dict[str, Any] = {}
+    files: list[str] = []
+    while arguments:
+        word = arguments.pop(0)
+        if not word.startswith("--"):
+            files.append(word)
+            continue
+        key = word[2:]
+        if key not in ("output", "zero", "delimiter", "decimal", "encoding", "header", "time", "format", "unit") or not arguments:
+            raise OrchestratorError(f"convert: {word} is no option, or lacks its value; see convert --help")
+        value = arguments.pop(0)
+        if key == "unit":
+            name, equals, unit = value.rpartition("=")
+            if not equals:
+                raise OrchestratorError("convert: --unit takes NAME=UNIT")
+            said.setdefault("units", {})[name] = unit
+        elif key == "header" and not value.isdigit():
+            raise OrchestratorError("convert: --header takes the number of a line")
+        else:
+            said[key] = int(value) if key == "header" else value
+    if len(files) != 1:
+        raise OrchestratorError("convert takes one file: convert x.mf4 [--output FOLDER]")
+    convert(files[0], said.pop("output", None), **said)
     return 0

@@ -35,10 +35,8 @@ class Running(TypedDict, total=False):
     """The FMU, instead of the study's."""
     jobs: int | None
     """The number of parallel simulations; the number of cores unless given."""
-    isolation: Literal["fresh", "audited", "reuse"] | None
-    """How points share processes; ``audited`` unless given."""
-    in_process: bool
-    """Runs points in one process: a little faster, but a crash of the FMU ends the run."""
+    isolation: Literal["fresh", "shared", "none"] | None
+    """Whether points run alone (``fresh``, unless given), share processes, or run in the program's own (``none``)."""
     point_timeout: float | None
     """The longest time that a point may take, s."""
     memory_limit: str | None
@@ -249,8 +247,7 @@ class Study:
     ) -> Robustness:
         """Tells how far parameters may move, from the points of a finished study.
 
-        ``level`` is the verification probability that the box and the ellipsoid must hold; ``confirm`` runs so many new
-        points in each.
+        ``level`` is the verification probability that the box must hold; ``confirm`` runs so many new points in it.
         """
         source, folder = self._folders(points_of, output)
         # The program looks where the study's name says; a study that was changed here has another folder.
@@ -280,17 +277,12 @@ class Study:
         self,
         points_of: Points | None = None,
         *,
-        generations: int | None = None,
-        population: int | None = None,
-        seed: int | None = None,
         output: StrPath | None = None,
         **running: Unpack[Running],
     ) -> Pareto:
-        """Shows the trade-off between criteria among the points of a finished study, or with ``generations`` by a
-        search."""
+        """Shows the trade-off between criteria among the points of a finished study."""
         source, folder = self._folders(points_of, output)
-        source = source or (None if generations else self._folder(None))
-        options: dict[str, Value] = {"from": source, "generations": generations, "population": population, "seed": seed}
+        options: dict[str, Value] = {"from": source or self._folder(None)}
         done = self._run("pareto", folder, options, running, state="pareto")
         return Pareto(folder, done.text)
 

@@ -85,7 +85,7 @@ def measure(size):
 
 
 OVERHEAD = """\
-`verify --in-process --jobs 1` (without `--extra-runs`) against `scripts/benchmarks/minimal.c`, a bare loop on one instance."""
+`verify --isolation none --jobs 1` (without `--extra-runs`) against `scripts/benchmarks/minimal.c`, a bare loop on one instance."""
 IMPORTERS = """\
 CPU time of a run that reads one output at each step, over the orchestrator's. For fmpy without importing and loading, for
 the orchestrator the whole process, divided by its points."""
@@ -97,7 +97,7 @@ FILM_LEAPS = """\
 BOUNDARY = """\
 The minimal loop on the packaged FMU over `fmu/examples/direct.rs` (no FMI); both read one output a step."""
 ISOLATION = """\
-What a point costs more than in the orchestrator's own process: a message (`--isolation reuse`), or a fork (`--isolation fresh`)."""
+What a point costs more than in the orchestrator's own process: a message (`--isolation shared`), or a fork (`--isolation fresh`)."""
 PAPER = "The whole process, with page and files."
 SCALING = """\
 `verify studies/paper-table3.toml` with one 150 s step a point, all included.

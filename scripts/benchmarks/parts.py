@@ -179,7 +179,7 @@ def errors(leaping, resolved, points):
     """An error for every criterion."""
     tables = []
     for study in [leaping, resolved]:
-        verify(study, "--in-process", "--points", points)
+        verify(study, "--isolation", "none", "--points", points)
         folder = WORK / "verification"
         with open(folder / "points.csv", encoding="utf-8", newline="") as file:
             tables.append(list(csv.DictReader(file)))
@@ -222,10 +222,10 @@ def boundary(scale, fmu):
 
 
 def isolation(scale, trivial):
-    """What a point costs more in a process of its own, or in a used one, all CPU time counted. The usual way, `audited`,
+    """What a point costs more in a process of its own, or in a used one, all CPU time counted. The usual way, `fresh`,
     changes from one to the other on the way, so it has no cost of a point."""
     return [
-        above(scale, "a point in a used process, above one in process", trivial, ("reuse", 1000, 30000), 0.7, 1e6, "us"),
+        above(scale, "a point in a used process, above one in process", trivial, ("shared", 1000, 30000), 0.7, 1e6, "us"),
         above(scale, "a point in a fresh process, 5 MB touched, above one in process", subjects.touching(),
               ("fresh", 50, 1000), 1.0, 1e3, "ms"),
     ]
@@ -242,7 +242,7 @@ def above(scale, name, fmu, way, goal, unit, words):
 
         return longer(cpu, few, many)
 
-    _, (base, apart) = in_turns(scale.repetitions, measure("--in-process"), measure("--isolation", isolation))
+    _, (base, apart) = in_turns(scale.repetitions, measure("--isolation", "none"), measure("--isolation", isolation))
     more = Ratio([unit * (one - other) for one, other in zip(apart, base)])
     note = f"in process {unit * statistics.median(base):.3g} {words} a point"
     return Row(name, more, unit=f" {words}", note=note, **at_most(more, goal))
@@ -282,7 +282,7 @@ def scaling(scale, progress):
     study = table3("multirate")
     sizes = []
     for points in scale.sizes:
-        for jobs, options in [(1, []), (2, []), (2, ["--in-process"])]:
+        for jobs, options in [(1, []), (2, []), (2, ["--isolation", "none"])]:
             progress(f"scaling: {points:,} points, {jobs} at a time {' '.join(options)}")
             seen = verify(study, "--points", points, "--jobs", jobs, *options, watch=True)
             sizes.append(Size(points, jobs, "in process" if options else "isolated", seen.cpu, seen.wall,

@@ -130,7 +130,7 @@ def verify(study, *options, watch=False):
 def alone(study, points, *options):
     """CPU time of points in the orchestrator's own process, one at a time, without the extra runs that show whether
     values rest: what this is compared with makes none."""
-    return verify(study, "--in-process", "--jobs", 1, "--extra-runs", 0, "--points", points, *options).cpu
+    return verify(study, "--isolation", "none", "--jobs", 1, "--extra-runs", 0, "--points", points, *options).cpu
 
 
 def constant(fmu, step, steps, statistic):

@@ -22,7 +22,6 @@ class Model:
     waits: bool = False  # some points end by --point-timeout only
     options: tuple = ()  # of `verify`
     reproducible: bool = True  # whether fresh processes give the same results
-    reuse: bool = True  # whether a used process gives what a fresh one gives
     results: str = "healthy"  # of a point with the fault that is ok: as without it, its "own", or "any"
     attributes: str = ""  # of the element CoSimulation
     outputs: bool = True
@@ -64,13 +63,13 @@ tolerance = "50 %"
 """
 
 MEMORY = [
-    Model("drifts", reuse=False),
-    Model("drifts_later", reuse=False),
-    Model("spoils_later_points", reuse=False),
+    Model("drifts"),
+    Model("drifts_later"),
+    Model("spoils_later_points"),
     Model("resets_badly"),
-    Model("draws_random_numbers", reuse=False, results="own"),
+    Model("draws_random_numbers", results="own"),
     Model("reads_unwritten_memory", reproducible=False),
-    Model("reads_unwritten_memory_at_times", reproducible=False),
+    Model("reads_unwritten_memory_at_times", reproducible=None),
     Model("leaks_memory", options=("--memory-limit", "400MB")),
     failing("takes_much_memory", "out of memory", options=("--memory-limit", "100MB")),
     any_end("overruns_memory", waits=True, results="any"),
@@ -184,7 +183,7 @@ FILES = [
 LOADING = [
     Model("talks_while_loaded"),
     waiting("needs_the_thread_of_its_loading", OK),
-    Model("reads_the_file_of_its_loading", reuse=False),
+    Model("reads_the_file_of_its_loading"),
     Model("knows_the_process_of_its_loading"),
     Model("crashes_at_exit"),
     Model("crashes_when_unloaded"),

@@ -26,7 +26,7 @@ from test_acceptance import PROGRAM
 
 POINTS = 8
 MANIFEST = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"
-WAYS = [*itertools.product(("1", "2", "4"), ("fresh", "audited", "reuse"), (False, True))]
+WAYS = [*itertools.product(("1", "2", "4"), ("fresh", "shared", "none"), (False, True))]
 
 
 def run(*arguments, folder, more=None, nice=0):

@@ -14,7 +14,7 @@ sys.path.insert(0, str(ROOT / "python"))
 
 PAPER = ROOT / "studies" / "paper-table3.toml"
 # How a run went; all else is the same for every run.
-RUN = ["run", "isolation", "isolation_reason", "audits", "audits_of_shared", "audit_mismatches", "reproducibility"]
+RUN = ["run", "isolation", "reproducibility"]
 
 
 def command(*arguments, folder=ROOT):

@@ -25,8 +25,8 @@ def test_a_verification_is_the_command_lines(verified, tmp_path):
     same(verified.folder, tmp_path)
 
     def told(text, folder):
-        # How many points were audited depends on how the workers went.
-        return [line.replace(str(folder), "") for line in text.splitlines() if not line.startswith("reproducible: ")]
+        # How much later points ran again depends on the machine.
+        return [line.replace(str(folder), "") for line in text.splitlines() if " ran again, " not in line]
 
     assert told(verified.text, verified.folder) == told(done.stdout, tmp_path)
     assert done.returncode == 0 and verified.verdict.name == "verified"
@@ -133,13 +133,10 @@ def test_sensitivity_is_the_command_lines(verified, tmp_path):
 
 
 @pytest.mark.parametrize("name, options", [
-    ("robustness", {"level": 0.5, "confirm": 4, "seed": 3}), ("pareto", {"seed": 2}),
-    ("pareto", {"generations": 2, "population": 6})])
+    ("robustness", {"level": 0.5, "confirm": 4, "seed": 3}), ("pareto", {})])
 def test_other_analyses_are_the_command_lines(name, options, verified, tmp_path):
-    existing = {} if "generations" in options else {"points_of": verified}
-    ours = getattr(Study.load(PAPER), name)(**existing, **options, output=tmp_path / "ours")
-    flags = [f"--{key}={value}" for key, value in options.items()]
-    flags += [f"--from={verified.folder}"] if existing else []
+    ours = getattr(Study.load(PAPER), name)(points_of=verified, **options, output=tmp_path / "ours")
+    flags = [f"--{key}={value}" for key, value in options.items()] + [f"--from={verified.folder}"]
     done = command(name, PAPER, *flags, "--output", tmp_path / "theirs")
     assert ours.data == json.loads((tmp_path / "theirs" / f"{name}.json").read_text())
     assert ours.text.replace(str(ours.folder), "") == done.stdout.replace(str(tmp_path / "theirs"), "")

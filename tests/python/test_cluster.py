@@ -19,7 +19,7 @@ import dask_shards  # noqa: E402
 def files(folder):
     summary = json.loads((folder / "summary.json").read_text())
     # How the points were computed may differ; what came out may not.
-    for how in ["run", "isolation", "isolation_reason", "audits", "audits_of_shared", "audit_mismatches", "reproducibility"]:
+    for how in ["run", "isolation", "reproducibility"]:
         summary.pop(how)
     return [(folder / name).read_bytes() for name in ["points.csv", "best.ssv", "best.srmd"]] + [summary]
 

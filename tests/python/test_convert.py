@@ -11,7 +11,7 @@ from test_acceptance import ROOT
 
 sys.path.insert(0, str(ROOT / "python"))
 from fmu_orchestrator import OrchestratorError
-from fmu_orchestrator._convert import EXTRAS, Contents, _by_length, _valid, convert, main
+from fmu_orchestrator._convert import EXTRAS, Contents, _by_length, _valid, convert, convert_here, main
 
 
 def rows(path):
@@ -29,7 +29,7 @@ def test_matlab_structures_and_picoscope(tmp_path):
     io.savemat(tmp_path / "pico.mat", {"Tstart": -0.5, "Tinterval": 0.25, "A": np.array([1.0, 2, 3]), "Length": 3})
     [scope] = convert(tmp_path / "pico.mat")
     assert convert(tmp_path / "pico.mat") == [scope]
-    assert rows(scope) == [["time", "A"], ["s", "-"], ["-0.5", "1.0"], ["-0.25", "2.0"], ["0.0", "3.0"]]
+    assert rows(scope) == [["time [s]", "A"], ["-0.5", "1.0"], ["-0.25", "2.0"], ["0.0", "3.0"]]
 
 
 def test_the_csv_of_another_logger_stays(tmp_path):
@@ -56,14 +56,14 @@ def test_a_missing_library_is_named(tmp_path, monkeypatch, ending, library):
     path.write_bytes(b"something")
     monkeypatch.setitem(sys.modules, library, None)
     with pytest.raises(OrchestratorError, match=rf'x.{ending}: {library} is missing; pip install "fmu-orchestrator\[{EXTRAS[library]}\]"'):
-        convert(path)
+        convert_here(path, tmp_path)
 
 
 def test_what_cannot_be_read_is_one_line(tmp_path):
     pytest.importorskip("scipy.io")
     (tmp_path / "x.mat").write_bytes(b"MATLAB 5.0 MAT-file" + bytes(200))
-    (tmp_path / "x.wav").write_bytes(b"RIFF")
-    for name, remedy in [("x.mat", "export it as csv"), ("x.wav", "`.wav` is none of"), ("y.mat", "no such file")]:
+    (tmp_path / "x.wav").write_bytes(b"RIFF\0\0\0\0")
+    for name, remedy in [("x.mat", "export it as csv"), ("x.wav", "no text"), ("y.mat", "no such file")]:
         with pytest.raises(OrchestratorError, match=remedy) as error:
             convert(tmp_path / name)
         assert len(str(error.value).splitlines()) == 1
@@ -88,10 +88,42 @@ def test_mdf_says_invalid_samples_and_its_start(tmp_path, capsys):
         file.append([asammdf.Signal(values, np.arange(20) / 10, name="T", unit="degC", invalidation_bits=invalid)])
         file.save(tmp_path / "x.mf4")
     [path] = convert(tmp_path / "x.mf4")
-    assert rows(path)[9:11] == [["0.7", ""], ["0.8", "50.0"]]
+    assert rows(path)[0] == ["time [s]", "T [degC]"]
+    assert rows(path)[8:10] == [["0.7", ""], ["0.8", "50.0"]]
     told = capsys.readouterr()
     assert "T: 1 samples are invalid" in told.err
     assert "time 0 is 2026-11-26T13:03:03" in told.out
+
+
+def test_nothing_of_another_file_is_in_the_table(tmp_path, capsys):
+    h5py = pytest.importorskip("h5py")
+    (tmp_path / "secret.bin").write_bytes(np.arange(6.0).tobytes())
+    with h5py.File(tmp_path / "x.h5", "w") as file:
+        file["p"] = np.arange(6.0)
+        file.create_dataset("other", (6,), "f8", external=[(str(tmp_path / "secret.bin"), 0, 48)])
+        file["link"] = h5py.ExternalLink(str(tmp_path / "y.h5"), "/q")
+    [path] = convert(tmp_path / "x.h5")
+    assert rows(path)[0] == ["p"]
+    assert "other (in another file)" in capsys.readouterr().err
+
+
+def test_a_file_that_wants_much_memory_is_one_line(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "x.h5", "w") as file:
+        file.create_dataset("p", (400_000_000,), "f8", chunks=(1_000_000,), compression="gzip", fillvalue=1.0)
+    with pytest.raises(OrchestratorError, match="memory|not readable") as error:
+        convert(tmp_path / "x.h5")
+    assert len(str(error.value).splitlines()) == 1
+
+
+def test_stamps_of_parquet_and_tdms(tmp_path):
+    pyarrow = pytest.importorskip("pyarrow")
+    from pyarrow import parquet
+
+    at = [datetime.datetime(2026, 11, 3, 22) + datetime.timedelta(seconds=10 * k) for k in range(3)]
+    parquet.write_table(pyarrow.table({"time": at, "wait": [datetime.timedelta(milliseconds=k) for k in range(3)], "T": [1.0, 2.0, 3.0]}), tmp_path / "x.parquet")
+    [path] = convert(tmp_path / "x.parquet", tmp_path / "out", zero="2026-11-03T21:59:50")
+    assert rows(path) == [["time [s]", "wait [s]", "T"], *([str(10.0 * k), str(0.001 * k), str(k + 1.0)] for k in range(3))]
 
 
 def test_help_names_the_formats(capsys):

@@ -116,8 +116,8 @@ def test_the_study_reference_has_every_key():
     # A case has the tables of a study, and variants the tolerances of its criteria: these keys stand there once.
     repeated = re.compile(r"/cases/\*/(simulation|fixed|inputs|criteria)/|/variants/\*/tolerance/\*/")
     wanted = {key for key in keys(SCHEMA) if not repeated.search(key)}
-    in_text = {"/simulation/window", "/verdict/guard-band", "/criteria/*/tolerance/minus", "/criteria/*/tolerance/plus",
-               "/criteria/*/delay/from", "/criteria/*/delay/to"}
+    in_text = {"/simulation/window", "/verdict/guard-band", "/verdict/point-risk", "/criteria/*/tolerance/minus",
+               "/criteria/*/tolerance/plus", "/criteria/*/delay/from", "/criteria/*/delay/to"}
     shown = {key for block in blocks() for key in used(block)}
     assert wanted - shown == in_text
     for key in in_text:

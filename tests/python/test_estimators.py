@@ -69,19 +69,20 @@ def test_sobol_indices_equal_salib(indices, name):
 
 
 @pytest.mark.parametrize("name", [*CRITERIA, "verified"])
-def test_sobol_intervals_are_no_wider_than_salibs_bootstrap(indices, name):
+def test_sobol_intervals_are_no_narrower_than_salibs_bootstrap(indices, name):
+    # SALib resamples base points as if they were independent; ours also see how independent nets differ.
     estimator, designs = indices
     # A thousand resamples leave an error of 2 % in SALib's widths.
     theirs = [
         sobol.analyze(problem(names), columns[name], calc_second_order=False, num_resamples=1000, seed=1)
         for _, columns, names in designs
     ]
-    orders = [("total", "ST_conf")] + [("first", "S1_conf")] * (estimator != "jansen")
+    orders = [("total", "ST_conf")] + [("first", "S1_conf")] * (estimator == "saltelli")
     for order, width in orders:
         found = [outputs[name]["sobol"][order] for outputs, _, _ in designs]
         half = np.mean([[(one["high"] - one["low"]) / 2 for one in estimates] for estimates in found], axis=0)
         expected = np.mean([each[width] for each in theirs], axis=0)
-        assert np.all(half <= 1.1 * expected), (half, expected)
+        assert np.all(half >= 0.9 * expected), (half, expected)
 
 
 @pytest.mark.parametrize("order", ["first", "total"])
@@ -160,10 +161,11 @@ def test_shapley_effects_are_the_mean_of_salibs_in_both_directions(tmp_path):
         expected = np.mean([each["shapley_normalized"] for each in theirs], axis=0)
         np.testing.assert_allclose(values(found), expected, rtol=0, atol=1e-10)
         assert abs(values(found).sum() - 1) < 1e-10
-        # The mean of both scatters no more than either.
+        # The mean of both scatters no more than either. Ours comes from sixteen nets: Student's factor of 15 degrees of freedom
+        # over 1.96, times 1 + 16 / 64 for few runs, is 1.36.
         half = np.array([(estimate["high"] - estimate["low"]) / 2 for estimate in found])
         widest = np.max([each["shapley_normalized_conf"] for each in theirs], axis=0)
-        assert np.all(half <= 1.02 * widest), (half, widest)
+        assert np.all(half <= 1.02 * 1.36 * widest), (half, widest)
 
 
 def test_the_clearance_dominates_the_bearing_temperature(tmp_path):

@@ -80,7 +80,9 @@ def test_the_engine_of_the_documents(tmp_path):
     rows = ["Prüfstand 7", "Bediener;Meier", "", "Zeit;T_oel;T_wasser", "s;°C;°C"]
     rows += [f"{k};{80 + noise.gauss(0, 0.2):.2f};OVR".replace(".", ",") for k in range(60)]
     (tmp_path / "slow.txt").write_text("\n".join(rows) + "\n", encoding="cp1252")
-    command = [PROGRAM, "synchronise", "fast.csv", "slow.txt", "--settings", "engine.toml", "--case", "idle", "--output", "out"]
+    subprocess.run([sys.executable, "-m", "fmu_orchestrator", "convert", "slow.txt"], cwd=tmp_path, check=True, capture_output=True,
+                   env={**os.environ, "PYTHONPATH": str(ROOT / "python")})
+    command = [PROGRAM, "synchronise", "fast.csv", "slow.csv", "--settings", "engine.toml", "--case", "idle", "--output", "out"]
     subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
     case = tomllib.loads((tmp_path / "out" / "case.toml").read_text())["cases"][0]
     assert case["criteria"]["p_oil"]["reference"]["file"] == "out/case.csv"

@@ -103,7 +103,7 @@ def test_the_counts_are_those_of_any_processes_and_shards(study):
     folder = study.parent
     orchestrator("verify", study, "--output", folder / "whole")
     # In a process that other points have used, the FMU was reset, and listens no more by itself.
-    for name, options in {"used": ["--isolation", "reuse"], "here": ["--in-process"]}.items():
+    for name, options in {"used": ["--isolation", "shared"], "here": ["--isolation", "none"]}.items():
         orchestrator("verify", study, "--output", folder / name, *options)
     parts = []
     for part in ("1/2", "2/2"):

@@ -25,6 +25,19 @@ pub struct Errors {
 }
 
 impl Errors {
+    /// The curvature with the shared errors as unknowns behind the others, given that without them and how the derivatives lie
+    /// along them: what they take from it comes back.
+    pub(crate) fn with_sources(&self, precision: &DMatrix<f64>, along: &DMatrix<f64>) -> DMatrix<f64> {
+        let (n, sources) = (precision.nrows(), self.sources());
+        let halved = self.halved(along.clone());
+        let mut full = DMatrix::zeros(n + sources, n + sources);
+        full.view_mut((0, 0), (n, n)).copy_from(&(precision + halved.tr_mul(&halved)));
+        full.view_mut((n, 0), (sources, n)).copy_from(along);
+        full.view_mut((0, n), (n, sources)).copy_from(&along.transpose());
+        full.view_mut((n, n), (sources, sources)).copy_from(&self.matrix());
+        full
+    }
+
     /// The errors of a problem.
     pub fn new(problem: &Problem) -> Self {
         Self::with(problem, |_, _| 0.0)

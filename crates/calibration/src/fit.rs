@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::digits::rounded;
+use super::influence::Farthest;
 use super::next::Group;
 use super::order::Order;
 use super::outcome::IdentificationOutcome;
@@ -51,6 +52,12 @@ impl IdentificationOutcome {
         }
     }
 
+    /// Whether the misfit is smaller than the stated uncertainties allow.
+    pub fn is_too_close(&self) -> bool {
+        const RARE: f64 = 1e-3;
+        self.probability.is_some_and(|probability| probability > 1.0 - RARE)
+    }
+
     /// Whether the model misses values that it has enough unknowns for: a bound or its own form keeps it from them.
     fn is_out_of_reach(&self) -> bool {
         /// A single value is missed by two standard uncertainties.
@@ -58,9 +65,15 @@ impl IdentificationOutcome {
         self.cost > MISSED
     }
 
-    /// The level of each test, where there is one of the size of the misfits and one of the order along each curve.
+    /// The level of each test, where there is one of the size of the misfits, one of the value that is the farthest off and one
+    /// of the order along each curve.
     fn level(&self) -> f64 {
-        DOUBTFUL / (1 + self.orders.len()) as f64
+        DOUBTFUL / (1 + usize::from(self.farthest.is_some()) + self.orders.len()) as f64
+    }
+
+    /// Whether the value that is the farthest off is farther than chance explains.
+    pub fn is_farthest_doubtful(&self) -> bool {
+        self.farthest.as_ref().is_some_and(|farthest| farthest.probability < self.level())
     }
 
     /// What speaks against the model, or the stated uncertainties, a sentence each.
@@ -97,7 +110,19 @@ impl IdentificationOutcome {
                 rounded(order.correlation, 2)
             )
         });
-        size.into_iter().chain(orders).collect()
+        let farthest = self.farthest.as_ref().filter(|_| self.is_farthest_doubtful());
+        let farthest = farthest.map(|farthest| {
+            let Farthest { case, quantity, studentised, leverage, probability } = farthest;
+            let of_case = if self.cases.len() > 1 { format!(" in case {case}") } else { String::new() };
+            format!(
+                "The measured value of {quantity}{of_case} is {} of its own standard deviations off (leverage {}); by chance the largest \
+                 of all is so large in fewer than {} records. Look at it: nothing was left out.",
+                rounded(studentised.abs(), 3),
+                rounded(*leverage, 2),
+                times(*probability)
+            )
+        });
+        size.into_iter().chain(farthest).chain(orders).collect()
     }
 }
 
@@ -151,6 +176,16 @@ mod tests {
         assert_eq!(outcome.fit(), Fit::Untested);
         let text = text::summary(&outcome);
         assert!(text.contains("As many unknowns as measured values: a fit was certain and shows nothing."), "{text}");
+    }
+
+    #[test]
+    fn a_misfit_that_is_impossibly_small_is_a_warning() {
+        let words = "fits so well in fewer than 1 of 1,000 tests";
+        for (size, told) in [(1e-3, true), (1.0, false)] {
+            let values: Vec<f64> = (0..20).map(|k| size * f64::from(k % 2)).collect();
+            let text = text::summary(&fitted(measured(&values, 0.5), &|p, _| p));
+            assert_eq!(text.contains(words), told, "{text}");
+        }
     }
 
     /// A square reaches no negative number.

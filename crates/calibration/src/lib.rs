@@ -7,6 +7,7 @@ pub mod errors;
 mod expected;
 pub mod failures;
 pub mod fit;
+pub mod influence;
 pub mod local;
 pub mod next;
 pub mod numerical;

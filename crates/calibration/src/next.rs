@@ -79,13 +79,7 @@ impl NextOutcome {
         let errors = Errors::new(problem);
         let [slopes, along] = &posterior.slopes;
         let (n, sources) = (problem.unknowns(), errors.sources());
-        // With the shared errors as unknowns, too. What they take from the curvature comes back.
-        let halved = errors.halved(along.clone());
-        let mut full = DMatrix::zeros(n + sources, n + sources);
-        full.view_mut((0, 0), (n, n)).copy_from(&(&precision + halved.tr_mul(&halved)));
-        full.view_mut((n, 0), (sources, n)).copy_from(along);
-        full.view_mut((0, n), (n, sources)).copy_from(&along.transpose());
-        full.view_mut((n, n), (sources, sources)).copy_from(&errors.matrix());
+        let full = errors.with_sources(&precision, along);
         let free = &problem.free[parameter];
         let measurement = |work: String, more: DMatrix<f64>| {
             let covariance = Cholesky::new(&full + more)?.inverse();

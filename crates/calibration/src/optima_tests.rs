@@ -122,7 +122,7 @@ fn a_minimum_that_is_too_improbable_is_no_solution() {
     let (optima, outcome) = solved(&one, &model);
     assert_eq!(optima.len(), 1);
     assert!((outcome.free[0].value - 1.01).abs() < 0.01 && !outcome.ambiguous);
-    assert!(text::summary(&outcome).contains("The intervals are normal approximations"));
+    assert!(text::summary(&outcome).contains("these intervals hold; they are normal approximations"));
     // Without it both are.
     let both = one_case(&[(-2.0, 2.0)], &[(1.0, 0.01)]);
     let (optima, _) = solved(&both, &|_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] * p[0] - 0.02 * p[0]]));

@@ -34,7 +34,8 @@ impl Order {
         let products = residuals.windows(2).map(|pair| pair[0] * pair[1]);
         let correlation = products.sum::<f64>() / squares;
         let of_noise = noise.map_or(0.0, |noise| noise.correlation.max(0.0));
-        let known = noise.map_or(0.0, |noise| noise.freedom.recip());
+        // Where no recording told a correlation, none is assumed, and its estimate has no error.
+        let known = noise.filter(|noise| noise.correlation != 0.0).map_or(0.0, |noise| noise.freedom.recip());
         let deviation = ((n - 1.0) / (n * (n + 2.0)) + known).sqrt();
         correlation.is_finite().then(|| Self {
             name: name.to_owned(),
@@ -49,5 +50,41 @@ impl Order {
     pub(crate) fn is_doubtful(&self, level: f64) -> bool {
         const MATTERS: f64 = 0.1;
         self.correlation - self.of_noise > MATTERS && self.probability < level
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand::rngs::StdRng;
+    use rand::{RngExt, SeedableRng};
+    use rand_distr::StandardNormal;
+
+    /// How many of 200 records of so many residuals are doubted whose noise nobody has stated, so that it was estimated from
+    /// differences of neighbours; each residual holds this part of the one before.
+    fn doubted(count: usize, memory: f64) -> usize {
+        let noise = Estimate { quantities: 0..count, freedom: 0.6 * count as f64, correlation: 0.0, rows: 1.0 };
+        let mut random = StdRng::seed_from_u64(23);
+        let records = (0..200).filter(|_| {
+            let mut last: f64 = random.sample(StandardNormal);
+            let record = (0..count).map(|_| {
+                last = memory * last + (1.0 - memory * memory).sqrt() * random.sample::<f64, _>(StandardNormal);
+                last
+            });
+            let record: Vec<f64> = record.collect();
+            let mean = record.iter().sum::<f64>() / count as f64;
+            let residuals: Vec<f64> = record.iter().map(|value| value - mean).collect();
+            Order::of("curve", &residuals, Some(&noise)).unwrap().is_doubtful(0.05 / 3.0)
+        });
+        records.count()
+    }
+
+    /// Autoregressive noise that nobody stated is no good fit; independent noise hardly ever is none.
+    #[test]
+    fn noise_that_remembers_is_told_where_nobody_stated_it() {
+        for (count, least) in [(25, 160), (50, 190), (200, 200)] {
+            assert!(doubted(count, 0.8) >= least, "{count}: {}", doubted(count, 0.8));
+            assert!(doubted(count, 0.0) <= 10, "{count}: {}", doubted(count, 0.0));
+        }
     }
 }

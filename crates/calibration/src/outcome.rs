@@ -7,6 +7,7 @@ use super::cross::outcome::CrossValidation;
 use super::discrepancy::Discrepancy;
 use super::expected::Expected;
 use super::failures::{Edge, Excluded};
+use super::influence::{Farthest, Influence};
 use super::local::{End, Minimum};
 use super::next::NextOutcome;
 use super::numerical::NumericalError;
@@ -55,6 +56,12 @@ pub struct IdentificationOutcome {
     /// The order of the residuals along each measured curve.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub orders: Vec<Order>,
+    /// The measured value that is the farthest off.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub farthest: Option<Farthest>,
+    /// What single values and sensors do to each parameter.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub influence: Vec<Influence>,
     /// The shared errors of the measured channels.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub shared: Vec<SharedOutcome>,
@@ -276,6 +283,8 @@ impl IdentificationOutcome {
                 .then(|| probability(posterior.without_shared))
                 .flatten(),
             orders: Vec::new(),
+            farthest: None,
+            influence: Vec::new(),
             shared: shared(problem, &posterior.shared),
             free: free.clone(),
             correlations: (0..n).map(correlation).collect(),

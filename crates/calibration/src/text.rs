@@ -6,6 +6,7 @@ pub use super::digits::digits;
 use super::digits::{cleared, enough, rounded, shown};
 use super::failures::words;
 use super::fit::{DOUBTFUL, Fit};
+use super::influence::Influence;
 use super::local::End;
 use super::next;
 use super::numerical::NumericalError;
@@ -70,6 +71,7 @@ pub fn summary(outcome: &IdentificationOutcome) -> String {
         told.map(surrogate::text::summary).unwrap_or_default(),
         discrepancies(outcome),
         residuals(outcome),
+        influence(outcome),
         outcome.next.as_ref().map(next::summary).unwrap_or_default(),
         goodness(outcome, &doubts),
     ]
@@ -197,7 +199,7 @@ fn confirmed(outcome: &IdentificationOutcome) -> String {
         return String::new();
     }
     let Some(sample) = &outcome.posterior else {
-        return "\nThe intervals are normal approximations; --posterior 1000 checks them.\n".to_owned();
+        return "\nIf the model is right, these intervals hold; they are normal approximations, which --posterior 1000 checks.\n".to_owned();
     };
     if !sample.populations.is_empty() {
         // The sample is of another problem: one with a common mean and spread.
@@ -477,11 +479,40 @@ fn one_case(case: &CaseOutcome, outcome: &IdentificationOutcome) -> String {
     lines.join("\n") + "\n"
 }
 
+/// The value that moves each parameter most, and the largest parts of its variance.
+fn influence(outcome: &IdentificationOutcome) -> String {
+    /// A smaller change is not worth a word.
+    const LITTLE: f64 = 0.5;
+    /// A smaller part is not worth a word.
+    const SMALL: f64 = 0.05;
+    let mut text = String::new();
+    for Influence { parameter, values, budget } in &outcome.influence {
+        let parts = budget.iter().filter(|part| part.share >= SMALL);
+        let parts: Vec<String> = parts.map(|part| format!("{:.0} % {}", 100.0 * part.share, part.from)).collect();
+        let moved = values.first().filter(|moved| moved.change.abs() >= LITTLE);
+        let moved = moved.map_or_else(String::new, |moved| {
+            format!(
+                "; without {}{} it would change by {} of its standard deviations",
+                moved.quantity,
+                if outcome.cases.len() > 1 { format!(" of case {}", moved.case) } else { String::new() },
+                rounded(moved.change.abs(), 2)
+            )
+        });
+        text += &format!("\nvariance of {parameter}: {}{moved}", parts.join(", "));
+    }
+    if text.is_empty() { text } else { text + "\n" }
+}
+
 /// What speaks against the fit, a line each, once the search has converged.
 fn doubts(outcome: &IdentificationOutcome) -> String {
     let converged = outcome.end == End::Converged;
     let doubts = converged.then(|| outcome.doubts()).into_iter().flatten();
-    doubts.map(|doubt| doubt + "\n").collect()
+    let close = outcome.is_too_close().then(|| {
+        "warning: a right model with the stated uncertainties fits so well in fewer than 1 of 1,000 tests: the uncertainties are too \
+         large, or the measured values were made from a model."
+            .to_owned()
+    });
+    doubts.chain(close).map(|doubt| doubt + "\n").collect()
 }
 
 fn goodness(outcome: &IdentificationOutcome, doubts: &str) -> String {

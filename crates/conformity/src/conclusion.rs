@@ -23,9 +23,12 @@ pub struct Conclusion {
     pub other_verdict_interval: Option<[f64; 2]>,
     /// How many points are accepted: within all tolerances less the guard bands.
     pub accepted: u64,
-    /// The guard band of every criterion, in expanded uncertainties; none where no guard band limits
-    /// the risk as required, and nothing is accepted.
+    /// The guard band of every criterion, in expanded uncertainties; none where the points show of none that it limits the
+    /// risk as required, and nothing is accepted.
     pub guard_band: Option<f64>,
+    /// The largest probability not to conform of an accepted point, where each has to keep it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub point_risk: Option<f64>,
     /// The risks of all criteria together; none unless every criterion has an uncertainty.
     pub risk: Option<Risk>,
 }
@@ -69,6 +72,21 @@ pub struct Requirement {
     pub points_needed_going_on: Option<u64>,
 }
 
+impl Requirement {
+    /// What is required, while nothing is known of the share.
+    pub fn open(rule: Rule, looks: u64) -> Self {
+        Self {
+            rule,
+            interval: None,
+            method: String::new(),
+            guard_bands: None,
+            looks,
+            points_needed: None,
+            points_needed_going_on: None,
+        }
+    }
+}
+
 fn one() -> u64 {
     1
 }
@@ -88,15 +106,8 @@ impl Ruling {
     /// The verdict with its words.
     fn verdict(self, statement: &Statement, points: u64) -> (Decision, Requirement, String) {
         let Self { rule, looks, count } = self;
-        let mut required = Requirement {
-            rule,
-            interval: None,
-            method: method(looks.way, statement.accepted_by_sample.len()),
-            guard_bands: None,
-            looks: count,
-            points_needed: None,
-            points_needed_going_on: None,
-        };
+        let method = method(looks.way, statement.accepted_by_sample.len());
+        let mut required = Requirement { method, ..Requirement::open(rule, count) };
         if let Some(unfit) = statement.unfit {
             return undecided(self, unfit, statement, points, required);
         }
@@ -153,6 +164,12 @@ fn undecided(
             100.0 * (1.0 - least),
             percent(1.0 - limit)
         ),
+        Unfit::Point { limit } => {
+            format!(
+                "no value conforms with the required {} %, as the uncertainties are too large",
+                percent(1.0 - limit)
+            )
+        }
         Unfit::Guard => "the guard band is as wide as a tolerance and leaves nothing of it".to_owned(),
     };
     let words = format!("{verdict}: the measurement cannot decide: {why}");
@@ -160,6 +177,11 @@ fn undecided(
 }
 
 impl Conclusion {
+    /// Whether fewer points may be accepted than lie within all tolerances.
+    pub fn is_guarded(&self) -> bool {
+        self.guard_band != Some(0.0) || self.point_risk.is_some()
+    }
+
     /// Draws it from what is known of so many points; without a rule one point is enough.
     pub fn new(ruling: Option<Ruling>, statement: &Statement, points: u64) -> Self {
         let accepted = statement.accepted;
@@ -183,6 +205,7 @@ impl Conclusion {
             other_verdict_interval: ruling.is_none().then(|| other_verdict(accepted, points, 0.95)),
             accepted,
             guard_band: statement.guard,
+            point_risk: None,
             risk: statement.all.clone(),
         }
     }
@@ -192,11 +215,13 @@ fn method(way: Way, samples: usize) -> String {
     match (way, samples) {
         (Way::Once, 1) => "Clopper and Pearson's".to_owned(),
         (Way::Once, n) => {
-            format!("Student's over {n} replicates; Clopper and Pearson's where their counts hardly differ")
+            format!("the wider of Student's over {n} replicates and Clopper and Pearson's")
         }
         (Way::EveryPoint, _) => "a confidence sequence, which may be looked at after every point".to_owned(),
         (Way::Doublings, n) => {
-            format!("Student's over {n} replicates, with the probability of a wrong verdict divided among the looks")
+            format!(
+                "the wider of Student's over {n} replicates and Clopper and Pearson's, with the probability of a wrong verdict divided among the looks"
+            )
         }
     }
 }

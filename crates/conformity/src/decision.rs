@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::interval::{clopper_pearson, student};
+use super::interval::{Moments, clopper_pearson, of_mean};
 
 /// The decision about a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -51,19 +51,13 @@ impl Rule {
     }
 }
 
-/// The interval of a share of points that belong in turn to independent randomisations of a design,
-/// given the count of each: Student's about their shares. Where nearly all counts are equal, their
-/// scatter tells nothing, and the points count as independent trials (see [`clopper_pearson`]); a
-/// design spreads its points more evenly than chance.
+/// The interval of a share of points that belong in turn to independent nets, given the count of each, or of independent
+/// points, given one count (see [`of_mean`]).
 pub fn randomised(counts: &[u64], points: u64, confidence: f64) -> [f64; 2] {
-    let (n, total) = (counts.len() as u64, counts.iter().sum::<u64>());
-    if n < 2 || total.min(points - total) < n || unequal(counts) < (n / 2).min(4) {
-        return clopper_pearson(total as f64, points as f64, confidence);
-    }
-    let size = |k: u64| points / n + u64::from(k < points % n);
-    let shares = (0..).zip(counts).map(|(k, &count)| count as f64 / size(k) as f64);
-    let shares: Vec<f64> = shares.collect();
-    student(total as f64 / points as f64, &shares, confidence)
+    let nets = counts.len().max(1) as u64;
+    let size = |k: u64| points / nets + u64::from(k < points % nets);
+    let of_net = |(k, &hits): (u64, &u64)| Moments { count: size(k), sum: hits as f64, squares: hits as f64 };
+    of_mean(&(0..).zip(counts).map(of_net).collect::<Vec<Moments>>(), confidence)
 }
 
 /// The interval of the probability that another sample of as many independent points would come to the other verdict by
@@ -77,11 +71,8 @@ pub fn other_verdict(accepted: u64, points: u64, confidence: f64) -> [f64; 2] {
     if accepted > 0 { [none, some] } else { [1.0 - some, 1.0 - none] }
 }
 
-/// How many counts differ from the most frequent one.
-fn unequal(counts: &[u64]) -> u64 {
-    let equal = |count: &u64| counts.iter().filter(|other| *other == count).count();
-    (counts.len() - counts.iter().map(equal).max().unwrap_or(0)) as u64
-}
+#[cfg(test)]
+mod nets_tests;
 
 #[cfg(test)]
 mod tests;

@@ -21,8 +21,15 @@ mod bands;
 pub enum Guard {
     /// By this multiple of each criterion's expanded uncertainty; 0 is simple acceptance.
     Given(f64),
-    /// By the smallest multiple that keeps the probability of an accepted point not to conform at or below `risk`.
+    /// By the smallest multiple of which the points show that it keeps the probability of an accepted point not to conform
+    /// at or below `risk`.
     Limiting {
+        /// The largest probability.
+        risk: f64,
+    },
+    /// As far as it takes at each point: one is accepted if the probability that it does not conform is at or below `risk`
+    /// (ISO 14253-1: 5 %).
+    EachPoint {
         /// The largest probability.
         risk: f64,
     },
@@ -37,35 +44,40 @@ impl Guard {
     /// Whether a model value can be accepted at all: a guard band as wide as a tolerance leaves nothing
     /// of it.
     pub fn leaves_something(self, measurement: &Measurement) -> bool {
-        let Self::Given(factor) = self else {
-            return true;
-        };
         let mut criteria = measurement.criteria().iter();
-        criteria.all(|criterion| factor == 0.0 || criterion.largest_margin() > factor)
+        criteria.all(|criterion| match self {
+            Self::Given(factor) => factor == 0.0 || criterion.largest_margin() > factor,
+            Self::Limiting { .. } => true,
+            Self::EachPoint { risk } => {
+                criterion.most_not_conforming(criterion.largest_margin()).is_some_and(|least| least <= risk)
+            }
+        })
     }
 
-    /// Whether a point with this margin is accepted; `band` is the guard band that limits the risk (see
-    /// [`Statement::guard`]).
-    pub fn accepts(self, margin: f64, band: Option<f64>) -> bool {
+    /// Whether a point is accepted; `band` is the guard band that limits the risk (see [`Statement::guard`]).
+    pub fn accepts(self, point: Assessed, band: Option<f64>) -> bool {
         let from = match self {
-            Self::Given(_) => 0,
+            Self::Given(_) | Self::EachPoint { .. } => 0,
             // A multiple of the step, but for rounding.
             Self::Limiting { .. } => match band {
                 Some(factor) => (factor / Self::STEP).round() as usize,
                 None => return false,
             },
         };
-        self.widest_passed(margin).is_some_and(|step| step >= from)
+        self.widest_passed(point).is_some_and(|step| step >= from)
     }
 
     /// The number of the widest guard band, of those that come into question, that lets a point
     /// pass.
-    fn widest_passed(self, margin: f64) -> Option<usize> {
+    fn widest_passed(self, Assessed { margin, probability }: Assessed) -> Option<usize> {
         match self {
             Self::Given(factor) => (margin >= factor).then_some(0),
             Self::Limiting { .. } => {
                 let steps = (margin / Self::STEP).min(Self::MOST_STEPS);
                 (steps >= 0.0).then_some(steps as usize)
+            }
+            Self::EachPoint { risk } => {
+                (margin >= 0.0 && probability.is_some_and(|conforms| conforms >= 1.0 - risk)).then_some(0)
             }
         }
     }
@@ -108,12 +120,17 @@ pub enum Unfit {
     },
     /// The guard band is as wide as a tolerance.
     Guard,
+    /// No value conforms as surely as each accepted point must.
+    Point {
+        /// The largest probability not to conform that may be.
+        limit: f64,
+    },
 }
 
 /// Result over all points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Statement {
-    /// The guard band in expanded uncertainties; none where none limits the risk as wanted, and
+    /// The guard band in expanded uncertainties; none where the points show of none that it limits the risk as wanted, and
     /// nothing is accepted.
     pub guard: Option<f64>,
     /// Points that are accepted: within all tolerances less the guard bands.
@@ -132,15 +149,6 @@ pub struct Statement {
     pub criteria: Vec<Option<Risk>>,
     /// Risks of all criteria together, where all uncertainties are known.
     pub all: Option<Risk>,
-}
-
-impl Statement {
-    /// The same without intervals, of points that are no sample.
-    pub fn without_intervals(mut self) -> Self {
-        let risks = self.criteria.iter_mut().chain([&mut self.all]);
-        risks.flatten().for_each(|risk| risk.intervals = None);
-        self
-    }
 }
 
 /// Sums up points one by one, in constant memory.
@@ -193,30 +201,57 @@ impl RiskTally {
         self.all.add(self.guard, sample, assessed);
     }
 
-    /// The result over the points so far; the guard bands that may be the right one with 95 %.
+    /// The result over the points so far; what their guard band limits, it limits with 95 %.
     pub fn statement(&self) -> Statement {
         self.statement_at(0.95)
     }
 
-    /// The same with another confidence for the guard bands.
+    /// The same with another confidence of the guard band.
     pub fn statement_at(&self, confidence: f64) -> Statement {
-        let (guard, from) = self.guard_band();
+        self.stated(Some(confidence))
+    }
+
+    /// The same of points that are no sample: no intervals, and a guard band that is enough for any points.
+    pub fn statement_of_no_sample(&self) -> Statement {
+        let mut statement = self.stated(None);
+        let risks = statement.criteria.iter_mut().chain([&mut statement.all]);
+        risks.flatten().for_each(|risk| risk.intervals = None);
+        statement
+    }
+
+    fn stated(&self, confidence: Option<f64>) -> Statement {
+        let any_within = self.within.iter().any(|&n| n > 0);
+        let given = match self.guard {
+            Guard::Given(factor) => Some(factor),
+            Guard::EachPoint { .. } => Some(0.0),
+            // Where there is nothing to accept, no guard band is needed.
+            Guard::Limiting { .. } if !any_within => Some(0.0),
+            Guard::Limiting { .. } => None,
+        };
+        let allowed = match self.guard {
+            Guard::Limiting { risk } if given.is_none() && self.all.known => {
+                Some(bands::allowed(&self.all, &self.measured, risk, confidence))
+            }
+            _ => None,
+        };
+        let widest = allowed.as_ref().map(|bands| bands.factors[1]);
+        let guard = given.or(widest.filter(|factor| factor.is_finite()));
+        let from = match (self.guard, guard) {
+            (Guard::Limiting { .. }, Some(factor)) => (factor / Guard::STEP).round() as usize,
+            (_, Some(_)) => 0,
+            (_, None) => usize::MAX,
+        };
         let parts = self.all.split(from);
         let [accepted, rejected] = parts.each_ref().map(|parts| Moments::total(parts));
         let conforming = accepted.complement().sum + rejected.complement().sum;
         let accepted_by_sample: Vec<u64> = parts[0].iter().map(|part| part.count).collect();
-        let bands = match self.guard {
-            Guard::Limiting { risk } if self.all.known && self.within.iter().any(|&n| n > 0) => {
-                bands::allowed(&self.all, &self.measured, risk, confidence)
-            }
-            _ => Bands::one(guard.unwrap_or(f64::INFINITY), &accepted_by_sample),
-        };
+        let bands = allowed.unwrap_or_else(|| Bands::one(guard.unwrap_or(f64::INFINITY), &accepted_by_sample));
         Statement {
             guard,
             accepted: accepted.count,
             accepted_by_sample,
             bands,
-            unfit: self.unfit(guard, accepted.count),
+            unfit: self.unfit(any_within, accepted.count),
             within_by_sample: self.within.clone(),
             expected_conforming: self.all.known.then_some(conforming),
             criteria: self.criteria.iter().map(|c| c.risk(from)).collect(),
@@ -224,26 +259,15 @@ impl RiskTally {
         }
     }
 
-    /// The guard band in expanded uncertainties, and the first of the steps that it accepts.
-    fn guard_band(&self) -> (Option<f64>, usize) {
+    fn unfit(&self, any_within: bool, accepted: u64) -> Option<Unfit> {
         match self.guard {
-            Guard::Given(factor) => (Some(factor), 0),
-            // Where there is nothing to accept, no guard band is needed.
-            Guard::Limiting { .. } if self.within.iter().all(|&n| n == 0) => (Some(0.0), 0),
-            Guard::Limiting { risk } => match self.all.least_step(risk) {
-                Some(step) => (Some(step as f64 * Guard::STEP), step),
-                None => (None, usize::MAX),
-            },
-        }
-    }
-
-    fn unfit(&self, guard: Option<f64>, accepted: u64) -> Option<Unfit> {
-        let within = self.within.iter().any(|&n| n > 0);
-        match self.guard {
-            Guard::Limiting { risk } if guard.is_none() => {
+            Guard::Limiting { risk } if any_within && (!self.all.known || self.all.least_risk() > risk) => {
                 Some(Unfit::Risk { limit: risk, least: self.all.least_risk() })
             }
-            Guard::Given(_) if within && accepted == 0 && !self.possible => Some(Unfit::Guard),
+            Guard::Given(_) if any_within && accepted == 0 && !self.possible => Some(Unfit::Guard),
+            Guard::EachPoint { risk } if any_within && accepted == 0 && !self.possible => {
+                Some(Unfit::Point { limit: risk })
+            }
             _ => None,
         }
     }

@@ -187,6 +187,17 @@ impl Law {
         }
     }
 
+    /// The effective degrees of freedom of a combined standard uncertainty that contains this one, where only those of
+    /// Student's part are few (Welch and Satterthwaite: GUM, G.4.1); none where there is no such part.
+    pub fn freedom_within(&self, combined: f64) -> Option<f64> {
+        (self.student > 0.0).then(|| self.freedom * (combined / self.student).powi(4))
+    }
+
+    /// The sum of this error and an independent normal one.
+    pub fn with_normal(self, deviation: f64) -> Self {
+        Self { normal: self.normal.hypot(deviation), ..self }
+    }
+
     /// The same error, so many times as large.
     pub fn times(&self, factor: f64) -> Self {
         Self {

@@ -25,7 +25,14 @@ pub struct Comparison {
     pub u_val: f64,
     /// Whether all three are known; otherwise u_val is a lower bound.
     pub complete: bool,
-    /// The coverage factor of the interval.
+    /// The effective degrees of freedom of u_val (Welch and Satterthwaite); none where they are as good as infinite.
+    #[serde(default)]
+    pub freedom: Option<f64>,
+    /// E_n = E / sqrt(U_S^2 + U_D^2), with the expanded uncertainties of model (k = 2) and measured value (ISO 13528, 9.7);
+    /// none where the latter is not stated, or both are 0.
+    #[serde(default)]
+    pub e_n: Option<f64>,
+    /// The coverage factor of the interval: 2, or of few repeats what holds as much as 2 does of a normal number.
     pub coverage: f64,
     /// E - k u_val and E + k u_val, between which the model's error lies.
     pub model_error: [f64; 2],
@@ -52,17 +59,26 @@ impl Comparison {
     /// The comparison with a measured value, given mean and standard deviation of the model's value over the points. None where
     /// nothing is measured, or one of its numbers would be beyond all numbers.
     pub fn new(measured: &Measured, [mean, deviation]: [f64; 2], numerical: Numerical) -> Option<Self> {
-        const COVERAGE: f64 = 2.0;
+        /// That of two standard deviations of a normal number (GUM, table G.2).
+        const PROBABILITY: f64 = 0.954_499_736_103_642;
         let u_d = measured.error.map(|error| error.standard());
         let known = [("numerical", numerical.standard), ("input", Some(deviation)), ("measurement", u_d)];
         // Squares of large numbers would be beyond all numbers.
         let u_val = known.iter().filter_map(|(_, u)| *u).fold(0.0, f64::hypot);
+        let of_model = numerical.standard.unwrap_or(0.0).hypot(deviation);
+        let freedom = measured.error.and_then(|law| law.freedom_within(u_val));
+        // Student's factor of the effective degrees of freedom would hold 88 % with two repeats beside a known part; the
+        // distribution of the sum itself holds 95 % or more.
+        let few = measured.error.filter(|law| law.student > 0.0);
+        let coverage = few.map_or(2.0, |law| law.with_normal(of_model).half_interval(PROBABILITY) / u_val);
         let error = mean - measured.value?;
+        let e_n =
+            measured.error.map(|law| error / (2.0 * of_model).hypot(law.expanded)).filter(|ratio| ratio.is_finite());
         let largest = known.iter().max_by(|a, b| {
             let [a, b] = [a.1, b.1].map(|u| u.unwrap_or(0.0));
             a.total_cmp(&b)
         });
-        let model_error = [-1.0, 1.0].map(|side| error + side * COVERAGE * u_val);
+        let model_error = [-1.0, 1.0].map(|side| error + side * coverage * u_val);
         let numbers = [mean, error, deviation, u_val].into_iter().chain(model_error);
         numbers.into_iter().all(f64::is_finite).then(|| Self {
             model: mean,
@@ -73,7 +89,9 @@ impl Comparison {
             u_d,
             u_val,
             complete: known.iter().all(|(_, u)| u.is_some()),
-            coverage: COVERAGE,
+            freedom,
+            e_n,
+            coverage,
             model_error,
             dominant: largest.map_or("", |(name, _)| name).to_owned(),
         })
@@ -199,6 +217,8 @@ impl Spread {
 mod tests {
     use super::*;
     use crate::uncertainty::Uncertainty;
+    use rand::{RngExt, SeedableRng, rngs::StdRng};
+    use rand_distr::StandardNormal;
 
     fn measured(uncertainty: Option<f64>) -> Measured {
         Measured::within(82.0, 0.6, uncertainty.map(|expanded| Uncertainty::normal(expanded, 2.0).law(82.0)))
@@ -212,6 +232,48 @@ mod tests {
         assert!((told.u_val - 1.3).abs() < 1e-12 && told.complete);
         assert!((told.model_error[0] + 3.6).abs() < 1e-12 && (told.model_error[1] - 1.6).abs() < 1e-12);
         assert_eq!(told.dominant, "input");
+        // U_S is twice the root of 0.16 + 1.44, U_D is 0.6: together 2.6.
+        assert!((told.e_n.unwrap() + 1.0 / 2.6).abs() < 1e-12);
+        assert_eq!((told.freedom, told.coverage), (None, 2.0));
+    }
+
+    /// GUM, G.4.1 and table G.2: three repeats alone have 2 degrees of freedom and k = 4.53; beside an equal normal part 8. The
+    /// sum of a normal number and one of Student's with 2 degrees of freedom has 95.45 % within 4.84 (scipy, convolution).
+    #[test]
+    fn few_repeats_have_few_degrees_of_freedom() {
+        let repeated = Uncertainty { noise: 3.0_f64.sqrt(), repeats: Some(3), ..Uncertainty::normal(0.0, 2.0) };
+        let measured = Measured::within(82.0, 0.6, Some(repeated.law(82.0)));
+        for (input, freedom, half) in [(0.0, 2.0, 4.5266), (1.0, 8.0, SUM_OF_BOTH)] {
+            let told = Comparison::new(&measured, [81.0, input], Numerical::default()).unwrap();
+            assert!((told.freedom.unwrap() - freedom).abs() < 1e-9, "{told:?}");
+            assert!((told.coverage * told.u_val / half - 1.0).abs() < 1e-4, "{told:?}");
+            assert!((told.model_error[1] + 1.0 - told.coverage * told.u_val).abs() < 1e-12);
+        }
+    }
+    const SUM_OF_BOTH: f64 = 4.842_708;
+
+    /// E +- U of so many repeats, beside a known part of up to the same size, of 1,000 measurements each.
+    #[test]
+    fn the_interval_of_few_repeats_holds() {
+        let mut random = StdRng::seed_from_u64(17);
+        let mut normal = || random.sample::<f64, _>(StandardNormal);
+        for repeats in [2_u32, 3, 5, 10] {
+            for known in [0.0, 0.4, 1.0] {
+                let held = (0..1000).filter(|_| {
+                    let root = f64::from(repeats).sqrt();
+                    let readings: Vec<f64> = (0..repeats).map(|_| root * normal()).collect();
+                    let mean = readings.iter().sum::<f64>() / f64::from(repeats);
+                    let squares: f64 = readings.iter().map(|x| (x - mean).powi(2)).sum();
+                    let noise = (squares / f64::from(repeats - 1)).sqrt();
+                    let stated = Uncertainty { noise, repeats: Some(repeats), ..Uncertainty::normal(2.0 * known, 2.0) };
+                    let measured = Measured::within(mean + known * normal(), 0.6, Some(stated.law(0.0)));
+                    let told = Comparison::new(&measured, [0.0, 0.0], Numerical::default()).unwrap();
+                    told.model_error[0] <= 0.0 && 0.0 <= told.model_error[1]
+                });
+                let held = held.count();
+                assert!(held >= 930, "{repeats} {known}: {held}");
+            }
+        }
     }
 
     #[test]
@@ -219,7 +281,7 @@ mod tests {
         let told = Comparison::new(&measured(None), [81.0, 1.2], Numerical::default());
         let told = told.unwrap();
         assert_eq!((told.u_num, told.u_d, told.complete), (None, None, false));
-        assert_eq!(told.u_num_note, "not observed");
+        assert_eq!((told.u_num_note.as_str(), told.e_n), ("not observed", None));
         assert_eq!(told.u_val, 1.2);
     }
 

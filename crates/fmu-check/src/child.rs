@@ -1,6 +1,7 @@
 //! A process in which an FMU is probed: the side that waits for it.
 
 use std::io;
+use std::path::Path;
 use std::time::Duration;
 
 use fmu_points::failure::Failure;
@@ -26,11 +27,12 @@ pub(crate) struct Outcome {
 }
 
 /// Runs a probe. `fill` is what fresh and freed memory is filled with.
-pub(crate) fn run(setup: &Setup, patience: Duration, fill: Option<u8>) -> io::Result<Outcome> {
+pub(crate) fn run(setup: &Setup, scratch: &Path, patience: Duration, fill: Option<u8>) -> io::Result<Outcome> {
     let recorder = Recorder {
         fmu: &setup.fmu,
         name: &setup.fmu,
-        home: None,
+        scratch,
+        here: true,
         limits: Limits { time: patience, memory: MEMORY },
         echo: false,
     };

@@ -66,7 +66,7 @@ impl<'a> Probes<'a> {
         let fresh = self.fresh_folder()?;
         let fmu = fresh.as_ref().map_or(&*self.setup.fmu, TempDir::path);
         let setup = Setup { life, fmu: fmu.to_owned(), ..self.setup.clone() };
-        child::run(&setup, patience, fill)
+        child::run(&setup, self.scratch, patience, fill)
     }
 
     /// A probe of an FMU that has ended in time alone. Where this one does not, the machine may be busy: it gets another

@@ -306,13 +306,25 @@ impl Archive {
             let misnamed = self.misnamed(identifier, platform);
             return Err(misnamed.unwrap_or_else(otherwise));
         }
-        let target = tempfile::Builder::new().prefix("fmu-").tempdir_in(parent)?;
+        let target = numbered(parent)?;
         match self {
             Self::Zip { zip, .. } => unpack::unpack(zip, platform, target.path())?,
             Self::Folder(folder) => unpack::Copy::default().needed(folder, platform, target.path())?,
         }
         Ok(target)
     }
+}
+
+/// A new folder, which is removed with the value. Its name is the same in every run, since an FMU may see it.
+fn numbered(parent: &Path) -> io::Result<TempDir> {
+    for number in 1_u32.. {
+        let name = format!("fmu-{number}");
+        match tempfile::Builder::new().prefix(&name).rand_bytes(0).tempdir_in(parent) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            made => return made,
+        }
+    }
+    Err(io::ErrorKind::AlreadyExists.into())
 }
 
 /// Opens a file. Opening a pipe would wait for its writer, and a device may have no end.

@@ -227,11 +227,25 @@ fn absolute(folder: &Path) -> Result<String, LibraryError> {
 fn loaded(path: &Path) -> Result<&'static Loaded, LibraryError> {
     // The loader searches a bare relative path elsewhere.
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    // SAFETY: running the initialisers of the binary is what the user asked for; the caller
-    // decides in which process.
-    let library =
-        unsafe { Loaded::new(&path) }.map_err(|error| LibraryError::Load { reason: reason(&path, &error), path })?;
+    let library = open(&path).map_err(|error| LibraryError::Load { reason: reason(&path, &error), path })?;
     Ok(Box::leak(Box::new(library)))
+}
+
+/// Loads a binary with all the functions that it calls, which each fork would have to look up again; where some are not there,
+/// it may never call them, and is loaded without.
+fn open(path: &Path) -> Result<Loaded, libloading::Error> {
+    #[cfg(unix)]
+    {
+        use libloading::os::unix;
+        // SAFETY: running the initialisers of the binary is what the user asked for; the caller decides in which process.
+        // Where the loader refuses, it has run none.
+        let library = unsafe { unix::Library::open(Some(path), unix::RTLD_NOW | unix::RTLD_LOCAL) };
+        if let Ok(library) = library {
+            return Ok(library.into());
+        }
+    }
+    // SAFETY: as above.
+    unsafe { Loaded::new(path) }
 }
 
 /// The inputs, and whether each may change between events.

@@ -68,7 +68,9 @@ pub struct Package {
     archive: Archive,
     description: Description,
     /// Where it was unpacked, and how that folder was then.
-    unpacked: Option<(Arc<TempDir>, Snapshot)>,
+    unpacked: Option<(PathBuf, Snapshot)>,
+    /// The folder around it, where it was made here.
+    own: Option<Arc<TempDir>>,
 }
 
 impl Package {
@@ -84,7 +86,7 @@ impl Package {
         let description = archive.description().map_err(FmuFault::from);
         let description = description.and_then(|xml| Ok(parse::description(&xml, &[])?));
         let description = description.map_err(unusable)?;
-        Ok(Self { path: path.to_owned(), archive, description, unpacked: None })
+        Ok(Self { path: path.to_owned(), archive, description, unpacked: None, own: None })
     }
 
     /// Reads the description again with these values of structural parameters, by their value references: its arrays have
@@ -178,8 +180,8 @@ impl Package {
     }
 
     /// Unpacks what a simulation on this platform needs into a new folder within `parent`, and returns that. One that
-    /// is there already is used again, unless the FMU has changed anything in it. The folder is removed with the
-    /// package and the libraries that were loaded from it.
+    /// is there already is used again, unless the FMU has changed anything in it. It stays until whoever made `parent` removes
+    /// that: another program may have a folder of the same name then.
     ///
     /// # Errors
     /// When there is no binary for this platform, when the archive is unsafe or damaged, and when
@@ -187,22 +189,21 @@ impl Package {
     pub fn unpack(&mut self, parent: &Path) -> Result<PathBuf, FmuError> {
         // The folder unpacked for workers may be gone with their other files.
         let kept = self.unpacked.take();
-        let kept = kept.filter(|(folder, then)| Snapshot::of(folder.path()) == *then);
+        let kept = kept.filter(|(folder, then)| Snapshot::of(folder) == *then);
         let (folder, then) = match kept {
             Some(kept) => kept,
             None => {
-                let folder = Arc::new(self.unpack_anew(parent)?);
-                let then = Snapshot::of(folder.path());
+                let folder = self.unpack_anew(parent)?.keep();
+                let then = Snapshot::of(&folder);
                 (folder, then)
             }
         };
-        let path = folder.path().to_owned();
-        self.unpacked = Some((folder, then));
-        Ok(path)
+        self.unpacked = Some((folder.clone(), then));
+        Ok(folder)
     }
 
     /// Unpacks what a simulation on this platform needs into a new folder within `parent`, which is removed with
-    /// the value.
+    /// the value: `parent` must still be there then.
     ///
     /// # Errors
     /// As [`unpack`](Self::unpack).
@@ -226,10 +227,17 @@ impl Package {
     pub fn load(&mut self) -> Result<Arc<Library>, FmuError> {
         let folder = match self.archive.folder() {
             Some(folder) => folder.to_owned(),
-            None => self.unpack(&std::env::temp_dir())?,
+            None => {
+                let own = match self.own.take() {
+                    Some(own) => own,
+                    None => Arc::new(tempfile::tempdir().map_err(|error| self.unusable(ArchiveError::from(error)))?),
+                };
+                let folder = self.unpack(own.path())?;
+                self.own = Some(own);
+                folder
+            }
         };
-        let unpacked = self.unpacked.as_ref().map(|(folder, _)| Arc::clone(folder));
-        let library = Library::load(&folder, unpacked, &self.description);
+        let library = Library::load(&folder, self.own.clone(), &self.description);
         Ok(Arc::new(library.map_err(|fault| self.unusable(fault))?))
     }
 }

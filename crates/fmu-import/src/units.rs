@@ -100,15 +100,17 @@ impl Conversion {
 impl Units {
     /// How values in `from` become values in `to`; `None` is a value without a unit.
     ///
+    /// The FMU's definitions decide what a name means; [`known`] names fill in those that it does not define.
+    ///
     /// # Errors
-    /// When neither the FMU's definitions nor [`known`] names know a way from one to the other.
+    /// When neither knows a way from one to the other, and when they leave a factor of 2 pi open.
     pub fn conversion(&self, from: &str, to: Option<&str>) -> Result<Conversion, UnitError> {
         let from = plain(from);
         let ways = self.ways(to);
         if let Some((_, way)) = ways.iter().find(|(name, _)| plain(name) == from) {
             return Ok(*way);
         }
-        if let Some(way) = to.and_then(|to| known::between(&from, to)) {
+        if let Some(way) = self.by_base(&from, to) {
             return Ok(way);
         }
         let remedy = match to.filter(|unit| *unit != "1") {
@@ -126,16 +128,20 @@ impl Units {
     /// Every unit in which a value of unit `to` may be given, and how it converts.
     fn ways(&self, to: Option<&str>) -> Vec<(String, Conversion)> {
         let Some(to) = to.filter(|unit| !matches!(*unit, "1" | "" | "-")) else {
-            return vec![("1".to_owned(), Conversion::IDENTITY), ("%".to_owned(), Conversion::scaled(0.01))];
+            let mut ways = vec![("1".to_owned(), Conversion::IDENTITY)];
+            if !self.defines("%") {
+                ways.push(("%".to_owned(), Conversion::scaled(0.01)));
+            }
+            return ways;
         };
         let mut ways = vec![(to.to_owned(), Conversion::IDENTITY)];
         let Some(unit) = self.0.get(to) else {
             return ways;
         };
         ways.extend(unit.displays());
-        let Some(base) = unit.base else { return ways };
+        let Some(base) = unit.base.filter(BaseUnit::converts) else { return ways };
         for (name, other) in &self.0 {
-            let alike = |other: &BaseUnit| name != to && other.exponents == base.exponents;
+            let alike = |other: &BaseUnit| name != to && other.exponents == base.exponents && other.converts();
             let Some(other_base) = other.base.filter(alike) else {
                 continue;
             };
@@ -144,6 +150,76 @@ impl Units {
             ways.extend(other.displays().map(|(name, to_unit)| (name, to_unit.then(way))));
         }
         ways
+    }
+
+    /// The way by the meanings of both names in SI base units.
+    fn by_base(&self, from: &str, to: Option<&str>) -> Option<Conversion> {
+        let to = plain(to.filter(|unit| !matches!(*unit, "" | "-")).unwrap_or("1"));
+        let (given, wanted) = (self.meanings(from), self.meanings(&to));
+        let pairs = given.iter().flat_map(|from| wanted.iter().map(move |to| (from, to)));
+        let (one, other) = pairs.clone().find(|(from, to)| from.exponents == to.exponents)?;
+        // Many FMUs leave out rad. Where the name of the FMU's unit does not say whether it is a frequency or an angular
+        // velocity, a turn a minute could be either.
+        let but_for_rad = |a: &BaseUnit, b: &BaseUnit| a.exponents[..7] == b.exponents[..7];
+        let is_open = given.iter().any(|from| from.exponents != other.exponents && but_for_rad(from, other));
+        if is_open && known::meanings(&to).next().is_none() {
+            return None;
+        }
+        Some(one.to_base.then(other.to_base.inverse()))
+    }
+
+    /// What a name means: as the FMU defines it, else as people use it.
+    fn meanings(&self, name: &str) -> Vec<BaseUnit> {
+        if !self.defines(name) {
+            return known::meanings(name).collect();
+        }
+        let mut meanings = Vec::new();
+        for (unit_name, unit) in &self.0 {
+            let bases: Vec<BaseUnit> = match unit.base {
+                Some(base) => vec![with_rad(unit_name, base)],
+                None => known::meanings(unit_name).collect(),
+            };
+            if plain(unit_name) == name {
+                meanings.extend(&bases);
+            }
+            for (_, to_unit) in unit.displays().filter(|(display, _)| plain(display) == name) {
+                meanings.extend(bases.iter().map(|base| BaseUnit { to_base: to_unit.then(base.to_base), ..*base }));
+            }
+        }
+        meanings.retain(BaseUnit::converts);
+        meanings
+    }
+
+    /// Whether the FMU says what a name means: a unit with its relation to SI base units, or a display unit.
+    fn defines(&self, name: &str) -> bool {
+        self.0.iter().any(|(unit_name, unit)| {
+            unit.base.is_some() && plain(unit_name) == name
+                || unit.display.iter().any(|shown| plain(&shown.name) == name)
+        })
+    }
+}
+
+/// The base of a unit whose usual meaning differs from it in nothing but rad, which the FMU left out, with that rad.
+fn with_rad(name: &str, base: BaseUnit) -> BaseUnit {
+    let same = |usual: &BaseUnit| {
+        let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * b.abs();
+        usual.exponents[..7] == base.exponents[..7]
+            && close(base.to_base.factor, usual.to_base.factor)
+            && close(base.to_base.offset, usual.to_base.offset)
+    };
+    let usual: Vec<BaseUnit> = known::meanings(name).filter(same).collect();
+    match usual.first() {
+        Some(first) if base.exponents[7] == 0 && usual.iter().all(|usual| usual.exponents[7] != 0) => {
+            BaseUnit { exponents: first.exponents, ..base }
+        }
+        _ => base,
+    }
+}
+
+impl BaseUnit {
+    /// Whether values convert both ways.
+    fn converts(&self) -> bool {
+        self.to_base.factor != 0.0 && self.to_base.factor.is_finite() && self.to_base.offset.is_finite()
     }
 }
 
@@ -184,6 +260,9 @@ pub fn split(text: &str) -> Result<(f64, Option<&str>), String> {
     }
     Ok((number, (!unit.is_empty()).then_some(unit)))
 }
+
+#[cfg(test)]
+mod systems_tests;
 
 #[cfg(test)]
 mod tests {

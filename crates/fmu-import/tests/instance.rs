@@ -72,14 +72,27 @@ fn a_library_keeps_its_files() {
     let (folder, _) = counter();
     let parent = tempfile::tempdir().unwrap();
     let mut package = Package::open(&packed(folder.path())).unwrap();
-    let unpacked = package.unpack(parent.path()).unwrap();
     let library = package.load().unwrap();
+    // The folder that is there already.
+    let unpacked = package.unpack(parent.path()).unwrap();
+    assert!(!unpacked.starts_with(parent.path()));
     drop(package);
     let instance = started(&library);
     drop(library);
     assert!(unpacked.join("modelDescription.xml").exists());
     drop(instance);
     assert!(!unpacked.exists());
+}
+
+/// Once the parent is gone, another program may have a folder of the same name there.
+#[test]
+fn a_folder_within_a_given_one_is_removed_with_that_alone() {
+    let (folder, _) = counter();
+    let parent = tempfile::tempdir().unwrap();
+    let mut package = Package::open(&packed(folder.path())).unwrap();
+    let unpacked = package.unpack(parent.path()).unwrap();
+    drop(package);
+    assert!(unpacked.join("modelDescription.xml").exists());
 }
 
 #[test]

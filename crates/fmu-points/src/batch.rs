@@ -78,12 +78,6 @@ impl<I: Iterator<Item = Job>> Batches<I> {
     pub(crate) fn is_over(&self) -> bool {
         self.dry && self.out == 0 && self.returned.is_empty()
     }
-
-    /// How many points are left, as far as that is known.
-    pub(crate) fn left(&self) -> Option<usize> {
-        let left = self.jobs.size_hint().1?;
-        Some(left + self.returned.len())
-    }
 }
 
 #[cfg(test)]

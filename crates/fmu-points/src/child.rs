@@ -5,7 +5,6 @@ use std::fs;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::conduct::Reason;
 use crate::failure::Failure;
 use crate::join;
 use crate::notices::Notices;
@@ -40,10 +39,9 @@ pub(crate) struct Child<'a> {
 impl Child<'_> {
     /// Does what the worker wants.
     pub(crate) fn obey(mut self, order: &Order) {
-        let begun = Instant::now();
         let alone = match order {
             Order::New(jobs) | Order::Forked(jobs) => jobs.first(),
-            Order::Used(..) | Order::Recorded(..) | Order::Errand(_) => None,
+            Order::Used(_) | Order::Recorded(..) | Order::Errand(_) => None,
         };
         if let (Some(_), Some(byte)) = (alone, self.estate.setup.fill) {
             paint_stack(byte);
@@ -60,9 +58,9 @@ impl Child<'_> {
         let Some(task) = tasks.next() else { return };
         let runner = Runner::new(library, task);
         match (order, alone) {
-            (Order::Used(reuse, _), _) => self.serve(runner.with_further(tasks).trusting(*reuse)),
+            (Order::Used(_), _) => self.serve(runner.with_further(tasks)),
             (Order::Recorded(values, columns), _) => self.record(runner, values, columns),
-            (_, Some(job)) => self.alone(runner, job, begun),
+            (_, Some(job)) => self.alone(runner, job),
             (_, None) => {}
         }
     }
@@ -81,16 +79,9 @@ impl Child<'_> {
     }
 
     /// Runs one point, and tells its answer before the instance is ended.
-    fn alone(&mut self, mut runner: Runner, job: &Job, begun: Instant) {
-        let before = Before::now();
+    fn alone(&mut self, mut runner: Runner, job: &Job) {
         let instance = runner.alone(&job.values, |runner, answer| {
-            let mut reply = reply(job.index, runner, answer);
-            if let Some(ready) = runner.ready {
-                reply.start = (ready - begun).as_secs_f32();
-                reply.simulated = ready.elapsed().as_secs_f32();
-            }
-            reply.odd = before.odd(runner, answer.err(), true);
-            self.say(&Said::Replies(vec![reply]));
+            self.say(&Said::Replies(vec![reply(job.index, runner, answer)]));
         });
         let notices = &runner.notices;
         if notices.unfinished.is_some() || notices.version.is_some() {
@@ -112,21 +103,14 @@ impl Child<'_> {
                 let failure = runner.run(&job.values).err();
                 let answer = failure.as_ref().map_or(Ok(runner.results()), Err);
                 let mut reply = reply(job.index, &runner, answer);
-                reply.odd = before.odd(&runner, failure.as_ref(), self.estate.setup.careful);
-                let mut odd = reply.odd;
+                reply.odd = before.is_odd(&runner, failure.as_ref());
+                let odd = reply.odd;
                 replies.push(reply);
-                if odd.is_none() && begun < last && sent.elapsed() <= HOLD {
+                if !odd && begun < last && sent.elapsed() <= HOLD {
                     continue;
                 }
-                if !self.estate.setup.careful && before.traces.has_other_signals() {
-                    // Any of the points since the last look may have changed them: only the first of these was surely
-                    // sound.
-                    replies.truncate(1);
-                    odd = Some(Reason::Signals);
-                    replies[0].odd = odd;
-                }
                 self.say(&Said::Replies(std::mem::take(&mut replies)));
-                if odd.is_some() {
+                if odd {
                     return;
                 }
                 sent = Instant::now();
@@ -168,12 +152,11 @@ impl Child<'_> {
             self.say(&Said::Loaded(None));
             return Some(library);
         }
-        // Only a worker that fills memory is there for finding out.
-        let before = self.estate.setup.fill.map(|_| Belongings::now());
+        let before = Belongings::now();
         match self.estate.package.as_mut()?.load() {
             Ok(library) => {
-                let forkable = before.map(|before| before.allow_forks(&Belongings::now()));
-                self.say(&Said::Loaded(forkable));
+                let forkable = before.allow_forks(&Belongings::now());
+                self.say(&Said::Loaded(Some(forkable)));
                 Some(library)
             }
             Err(error) => {
@@ -200,6 +183,7 @@ fn reply(index: u64, runner: &Runner, answer: Result<&[f64], &Failure>) -> Reply
             beyond: notices.beyond.clone(),
             ..Notices::default()
         }),
+        passing: false,
     });
     Reply::new(index, answer)
 }
@@ -215,8 +199,8 @@ impl Before {
         Self { traces: Traces::now(), complaints: complaints() }
     }
 
-    /// The oddity of a point that ended so, if any; signals take long to look at.
-    fn odd(&self, runner: &Runner, failure: Option<&Failure>, signals: bool) -> Option<Reason> {
+    /// Whether a point that ended so has left what no other point should meet.
+    fn is_odd(&self, runner: &Runner, failure: Option<&Failure>) -> bool {
         let notices = &runner.notices;
         let complained = match failure {
             // The FMU was not even asked.
@@ -224,15 +208,7 @@ impl Before {
             Some(_) => true,
             None => notices.ended.is_some() || notices.unfinished.is_some() || notices.warnings > 0,
         };
-        if complained || complaints() != self.complaints {
-            Some(Reason::Complaints)
-        } else if self.traces.has_further_threads() {
-            Some(Reason::Threads)
-        } else if signals && self.traces.has_other_signals() {
-            Some(Reason::Signals)
-        } else {
-            None
-        }
+        complained || complaints() != self.complaints || self.traces.has_further_threads()
     }
 }
 

@@ -10,12 +10,10 @@ use std::time::Duration;
 use serde::{Deserialize, Serialize};
 
 use crate::as_json;
-use crate::conduct::{Isolation, Separation};
 use crate::failure::Failure;
+use crate::isolation::Isolation;
 use crate::notices::Notices;
 use crate::points::{Event, Job, RunError, Simulated};
-use crate::policy::Found;
-use crate::repeats::Repeats;
 use crate::system;
 use crate::task::Case;
 
@@ -86,12 +84,10 @@ pub(crate) struct Terms {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Series {
     pub(crate) cases: Vec<Case>,
-    /// Whether they are computed again as in audits.
-    pub(crate) auditing: bool,
+    /// Whether they run again, to be compared.
+    pub(crate) again: bool,
     /// Whether the cases name a file in the working directory.
     pub(crate) here: bool,
-    /// The points that are computed twice in any case.
-    pub(crate) repeats: Option<Repeats>,
 }
 
 /// A message to a worker.
@@ -101,12 +97,8 @@ pub(crate) enum Order {
     Bytes(Vec<u8>),
     /// The points that follow are of this kind.
     Begin(#[serde(with = "as_json")] Box<Series>),
-    /// Points, how many are left besides them, and what is known of the FMU.
-    Run(Vec<Job>, Option<usize>, Box<Found>),
-    /// A point while nothing else runs.
-    Alone(Job),
-    /// What is kept for further points is given back.
-    Rest,
+    /// Points, and the first file that the FMU changed in its folder anywhere.
+    Run(Vec<Job>, Option<String>),
     /// The supervisor is there still.
     Beat,
 }
@@ -122,8 +114,8 @@ pub(crate) enum Report {
     Unable(String, bool),
     /// What happened.
     News(Vec<News>),
-    /// All that was ordered is done: what is known of the FMU, and how long it took, s.
-    Done(Found, f64),
+    /// All that was ordered is done: the first file that the FMU changed in its folder, and how long it took, s.
+    Done(Option<String>, f64),
     /// It is there still.
     Beat,
 }
@@ -131,36 +123,33 @@ pub(crate) enum Report {
 /// An [`Event`] at a worker.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) enum News {
-    Result(u64, Simulated, Separation),
-    Failed(u64, #[serde(with = "as_json")] Failure, Separation),
+    Result(u64, Simulated),
+    Failed(u64, #[serde(with = "as_json")] Failure),
     Said(u64, #[serde(with = "as_json")] Box<Notices>),
-    /// With what is known of the FMU: others heed it even if this worker is lost at once.
-    Void(Separation, Found),
-    Fickle(u64),
 }
 
 impl News {
     /// The news of an event; none where that is not one of a worker.
-    pub(crate) fn of(event: Event, found: &dyn Fn() -> Found) -> Option<Self> {
+    pub(crate) fn of(event: Event) -> Option<Self> {
         Some(match event {
-            Event::Answer(index, Ok(result), how) => Self::Result(index, result, how),
-            Event::Answer(index, Err(failure), how) => Self::Failed(index, failure, how),
+            Event::Answer(index, Ok(result)) => Self::Result(index, result),
+            Event::Answer(index, Err(failure)) => Self::Failed(index, failure),
             Event::Said(index, notices) => Self::Said(index, notices),
-            Event::Void(how) => Self::Void(how, found()),
-            Event::Fickle(index) => Self::Fickle(index),
-            Event::Alone | Event::Settled | Event::Idle => return None,
+            Event::Idle => return None,
         })
     }
 
-    /// The event.
-    pub(crate) fn event(self) -> Event {
-        match self {
-            Self::Result(index, result, how) => Event::Answer(index, Ok(result), how),
-            Self::Failed(index, failure, how) => Event::Answer(index, Err(failure), how),
+    /// The event, where it can be one of points with so many results; else what is wrong.
+    pub(crate) fn event(self, results: usize) -> Result<Event, String> {
+        Ok(match self {
+            Self::Result(index, result) if result.values.len() == results => Event::Answer(index, Ok(result)),
+            Self::Result(index, result) => {
+                let count = result.values.len();
+                return Err(format!("it sent {count} results of point {index} instead of {results}"));
+            }
+            Self::Failed(index, failure) => Event::Answer(index, Err(failure)),
             Self::Said(index, notices) => Event::Said(index, notices),
-            Self::Void(how, _) => Event::Void(how),
-            Self::Fickle(index) => Event::Fickle(index),
-        }
+        })
     }
 }
 

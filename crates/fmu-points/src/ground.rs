@@ -1,8 +1,8 @@
 //! The unpacked FMU under the feet of all processes, and what becomes of points when one of them changes it.
 //!
 //! Points share one unpacked folder, since a copy each would cost more than a short point. An FMU may write there,
-//! and then the next point would read what the one before has left. So the folder is watched: at the first change,
-//! all points so far are void, and from then on each has a folder of its own.
+//! and then the next point would read what the one before has left. So the folder is watched, and an answer counts only
+//! while nothing has changed: from the first change on each point has a folder of its own.
 
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
@@ -59,6 +59,19 @@ impl Ground {
     pub(crate) fn know(&self, changed: &str) {
         let mut state = locked(&self.state);
         state.changed.get_or_insert_with(|| changed.to_owned());
+    }
+
+    /// Another path to the same files: an FMU whose results depend on where it lies shows it there.
+    pub(crate) fn elsewhere(&self) -> PathBuf {
+        #[cfg(unix)]
+        {
+            let path = self.scratch.join("again");
+            let made = std::os::unix::fs::symlink(&self.shared, &path);
+            if made.is_ok() || path.exists() {
+                return path;
+            }
+        }
+        self.shared.clone()
     }
 
     /// A new folder with the FMU as it came, for one process.

@@ -65,21 +65,11 @@ impl Join {
             return None;
         }
         let replies: Vec<Reply> = self.open.remove(&point)?.into_iter().flatten().collect();
-        // Every process made an instance; the slowest one says how dear that is.
-        let start = replies.iter().map(|reply| reply.start).fold(0.0, f32::max);
-        let simulated = replies.iter().map(|reply| reply.simulated).sum();
-        let odd = replies.iter().find_map(|reply| reply.odd);
+        let odd = replies.iter().any(|reply| reply.odd);
         let forkable = replies.iter().map(|reply| reply.forkable);
         let forkable = forkable.reduce(|one, other| Some(one? && other?));
         let answers = replies.into_iter().map(|reply| reply.answer).collect();
-        Some(Reply {
-            index: point,
-            answer: joined(&self.cases, answers),
-            start,
-            simulated,
-            odd,
-            forkable: forkable.flatten(),
-        })
+        Some(Reply { index: point, answer: joined(&self.cases, answers), odd, forkable: forkable.flatten() })
     }
 }
 
@@ -120,7 +110,7 @@ pub(crate) fn joined(cases: &[Part], mut outcomes: Vec<Outcome>) -> Outcome {
             Failure::InCase(Box::new(OfCase { case, failure, values }))
         }
     };
-    Err(Trouble { from: trouble.from, failure, notices: Box::new(notices) })
+    Err(Trouble { from: trouble.from, failure, notices: Box::new(notices), passing: trouble.passing })
 }
 
 /// The results of a case, as far as there are any.

@@ -19,7 +19,7 @@
 //!         ..Task::new(Schedule::suggested(fmu))
 //!     };
 //!     let limits = Limits { time: Duration::from_secs(60), memory: 1 << 30 };
-//!     let place = Place::Processes(limits, Isolation::Audited);
+//!     let place = Place::Processes(limits, Isolation::Fresh);
 //!     let folder = stop::scratch()?;
 //!     let crew = Crew::new(&mut package, place, folder.path(), 4)?;
 //!     for answer in crew.answers(&task, &[vec![0.5], vec![1.0]])? {
@@ -35,9 +35,8 @@
 //! # Processes
 //!
 //! The *supervisor* is the program that asks for points. Each of its [workers](Worker) is a process of the same program,
-//! which loads the FMU and never instantiates it. A worker's *children* run the FMU. How a child is born, and whether it
-//! has run other points before, is its [`Separation`]; [`Isolation`] is what a user wants of it, and [`Conduct`] how it
-//! turned out.
+//! which loads the FMU and never instantiates it. A worker's *children* run the FMU. Whether a child has
+//! run other points before is a matter of the [`Isolation`] that the user wants.
 //!
 //! A simulation is plain data, which the processes send each other:
 //!
@@ -55,26 +54,27 @@ mod as_json;
 mod batch;
 mod birth;
 mod child;
-pub mod company;
 pub mod conduct;
 pub mod crew;
 mod dispatch;
 pub mod failure;
 mod ground;
 mod isolated;
+mod isolation;
 mod join;
 mod launcher;
+mod licences;
 mod link;
 mod local;
 mod locked;
 pub mod names;
 pub mod notices;
 pub mod points;
-mod policy;
 pub mod pool;
 mod process;
+mod quiet;
 mod remote;
-pub mod repeats;
+mod room;
 mod runner;
 pub mod scratch;
 mod shipped;
@@ -90,9 +90,9 @@ pub mod working_directory;
 
 use std::ffi::OsString;
 
-pub use company::Company;
-pub use conduct::{Conduct, Isolation, Separation};
+pub use conduct::Conduct;
 pub use crew::{Crew, Place};
+pub use isolation::Isolation;
 pub use launcher::Launcher;
 pub use points::{Answer, Event, Job, Limits, Post, RunError, Simulated, Worker};
 pub use pool::run;

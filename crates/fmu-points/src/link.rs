@@ -1,7 +1,7 @@
 //! The connection to a worker that a launcher has started: its messages, its silence, and its last words.
 
 use std::collections::VecDeque;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, ChildStderr, ChildStdin, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};
@@ -239,7 +239,8 @@ fn write(mut to: ChildStdin, frames: &Receiver<Frame>, beat: Duration) {
 fn listen(from: ChildStderr, words: &Words) {
     let mut from = BufReader::new(from);
     let mut line = Vec::new();
-    while from.read_until(b'\n', &mut line).is_ok_and(|count| count > 0) {
+    // What breaks no line is cut: it must not fill the memory.
+    while (&mut from).take(NOISE as u64).read_until(b'\n', &mut line).is_ok_and(|count| count > 0) {
         keep(words, &String::from_utf8_lossy(&line));
         line.clear();
     }

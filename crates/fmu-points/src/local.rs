@@ -2,7 +2,6 @@
 
 use std::sync::Arc;
 
-use crate::conduct::Separation;
 use crate::join::{Part, joined, parts};
 use crate::points::{Event, Job, Post, RunError, Simulated, Worker};
 use crate::runner::Runner;
@@ -42,7 +41,7 @@ impl Worker for Local {
             });
             let answer = joined(&self.cases, runs.collect());
             let answer = answer.map_err(|trouble| trouble.failure);
-            post.send(Event::Answer(job.index, answer, Separation::Used));
+            post.send(Event::Answer(job.index, answer));
             if post.is_over() {
                 break;
             }

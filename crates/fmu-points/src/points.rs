@@ -7,7 +7,6 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use crate::as_json;
-use crate::conduct::Separation;
 use crate::failure::Failure;
 use crate::notices::Notices;
 
@@ -26,19 +25,6 @@ pub enum RunError {
     /// Workers on other machines are lost, and cannot be replaced.
     #[error("no worker is left: {0}; --resume goes on")]
     NoWorker(String),
-    /// Points were computed again, and no result counted.
-    #[error(
-        "points were computed again, and no result counted, because processes of the FMU differ; go on with --resume"
-    )]
-    Circling,
-    /// Earlier results, which have been used already, do not count any more.
-    #[error("the FMU gives other results in a process that has computed points before; use --isolation fresh")]
-    Refuted,
-    /// The same, because the FMU has changed its own folder, which all points shared.
-    #[error(
-        "the FMU changes files in its own folder, so points on which others were built do not count; --resume computes them again, each with a folder of its own"
-    )]
-    Disturbed,
 }
 
 /// Limits on a point's time and memory.
@@ -66,6 +52,15 @@ pub struct Job {
 
 /// The results of a point in the FMU's units, or why there are none.
 pub type Answer = Result<Vec<f64>, Failure>;
+
+/// Whether two outcomes are results that are the same to the last bit.
+pub fn is_same<E>(one: &Result<Simulated, E>, other: &Result<Simulated, E>) -> bool {
+    let bits = |outcome: &Result<Simulated, E>| -> Option<Vec<u64>> {
+        let values = &outcome.as_ref().ok()?.values;
+        Some(values.iter().map(|value| value.to_bits()).collect())
+    };
+    bits(one).is_some() && bits(one) == bits(other)
+}
 
 /// A simulated point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -96,17 +91,8 @@ impl Simulated {
 pub enum Event {
     /// The FMU's warnings in the point of this index, of which the next event will be that it failed.
     Said(u64, Box<Notices>),
-    /// The point of this index is done, in such a process.
-    Answer(u64, Result<Simulated, Failure>, Separation),
-    /// Points that were computed in such processes, or less strictly separated ones, do not count any more:
-    /// they will come again.
-    Void(Separation),
-    /// The point of this index gave results in one try and none in another, while others ran.
-    Fickle(u64),
-    /// From now on nothing else runs while a point does: some of those that failed come again.
-    Alone,
-    /// Points that failed do not come again.
-    Settled,
+    /// The point of this index is done.
+    Answer(u64, Result<Simulated, Failure>),
     /// All answers so far have been handed over; the next one is waited for.
     Idle,
 }
@@ -117,8 +103,6 @@ pub struct Post<'a> {
     pub take: &'a mut dyn FnMut(Event) -> ControlFlow<()>,
     /// Whether the run is to end at once.
     pub stopped: &'a dyn Fn() -> bool,
-    /// How many points are left besides the batch, as far as that is known.
-    pub left: Option<usize>,
     over: bool,
     /// Points that others are to run.
     returned: Vec<Job>,
@@ -126,12 +110,8 @@ pub struct Post<'a> {
 
 impl<'a> Post<'a> {
     /// Hands everything to `take`.
-    pub fn new(
-        take: &'a mut dyn FnMut(Event) -> ControlFlow<()>,
-        stopped: &'a dyn Fn() -> bool,
-        left: Option<usize>,
-    ) -> Self {
-        Self { take, stopped, left, over: false, returned: Vec::new() }
+    pub fn new(take: &'a mut dyn FnMut(Event) -> ControlFlow<()>, stopped: &'a dyn Fn() -> bool) -> Self {
+        Self { take, stopped, over: false, returned: Vec::new() }
     }
 
     /// Reports what happened.
@@ -176,15 +156,4 @@ pub trait Worker: Send {
     fn overhead(&self) -> Duration {
         Duration::ZERO
     }
-
-    /// Runs a point while no other worker does anything.
-    ///
-    /// # Errors
-    /// As [`run`](Self::run).
-    fn run_alone(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(), RunError> {
-        self.run(std::slice::from_ref(job), post)
-    }
-
-    /// Gives back what it keeps for further points, and others may need.
-    fn rest(&mut self) {}
 }

@@ -3,7 +3,6 @@
 //! Points are handed to workers in batches; a worker is anything that can run a batch. Results come back to the
 //! calling thread in whatever order they finish.
 
-use std::collections::BTreeSet;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
@@ -12,16 +11,10 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 use crate::batch::{Batches, Pace};
-use crate::company::Company;
-use crate::conduct::Separation;
 use crate::points::{Event, Job, Post, RunError, Worker};
 
 /// Runs the points `open` on the workers, and hands each answer to `receive` on the calling thread. Setting `stop`,
 /// or a `Break` from `receive`, ends the run early; points that have begun are given up.
-///
-/// Where it turns out that points cannot be computed as they were, those of this run and of `earlier` ones (given
-/// by their separation) are computed again after the others. Points that failed while others ran are then run
-/// alone, as far as `company` sees that it matters.
 ///
 /// # Errors
 /// When a worker cannot start, and what `receive` returns.
@@ -29,50 +22,9 @@ pub fn run<E: From<RunError>>(
     workers: &mut [Box<dyn Worker>],
     open: impl Iterator<Item = u64> + Send,
     job: &(dyn Fn(u64) -> Job + Sync),
-    earlier: &dyn Fn(Separation) -> Vec<u64>,
-    company: &mut Company,
     stop: &AtomicBool,
     mut receive: impl FnMut(Event) -> Result<ControlFlow<()>, E>,
 ) -> Result<(), E> {
-    let mut ledger = Ledger::default();
-    let crowded = workers.len() > 1;
-    let mut watch = |event, ledger: &mut Ledger, company: Option<&mut Company>| match ledger.enter(event, earlier) {
-        Some(event) => {
-            company.into_iter().for_each(|company| company.heed(&event));
-            receive(event)
-        }
-        None => Ok(ControlFlow::Continue(())),
-    };
-    let mut over =
-        pass(workers, open, job, stop, &mut |event| watch(event, &mut ledger, crowded.then_some(&mut *company)))?;
-    while !over {
-        if let Some(again) = ledger.open() {
-            let (left, void) = (again.len(), ledger.void);
-            over = pass(workers, again.into_iter(), job, stop, &mut |event| {
-                watch(event, &mut ledger, crowded.then_some(&mut *company))
-            })?;
-            // A run that gets nowhere would never end.
-            let still_open = ledger.open().map_or(0, |again| again.len());
-            if !over && ledger.void == void && still_open >= left {
-                return Err(RunError::Circling.into());
-            }
-        } else if company.is_settled() {
-            break;
-        } else {
-            over = company.settle(workers, job, stop, &mut |event| watch(event, &mut ledger, None))?;
-        }
-    }
-    Ok(())
-}
-
-/// Runs points once; whether the run has been ended early.
-fn pass<E: From<RunError>>(
-    workers: &mut [Box<dyn Worker>],
-    open: impl Iterator<Item = u64> + Send,
-    job: &(dyn Fn(u64) -> Job + Sync),
-    stop: &AtomicBool,
-    receive: &mut dyn FnMut(Event) -> Result<ControlFlow<()>, E>,
-) -> Result<bool, E> {
     // Bounded, so that slow storage holds the workers back instead of filling the memory.
     const WAITING: usize = 16_384;
     let jobs = (Mutex::new(Batches::new(open.map(job), workers.len())), Condvar::new());
@@ -94,9 +46,8 @@ fn pass<E: From<RunError>>(
             }
         }
         drop(send);
-        collect(&receiver, &done, receive)
-    })?;
-    Ok(stopped())
+        collect(&receiver, &done, &mut receive)
+    })
 }
 
 /// Lets a worker take batches as long as there are any.
@@ -122,7 +73,6 @@ fn work<I: Iterator<Item = Job>>(
             let waited = change.wait_timeout(left, LOOK);
             left = waited.map_err(|_| RunError::Lost("the points broke off".to_owned()))?.0;
         }
-        let others = left.left();
         drop(left);
         if stopped() {
             return Ok(());
@@ -132,7 +82,7 @@ fn work<I: Iterator<Item = Job>>(
             Ok(()) => ControlFlow::Continue(()),
             Err(_) => ControlFlow::Break(()),
         };
-        let mut post = Post::new(&mut take, stopped, others);
+        let mut post = Post::new(&mut take, stopped);
         let result = worker.run(&batch, &mut post);
         pace.end(batch.len(), begun.elapsed(), worker.overhead());
         lock()?.end(post.returned());
@@ -140,55 +90,6 @@ fn work<I: Iterator<Item = Job>>(
         result?;
     }
     Ok(())
-}
-
-/// Which points were computed how, and which of them have to be computed again.
-#[derive(Debug, Default)]
-struct Ledger {
-    /// In what process each point was computed, by its index.
-    computed: Vec<Option<Separation>>,
-    again: BTreeSet<u64>,
-    /// Results from such processes are void.
-    void: Option<Separation>,
-}
-
-impl Ledger {
-    /// Notes an event; `None` where it does not count.
-    fn enter(&mut self, event: Event, earlier: &dyn Fn(Separation) -> Vec<u64>) -> Option<Event> {
-        match event {
-            Event::Answer(index, _, separation) if self.void.is_some_and(|void| separation >= void) => {
-                self.again.insert(index);
-                return None;
-            }
-            Event::Answer(index, _, separation) => {
-                self.again.remove(&index);
-                let place = index as usize;
-                if self.computed.len() <= place {
-                    self.computed.resize(place + 1, None);
-                }
-                self.computed[place] = Some(separation);
-            }
-            Event::Void(separation) => {
-                if self.void.is_some_and(|void| void <= separation) {
-                    return None;
-                }
-                self.void = Some(separation);
-                self.again.extend(earlier(separation));
-                for (index, computed) in (0..).zip(&mut self.computed) {
-                    if computed.take_if(|known| *known >= separation).is_some() {
-                        self.again.insert(index);
-                    }
-                }
-            }
-            Event::Said(..) | Event::Fickle(_) | Event::Alone | Event::Settled | Event::Idle => {}
-        }
-        Some(event)
-    }
-
-    /// The points to compute again, if there are any.
-    fn open(&self) -> Option<Vec<u64>> {
-        (!self.again.is_empty()).then(|| self.again.iter().copied().collect())
-    }
 }
 
 /// How long answers are gathered before they are handed over, at first and in the long run: to wake up

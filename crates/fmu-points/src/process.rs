@@ -5,18 +5,16 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, TryLockError};
 use std::time::{Duration, Instant};
 
-use tempfile::TempDir;
-
 use crate::failure::Failure;
-use crate::ground::Ground;
 use crate::join::{Join, split};
 use crate::locked::locked;
 use crate::points::{Job, Limits, RunError};
+use crate::room::Room;
 use crate::system;
 use crate::task::Case;
 use crate::wire::{Order, Reply, Said, Setup, bytes, read};
@@ -67,7 +65,7 @@ impl From<Gone> for RunError {
             Gone::Stopped => Self::Lost("the run was ended".to_owned()),
             Gone::Start(reason) => Self::Start(reason),
             Gone::Unloadable(reason) => Self::Unloadable(reason),
-            Gone::Disturbed => Self::Disturbed,
+            Gone::Disturbed => Self::Lost("the FMU has changed its own folder".to_owned()),
         }
     }
 }
@@ -76,10 +74,8 @@ impl From<Gone> for RunError {
 #[derive(Debug)]
 pub(crate) struct Process {
     pub(crate) setup: Setup,
-    /// The folder that it shares with other processes, where it does: answers count while that is as it was unpacked.
-    pub(crate) ground: Option<Arc<Ground>>,
-    /// Where its working directory is made; none where that is the supervisor's own.
-    pub(crate) home: Option<PathBuf>,
+    /// The folders that its points have for themselves, once it has any.
+    room: Option<Arc<Room>>,
     /// Whether it is for many points: it gets a control group where there can be such, which takes the system longer than
     /// most points.
     pub(crate) lasting: bool,
@@ -92,8 +88,6 @@ struct Running {
     orders: Option<ChildStdin>,
     replies: Inbox<system::Source>,
     ticket: u64,
-    /// The working directory, which is removed with the worker.
-    place: Option<TempDir>,
     /// Whether it has ever answered.
     answered: bool,
 }
@@ -104,33 +98,40 @@ impl Process {
         let setup = Setup {
             fmu: std::path::absolute(fmu).unwrap_or_else(|_| fmu.to_owned()),
             name: name.to_owned(),
+            temporary: None,
             place: None,
             cases: cases.to_vec(),
             limits,
             ticket: 0,
             fill: None,
             echo: false,
-            careful: false,
         };
-        Self { setup, ground: None, home: None, lasting: false, running: None }
+        Self { setup, room: None, lasting: false, running: None }
     }
 
-    /// Lets points be run, and hands over what comes of each. `way` makes the order of the simulations of all cases.
+    /// Gives its points folders of their own: one for temporary files, and a working directory unless they keep the user's.
+    pub(crate) fn live_in(&mut self, room: &Arc<Room>, here: bool) {
+        self.setup.temporary = Some(room.temporary());
+        self.setup.place = (!here).then(|| room.work());
+        self.room = Some(Arc::clone(room));
+    }
+
+    /// Lets points be run, and hands over what comes of each while all is `sound`. `way` makes the order of the simulations of
+    /// all cases.
     pub(crate) fn run(
         &mut self,
         way: impl FnOnce(Vec<Job>) -> Order,
         jobs: &[Job],
         stopped: &dyn Fn() -> bool,
+        sound: &dyn Fn() -> bool,
         answer: &mut dyn FnMut(Reply),
     ) -> Result<(), Gone> {
         let mut join = Join::new(&self.setup.cases);
         let count = self.setup.cases.len();
         let runs: Vec<Job> = jobs.iter().flat_map(|job| split(job, count)).collect();
-        let ground = self.ground.clone();
-        let disturbed = || ground.as_ref().is_some_and(|ground| ground.changed().is_some());
         let (mut left, mut spoilt) = (runs.len(), false);
         let ran = self.order(&way(runs), stopped, &mut |said| {
-            spoilt = disturbed();
+            spoilt = !sound();
             if spoilt {
                 return false;
             }
@@ -142,7 +143,7 @@ impl Process {
             left > 0
         });
         // What the FMU has changed may have cost the process, too.
-        if spoilt || matches!(ran, Err(Gone::Lost(_))) && disturbed() {
+        if spoilt || matches!(ran, Err(Gone::Lost(_))) && !sound() {
             self.end();
             return Err(Gone::Disturbed);
         }
@@ -158,17 +159,12 @@ impl Process {
     ) -> Result<(), Gone> {
         let mut running = match self.running.take() {
             Some(running) => running,
-            None => Running::start(&self.setup, self.home.as_deref(), self.lasting)?,
+            None => Running::start(&self.setup, self.lasting)?,
         };
         running.order(&bytes(order))?;
         while more(running.wait(self.setup.limits, stopped)?) {}
         self.running = Some(running);
         Ok(())
-    }
-
-    /// Whether there is a worker already.
-    pub(crate) fn is_running(&self) -> bool {
-        self.running.is_some()
     }
 
     /// Ends the worker with all its children; the next order gets another one.
@@ -178,18 +174,19 @@ impl Process {
 }
 
 impl Running {
-    fn start(setup: &Setup, home: Option<&Path>, lasting: bool) -> Result<Self, Gone> {
+    fn start(setup: &Setup, lasting: bool) -> Result<Self, Gone> {
         let start = |error: io::Error| Gone::Start(error.to_string());
-        let place = home.map(|home| {
-            let home = std::path::absolute(home)?;
-            tempfile::Builder::new().prefix("at-").tempdir_in(home)
-        });
-        let place = place.transpose().map_err(start)?;
         let mut family = family();
         system::adopt_orphans();
         let mut command = Command::new(system::program().map_err(start)?);
-        if let Some(place) = &place {
-            command.current_dir(place.path()).env("PWD", place.path());
+        for folder in [&setup.temporary, &setup.place].into_iter().flatten() {
+            crate::room::clear(folder).map_err(start)?;
+        }
+        if let Some(folder) = &setup.temporary {
+            command.envs(["TMPDIR", "TMP", "TEMP"].map(|name| (name, folder)));
+        }
+        if let Some(place) = &setup.place {
+            command.current_dir(place).env("PWD", place);
             command.envs(working_directory::lists_for_elsewhere());
         }
         // Ctrl-C is for the supervisor.
@@ -217,10 +214,8 @@ impl Running {
         let Some(replies) = replies else {
             return Err(Gone::Start("a pipe to the worker is missing".to_owned()));
         };
-        let mut running = Self { child, orders, replies, ticket: 0, place, answered: false };
-        let home = running.place.as_ref();
-        let home = home.map(|place| place.path().to_owned());
-        let setup = Setup { ticket, place: home, ..setup.clone() };
+        let mut running = Self { child, orders, replies, ticket: 0, answered: false };
+        let setup = Setup { ticket, ..setup.clone() };
         let text = serde_json::to_vec(&setup).map_err(|error| start(error.into()))?;
         running.order(&text)?;
         running.ticket = ticket;
@@ -273,7 +268,7 @@ impl Running {
             Some(Loss::Exit(code)) if !self.answered => {
                 return Failure::Crashed(format!(
                     "the process that watches the FMU ended before its first answer, with exit code {code}; where every point \
-                     says so, the program cannot start itself here: try --in-process"
+                     says so, the program cannot start itself here: try --isolation none"
                 ));
             }
             Some(Loss::Exit(code)) => format!("exit code {code}"),

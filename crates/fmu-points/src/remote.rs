@@ -14,14 +14,13 @@ use std::time::{Duration, Instant};
 
 use fmu_import::{FmuError, Package};
 
-use crate::conduct::{Isolation, Separation};
-use crate::dispatch::{Greeting, News, Order, Report, Series, Terms};
+use crate::dispatch::{Greeting, Order, Report, Series, Terms};
 use crate::failure::Failure;
+use crate::isolation::Isolation;
 use crate::launcher::{Launcher, Place};
 use crate::link::{Cut, Link};
 use crate::locked::locked;
 use crate::points::{Event, Job, Limits, Post, RunError, Worker};
-use crate::policy::{Found, Policy};
 use crate::task::Case;
 use crate::working_directory;
 
@@ -43,7 +42,6 @@ pub(crate) struct Team {
     greeting: Greeting,
     terms: Terms,
     lanes: Vec<Mutex<Lane>>,
-    policies: [Arc<Mutex<Policy>>; 2],
     state: Mutex<State>,
 }
 
@@ -56,14 +54,14 @@ struct State {
     ever: bool,
     /// How many of those that may come had failed so often before that as to be given up if all had.
     hopeless: usize,
-    /// The lane whose worker finds out how points may share processes.
-    leading: Option<usize>,
     /// How many workers points have cost.
     costs: BTreeMap<u64, u32>,
     /// Hosts of which the user was told, and what.
     told: BTreeSet<(String, &'static str)>,
     /// How many points each host has answered.
     answered: BTreeMap<String, u64>,
+    /// The hosts of points that were answered, by their index, until somebody asks.
+    hosts: BTreeMap<u64, String>,
     /// The first file that the FMU changed in its folder.
     changed: Option<String>,
 }
@@ -71,7 +69,6 @@ struct State {
 /// The place of one worker, which is started there again when it is lost.
 #[derive(Debug)]
 struct Lane {
-    number: usize,
     place: Place,
     link: Option<Link>,
     /// The host as the user knows it.
@@ -117,7 +114,6 @@ impl Team {
         launcher: Launcher,
         limits: Limits,
         isolation: Isolation,
-        policies: [Arc<Mutex<Policy>>; 2],
     ) -> Result<Self, FmuError> {
         let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         let places = launcher.places();
@@ -136,9 +132,8 @@ impl Team {
             isolation,
         };
         let state = State { possible: places.len(), ..State::default() };
-        let lanes = (0..).zip(places).map(|(number, place)| {
+        let lanes = places.into_iter().map(|place| {
             Mutex::new(Lane {
-                number,
                 host: place.label(),
                 place,
                 link: None,
@@ -148,14 +143,7 @@ impl Team {
                 out: false,
             })
         });
-        Ok(Self {
-            lanes: lanes.collect(),
-            launcher,
-            greeting: Greeting::own(),
-            terms,
-            policies,
-            state: Mutex::new(state),
-        })
+        Ok(Self { lanes: lanes.collect(), launcher, greeting: Greeting::own(), terms, state: Mutex::new(state) })
     }
 
     /// How many points each host has answered.
@@ -181,25 +169,9 @@ impl Team {
         locked(&self.lanes[number])
     }
 
-    fn policy(&self) -> MutexGuard<'_, Policy> {
-        let apart = self.changed().is_some();
-        locked(&self.policies[usize::from(apart)])
-    }
-
-    /// What a worker should know before it computes points.
-    fn known(&self, lane: usize) -> Found {
-        let changed = self.changed();
-        let led = *self.state().leading.get_or_insert(lane) != lane;
-        let mut found = locked(&self.policies[usize::from(changed.is_some())]).known();
-        (found.changed, found.led) = (changed, led);
-        found
-    }
-
-    fn adopt(&self, found: &Found) {
-        if let Some(changed) = &found.changed {
-            self.know(changed);
-        }
-        Policy::adopt_in([&self.policies[0], &self.policies[1]], found);
+    /// The host that answered a point last; it is asked for once.
+    pub(crate) fn take_host(&self, index: u64) -> Option<String> {
+        self.state().hosts.remove(&index)
     }
 
     /// Starts the worker of a lane, where there is none; whether there is one now.
@@ -348,9 +320,7 @@ impl Team {
     /// Ends the worker of a lane.
     fn leave(&self, lane: &mut Lane) {
         if lane.link.take().is_some() {
-            let mut state = self.state();
-            state.connected -= 1;
-            state.leading.take_if(|leading| *leading == lane.number);
+            self.state().connected -= 1;
         }
     }
 
@@ -363,8 +333,14 @@ impl Team {
     }
 
     /// Lets a worker follow an order for these points. What is left of them is given back.
-    fn order(&self, lane: &mut Lane, order: &Order, jobs: &[Job], post: &mut Post<'_>) -> (End, BTreeMap<u64, Job>) {
-        let all: BTreeSet<u64> = jobs.iter().map(|job| job.index).collect();
+    fn order(
+        &self,
+        lane: &mut Lane,
+        order: &Order,
+        jobs: &[Job],
+        results: usize,
+        post: &mut Post<'_>,
+    ) -> (End, BTreeMap<u64, Job>) {
         let mut open: BTreeMap<u64, Job> = jobs.iter().map(|job| (job.index, job.clone())).collect();
         let Some(link) = &mut lane.link else {
             return (End::Stopped, open);
@@ -373,9 +349,12 @@ impl Team {
         let end = loop {
             let news = match link.wait(post.stopped) {
                 Ok(Report::News(news)) => news,
-                Ok(Report::Done(found, took)) => {
-                    self.adopt(&found);
-                    break End::Done(took);
+                Ok(Report::Done(changed, took)) => {
+                    changed.iter().for_each(|changed| self.know(changed));
+                    break match open.len() {
+                        0 => End::Done(took),
+                        left => End::Lost(Fault::lasting(format!("it left {left} points without an answer"))),
+                    };
                 }
                 Ok(Report::Unable(how, lasting)) => break End::Lost(Fault { how, lasting }),
                 Ok(_) => {
@@ -384,21 +363,29 @@ impl Team {
                 Err(Cut::Stopped) => break End::Stopped,
                 Err(Cut::Lost(how)) => break End::Lost(Fault::passing(how)),
             };
+            let mut wrong = None;
             for news in news {
-                if let News::Void(_, found) = &news {
-                    self.adopt(found);
-                }
-                let event = news.event();
-                if let Event::Answer(index, ..) = &event {
-                    if !all.contains(index) {
+                let event = match news.event(results) {
+                    Ok(event) => event,
+                    Err(how) => {
+                        wrong = Some(how);
+                        break;
+                    }
+                };
+                if let Event::Answer(index, _) = &event {
+                    // Each point is answered once, whatever a worker says.
+                    if open.remove(index).is_none() {
                         continue;
                     }
-                    open.remove(index);
+                    self.state().hosts.insert(*index, lane.host.clone());
                 }
                 post.send(event);
             }
+            if let Some(how) = wrong {
+                break End::Lost(Fault::lasting(how));
+            }
         };
-        let answered = all.len() - open.len();
+        let answered = jobs.len() - open.len();
         *self.state().answered.entry(lane.host.clone()).or_default() += answered as u64;
         if answered > 0 {
             lane.failures = 0;
@@ -417,7 +404,7 @@ impl Team {
             if cost >= COSTLY {
                 let text = format!("{cost} workers were lost at this point; the last one: {how}");
                 let answer = Err(Failure::Crashed(text));
-                post.send(Event::Answer(index, answer, Separation::New));
+                post.send(Event::Answer(index, answer));
                 return Vec::new();
             }
         }
@@ -439,6 +426,8 @@ pub(crate) struct Remote {
     team: Arc<Team>,
     /// Its lane; none for one that takes any.
     lane: Option<usize>,
+    /// The host that it does not take while there is another one.
+    but: Option<String>,
     series: Series,
     number: u64,
     /// How long the last points took beyond their computation.
@@ -446,16 +435,30 @@ pub(crate) struct Remote {
 }
 
 impl Remote {
-    pub(crate) fn new(team: &Arc<Team>, lane: Option<usize>, cases: &[Case], auditing: bool) -> Self {
+    pub(crate) fn new(team: &Arc<Team>, lane: Option<usize>, cases: &[Case]) -> Self {
         static SERIES: AtomicU64 = AtomicU64::new(0);
-        let here = cases.iter().any(|case| working_directory::named_in(&case.task));
+        let here = cases.iter().any(|case| working_directory::is_named_in(&case.task));
         Self {
             team: Arc::clone(team),
             lane,
-            series: Series { cases: cases.to_vec(), auditing, here, repeats: None },
+            but: None,
+            series: Series { cases: cases.to_vec(), again: false, here },
             number: SERIES.fetch_add(1, Ordering::Relaxed),
             overhead: Duration::ZERO,
         }
+    }
+
+    /// A worker that runs points again, on another host than `but` where there is one.
+    pub(crate) fn again(team: &Arc<Team>, cases: &[Case], but: Option<&str>) -> Self {
+        let mut worker = Self::new(team, None, cases);
+        worker.series.again = true;
+        worker.but = but.map(str::to_owned);
+        worker
+    }
+
+    /// How many results a point has.
+    fn results(&self) -> usize {
+        self.series.cases.iter().map(|case| case.task.observed.len()).sum()
     }
 
     /// Tells a worker what points are about to come, unless it knows.
@@ -463,23 +466,19 @@ impl Remote {
         if lane.series.replace(self.number) == Some(self.number) {
             return;
         }
-        let series = Series { repeats: self.team.policy().repeats().cloned(), ..self.series.clone() };
         if let Some(link) = &mut lane.link {
-            link.order(&Order::Begin(Box::new(series)));
+            link.order(&Order::Begin(Box::new(self.series.clone())));
         }
     }
 
     /// One try of points on a lane; those that are open still.
-    fn attempt(&mut self, number: usize, alone: bool, jobs: &[Job], post: &mut Post<'_>) -> Result<Vec<Job>, RunError> {
+    fn attempt(&mut self, number: usize, jobs: &[Job], post: &mut Post<'_>) -> Result<Vec<Job>, RunError> {
         let begun = Instant::now();
         let team = Arc::clone(&self.team);
         let mut lane = team.lane(number);
         self.begin(&mut lane);
-        let order = match jobs {
-            [job] if alone => Order::Alone(job.clone()),
-            _ => Order::Run(jobs.to_vec(), post.left, Box::new(team.known(number))),
-        };
-        let (end, open) = team.order(&mut lane, &order, jobs, post);
+        let order = Order::Run(jobs.to_vec(), team.changed());
+        let (end, open) = team.order(&mut lane, &order, jobs, self.results(), post);
         match end {
             End::Done(took) => {
                 let took = Duration::try_from_secs_f64(took).unwrap_or_default();
@@ -501,18 +500,19 @@ impl Remote {
     }
 
     /// Runs points on whichever lane has a worker, until all are done.
-    fn run_anywhere(&mut self, alone: bool, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
+    fn run_anywhere(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
         let team = Arc::clone(&self.team);
         let mut open = jobs.to_vec();
         while !open.is_empty() && !post.is_over() {
             let all = 0..team.lanes.len();
-            let linked = all.clone().find(|&number| team.lane(number).link.is_some());
+            let linked = all.clone().filter(|&number| team.lane(number).link.is_some());
+            let other = linked.clone().find(|&number| Some(&team.lane(number).host) != self.but.as_ref());
             let possible = || all.clone().find(|&number| !team.lane(number).out);
-            let Some(number) = linked.or_else(possible) else {
+            let Some(number) = other.or_else(|| linked.clone().next()).or_else(possible) else {
                 return Err(RunError::NoWorker("all hosts are left out".to_owned()));
             };
             if team.connect(&mut team.lane(number), post.stopped)? {
-                open = self.attempt(number, alone, &open, post)?;
+                open = self.attempt(number, &open, post)?;
             }
         }
         Ok(())
@@ -529,22 +529,11 @@ impl Worker for Remote {
 
     fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
         let Some(number) = self.lane else {
-            return self.run_anywhere(false, jobs, post);
+            return self.run_anywhere(jobs, post);
         };
-        let open = self.attempt(number, false, jobs, post)?;
+        let open = self.attempt(number, jobs, post)?;
         post.give_back(open);
         Ok(())
-    }
-
-    fn run_alone(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(), RunError> {
-        self.run_anywhere(true, std::slice::from_ref(job), post)
-    }
-
-    fn rest(&mut self) {
-        let Some(number) = self.lane else { return };
-        if let Some(link) = &mut self.team.lane(number).link {
-            link.order(&Order::Rest);
-        }
     }
 
     fn overhead(&self) -> Duration {

@@ -12,12 +12,10 @@ mod steps;
 mod watched;
 
 use std::sync::Arc;
-use std::time::Instant;
-
-use serde::{Deserialize, Serialize};
 
 use crate::failure::{Failure, Partial};
 use crate::notices::Notices;
+use crate::system;
 use crate::task::{Probe, Task};
 use fmu_import::{Call, End, Instance, Library, State, Warnings};
 use gauge::Gauge;
@@ -39,8 +37,6 @@ pub struct Runner {
     pub(crate) refused: bool,
     /// The instance of a simulation that failed, until another one is wanted.
     failed: Option<Held>,
-    /// When the last instance was made.
-    pub(crate) ready: Option<Instant>,
     /// The FMU's remarks in the last simulation, beside its results.
     pub(crate) notices: Notices,
     /// The version of FMI that the binary says where that is an unusual one, once it was asked.
@@ -48,8 +44,8 @@ pub struct Runner {
 }
 
 /// How a used instance gets ready for the next point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Reuse {
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reuse {
     /// It is reset; where it cannot be, one that is restored takes its place.
     Reset,
     /// It is given back its first state; where that is not possible, it is replaced.
@@ -92,7 +88,6 @@ impl Runner {
             // Where there can be one instance only, there is none to compare with.
             trusted: library.is_for_one_instance(),
             refused: false,
-            ready: None,
             library,
             scene: Scene::new(0, task),
             others: Vec::new(),
@@ -116,11 +111,6 @@ impl Runner {
         }
     }
 
-    /// The same, but instances are used again in a way that others compare with fresh processes.
-    pub fn trusting(self, reuse: Reuse) -> Self {
-        Self { reuse, trusted: true, ..self }
-    }
-
     /// Simulates one point on an instance of its own, which is ended only after `tell` has got the answer:
     /// what the FMU does at its end costs no result. The instance is freed when what is returned is dropped.
     pub fn alone(&mut self, values: &[f64], tell: impl FnOnce(&Self, Result<&[f64], &Failure>)) -> Last {
@@ -135,6 +125,7 @@ impl Runner {
         let simulated = self.simulate(&mut held, values);
         let failed = simulated.is_err();
         let simulated = simulated.map_err(|call| Failure::from_call(&call));
+        self.notices.port = system::held_port();
         match simulated.and_then(|()| self.finite()) {
             Ok(()) => tell(self, Ok(&self.scene.results)),
             Err(failure) => tell(self, Err(&failure)),
@@ -316,7 +307,6 @@ impl Runner {
         let instance = Instance::new(&self.library, "point");
         self.refused = instance.is_err();
         let mut instance = instance.map_err(|call| Failure::from_call(&call))?;
-        self.ready = Some(Instant::now());
         let first = match self.reuse {
             Reuse::Restore => instance.save(),
             _ => None,

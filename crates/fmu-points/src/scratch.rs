@@ -11,8 +11,9 @@ use std::sync::{Mutex, MutexGuard};
 use std::thread::sleep;
 use std::time::Duration;
 
-use tempfile::TempDir;
 use thiserror::Error;
+
+use crate::system;
 
 /// Why there is no folder.
 #[derive(Debug, Error)]
@@ -34,21 +35,21 @@ impl ScratchError {
 /// A folder that is removed with this.
 #[derive(Debug)]
 pub struct Scratch {
-    folder: TempDir,
-    /// Says that the folder is in use, where nothing else does.
-    _lock: Option<File>,
+    folder: PathBuf,
+    /// Says that the folder is in use.
+    _lock: File,
 }
 
 /// The folders that there are.
 static FOLDERS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 /// The file of a folder in the system's place for such folders that its process has locked.
 pub(crate) const LOCK: &str = "in-use";
-/// The names of those folders begin so.
-const PREFIX: &str = "orchestrator-";
+/// The names of those folders begin so. Earlier versions sweep up "orchestrator-..." by names that no other command had.
+const PREFIX: &str = "fmu-run-";
 
 /// The name of a folder that several processes of a user have together.
 pub(crate) fn shared_name(what: &str) -> String {
-    format!("{PREFIX}{}-{what}", crate::system::user())
+    format!("{PREFIX}{}-{what}", system::user())
 }
 
 fn folders() -> MutexGuard<'static, BTreeSet<PathBuf>> {
@@ -56,44 +57,57 @@ fn folders() -> MutexGuard<'static, BTreeSet<PathBuf>> {
 }
 
 impl Scratch {
-    /// Makes a folder where the system has such folders.
+    /// Makes a folder where the system has such folders. Its path is the same in every run of a user, unless several run at a
+    /// time: an FMU may see it.
     ///
     /// # Errors
     /// When the system says no.
     pub(crate) fn new() -> Result<Self, ScratchError> {
-        let place = std::env::temp_dir();
+        let place = place();
         remove_abandoned(&place);
-        let mut scratch = Self::within(&place, PREFIX)?;
-        let path = scratch.path().join(LOCK);
-        scratch._lock = Some(locked(&path).map_err(ScratchError::at(&path))?);
-        Ok(scratch)
+        Self::within(&place).map_err(ScratchError::at(&place))
     }
 
-    /// Makes a folder in another one, whose lock says that it is in use.
-    ///
-    /// # Errors
-    /// When the system says no.
-    pub fn within(place: &Path, prefix: &str) -> Result<Self, ScratchError> {
-        // A signal that comes between the two finds the folder.
-        let mut folders = folders();
-        let folder = tempfile::Builder::new().prefix(prefix).tempdir_in(place);
-        let folder = folder.map_err(ScratchError::at(place))?;
-        folders.insert(folder.path().to_owned());
-        Ok(Self { folder, _lock: None })
+    fn within(place: &Path) -> io::Result<Self> {
+        for number in 1_u32.. {
+            let folder = place.join(shared_name(&number.to_string()));
+            // A signal that comes between the two finds the folder.
+            let mut folders = folders();
+            match system::make_private(&folder) {
+                Ok(()) => {
+                    folders.insert(folder.clone());
+                    let lock = locked(&folder.join(LOCK))?;
+                    return Ok(Self { folder, _lock: lock });
+                }
+                Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Err(io::ErrorKind::AlreadyExists.into())
     }
 
     /// Where it is.
     pub fn path(&self) -> &Path {
-        self.folder.path()
+        &self.folder
     }
 }
 
 impl Drop for Scratch {
     fn drop(&mut self) {
-        // A signal that comes in between removes the rest.
-        remove(self.path());
-        folders().remove(self.path());
+        // Once it has gone, the next command may have a folder of the same name: it is removed once.
+        let mut folders = folders();
+        if folders.remove(&self.folder) {
+            remove(&self.folder);
+        }
     }
+}
+
+/// The system's place for such folders, unless its path has what FMUs stumble over: a blank, or a percent sign.
+fn place() -> PathBuf {
+    let is_plain = |path: &Path| path.to_str().is_some_and(|text| !text.contains([' ', '%']));
+    let usual = std::env::temp_dir();
+    let other = Path::new("/tmp");
+    if !is_plain(&usual) && other.is_dir() { other.to_owned() } else { usual }
 }
 
 /// Makes a file that is locked from the moment at which it has its name.
@@ -109,8 +123,13 @@ fn locked(path: &Path) -> io::Result<File> {
 /// Removes the folders of commands that were killed: their locks are free.
 fn remove_abandoned(place: &Path) {
     for folder in starting_with(place, &[PREFIX]) {
-        let file = OpenOptions::new().write(true).open(folder.join(LOCK));
-        if file.is_ok_and(|file| file.try_lock().is_ok()) {
+        let lock = folder.join(LOCK);
+        let Ok(file) = OpenOptions::new().write(true).open(&lock) else {
+            continue;
+        };
+        // Between the two the folder may have gone, and another one have come under its name. The lock keeps other commands from
+        // removing the folder, too: they might remove the next one of that name.
+        if file.try_lock().is_ok() && system::is_that_file(&file, &lock) {
             remove(&folder);
         }
     }
@@ -118,7 +137,10 @@ fn remove_abandoned(place: &Path) {
 
 /// Removes all folders, for a process that is about to end itself.
 pub(crate) fn remove_all() {
-    folders().iter().for_each(|folder| remove(folder));
+    let mut folders = folders();
+    while let Some(folder) = folders.pop_first() {
+        remove(&folder);
+    }
 }
 
 /// Removes the files and folders whose names begin so.
@@ -162,15 +184,36 @@ mod tests {
             fs::create_dir(&folder).unwrap();
             folder
         };
-        let used = folder("orchestrator-used");
+        let used = folder("fmu-run-used");
         let held = locked(&used.join(LOCK)).unwrap();
-        let killed = folder("orchestrator-killed");
+        let killed = folder("fmu-run-killed");
         drop(locked(&killed.join(LOCK)).unwrap());
-        let [begun, other] = ["orchestrator-begun", "other"].map(folder);
+        let [begun, other] = ["fmu-run-begun", "other"].map(folder);
         remove_abandoned(place.path());
         assert!(!killed.exists() && [&used, &begun, &other].iter().all(|folder| folder.exists()));
         drop(held);
         remove_abandoned(place.path());
         assert!(!used.exists() && begun.exists());
+    }
+
+    /// Folders of ended commands get their names again at once: nobody may remove those of others.
+    #[test]
+    fn a_folder_is_removed_by_its_owner_alone() {
+        let place = tempfile::tempdir().unwrap();
+        std::thread::scope(|scope| {
+            for _ in 0..4 {
+                scope.spawn(|| {
+                    for _ in 0..200 {
+                        remove_abandoned(place.path());
+                        let scratch = Scratch::within(place.path()).unwrap();
+                        let file = scratch.path().join("file");
+                        fs::write(&file, "x").unwrap();
+                        std::thread::yield_now();
+                        assert!(file.exists());
+                    }
+                });
+            }
+        });
+        assert_eq!(fs::read_dir(place.path()).unwrap().count(), 0);
     }
 }

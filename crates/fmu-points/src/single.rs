@@ -2,12 +2,13 @@
 
 use std::cell::Cell;
 use std::path::Path;
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 use std::time::{Duration, Instant};
 
 use crate::failure::Failure;
 use crate::points::{Answer, Job, Limits, RunError};
 use crate::process::{Gone, Process};
+use crate::room::Room;
 use crate::task::{Case, Task};
 use crate::wire::{Order, Origin, Said};
 pub use crate::wire::{bytes, read};
@@ -30,8 +31,10 @@ pub struct Recorder<'a> {
     pub fmu: &'a Path,
     /// The FMU's path as the user gave it.
     pub name: &'a Path,
-    /// Where a working directory is made for the FMU; none where it has this process's own.
-    pub home: Option<&'a Path>,
+    /// Where folders are made for the FMU's temporary files, and for its working directory unless it has this process's own.
+    pub scratch: &'a Path,
+    /// Whether it has this process's working directory.
+    pub here: bool,
     /// Limits of the point; the time limit is for each wait between two messages of the process.
     pub limits: Limits,
     /// Whether what the FMU prints is shown on standard error.
@@ -39,11 +42,12 @@ pub struct Recorder<'a> {
 }
 
 impl Recorder<'_> {
-    fn process(&self, cases: &[Case]) -> Process {
+    fn process(&self, cases: &[Case]) -> Result<Process, RunError> {
         let mut process = Process::new(self.fmu, self.name, cases, self.limits);
-        process.home = self.home.map(Path::to_owned);
         process.setup.echo = self.echo;
-        process
+        let room = Room::take(self.scratch).map_err(|error| RunError::Start(error.to_string()))?;
+        process.live_in(&Arc::new(room), self.here);
+        Ok(process)
     }
 
     /// Runs a point as a study does, each case in a new process; a point that fails is tried once more.
@@ -60,9 +64,9 @@ impl Recorder<'_> {
 
     fn answer(&self, cases: &[Case], job: &Job) -> Result<Answer, RunError> {
         let mut answer = None;
-        let mut process = self.process(cases);
+        let mut process = self.process(cases)?;
         let jobs = std::slice::from_ref(job);
-        let run = process.run(Order::New, jobs, &|| false, &mut |reply| {
+        let run = process.run(Order::New, jobs, &|| false, &|| true, &mut |reply| {
             answer = Some(reply.answer);
         });
         match (answer, run) {
@@ -93,7 +97,7 @@ impl Recorder<'_> {
     ) -> Result<Option<Failure>, RunError> {
         let until = Instant::now().checked_add(self.limits.time);
         let is_late = || until.is_some_and(|until| Instant::now() >= until);
-        let mut process = self.process(&[]);
+        let mut process = self.process(&[])?;
         process.setup.fill = fill;
         let mut outcome = None;
         let ended = process.order(&Order::Errand(task), &is_late, &mut |said| {
@@ -114,8 +118,11 @@ impl Recorder<'_> {
     }
 
     /// Records trajectories of a task's points, one after the other.
-    pub fn of(&self, task: &Task) -> Recording {
-        Recording(self.process(&[Case::only(task.clone())]))
+    ///
+    /// # Errors
+    /// When the system gives no folder.
+    pub fn of(&self, task: &Task) -> Result<Recording, RunError> {
+        Ok(Recording(self.process(&[Case::only(task.clone())])?))
     }
 }
 

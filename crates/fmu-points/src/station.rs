@@ -20,8 +20,7 @@ use crate::crew::{Crew, Place};
 use crate::dispatch::{Greeting, MAGIC, News, Order, Report, Series, Terms, beat, unable};
 use crate::launcher::Launcher;
 use crate::locked::locked;
-use crate::points::{Limits, Post, RunError, Worker};
-use crate::policy::Found;
+use crate::points::{Job, Limits, Post, Worker};
 use crate::shipped::Shipped;
 use crate::wire::{bytes, read};
 use crate::{process, scratch, stop, system};
@@ -252,14 +251,9 @@ impl Station {
         for order in orders {
             let done = match order {
                 Order::Begin(series) => self.begin(&series),
-                Order::Run(jobs, left, found) => {
-                    self.crew.adopt(&found);
-                    self.run(|worker, post| worker.run(&jobs, post), left)
-                }
-                Order::Alone(job) => self.run(|worker, post| worker.run_alone(&job, post), None),
-                Order::Rest => {
-                    self.worker.iter_mut().for_each(|worker| worker.rest());
-                    Ok(())
+                Order::Run(jobs, changed) => {
+                    changed.iter().for_each(|changed| self.crew.part(changed));
+                    self.run(&jobs)
                 }
                 Order::Bytes(_) | Order::Beat => Ok(()),
             };
@@ -274,40 +268,30 @@ impl Station {
         if let (true, Some(nowhere)) = (series.here, &self.nowhere) {
             return locked(&self.output).say(&Report::Unable(nowhere.clone(), true));
         }
-        if let Some(repeats) = &series.repeats {
-            self.crew.repeat(repeats);
-        }
-        self.worker = Some(match series.auditing {
-            true => self.crew.auditor(&series.cases),
-            false => self.crew.worker(&series.cases),
-        });
+        let again = if series.again { self.crew.again(&series.cases, None) } else { None };
+        self.worker = Some(again.unwrap_or_else(|| self.crew.worker(&series.cases)));
         Ok(())
     }
 
-    fn run(
-        &mut self,
-        points: impl FnOnce(&mut dyn Worker, &mut Post<'_>) -> Result<(), RunError>,
-        left: Option<usize>,
-    ) -> io::Result<()> {
+    fn run(&mut self, jobs: &[Job]) -> io::Result<()> {
         let begun = Instant::now();
         let Some(worker) = &mut self.worker else {
             return locked(&self.output).say(&Report::Unable("it knows no points".to_owned(), false));
         };
-        let (output, crew) = (&self.output, &self.crew);
+        let output = &self.output;
         let mut take = |event| {
-            let news = News::of(event, &|| crew.found());
-            let sent = news.map(|news| locked(output).hold(news));
+            let sent = News::of(event).map(|news| locked(output).hold(news));
             match sent {
                 Some(Err(_)) => ControlFlow::Break(()),
                 _ => ControlFlow::Continue(()),
             }
         };
-        let ran = points(&mut **worker, &mut Post::new(&mut take, &|| false, left));
-        let found: Found = self.crew.found();
+        let ran = worker.run(jobs, &mut Post::new(&mut take, &|| false));
+        let changed = self.crew.conduct().changed_file;
         let mut output = locked(output);
         output.send()?;
         output.say(&match ran {
-            Ok(()) => Report::Done(found, begun.elapsed().as_secs_f64()),
+            Ok(()) => Report::Done(changed, begun.elapsed().as_secs_f64()),
             Err(error) => unable(&error),
         })
     }

@@ -10,12 +10,10 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 use crate::as_json;
-use crate::conduct::Reason;
 use crate::failure::Failure;
 use crate::notices::Notices;
 use crate::points::{Job, Limits, Simulated};
 
-use crate::runner::Reuse;
 use crate::task::Case;
 use fmu_import::{FmuError, Handle, Package, Value};
 
@@ -26,7 +24,9 @@ pub(crate) struct Setup {
     pub(crate) fmu: PathBuf,
     /// The FMU's path as the user gave it.
     pub(crate) name: PathBuf,
-    /// The working directory, empty for each child; none where that is the supervisor's own.
+    /// Folders that are empty for each child: for temporary files, and as its working directory; the latter is none where
+    /// that is the supervisor's own.
+    pub(crate) temporary: Option<PathBuf>,
     pub(crate) place: Option<PathBuf>,
     /// The simulations of a point. Those of several cases are ordered one by one: see [`join`](crate::join).
     pub(crate) cases: Vec<Case>,
@@ -38,8 +38,6 @@ pub(crate) struct Setup {
     pub(crate) fill: Option<u8>,
     /// Whether what the FMU prints is shown on standard error.
     pub(crate) echo: bool,
-    /// Whether signals are looked at after every point, since one of them has changed how they are handled.
-    pub(crate) careful: bool,
 }
 
 impl Setup {
@@ -61,7 +59,7 @@ pub(crate) enum Order {
     /// Points in a child each: a fork of the worker, which has loaded the FMU and never instantiated it.
     Forked(Vec<Job>),
     /// Points in one child. The worker sends them to it as they are.
-    Used(Reuse, Vec<Job>),
+    Used(Vec<Job>),
     /// A point of these values with its trajectory of some variables, in a child of its own.
     Recorded(Vec<f64>, Vec<Handle>),
     /// An [errand](crate::single::Errand) of the program, in a child of its own, which loads the FMU itself.
@@ -94,12 +92,8 @@ pub(crate) struct Reply {
     pub(crate) index: u64,
     /// Its results in the FMU's units, or why there are none.
     pub(crate) answer: Outcome,
-    /// How long it took until there was an instance, s; 0 where that is not known.
-    pub(crate) start: f32,
-    /// How long the simulation took from then on, s; likewise.
-    pub(crate) simulated: f32,
-    /// Why no other point may use its process; none after a point that ended plainly.
-    pub(crate) odd: Option<Reason>,
+    /// Whether no other point may use its process, because this one did not end plainly.
+    pub(crate) odd: bool,
     /// Whether the process that has loaded the FMU may be forked, where that has been looked at.
     pub(crate) forkable: Option<bool>,
 }
@@ -107,7 +101,7 @@ pub(crate) struct Reply {
 impl Reply {
     /// An outcome of which no more is known.
     pub(crate) fn new(index: u64, answer: Outcome) -> Self {
-        Self { index, answer, start: 0.0, simulated: 0.0, odd: None, forkable: None }
+        Self { index, answer, odd: false, forkable: None }
     }
 }
 
@@ -125,6 +119,8 @@ pub(crate) struct Trouble {
     /// The FMU's warnings before it failed.
     #[serde(with = "as_json")]
     pub(crate) notices: Box<Notices>,
+    /// Whether another try may go otherwise, where the FMU was not loaded.
+    pub(crate) passing: bool,
 }
 
 /// Where a failure comes from. Of several, the first one decides: an FMU that cannot be loaded or gives no instance is no
@@ -147,7 +143,7 @@ pub(crate) enum Origin {
 impl Trouble {
     /// A failure before which the FMU said nothing.
     pub(crate) fn new(from: Origin, failure: Failure) -> Self {
-        Self { from, failure, notices: Box::default() }
+        Self { from, failure, notices: Box::default(), passing: false }
     }
 
     /// The FMU cannot be loaded.
@@ -180,12 +176,12 @@ mod tests {
     proptest! {
         /// Every bit of a number arrives, also those of what is no number.
         #[test]
-        fn what_was_put_is_read(index: u64, number: u64, text: String, start: f32, flag: bool) {
+        fn what_was_put_is_read(index: u64, number: u64, text: String, flag: bool) {
             let values = vec![f64::from_bits(number), -0.0, f64::INFINITY];
             let bits = |values: &[f64]| values.iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-            let order = bytes(&Order::Used(Reuse::Renew, vec![Job { index, values: values.clone() }]));
+            let order = bytes(&Order::Used(vec![Job { index, values: values.clone() }]));
             match read(&order) {
-                Some(Order::Used(Reuse::Renew, jobs)) => {
+                Some(Order::Used(jobs)) => {
                     prop_assert_eq!(jobs[0].index, index);
                     prop_assert_eq!(bits(&jobs[0].values), bits(&values));
                 }
@@ -195,14 +191,13 @@ mod tests {
             let failure = Failure::Error(text);
             let trouble = Trouble { notices: notices.clone().unwrap(), ..Trouble::lost(failure.clone()) };
             let good = Reply::new(index, Ok(Simulated { values: values.clone(), notices: notices.clone() }));
-            let bad = Reply { start, odd: Some(Reason::Signals), forkable: Some(flag), ..Reply::new(index, Err(trouble)) };
+            let bad = Reply { odd: true, forkable: Some(flag), ..Reply::new(index, Err(trouble)) };
             match read(&bytes(&Said::Replies(vec![good, bad.clone()]))) {
                 Some(Said::Replies(replies)) => {
                     let simulated = replies[0].answer.as_ref().unwrap();
                     prop_assert_eq!(bits(&simulated.values), bits(&values));
                     prop_assert_eq!(&simulated.notices, &notices);
-                    prop_assert_eq!(replies[1].start.to_bits(), start.to_bits());
-                    prop_assert_eq!(Reply { start: 0.0, ..replies[1].clone() }, Reply { start: 0.0, ..bad });
+                    prop_assert_eq!(&replies[1], &bad);
                 }
                 other => prop_assert!(false, "{:?}", other),
             }

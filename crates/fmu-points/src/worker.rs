@@ -5,19 +5,17 @@
 //! all that it has started with it.
 
 use std::collections::VecDeque;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io;
-use std::path::Path;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::birth;
 use crate::child;
 use crate::child::Estate;
-use crate::conduct::Reason;
 use crate::failure::Failure;
 use crate::points::{Job, Limits};
-use crate::runner::Reuse;
+use crate::room;
 use crate::system::{self, Shared, Streams};
 use crate::wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read};
 use fmu_import::isolation::keeper::signal_name;
@@ -78,15 +76,15 @@ struct Service {
     /// The FMU, once this process has loaded it. It is never instantiated here.
     library: Option<Arc<Library>>,
     /// The child that runs many points.
-    used: Option<(Reuse, Child)>,
+    used: Option<Child>,
     /// How many points of its present message that child has begun.
     progress: Shared,
 }
 
 impl Service {
     fn obey(&mut self, order: Order) -> io::Result<()> {
-        if let Order::Used(reuse, jobs) = order {
-            return self.run_used(reuse, jobs.into());
+        if let Order::Used(jobs) = order {
+            return self.run_used(jobs.into());
         }
         // A child that stays would be taken for one left behind.
         self.used = None;
@@ -196,14 +194,11 @@ impl Service {
 
     /// Runs points in one child. When the child is lost, the point that it was running is answered as lost, and
     /// another child runs the rest; likewise behind a point that did not end plainly.
-    fn run_used(&mut self, reuse: Reuse, mut jobs: VecDeque<Job>) -> io::Result<()> {
-        if self.used.as_ref().is_some_and(|(known, _)| *known != reuse) {
-            self.used = None;
-        }
+    fn run_used(&mut self, mut jobs: VecDeque<Job>) -> io::Result<()> {
         let mut in_vain = false;
         while !jobs.is_empty() {
             let before = jobs.len();
-            let Some(loss) = self.attempt(reuse, &mut jobs)? else {
+            let Some(loss) = self.attempt(&mut jobs)? else {
                 continue;
             };
             self.used = None;
@@ -224,18 +219,18 @@ impl Service {
         }
         let swollen = |child: &Child| child.resident() > self.setup.limits.memory / 2;
         // A leak costs a restart now and then, long before it costs a point.
-        if self.used.as_ref().is_some_and(|(_, child)| swollen(child)) {
+        if self.used.as_ref().is_some_and(swollen) {
             self.used = None;
         }
         Ok(())
     }
 
     /// Lets the child run points until all are answered, or one was odd, or it is lost.
-    fn attempt(&mut self, reuse: Reuse, jobs: &mut VecDeque<Job>) -> io::Result<Option<Loss>> {
+    fn attempt(&mut self, jobs: &mut VecDeque<Job>) -> io::Result<Option<Loss>> {
         self.progress.set(0);
         let mut child = match self.used.take() {
-            Some((_, child)) => child,
-            None => match self.begin(&Order::Used(reuse, Vec::new()))? {
+            Some(child) => child,
+            None => match self.begin(&Order::Used(Vec::new()))? {
                 Ok((child, _)) => child,
                 Err(trouble) => {
                     let same = |job: Job| Reply::new(job.index, Err(trouble.clone()));
@@ -261,8 +256,7 @@ impl Service {
                 self.hear_of_licences(&mut reply);
                 let odd = reply.odd;
                 self.output.held.push(reply);
-                if odd.is_some() {
-                    self.setup.careful |= odd == Some(Reason::Signals);
+                if odd {
                     // It frees its instance, and ends.
                     child.part(&mut self.keeper, grace(&self.setup));
                     self.output.send_in_time()?;
@@ -271,7 +265,7 @@ impl Service {
             }
             self.output.send_in_time()?;
         }
-        self.used = Some((reuse, child));
+        self.used = Some(child);
         Ok(None)
     }
 
@@ -281,7 +275,9 @@ impl Service {
         if let Err(reason) = self.prepare(order) {
             return Ok(Err(Trouble::unloadable(reason)));
         }
-        clear(self.setup.place.as_deref())?;
+        for folder in [&self.setup.temporary, &self.setup.place].into_iter().flatten() {
+            room::clear(folder)?;
+        }
         let library = self.library.clone();
         let library = library.filter(|_| matches!(order, Order::Forked(_)));
         let is_loaded = library.is_some();
@@ -305,7 +301,11 @@ impl Service {
         let failure = self.failure(&loss)?;
         Ok(Err(match is_loaded {
             true => Trouble::lost(failure),
-            false => Trouble::unloadable(self.loading(&loss, &failure)),
+            // What ended the process may have nothing to do with the FMU.
+            false => Trouble {
+                passing: !matches!(loss, Loss::Timeout | Loss::Memory),
+                ..Trouble::unloadable(self.loading(&loss, &failure))
+            },
         }))
     }
 
@@ -429,21 +429,6 @@ fn lacks_licence(text: &str) -> bool {
 fn bounds(setup: &Setup) -> Bounds {
     let Limits { time, memory } = setup.limits;
     Bounds { time, memory }
-}
-
-/// Makes the working directory empty for the next child, whatever the last one has left there.
-fn clear(place: Option<&Path>) -> io::Result<()> {
-    let Some(place) = place else {
-        return Ok(());
-    };
-    let is_empty = |mut entries: fs::ReadDir| entries.next().is_none();
-    if fs::read_dir(place).is_ok_and(is_empty) {
-        return Ok(());
-    }
-    // What cannot be removed stays.
-    let _ = fs::remove_dir_all(place).or_else(|_| fs::remove_file(place));
-    fs::create_dir_all(place)?;
-    std::env::set_current_dir(place)
 }
 
 /// How long a child may take to end its instance.

@@ -11,18 +11,13 @@ use std::path::{self, Component, Path, PathBuf};
 use crate::task::Task;
 use fmu_import::{Description, Kind, Value};
 
-/// The folder within which working directories are made for the points of a study; none where points keep the user's.
-pub fn home<'a, 't>(
-    scratch: &'a Path,
-    fmu: &Description,
-    tasks: impl IntoIterator<Item = &'t Task>,
-) -> Option<&'a Path> {
-    let named = tasks.into_iter().any(named_in);
-    (!named_by(fmu) && !named).then_some(scratch)
+/// Whether points of these tasks keep the user's working directory, since they name a file in it.
+pub fn is_kept<'t>(fmu: &Description, tasks: impl IntoIterator<Item = &'t Task>) -> bool {
+    tasks.into_iter().any(is_named_in) || named_by(fmu)
 }
 
 /// Whether a text that the study sets is the relative path of something that exists.
-pub(crate) fn named_in(task: &Task) -> bool {
+pub fn is_named_in(task: &Task) -> bool {
     task.fixed.iter().any(|(_, value)| match value {
         Value::String(text) => is_here(text),
         _ => false,

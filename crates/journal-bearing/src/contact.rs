@@ -107,7 +107,7 @@ pub struct Touch {
 /// Resultant and normal force are integrals of the contact pressure around the circumference. They span many decades, so
 /// the table interpolates the logarithms of resultant force over eccentricity ratio and of normal force, by cubic Hermite
 /// polynomials with exact slopes. It reaches from where the asperities meet to where the mean planes have crossed by three
-/// roughnesses; beyond, the logarithms go on along their tangents.
+/// roughnesses; beyond, the logarithms go on along their tangents, and far beyond the forces do, so that they stay finite.
 #[derive(Clone, Debug, Default)]
 pub struct ContactTable {
     /// Eccentricity ratio of the first node: where contact begins.
@@ -217,6 +217,14 @@ impl ContactTable {
     }
 }
 
+/// The rise of a force's logarithm beyond the table. Where no surface is left, the force itself goes on along its tangent: a solver
+/// looks there for a moment, and must get a number.
+fn tamed(rise: f64) -> f64 {
+    /// Half a billion times the force at the table's end.
+    const STEEPEST: f64 = 20.0;
+    if rise > STEEPEST { STEEPEST + (rise - STEEPEST).ln_1p() } else { rise }
+}
+
 /// A place in a table.
 struct Place {
     cell: usize,
@@ -244,7 +252,7 @@ impl Place {
         }
         if self.t > 1.0 {
             for (sum, slope) in sum[..LOGARITHMS].iter_mut().zip(&right[1]) {
-                *sum += share * (self.t - 1.0) * slope;
+                *sum += share * tamed((self.t - 1.0) * slope);
             }
         }
     }
@@ -271,6 +279,8 @@ impl Place {
 fn integrals(e: f64, ratio: f64, spacing: f64) -> Node {
     // All are even functions of e. At e = 0 the first is a quotient of zeros, so it is evaluated close by.
     let near_centre = e < 1e-5;
+    let reach = Reach::new(1.0 / ratio);
+    let [room, place] = [reach.room(e), reach.place(e)];
     let e = e.max(1e-5);
     // Values are relative to the largest, which may underflow by itself.
     let reference = f_5_2_log(ratio * (1.0 - e)).0;
@@ -288,8 +298,6 @@ fn integrals(e: f64, ratio: f64, spacing: f64) -> Node {
         sums[2] += resistance;
         slopes[2] += easing * opening;
     }
-    let reach = Reach::new(1.0 / ratio);
-    let [room, place] = [reach.room(e), reach.place(e)];
     let even = if near_centre { 0.0 } else { spacing };
     [
         [reference + (sums[0] / e).ln(), reference + sums[1].ln(), sums[2], room[0], place[0]],
@@ -332,6 +340,24 @@ mod tests {
                 let apart = (contact.force / (force * element) - 1.0).abs();
                 assert!(apart < 1e-5, "c = {c}, e = {e}: {contact:?}");
                 assert!((contact.normal / (normal * element) - 1.0).abs() < 1e-5);
+            }
+        }
+    }
+
+    /// Closed forms on both sides of the change, and a number everywhere.
+    #[test]
+    fn far_beyond_the_table_forces_grow_evenly() {
+        assert_eq!([-3.0, 0.0, 19.0, 20.0].map(tamed), [-3.0, 0.0, 19.0, 20.0]);
+        let force = |rise: f64| tamed(rise).exp() / 20.0_f64.exp();
+        assert!((force(20.0 + 1e-6) - force(20.0 - 1e-6) - 2e-6).abs() < 1e-11);
+        assert!((force(1020.0) - 1001.0).abs() < 1e-9);
+        let surface = Surface { roughness: 1e-7, ..Surface::default() };
+        let (table, family) =
+            (ContactTable::new(&surface, 20e-6, 0.019, 0.025), ContactFamily::new(&surface, 20e-6, 0.019, 0.025));
+        for e in [2.0, 42.7, 1e6] {
+            for contact in [table.at(e), family.at(e, 21e-6)] {
+                assert!(contact.force.is_finite() && contact.normal.is_finite(), "{e}: {contact:?}");
+                assert!(contact.force > table.at(1.0).force);
             }
         }
     }

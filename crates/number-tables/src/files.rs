@@ -34,6 +34,12 @@ impl FileError {
         Self { kind: Some(error.kind()), ..Self::new(path, reason(path, &error)) }
     }
 
+    /// The same with a remedy behind it.
+    pub fn with(mut self, remedy: impl AsRef<str>) -> Self {
+        self.message += remedy.as_ref();
+        self
+    }
+
     /// The same, of a line or of a column, counted from 1.
     pub fn at(mut self, number: impl Display) -> Self {
         self.place += &format!(":{number}");

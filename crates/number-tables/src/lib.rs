@@ -11,6 +11,7 @@ use crate::files::FileError;
 use std::collections::HashSet;
 use std::path::Path;
 
+use fmu_import::units::known;
 use fmu_points::names::{did_you_mean, nearest};
 pub use rows::{How, Rows};
 
@@ -34,11 +35,6 @@ pub fn is_table(path: &Path) -> bool {
     place(path).is_some()
 }
 
-/// Who reads a table whose ending names another format than text.
-fn no_text(path: &Path) -> Option<Open> {
-    place(path).filter(|place| *place > 0).map(|place| FORMATS[place].1)
-}
-
 /// Opens a table in the format that its ending names, in csv otherwise.
 ///
 /// # Errors
@@ -46,6 +42,53 @@ fn no_text(path: &Path) -> Option<Open> {
 pub fn open(path: &Path, how: How) -> Result<Box<dyn Rows>, FileError> {
     let (_, open) = FORMATS[place(path).unwrap_or(0)];
     open(path, how)
+}
+
+/// A column's name without the unit in it, and that: `n [1/min]`, and with a known unit `n (rpm)`. What stands in `x[2]` is an
+/// index, and `G(h)` a name.
+pub fn name_and_unit(name: &str) -> (&str, Option<String>) {
+    let enclosed = |from: char, to: char| name.strip_suffix(to).and_then(|name| name.rsplit_once(from));
+    let is_index = |bare: &str, inner: &str| {
+        !bare.ends_with(' ') && inner.chars().all(|c| c.is_ascii_digit() || c == ',' || c == ' ')
+    };
+    let square = enclosed('[', ']').filter(|(bare, inner)| !is_index(bare, inner));
+    let parts = square.or_else(|| {
+        enclosed('(', ')').filter(|(bare, inner)| bare.ends_with(' ') && known::usual(inner.trim()).is_some())
+    });
+    match parts {
+        Some((bare, inner)) if !bare.trim().is_empty() && !inner.trim().is_empty() => {
+            let unit = inner.trim();
+            (bare.trim(), Some(known::usual(unit).unwrap_or(unit).to_owned()))
+        }
+        _ => (name, None),
+    }
+}
+
+/// Whether a column is called time: `T` is a temperature.
+pub fn is_time_name(name: &str) -> bool {
+    name == "t" || ["time", "zeit"].iter().any(|word| name.eq_ignore_ascii_case(word))
+}
+
+/// The unit of a column: the file's and the one that is stated must be known to be the same.
+///
+/// # Errors
+/// When they are not.
+pub fn agreed<'a>(column: &str, in_file: Option<&'a str>, stated: Option<&'a str>) -> Result<Option<&'a str>, String> {
+    match (in_file, stated) {
+        (Some(file), Some(stated))
+            if file != stated && known::usual(file).is_none_or(|usual| known::usual(stated) != Some(usual)) =>
+        {
+            let unknown = match known::usual(file) {
+                Some(_) => "",
+                None => ", which is no unit that is known here",
+            };
+            Err(format!(
+                "column `{column}` is in `{file}`{unknown}, and `unit` says `{stated}`; correct one of them: the column's name in the \
+                 file says how its numbers were written"
+            ))
+        }
+        _ => Ok(stated.or(in_file)),
+    }
 }
 
 fn empty(path: &Path) -> FileError {
@@ -60,7 +103,7 @@ fn twice(path: &Path, what: &str) -> FileError {
 fn remedy(text: &str) -> &'static str {
     let is_stamp = text.len() >= 8 && text.starts_with(|first: char| first.is_ascii_digit()) && text.contains(':');
     if is_stamp {
-        "; it looks like a time of day: write the seconds since the first row"
+        "; it looks like a time stamp: `python -m fmu_orchestrator convert FILE` makes seconds of it"
     } else if text.contains([',', '.']) && !text.contains(char::is_alphabetic) {
         "; a decimal comma needs cells that no commas separate, and no points in other cells, as in 1.000"
     } else if text.is_empty() {
@@ -87,6 +130,8 @@ pub struct Table {
     pub rows: Vec<Vec<f64>>,
     /// The rows' labels.
     pub labels: Vec<u64>,
+    /// The units in the names of the columns asked for, by their usual letters.
+    pub units: Vec<Option<String>>,
 }
 
 impl Table {
@@ -151,15 +196,16 @@ struct Reading<'a> {
 
 impl<'a> Reading<'a> {
     fn new(path: &'a Path, header: Vec<String>, columns: &[Column]) -> Result<Self, FileError> {
-        let places =
+        let places: Vec<usize> =
             columns.iter().map(|(names, purpose)| find(path, &header, names, purpose)).collect::<Result<_, _>>()?;
+        let units = places.iter().map(|&place| name_and_unit(&header[place]).1).collect();
         let label = |name: &String| name.eq_ignore_ascii_case("point");
         Ok(Self {
             path,
             places,
             label: header.iter().position(label),
             header,
-            table: Table { rows: Vec::new(), labels: Vec::new() },
+            table: Table { rows: Vec::new(), labels: Vec::new(), units },
         })
     }
 
@@ -175,7 +221,7 @@ impl<'a> Reading<'a> {
             })
         };
         let numbers = self.places.iter().map(cell).collect::<Result<_, _>>()?;
-        let Table { rows, labels } = &mut self.table;
+        let Table { rows, labels, .. } = &mut self.table;
         if rows.len() == MOST_ROWS {
             let message = format!("more than {MOST_ROWS} rows, which is the most that is read here");
             return Err(FileError::new(self.path, message));
@@ -205,9 +251,14 @@ fn shown(text: &str) -> String {
 }
 
 fn find(path: &Path, header: &[String], names: &[String], purpose: &str) -> Result<usize, FileError> {
-    let place = names.iter().find_map(|name| header.iter().position(|column| column == name));
+    let bare = |column: &String, name: &String| column == name || name_and_unit(column).0 == name;
+    let exact = names.iter().find_map(|name| header.iter().position(|column| column == name));
+    let place = exact.or_else(|| names.iter().find_map(|name| header.iter().position(|column| bare(column, name))));
     if let Some(place) = place
-        && header[place + 1..].contains(&header[place])
+        && header[place + 1..].iter().any(|other| match exact {
+            Some(_) => *other == header[place],
+            None => name_and_unit(other).0 == name_and_unit(&header[place]).0,
+        })
     {
         let column = format!("column `{}`", shown(&header[place]));
         return Err(twice(path, &column));

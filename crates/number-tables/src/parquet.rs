@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::path::{Path, PathBuf};
 
+use parquet::basic::LogicalType;
 use parquet::errors::ParquetError;
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
@@ -28,6 +29,32 @@ pub fn rows(path: &Path, _: How) -> Result<Box<dyn Rows>, FileError> {
     let file = files::open(path).map_err(|error| FileError::read(path, error))?;
     let reader = SerializedFileReader::new(file).map_err(|error| wrong(path, &error))?;
     let schema = reader.metadata().file_metadata().schema();
+    // A duration of pandas is a plain number but for the notes beside it.
+    let notes = reader.metadata().file_metadata().key_value_metadata();
+    let has_durations = |note: &parquet::file::metadata::KeyValue| {
+        note.key == "pandas" && note.value.as_ref().is_some_and(|value| value.contains("timedelta64"))
+    };
+    let durations = notes.is_some_and(|notes| notes.iter().any(has_durations));
+    let is_moment = |kind: Option<&LogicalType>| {
+        matches!(
+            kind,
+            Some(
+                LogicalType::Timestamp { .. }
+                    | LogicalType::Time { .. }
+                    | LogicalType::Date
+                    | LogicalType::Decimal { .. }
+            )
+        )
+    };
+    let moment = |field: &&parquet::schema::types::TypePtr| is_moment(field.get_basic_info().logical_type_ref());
+    let moments: Vec<&str> = schema.get_fields().iter().filter(moment).map(|field| field.name()).collect();
+    if durations || !moments.is_empty() {
+        let what = match durations {
+            true => "durations".to_owned(),
+            false => format!("moments or decimals (`{}`)", moments.join("`, `")),
+        };
+        return Err(FileError::new(path, format!("it has {what}, which are no plain numbers")));
+    }
     let fields = schema.get_fields().iter();
     Ok(Box::new(ParquetRows {
         path: path.to_owned(),

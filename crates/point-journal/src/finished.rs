@@ -1,6 +1,6 @@
 //! The journal, read again.
 
-use std::collections::{BTreeMap, BTreeSet, HashMap};
+use std::collections::{BTreeMap, HashMap};
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
@@ -10,10 +10,10 @@ use crate::Error;
 use crate::Outcome;
 use crate::header::Header;
 use crate::lines::{Line, Lines, open, path_in};
-use crate::note::{Note, SAME_SET, SET, separation};
+use crate::note::{Note, PASSED, SAME_SET, SET};
+use fmu_points::Conduct;
 use fmu_points::failure::Failure;
 use fmu_points::notices::Notices;
-use fmu_points::{Conduct, Isolation, Separation};
 
 /// Index of a journal: the position of each finished point's line.
 #[derive(Clone, Debug, Default)]
@@ -21,23 +21,12 @@ pub struct Finished {
     /// Identity of the run.
     pub header: Header,
     path: PathBuf,
-    /// A place in the file for each point, with its separation in the bits above [`SEPARATION`]; [`NOWHERE`] when it is
-    /// not finished.
+    /// A place in the file for each point; [`NOWHERE`] when it is not finished.
     places: Vec<u64>,
     /// How the points were computed, as far as that is noted.
     noted: Option<Conduct>,
     /// The same of parts that were joined, by their names.
     parts: BTreeMap<String, Conduct>,
-    /// Whether points count only where each had an unpacked FMU of its own.
-    apart: bool,
-    /// Points that were computed in such processes, or in less strictly separated ones, do not count.
-    pub refuted: Option<Separation>,
-    /// Points that failed while others ran, of which no line says that they do not come again.
-    crowded: BTreeSet<u64>,
-    /// Points that were repeated alone, each with the place of its first line.
-    repeated: BTreeMap<u64, u64>,
-    /// How many of the crowded points were repeated alone, and how many of these passed.
-    pub alone: [u64; 2],
     /// How many points are finished.
     pub count: u64,
     /// Checksums of the sets of points, by the index of their first point.
@@ -51,9 +40,6 @@ pub struct Finished {
 }
 
 const NOWHERE: u64 = u64::MAX;
-/// Files are shorter than 2^62 bytes.
-const SEPARATION: u32 = 62;
-const PLACE: u64 = (1 << SEPARATION) - 1;
 
 /// One position per point, 8 bytes each.
 fn places(folder: &Path, points: u64) -> Result<Vec<u64>, Error> {
@@ -75,6 +61,7 @@ impl Finished {
     /// When there is none, when its header is lost, and when the system says no.
     pub fn read(folder: &Path) -> Result<Self, Error> {
         let (mut lines, header) = open(folder)?;
+        header.check_form(folder)?;
         let mut finished = Self {
             places: places(folder, header.points.unwrap_or(0))?,
             header,
@@ -111,14 +98,7 @@ impl Finished {
                 let note = serde_json::from_str(note);
                 note.into_iter().for_each(|note| self.heed(note));
             }
-            Some((index, rest)) => {
-                let word = rest.split(' ').next().unwrap_or("");
-                let separation = separation(word);
-                let passed = separation.is_some();
-                let separation = separation.unwrap_or(Separation::New);
-                let place = place | (separation as u64) << SEPARATION;
-                self.note(index.parse().ok(), place, passed);
-            }
+            Some((index, _)) => self.note(index.parse().ok(), place),
             None => self.ended |= line == "end",
         }
     }
@@ -127,33 +107,10 @@ impl Finished {
         match note {
             Note::Conduct(new) => {
                 let known = self.noted.take();
-                self.noted = Some(match known {
-                    Some(known) => known.and(new),
-                    None => new,
-                });
+                self.noted = Some(known.map_or_else(|| new.clone(), |known| known.and(new.clone())));
             }
             Note::Part(name, conduct) => {
                 self.parts.insert(name, conduct);
-            }
-            Note::Crowded(index) => {
-                self.crowded.insert(index);
-            }
-            Note::Settled { repeated, passed } => {
-                (self.crowded, self.alone) = (BTreeSet::new(), [0; 2]);
-                let noted = self.noted.get_or_insert_default();
-                noted.repeated_alone += repeated;
-                noted.passed_alone += passed;
-            }
-            Note::StillVoid(separation) if self.refuted.is_some_and(|known| known <= separation) => {}
-            Note::Void(separation) | Note::StillVoid(separation) => {
-                let refuted = self.refuted.map_or(separation, |known| known.min(separation));
-                self.refuted = Some(refuted);
-                if separation <= Separation::New {
-                    // Nothing is left of which the notes so far tell.
-                    (self.apart, self.noted) = (true, None);
-                    self.parts.clear();
-                }
-                self.of(separation).into_iter().for_each(|index| self.forget(index));
             }
         }
     }
@@ -161,22 +118,13 @@ impl Finished {
     /// How the points were computed.
     pub fn conduct(&self) -> Conduct {
         let notes = self.parts.values().chain(&self.noted).cloned();
-        let mut conduct = notes.reduce(Conduct::and).unwrap_or_default();
-        let used = |slot: &u64| *slot != NOWHERE && *slot >> SEPARATION == Separation::Used as u64;
-        conduct.isolation = if self.places.iter().any(used) {
-            // A run that was killed may not have noted it.
-            conduct.isolation.max(Isolation::Audited)
-        } else {
-            Isolation::Fresh
-        };
-        conduct
+        notes.reduce(Conduct::and).unwrap_or_default()
     }
 
     /// The file that the FMU changes in its own folder, where that was found.
     pub fn changed_file(&self) -> Option<&str> {
         let mut notes = self.parts.values().chain(&self.noted);
-        let file = notes.find_map(|noted| noted.changed_file.as_deref());
-        self.apart.then(|| file.unwrap_or("."))
+        notes.find_map(|noted| noted.changed_file.as_deref())
     }
 
     /// Whether a line at this place is that of a finished point, and not of one that was computed again.
@@ -185,39 +133,16 @@ impl Finished {
         index.is_some_and(|index| self.place(index) == Some(place))
     }
 
-    /// The finished points that were computed in such processes, or in less strictly separated ones.
-    pub fn of(&self, separation: Separation) -> Vec<u64> {
-        let slots = (0..).zip(&self.places);
-        let wanted = |slot: u64| slot != NOWHERE && slot >> SEPARATION >= separation as u64;
-        slots.filter(|(_, slot)| wanted(**slot)).map(|(index, _)| index).collect()
-    }
-
-    /// Points that failed while others ran, of which no line says that they do not come again, as far as they count.
-    pub fn crowded(&self) -> impl Iterator<Item = u64> + '_ {
-        self.crowded.iter().copied().filter(|&index| self.has(index))
-    }
-
-    /// Whether a point was repeated alone, since it had failed while others ran.
-    pub fn was_repeated(&self, index: u64) -> bool {
-        self.repeated.contains_key(&index)
-    }
-
-    /// Points that were computed in used processes, those noted last first.
-    pub fn latest_used(&self) -> Vec<u64> {
-        let mut used = self.of(Separation::Used);
-        used.sort_by_key(|&index| std::cmp::Reverse(self.place(index)));
-        used
-    }
-
-    /// Forgets the points that were computed in used processes.
-    pub fn forget_used(&mut self) {
-        self.heed(Note::Void(Separation::Used));
+    /// The finished points, in their order.
+    pub fn points(&self) -> impl Iterator<Item = u64> + '_ {
+        let places = (0..).zip(&self.places);
+        places.filter(|(_, place)| **place != NOWHERE).map(|(index, _)| index)
     }
 
     /// Where the line of a finished point is.
     fn place(&self, index: u64) -> Option<u64> {
-        let slot = *self.places.get(usize::try_from(index).ok()?)?;
-        (slot != NOWHERE).then_some(slot & PLACE)
+        let place = *self.places.get(usize::try_from(index).ok()?)?;
+        (place != NOWHERE).then_some(place)
     }
 
     /// A set that differs from the one that began here makes an end of all that followed that. So does one that is not
@@ -240,20 +165,10 @@ impl Finished {
         let slot = &mut self.places[index as usize];
         self.count -= u64::from(*slot != NOWHERE);
         *slot = NOWHERE;
-        self.crowded.remove(&index);
-        self.repeated.remove(&index);
     }
 
-    fn note(&mut self, index: Option<usize>, place: u64, passed: bool) {
+    fn note(&mut self, index: Option<usize>, place: u64) {
         let Some(index) = index else { return };
-        let (point, before) = (index as u64, self.places.get(index));
-        if let (true, Some(&before)) = (self.crowded.contains(&point), before)
-            && before != NOWHERE
-        {
-            self.repeated.entry(point).or_insert(before);
-            self.alone[0] += 1;
-            self.alone[1] += u64::from(passed);
-        }
         if self.header.points.is_none() && index >= self.places.len() {
             self.places.resize(index + 1, NOWHERE);
         }
@@ -274,7 +189,7 @@ impl Finished {
     /// When the journal cannot be opened.
     pub fn outcomes(&self) -> Result<Outcomes<'_>, Error> {
         let file = File::open(&self.path).map_err(Error::io(&self.path))?;
-        Ok(Outcomes { finished: self, lines: Lines::new(file) })
+        Ok(Outcomes { finished: self, lines: Lines::new(file), width: None })
     }
 }
 
@@ -286,6 +201,8 @@ pub type Noted = (Outcome, Option<Notices>);
 pub struct Outcomes<'a> {
     finished: &'a Finished,
     lines: Lines,
+    /// How many values a point has.
+    width: Option<usize>,
 }
 
 impl Outcomes<'_> {
@@ -298,27 +215,13 @@ impl Outcomes<'_> {
         Ok(noted.map(|(outcome, _)| outcome))
     }
 
-    /// The outcome of a point before it was repeated alone, where it was; else its outcome, if it is finished.
-    ///
-    /// # Errors
-    /// When the journal cannot be read any more.
-    pub fn first(&mut self, index: u64) -> Result<Option<Outcome>, Error> {
-        let place = self.finished.repeated.get(&index).map(|slot| slot & PLACE);
-        let noted = self.read(index, place.or(self.finished.place(index)))?;
-        Ok(noted.map(|(outcome, _)| outcome))
-    }
-
     /// The outcome of a point, if it is finished, and what the FMU said beside its results.
     ///
     /// # Errors
     /// When the journal cannot be read any more.
     pub fn get_noted(&mut self, index: u64) -> Result<Option<Noted>, Error> {
-        self.read(index, self.finished.place(index))
-    }
-
-    fn read(&mut self, index: u64, place: Option<u64>) -> Result<Option<Noted>, Error> {
         let path = &self.finished.path;
-        let Some(place) = place else {
+        let Some(place) = self.finished.place(index) else {
             return Ok(None);
         };
         self.lines.seek(place).map_err(Error::io(path))?;
@@ -327,6 +230,11 @@ impl Outcomes<'_> {
             Line::Damaged | Line::End => None,
         };
         let damaged = || format!("the line of point {} is damaged", index + 1);
+        // All points have as many values.
+        let noted = noted.filter(|(outcome, _)| {
+            let count = outcome.as_ref().ok().map(Vec::len);
+            count.is_none_or(|count| *self.width.get_or_insert(count) == count)
+        });
         let noted = noted.ok_or_else(|| Error::content(path, damaged()))?;
         Ok(Some(noted))
     }
@@ -337,7 +245,7 @@ fn parse(line: &str) -> Option<Noted> {
     let (_, word) = (parts.next()?, parts.next()?);
     let rest = parts.next().unwrap_or("");
     match word {
-        word if separation(word).is_some() => {
+        PASSED => {
             let (values, notices) = rest.split_at(rest.find('{').unwrap_or(rest.len()));
             let values = values.split_ascii_whitespace();
             let values = values.map(|text| text.parse().ok());

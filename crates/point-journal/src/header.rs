@@ -5,9 +5,29 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
+/// The form of a journal's lines: results whose lines are of another form are not read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Form(u32);
+
+impl Form {
+    /// That of journals before there was a number.
+    fn first() -> Self {
+        Self(0)
+    }
+}
+
+impl Default for Form {
+    fn default() -> Self {
+        Self(3)
+    }
+}
+
 /// Identity of a run: study, FMU, seed, versions. Points of different runs must not be mixed.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
+    /// The form of the lines that follow.
+    #[serde(default = "Form::first")]
+    pub form: Form,
     /// The version of this program.
     pub orchestrator: String,
     /// The digest of the study's text.
@@ -28,11 +48,26 @@ pub struct Header {
 }
 
 impl Header {
+    /// Refuses a journal whose lines another version has written otherwise.
+    ///
+    /// # Errors
+    /// Says so.
+    pub fn check_form(&self, path: &Path) -> Result<(), Error> {
+        match self.form == Form::default() {
+            true => Ok(()),
+            false => Err(Error::Refused(format!(
+                "{} was written by another version of this program; run the study anew with --force, or choose another --output",
+                path.display()
+            ))),
+        }
+    }
+
     /// Refuses points that were computed for something else.
     ///
     /// # Errors
     /// Names what differs.
     pub fn check(&self, then: &Self, path: &Path) -> Result<(), Error> {
+        then.check_form(path)?;
         match self.difference(then) {
             None => Ok(()),
             Some((what, then, now)) => Err(Error::Refused(format!(

@@ -8,16 +8,14 @@
 //! ```text
 //! 5d41402a {"orchestrator":...,"points":50}
 //! 7b502c3a 3 ok 4.802e1 8.155e1
-//! 1c0de5a7 5 used 4.799e1 8.161e1
 //! 2b7c9f13 6 ok 4.795e1 8.158e1 {"warnings":2,"first_warning":"the oil is warm"}
 //! 9a0b11c2 4 failed {"Error":"film rupture (fmi2DoStep)"}
-//! 0d1e2f3a note {"Void":"Used"}
+//! 0d1e2f3a note {"Conduct":{"isolation":"fresh",...}}
 //! ```
 //!
-//! `apart`, `ok`, `forked` and `used` tell in what process a point was computed ([`Separation`]): a note may say that some of
-//! these do not count any more. What the FMU said beside the results, or before it failed, stands behind them ([`Notices`]).
-//! An analysis that asks for several sets of points notes what tells each set from others, `set 0 600 5d41402a`,
-//! and at last `end`. Where a set takes the place of another one, what followed that one counts no more.
+//! A line that is written is final: nothing takes back what it says. What the FMU said beside the results, or before it failed,
+//! stands behind them ([`Notices`]). An analysis that asks for several sets of points notes what tells each set from others,
+//! `set 0 600 5d41402a`, and at last `end`. Where a set takes the place of another one, what followed that one counts no more.
 
 use std::fmt::Write as _;
 use std::fs::{File, OpenOptions};
@@ -32,8 +30,7 @@ use crate::files::{draft, keep, make_folder};
 use crate::finished::Finished;
 use crate::header::Header;
 use crate::lines::{self, Line, open, path_in};
-use crate::note::{Note, SAME_SET, SET, word};
-use fmu_points::Separation;
+use crate::note::{Note, PASSED, SAME_SET, SET};
 use fmu_points::notices::Notices;
 use fmu_points::tell::one_line;
 
@@ -47,7 +44,6 @@ pub struct Journal {
     /// Lines on which others depend.
     header: String,
     set: Option<String>,
-    void: Option<Separation>,
 }
 
 impl Journal {
@@ -127,7 +123,6 @@ impl Journal {
             buffer: Vec::new(),
             header: serde_json::to_string(header).expect("a header is texts and whole numbers"),
             set: None,
-            void: None,
         })
     }
 
@@ -141,17 +136,11 @@ impl Journal {
     ///
     /// # Errors
     /// When the outcome cannot be written as text.
-    pub fn append(
-        &mut self,
-        index: u64,
-        outcome: &Outcome,
-        separation: Separation,
-        notices: Option<&Notices>,
-    ) -> Result<(), Error> {
+    pub fn append(&mut self, index: u64, outcome: &Outcome, notices: Option<&Notices>) -> Result<(), Error> {
         // Writing to a String cannot fail.
         let _ = match outcome {
             Ok(values) => {
-                let _ = write!(self.line, "{index} {}", word(separation));
+                let _ = write!(self.line, "{index} {PASSED}");
                 values.iter().try_for_each(|value| write!(self.line, " {value:e}"))
             }
             Err(failure) => {
@@ -174,20 +163,8 @@ impl Journal {
     /// # Errors
     /// When the system says no.
     pub fn note(&mut self, note: &Note) -> Result<(), Error> {
-        if let Note::Void(separation) = *note {
-            self.void = Some(self.void.map_or(separation, |void| void.min(separation)));
-        }
         self.append_note(note);
-        if let Note::Void(_) = note {
-            self.append_void();
-        }
         self.flush_when_full()
-    }
-
-    fn append_void(&mut self) {
-        if let Some(void) = self.void {
-            self.append_note(&Note::StillVoid(void));
-        }
     }
 
     fn append_note(&mut self, note: &Note) {
@@ -268,7 +245,6 @@ impl Journal {
     pub fn sync(&mut self) -> Result<(), Error> {
         self.append_header();
         self.append_same_set();
-        self.append_void();
         self.flush()?;
         self.file.sync_data().map_err(Error::io(&self.path))
     }

@@ -6,8 +6,8 @@ use std::fs;
 
 use super::*;
 use crate::Error;
+use fmu_points::Conduct;
 use fmu_points::failure::Failure;
-use fmu_points::{Conduct, Isolation, Separation};
 
 fn header() -> Header {
     Header {
@@ -19,6 +19,7 @@ fn header() -> Header {
         points: Some(5),
         shard: None,
         analysis: None,
+        ..Header::default()
     }
 }
 
@@ -28,7 +29,7 @@ fn written() -> (tempfile::TempDir, Vec<Outcome>) {
         vec![Ok(vec![1.0 / 3.0, -2e-300]), Err(Failure::Error("it \"broke\"\nbadly".to_owned())), Ok(vec![0.1, 82.0])];
     let mut journal = Journal::create(folder.path(), &header()).unwrap();
     for (index, outcome) in [(3, 0), (0, 1), (1, 2)] {
-        journal.append(index, &outcomes[outcome], Separation::New, None).unwrap();
+        journal.append(index, &outcomes[outcome], None).unwrap();
     }
     journal.sync().unwrap();
     (folder, outcomes)
@@ -59,7 +60,7 @@ fn a_damaged_end_is_cut_off_wherever_it_begins() {
         // A copy of the header stands before the three points, and another one behind them.
         let complete = complete.saturating_sub(1).min(3);
         assert_eq!(finished.count, complete as u64);
-        journal.append(4, &Ok(vec![1.0]), Separation::New, None).unwrap();
+        journal.append(4, &Ok(vec![1.0]), None).unwrap();
         journal.flush().unwrap();
         let again = Finished::read(folder.path()).unwrap();
         assert_eq!(again.count, complete as u64 + 1);
@@ -77,49 +78,49 @@ fn a_changed_study_is_refused_with_what_differs() {
 }
 
 #[test]
-fn what_does_not_count_is_open_again() {
+fn what_is_joined_twice_counts_once() {
     let folder = tempfile::tempdir().unwrap();
     let mut journal = Journal::create(folder.path(), &header()).unwrap();
-    let ways = [Separation::New, Separation::Forked, Separation::Used];
-    for (index, way) in (0..).zip(ways) {
-        journal.append(index, &Ok(vec![1.0]), way, None).unwrap();
+    for index in 0..3 {
+        journal.append(index, &Ok(vec![1.0]), None).unwrap();
     }
-    let audited = Conduct {
-        isolation: Isolation::Audited,
-        audits: 7,
-        audits_of_shared: 5,
-        audit_mismatches: 0,
-        reproducible: Some(true),
-        ..Conduct::default()
-    };
-    journal.note(&Note::Conduct(audited.clone())).unwrap();
-    journal.flush().unwrap();
-    let finished = Finished::read(folder.path()).unwrap();
-    assert_eq!(finished.conduct(), audited);
-    assert_eq!(finished.of(Separation::Forked), [1, 2]);
-    let wrong = Conduct { audits: 1, audit_mismatches: 1, ..audited.clone() };
-    journal.note(&Note::Void(Separation::Used)).unwrap();
-    journal.note(&Note::Conduct(wrong)).unwrap();
-    journal.flush().unwrap();
-    let finished = Finished::read(folder.path()).unwrap();
-    assert_eq!([0, 1, 2].map(|index| finished.has(index)), [true, true, false]);
-    assert_eq!(finished.count, 2);
-    let conduct = finished.conduct();
-    assert_eq!(conduct.isolation, Isolation::Fresh);
-    assert_eq!((conduct.audits, conduct.audit_mismatches), (8, 1));
+    let conduct = |same| Conduct { reproducible: Some(same), reproducibility: same.to_string(), ..Conduct::default() };
+    for note in [conduct(true), conduct(false), conduct(true)] {
+        journal.note(&Note::Conduct(note)).unwrap();
+    }
     // Computed again, and joined with others.
-    journal.append(2, &Ok(vec![2.0]), Separation::Forked, None).unwrap();
+    journal.append(2, &Ok(vec![2.0]), None).unwrap();
     journal.flush().unwrap();
     drop(journal);
+    // What differed once stays known.
+    assert_eq!(Finished::read(folder.path()).unwrap().conduct(), conduct(false));
     let other = tempfile::tempdir().unwrap();
     let mut joined = Journal::create(other.path(), &header()).unwrap();
     for _ in 0..2 {
         copy(folder.path(), &mut joined).unwrap();
     }
     let finished = Finished::read(other.path()).unwrap();
-    assert_eq!((finished.count, finished.conduct()), (3, conduct));
-    let value = finished.outcomes().unwrap().get(2).unwrap();
-    assert_eq!(value, Some(Ok(vec![2.0])));
+    assert_eq!((finished.count, finished.conduct()), (3, conduct(false)));
+    assert_eq!(finished.outcomes().unwrap().get(2).unwrap(), Some(Ok(vec![2.0])));
+}
+
+/// The journal of version 0.2 had other lines.
+#[test]
+fn journals_of_another_form_are_answered_by_one_line() {
+    let (folder, _) = written();
+    let path = path_in(folder.path());
+    let text = fs::read_to_string(&path).unwrap();
+    let old: String = text
+        .lines()
+        .map(|line| {
+            let line = line.split_once(' ').unwrap().1.replace("\"form\":3,", "");
+            format!("{:08x} {line}\n", crc32fast::hash(line.as_bytes()))
+        })
+        .collect();
+    fs::write(&path, old).unwrap();
+    for error in [Finished::read(folder.path()).unwrap_err(), Journal::resume(folder.path(), &header()).unwrap_err()] {
+        assert!(error.to_string().contains("was written by another version of this program"), "{error}");
+    }
 }
 
 #[test]
@@ -140,7 +141,7 @@ fn what_the_fmu_said_comes_back_with_the_point() {
         (Err(Failure::Error("it broke {".to_owned())), Some(notices)),
     ];
     for (index, (outcome, notices)) in (0..).zip(&points) {
-        journal.append(index, outcome, Separation::Used, notices.as_ref()).unwrap();
+        journal.append(index, outcome, notices.as_ref()).unwrap();
     }
     journal.flush().unwrap();
     let finished = Finished::read(folder.path()).unwrap();
@@ -163,8 +164,7 @@ fn long() -> (tempfile::TempDir, Header) {
             0 => Err(Failure::Error(format!("point {index} broke"))),
             _ => Ok(vec![index as f64, 1.0 / (index as f64 + 1.0)]),
         };
-        let way = [Separation::Forked, Separation::Used][(index % 2) as usize];
-        journal.append(index, &outcome, way, None).unwrap();
+        journal.append(index, &outcome, None).unwrap();
         if index % 50 == 49 {
             journal.sync().unwrap();
         }
@@ -240,7 +240,7 @@ fn damage_anywhere_costs_its_lines_and_nothing_else() {
                 Some(outcome) => assert_eq!(Some(outcome), right[index as usize], "{round}"),
                 None => {
                     let again = right[index as usize].as_ref().unwrap();
-                    journal.append(index, again, Separation::New, None).unwrap();
+                    journal.append(index, again, None).unwrap();
                 }
             }
         }
@@ -249,22 +249,4 @@ fn damage_anywhere_costs_its_lines_and_nothing_else() {
         assert_eq!((healed.count, healed.damaged), (300, 0), "{round}");
         assert_eq!(healed.sets.len(), 3, "{round}");
     }
-}
-
-#[test]
-fn a_note_that_points_do_not_count_outlasts_its_line() {
-    let folder = tempfile::tempdir().unwrap();
-    let mut journal = Journal::create(folder.path(), &header()).unwrap();
-    journal.append(0, &Ok(vec![1.0]), Separation::Used, None).unwrap();
-    journal.note(&Note::Void(Separation::Used)).unwrap();
-    journal.append(1, &Ok(vec![2.0]), Separation::New, None).unwrap();
-    journal.flush().unwrap();
-    let path = path_in(folder.path());
-    let text = fs::read_to_string(&path).unwrap();
-    let damaged = text.replacen("\"Void\"", "\"Vojd\"", 1);
-    assert_ne!(text, damaged);
-    fs::write(&path, damaged).unwrap();
-    let finished = Finished::read(folder.path()).unwrap();
-    assert_eq!((finished.has(0), finished.has(1), finished.damaged), (false, true, 1));
-    assert_eq!(finished.refuted, Some(Separation::Used));
 }

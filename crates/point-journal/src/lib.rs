@@ -12,7 +12,7 @@ pub mod pipeline;
 
 pub use error::Error;
 pub use finished::Finished;
-pub use header::Header;
+pub use header::{Form, Header};
 pub use journal::Journal;
 pub use lock::Lock;
 pub use note::{Note, Outcome};

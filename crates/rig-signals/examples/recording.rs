@@ -4,7 +4,7 @@ use std::f64::consts::TAU;
 
 use rig_signals::signal::SignalError;
 use rig_signals::smooth::Smoothing;
-use rig_signals::{Accuracy, Bearing, Channel, RigRecording, criteria, synchronise};
+use rig_signals::{Accuracy, Bearing, Channel, Drop, RigRecording, criteria, synchronise};
 
 const TURN: f64 = 0.2;
 const LATE: f64 = 0.016;
@@ -18,6 +18,7 @@ fn channel(name: &str, unit: &str, accuracy: Accuracy, values: Vec<f64>) -> Chan
         values,
         clock: 0,
         lost: Vec::new(),
+        drop: Drop::default(),
         accuracy,
         group: None,
     }

@@ -1,6 +1,5 @@
 //! A case of a study from a recording: what drove the rig as inputs, what was measured as curves with their uncertainty.
 
-use super::clean::clean;
 use super::delay::Delay;
 use super::holes::Holes;
 use super::recording::{Account, Accuracy, Channel, DerivedCriterion, EARLY, RigRecording, Synchronised, behind};
@@ -53,15 +52,13 @@ fn expanded(bound: f64) -> f64 {
     2.0 * from_bound(bound)
 }
 
-/// A measured curve: its samples without spikes and clipped ones.
+/// A measured curve: its samples without those that the user does not want.
 struct Measured<'a> {
     channel: &'a Channel,
     time: Vec<f64>,
     values: Vec<f64>,
     early: usize,
-    spikes: usize,
-    marks: usize,
-    clipped: usize,
+    dropped: [(usize, &'static str); 2],
     /// By how much it is late.
     delay: Option<&'a Delay>,
     /// The number of its table.
@@ -75,6 +72,8 @@ struct Input<'a> {
     line: Polyline,
     /// What was left out, and how many samples.
     lost: [(usize, &'static str); 3],
+    /// What stays and may be none of the input.
+    doubts: Vec<String>,
     /// The longest time without samples.
     hole: Option<[f64; 2]>,
 }
@@ -128,12 +127,9 @@ impl<'a> Case<'a> {
         for channel in recording.signals() {
             let (time, values) = channel.within([recording.begin(), f64::INFINITY]);
             let early = channel.time.len() - time.len();
-            let cleaned = clean(&values);
-            let samples = cleaned.values.iter().zip(&cleaned.clipped);
-            let samples = time.iter().zip(samples);
-            // Of a sample at the end of the sensor's range nobody knows the true value.
-            let good = samples.filter(|(_, (value, clipped))| value.is_finite() && !**clipped);
-            let (time, values): (Vec<f64>, Vec<f64>) = good.map(|(time, (value, _))| (*time, *value)).unzip();
+            let cleaned = channel.clean(&values);
+            let good = time.iter().zip(&cleaned.values).filter(|(_, value)| value.is_finite());
+            let (time, values): (Vec<f64>, Vec<f64>) = good.unzip();
             let shared = tables.iter().position(|table| {
                 let both = common(&table.time, &time).len() as f64;
                 table.clock == channel.clock && both >= SHARED * table.time.len().max(time.len()) as f64
@@ -145,9 +141,7 @@ impl<'a> Case<'a> {
             curves.push(Measured {
                 channel,
                 early,
-                spikes: cleaned.spikes,
-                marks: cleaned.marks,
-                clipped: cleaned.clipped_count(),
+                dropped: channel.dropped(&cleaned),
                 time,
                 values,
                 delay: torque.filter(|torque| std::ptr::eq(*torque, channel)).map(|_| &result.delay),
@@ -269,11 +263,11 @@ impl<'a> Case<'a> {
     pub fn accounts(&self) -> Vec<Account> {
         let account = |curve: &Measured<'_>| {
             let beside = curve.time.len() - self.tables[curve.table].time.len();
+            let [spikes, clipped] = curve.dropped;
             curve.channel.account(&[
                 (curve.early, EARLY),
-                (curve.spikes, "spikes"),
-                (curve.marks, "at a value far from all others"),
-                (curve.clipped, "clipped"),
+                spikes,
+                clipped,
                 (beside, "in rows where another signal has none"),
             ])
         };
@@ -302,12 +296,14 @@ impl<'a> Case<'a> {
         if end < last {
             out += &format!("# Note: an input ends at {end:.6} s, so what was measured later is not judged.\n");
         }
+        let of_inputs = self.inputs.iter().flat_map(|input| &input.doubts);
+        let doubts: Vec<String> = self.result.doubts.iter().chain(of_inputs).cloned().collect();
         out += &format!(
             "[[cases]]\nname = {}\n{}{}simulation = {{ stop = {} }}\n",
             quoted(frame.name),
-            match self.result.doubts.as_slice() {
-                [] => String::new(),
-                doubts => format!("concerns = {}\n", toml::Value::from(doubts.to_vec())),
+            match doubts.is_empty() {
+                true => String::new(),
+                false => format!("concerns = {}\n", toml::Value::from(doubts)),
             },
             if frame.held_out { "held-out = true\n" } else { "" },
             up(last.min(end) + early)
@@ -453,7 +449,7 @@ impl<'a> Input<'a> {
     /// An input from the model's start on, when it has the value between its rows.
     fn new(channel: &'a Channel, drive: &'a Drive, start: f64) -> Self {
         let early = channel.before(start).saturating_sub(1);
-        let (all, cleaned) = (&channel.time[early..], clean(&channel.values[early..]));
+        let (all, cleaned) = (&channel.time[early..], channel.clean(&channel.values[early..]));
         let pairs = all.iter().zip(&cleaned.values);
         let (time, values): (Vec<f64>, Vec<f64>) = pairs.filter(|(_, value)| value.is_finite()).unzip();
         let mut line = polyline(&time, &values, drive.tolerance);
@@ -465,7 +461,14 @@ impl<'a> Input<'a> {
             channel,
             drive,
             line,
-            lost: [(early, EARLY), (cleaned.spikes, "spikes"), (cleaned.marks, "at a value far from all others")],
+            lost: {
+                let [spikes, clipped] = channel.dropped(&cleaned);
+                [(early, EARLY), spikes, clipped]
+            },
+            doubts: match channel.drop.is_stated {
+                true => Vec::new(),
+                false => super::concerns(channel, &cleaned),
+            },
             hole: Holes::of(all, &cleaned).longest(),
         }
     }

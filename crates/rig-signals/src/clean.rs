@@ -1,18 +1,29 @@
-//! Spikes, marks of missing values and clipped samples of a recorded signal.
+//! Spikes, marks of missing values and clipped samples of a recorded signal: found always, left out where the user wants it.
 
 use nalgebra::DMatrix;
 use sampling::statistics::moments::sorted;
 use std::ops::Range;
 
-/// A signal without its spikes.
+/// Which doubtful samples of a signal its user wants left out: nothing goes that was not asked for.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Drop {
+    /// Whether the user said what to do: then the samples that stay are no doubt.
+    pub is_stated: bool,
+    /// Samples that stand far from their neighbours.
+    pub spikes: bool,
+    /// Samples at an end of the sensor's range.
+    pub clipped: bool,
+}
+
+/// A signal and what is doubtful in it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Cleaned {
-    /// The samples; not a number where there was a spike.
+    /// The samples; not a number where one was left out.
     pub values: Vec<f64>,
-    /// How many spikes were left out.
+    /// How many samples are spikes.
     pub spikes: usize,
-    /// How many samples stood far from all others at one value, which says that there is none; left out, too.
-    pub marks: usize,
+    /// Values that stand far from all others, as marks of missing values do, each with how many samples have it.
+    pub marks: Vec<(f64, usize)>,
     /// Which samples stand at the end of the sensor's range.
     pub clipped: Vec<bool>,
 }
@@ -23,21 +34,24 @@ impl Cleaned {
         self.clipped.iter().filter(|&&clipped| clipped).count()
     }
 
-    /// Looks at the least and the largest value that many samples have. A signal is clipped there where that level is taken much
-    /// more often than the one next to it, by samples side by side; a level far from all others is a mark.
-    fn look_at_ends(&mut self) {
-        let rest = self.values.iter().copied().filter(|v| v.is_finite());
-        let rest = sorted(rest.collect());
-        let ends = [clipping_level(rest.iter()), clipping_level(rest.iter().rev())];
-        for end in ends.into_iter().flatten() {
-            let there: Vec<bool> = self.values.iter().map(|value| *value == end).collect();
-            let pairs = there.windows(2).filter(|w| w[0] && w[1]).count();
-            let others: Vec<f64> = rest.iter().copied().filter(|value| *value != end).collect();
-            if is_mark(end, &others, rest.len()) {
-                let found = self.values.iter_mut().filter(|value| **value == end);
-                self.marks += found.map(|value| *value = f64::NAN).count();
+    /// Looks at the least and the largest value of those that are no spikes. A signal is clipped there where that level is taken
+    /// much more often than the one next to it, by samples side by side; a level far from all others is a mark.
+    fn look_at_ends(&mut self, is_spike: &[bool]) {
+        let rest: Vec<f64> =
+            self.values.iter().zip(is_spike).map(|(v, spike)| if *spike { f64::NAN } else { *v }).collect();
+        let ordered = sorted(rest.iter().copied().filter(|v| v.is_finite()).collect());
+        let (Some(least), Some(most)) = (ordered.first().copied(), ordered.last().copied()) else {
+            return;
+        };
+        let levels = [clipping_level(ordered.iter()), clipping_level(ordered.iter().rev())];
+        for (end, level) in [least, most].into_iter().zip(levels) {
+            let others: Vec<f64> = ordered.iter().copied().filter(|value| *value != end).collect();
+            if is_mark(end, &others, ordered.len()) {
+                self.marks.push((end, ordered.len() - others.len()));
                 continue;
             }
+            let there: Vec<bool> = rest.iter().map(|value| level == Some(*value)).collect();
+            let pairs = there.windows(2).filter(|w| w[0] && w[1]).count();
             // A signal that repeats itself has equal peaks, but no two of them side by side.
             if 4 * pairs >= there.iter().filter(|&&there| there).count() {
                 let pairs = self.clipped.iter_mut().zip(there);
@@ -68,17 +82,25 @@ const CHANCE: f64 = 2.0;
 /// The last digit of a slow signal flickers: a spike is more than this many levels of a coarse signal from the median.
 const LEVELS: f64 = 2.5;
 
-/// Leaves out spikes and marks of missing values, and tells which samples are clipped.
-pub fn clean(values: &[f64]) -> Cleaned {
+/// Finds spikes, marks of missing values and clipped samples, and leaves out those that the user does not want.
+pub fn clean(values: &[f64], drop: Drop) -> Cleaned {
     let known: Vec<usize> = (0..values.len()).filter(|&k| values[k].is_finite()).collect();
     let samples: Vec<f64> = known.iter().map(|&k| values[k]).collect();
-    let mut cleaned = Cleaned { values: values.to_vec(), spikes: 0, marks: 0, clipped: vec![false; values.len()] };
-    if samples.len() > 2 * AROUND {
-        for (place, _) in known.iter().zip(spikes(&known, &samples)).filter(|(_, spike)| *spike) {
-            cleaned.values[*place] = f64::NAN;
-            cleaned.spikes += 1;
+    let mut cleaned =
+        Cleaned { values: values.to_vec(), spikes: 0, marks: Vec::new(), clipped: vec![false; values.len()] };
+    if samples.len() <= 2 * AROUND {
+        return cleaned;
+    }
+    let mut is_spike = vec![false; values.len()];
+    for (place, spike) in known.iter().zip(spikes(&known, &samples)) {
+        is_spike[*place] = spike;
+    }
+    cleaned.spikes = is_spike.iter().filter(|spike| **spike).count();
+    cleaned.look_at_ends(&is_spike);
+    for (k, value) in cleaned.values.iter_mut().enumerate() {
+        if (drop.spikes && is_spike[k]) || (drop.clipped && cleaned.clipped[k]) {
+            *value = f64::NAN;
         }
-        cleaned.look_at_ends();
     }
     cleaned
 }

@@ -106,7 +106,7 @@ impl Turns {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::clean::clean;
+    use crate::clean::{Drop, clean};
 
     /// Steps of 1 s with one value missing at 20 s, and none from 40 s to 45 s.
     #[test]
@@ -114,7 +114,7 @@ mod tests {
         let time: Vec<f64> = (0..100).map(f64::from).collect();
         let missing = |t: f64| t == 20.0 || (41.0..45.0).contains(&t);
         let values: Vec<f64> = time.iter().map(|t| if missing(*t) { f64::NAN } else { *t }).collect();
-        let holes = Holes::of(&time, &clean(&values));
+        let holes = Holes::of(&time, &clean(&values, Drop::default()));
         assert_eq!(holes, Holes(vec![[40.0, 45.0]]));
         assert_eq!([40.0, 40.1, 44.9, 45.0].map(|t| holes.has(t)), [false, true, true, false]);
         let both = holes.and(&Holes(vec![[43.0, 48.0], [70.0, 75.0]]), 1.0);

@@ -18,7 +18,8 @@ pub mod thin;
 pub mod uncertainty;
 
 use aligned::{Aligned, Grid, unsteady};
-use clean::{Cleaned, clean};
+use clean::Cleaned;
+pub use clean::Drop;
 use delay::Pair;
 use holes::Holes;
 pub use recording::{Account, Accuracy, Bearing, Channel, Derived, DerivedCriterion, RigRecording, Synchronised};
@@ -50,17 +51,18 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
     };
     for channel in recording.signals() {
         let (time, values) = channel.within(recording.window());
-        let cleaned = clean(&values);
-        result.warnings.extend(concerns(channel, &cleaned));
+        let cleaned = channel.clean(&values);
+        let told = concerns(channel, &cleaned);
+        // What stays and may be none of the signal touches the verdict.
+        match channel.drop.is_stated {
+            true => result.warnings.extend(told),
+            false => result.doubts.extend(told),
+        }
         result.doubts.extend(frozen(channel, &time, &cleaned));
         let early = channel.before(recording.begin());
         let outside = channel.time.len() - time.len() - early;
-        let lost = [
-            (cleaned.spikes, "spikes"),
-            (cleaned.marks, "at a value far from all others"),
-            (early, recording::EARLY),
-            (outside, "outside of the window"),
-        ];
+        let [spikes, clipped] = channel.dropped(&cleaned);
+        let lost = [spikes, clipped, (early, recording::EARLY), (outside, "outside of the window")];
         result.accounts.push(channel.account(&lost));
     }
     result.warnings.extend(result.doubts.clone());
@@ -74,7 +76,7 @@ fn other(
     comb: Option<(&Comb, &Even)>,
 ) -> Result<(DerivedCriterion, Option<String>), SignalError> {
     let (time, values) = channel.within(recording.window());
-    let cleaned = clean(&values);
+    let cleaned = channel.clean(&values);
     let spline = Spline::new(&channel.name, &time, &cleaned.values, LONGEST_OF_OTHERS)?;
     let ((start, end), step) = (spline.span(), spline.step());
     let even = Even::from_spline(&spline, start, end, step);
@@ -92,7 +94,7 @@ fn other(
 fn aligned(recording: &RigRecording, bearing: &Bearing) -> Result<Synchronised, SignalError> {
     let cleaned = |channel: &Channel| {
         let (time, values) = channel.within(recording.window());
-        (time, clean(&values))
+        (time, channel.clean(&values))
     };
     let spline = |name: &str, time: &[f64], values: &[f64]| Spline::new(name, time, values, LONGEST_GAP);
     let [(load_time, clean_load), (torque_time, clean_torque)] = [&bearing.load, &bearing.torque].map(cleaned);
@@ -151,27 +153,33 @@ fn good(cleaned: &Cleaned, time: &[f64], even: &Even) -> Vec<bool> {
 
 /// Concerns about a signal that its reader must know.
 fn concerns(channel: &Channel, cleaned: &Cleaned) -> Vec<String> {
-    let (name, spikes) = (&channel.name, cleaned.spikes);
-    let mut concerns = Vec::new();
-    if cleaned.marks > 0 {
+    let Channel { name, drop, .. } = channel;
+    let all = cleaned.values.len();
+    let fate = |word: &str, dropped: bool| match (drop.is_stated, dropped) {
+        (_, true) => "they were left out, as the settings say".to_owned(),
+        (true, false) => "they count, as the settings say".to_owned(),
+        (false, false) => {
+            format!("they count: `drop = [\"{word}\"]` leaves them out, `drop = []` says that they are right")
+        }
+    };
+    let mut concerns: Vec<String> = cleaned.marks.iter().map(|(mark, count)| format!(
+        "{count} of {all} samples of {name} stand at {mark}, far from all others, and count: where that marks missing values, write \
+         `missing = [{mark}]`"
+    )).collect();
+    if cleaned.spikes > 0 {
         concerns.push(format!(
-            "{} of {} samples of {name} stand at one value far from all others and were left out, as marks of missing values",
-            cleaned.marks,
-            cleaned.values.len()
+            "{} of {all} samples of {name} look like spikes (more than 6 robust standard deviations, and a tenth of the range, from \
+             the median of the 7 samples around); {}",
+            cleaned.spikes,
+            fate("spikes", drop.spikes)
         ));
     }
-    if spikes > 0 {
+    let clipped = cleaned.clipped_count();
+    if clipped > 0 {
         concerns.push(format!(
-            "{spikes} of {} samples of {name} are spikes and were left out (more than 6 robust standard deviations, and \
-             a tenth of the range, from the median of the 7 samples around)",
-            cleaned.values.len()
-        ));
-    }
-    if cleaned.clipped_count() > 0 {
-        let part = 100.0 * cleaned.clipped_count() as f64 / cleaned.values.len() as f64;
-        concerns.push(format!(
-            "{name} is clipped: {part:.2} % of its samples stand at an end of the range; they do not count for the \
-             delay, but mean and amplitude of {name} lack what was cut off: measure with a wider range"
+            "{clipped} of {all} samples of {name} stand at an end of its range, as where a sensor is clipped (or the signal rests); \
+             they do not count for the delay; {}",
+            fate("clipped", drop.clipped)
         ));
     }
     concerns

@@ -1,5 +1,6 @@
 //! Recorded signals, and the results from them.
 
+use super::clean::{Cleaned, Drop, clean};
 use super::delay::Delay;
 use super::smooth::Smoothing;
 use super::spectrum::Noise;
@@ -51,6 +52,8 @@ pub struct Channel {
     pub clock: usize,
     /// How many rows of the recording gave no sample, and why.
     pub lost: Vec<(usize, &'static str)>,
+    /// Which doubtful samples do not count.
+    pub drop: Drop,
     /// The sensor's accuracy.
     pub accuracy: Accuracy,
     /// The group of criteria that it is counted with.
@@ -58,6 +61,21 @@ pub struct Channel {
 }
 
 impl Channel {
+    /// Samples of it, without those that the user does not want.
+    pub(crate) fn clean(&self, values: &[f64]) -> Cleaned {
+        clean(values, self.drop)
+    }
+
+    /// How many samples were left out as the user wished, and why.
+    pub(crate) fn dropped(&self, cleaned: &Cleaned) -> [(usize, &'static str); 2] {
+        let left_out = |wanted: bool, count: usize| if wanted { count } else { 0 };
+        // A sample is no spike and clipped at once: the range is that of the samples that are no spikes.
+        [
+            (left_out(self.drop.spikes, cleaned.spikes), "spikes"),
+            (left_out(self.drop.clipped, cleaned.clipped_count()), "clipped"),
+        ]
+    }
+
     /// The samples at times within a window.
     pub(crate) fn within(&self, [from, to]: [f64; 2]) -> (Vec<f64>, Vec<f64>) {
         let pairs = self.time.iter().zip(&self.values);

@@ -34,8 +34,6 @@ pub enum Purpose {
     Trajectory = 10,
     /// Resamples of a bootstrap.
     Resample = 11,
-    /// The generations of an evolution.
-    Evolution = 12,
     /// Points between those of a study.
     Between = 13,
     /// Numbers for whatever has no purpose of its own, such as an example.

@@ -199,7 +199,8 @@ fn of_jumps(numbers: &[f64], jump: f64) -> Estimate {
 
 /// The mean of independent numbers that are none negative, with its interval: Student's on the scale on which the mean of
 /// skewed numbers is nearly symmetrical (Hall 1992, "On the removal of skewness by transformation", J. Royal Statistical
-/// Society B 54, 221-228, the cubic transformation).
+/// Society B 54, 221-228, the cubic transformation). Of effects that scatter over decades 95 % hold only with narrower tails: for
+/// exp(2 (x1 + ... + x4)) the plain ones held in 89 % of 10 trajectories, and these in 93.5 % or more of 5 to 200.
 fn with_interval(numbers: &[f64]) -> Estimate {
     let n = numbers.len() as f64;
     let student = StudentsT::new(0.0, 1.0, n - 1.0).expect("there are two numbers");
@@ -213,7 +214,7 @@ fn with_interval(numbers: &[f64]) -> Estimate {
         // The same for numbers without skewness, where the quotient would be lost in rounding; and for equal numbers.
         if skewness.abs() > 1e-6 { 3.0 * (skewed.cbrt() - 1.0) / skewness } else { plain }
     };
-    let quantile = student.inverse_cdf(0.975);
+    let quantile = student.inverse_cdf(if numbers.len() < 20 { 0.995 } else { 0.9875 });
     let deviation = deviation(numbers, 1);
     Estimate {
         value: centre,
@@ -228,20 +229,20 @@ mod tests {
     use crate::testing::{holds, near, settled};
 
     /// Hall's cubic solved by scipy's `brentq`, with Student's quantile of four degrees of freedom. No mean of magnitudes is
-    /// negative: the lower end would be -0.226.
+    /// negative: the lower end would be -1.810.
     #[test]
     fn the_interval_of_skewed_numbers_leans_to_where_the_rare_ones_are() {
         let estimate = with_interval(&[0.0, 1.0, 2.0, 3.0, 10.0]);
         assert_eq!(estimate.value, 3.2);
         assert_eq!(estimate.low, 0.0);
-        assert!((estimate.high - 21.079_664_441).abs() < 1e-8, "{estimate:?}");
+        assert!((estimate.high - 24.370_364_415).abs() < 1e-8, "{estimate:?}");
         // The same turned round, above 0.
         let turned = with_interval(&[30.0, 29.0, 28.0, 27.0, 20.0]);
-        assert!((turned.low - (30.0 - 21.079_664_441)).abs() < 1e-8, "{turned:?}");
-        assert!((turned.high - 30.226_286_674).abs() < 1e-8, "{turned:?}");
-        // Without skewness it is Student's: 2.776 445 standard errors, sqrt(2.5 / 5) each.
+        assert!((turned.low - (30.0 - 24.370_364_415)).abs() < 1e-8, "{turned:?}");
+        assert!((turned.high - 31.809_839_569).abs() < 1e-8, "{turned:?}");
+        // Without skewness it is Student's: 4.604 095 standard errors, sqrt(2.5 / 5) each.
         let even = with_interval(&[1.0, 2.0, 3.0, 4.0, 5.0]);
-        assert!((even.high - 3.0 - 2.776_445_105 * 0.5_f64.sqrt()).abs() < 1e-8);
+        assert!((even.high - 3.0 - 4.604_094_871 * 0.5_f64.sqrt()).abs() < 1e-8);
     }
 
     /// One of ten effects of a verdict is not 0: Clopper and Pearson's interval of 1 in 10 (scipy: 0.002 529, 0.445 016),
@@ -375,8 +376,8 @@ mod tests {
         let rows = vec![vec![vec![0.0], vec![2.0 / 3.0]]; 7].concat();
         let [effect] = effects(&rows, &outputs).unwrap()[..] else { panic!("one parameter") };
         near([effect.mu, effect.sigma], [1.3125, 2.478_028_450_2]);
-        holds(effect.mu_star, [2.0625, 0.232_513_114_2, 11.373_761_519_1]);
-        near(effect.mu_star_bounds.unwrap(), [0.100_806_883_9, 5.051_168_154_0]);
+        holds(effect.mu_star, [2.0625, 0.0, 13.354_350_913_7]);
+        near(effect.mu_star_bounds.unwrap(), [0.0, 6.007_306_813_4]);
         assert_eq!(effect.used, 4);
     }
 

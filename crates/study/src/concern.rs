@@ -66,6 +66,8 @@ pub enum Code {
     FailedPoints,
     /// Points went beyond what the model says it is valid for.
     BeyondValidity,
+    /// Points waited at a port, where they may have met each other.
+    HeldPort,
     /// Values are too large for the validation comparison.
     NotCompared,
     /// Rows of a table repeat earlier ones.
@@ -78,6 +80,8 @@ pub enum Code {
     MissedRows,
     /// A recording has a hole, which a straight line bridges.
     Hole,
+    /// A verdict takes a recorded input as exact, though its uncertainty is stated.
+    InputTakenAsExact,
     /// What `synchronise` found doubtful in a recording.
     Doubtful,
     /// Recordings make many more steps than the study asks for.

@@ -4,8 +4,8 @@ use super::values::{find, slot_of};
 use super::{Name, RecordingText, Study};
 use crate::concern::{Code, Concern};
 use fmu_import::description::Interface;
-use fmu_import::quantity::Scale;
-use fmu_import::units::Conversion;
+use fmu_import::quantity::{Quantity, Scale, Sense};
+use fmu_import::units::{Conversion, known};
 use fmu_import::{Causality, Content, Description, Variability, Variable};
 use fmu_points::task::{Schedule, Series, Slot, place};
 use number_tables::Table;
@@ -32,14 +32,20 @@ pub(super) fn series(
         if recording.ramp {
             can_ramp(recording, fmu, variable, &slot).map_err(named)?;
         }
-        let scale = Scale::new(recording.unit.as_deref(), fmu, variable).map_err(named)?;
         let path = study.path_of(recording.file.as_ref());
         let time = recording.time.as_deref().unwrap_or("time");
         let column = recording.column.as_deref().unwrap_or(key);
         let columns =
             [number_tables::column(time, "the time"), number_tables::column(column, format!("the input {key}"))];
         let table = Table::read(&path, &columns);
-        let table = table.map_err(|error| study.error_at(&recording.file, error.to_string()))?;
+        let mut table = table.map_err(|error| study.error_at(&recording.file, error.to_string()))?;
+        let in_file = |message: String| named(format!("{}: {message}", path.display()));
+        in_seconds(&mut table, time).map_err(in_file)?;
+        let unit = number_tables::agreed(column, table.units[1].as_deref(), recording.unit.as_deref());
+        let scale = Scale::new(unit.map_err(in_file)?, fmu, variable).map_err(named)?;
+        let offset = recording.offset.as_ref().map_or(Ok(0.0), |offset| known_offset(offset, &slot, &scale));
+        let offset = offset.map_err(named)?;
+        table.rows.iter_mut().for_each(|row| row[1] -= offset);
         let mut series = follow(&table, time, slot, scale.conversion)
             .map_err(|message| named(format!("{}: {message}", path.display())))?;
         series.hold = recording.hold || is_discrete(variable, &series.slot);
@@ -51,12 +57,34 @@ pub(super) fn series(
                 .map_err(|message| named(format!("{}: {message}", path.display())))?;
         }
         concerns.extend(doubts(&series, schedule, &scale));
+        concerns.extend(recording.uncertainty.as_ref().map(|stated| {
+            let text = format!(
+                "{key}: the stated uncertainty of the recorded input ({stated}) counts in `identify` alone: no risk and no error bar of \
+                 a verdict has it"
+            );
+            let remedy = match recording.offset {
+                Some(_) => "Add what it does to the results to the `uncertainty` of the criteria.",
+                None => {
+                    "Add what it does to the results to the `uncertainty` of the criteria, or let `identify` find the zero error: \
+                     its `optimum.toml` has it as the input's `offset`."
+                }
+            };
+            Concern::new(Code::InputTakenAsExact, text).remedied(remedy)
+        }));
         Ok(series)
     };
     let inputs = study.inputs.iter().map(&mut bind);
     let inputs: Vec<Series> = inputs.collect::<Result<_, _>>()?;
     concerns.extend(many_steps(&inputs, schedule));
     Ok((inputs, concerns))
+}
+
+/// A known zero error in the recording's unit.
+fn known_offset(stated: &Quantity, slot: &Slot, scale: &Scale<'_>) -> Result<f64, String> {
+    let is_real = slot.handle.content == Content::Real && stated.unit.as_deref() != Some("%");
+    let offset = is_real.then(|| scale.number(stated, Sense::Difference)).transpose()?;
+    let wrong = || format!("the offset {stated} must be a number in the unit of a real input");
+    offset.filter(|offset| offset.is_finite()).ok_or_else(wrong)
 }
 
 /// Whether a recording covers a run. `words` are how to set start and stop, and how to let the ends hold.
@@ -173,6 +201,20 @@ pub fn many_steps(inputs: &[Series], schedule: &Schedule) -> Option<Concern> {
 fn short(number: f64) -> String {
     let rounded: f64 = format!("{number:.3e}").parse().unwrap_or(number);
     rounded.to_string()
+}
+
+/// Turns the first column of a table, its times, into seconds by the unit in its name.
+///
+/// # Errors
+/// When that is none of time.
+pub fn in_seconds(table: &mut Table, column: &str) -> Result<(), String> {
+    let Some(unit) = table.units[0].as_deref().filter(|unit| *unit != "s") else {
+        return Ok(());
+    };
+    let way = known::between(unit, "s")
+        .ok_or_else(|| format!("column `{column}` is in `{unit}`, which is no unit of time"))?;
+    table.rows.iter_mut().for_each(|row| row[0] = way.value(row[0]));
+    Ok(())
 }
 
 /// How a variable takes numbers between the steps of a simulation.

@@ -2,6 +2,7 @@
 
 use std::fmt::Display;
 
+use super::inputs::in_seconds;
 use super::limit::{gain, limit};
 use super::reference::{DelayRange, DelayText, Normalise, OwnNormaliser, ReferenceText};
 use super::window::seconds;
@@ -206,9 +207,11 @@ impl Binder<'_> {
         if let Some(column) = &reference.uncertainty_column {
             columns.push(number_tables::column(column, "the uncertainty"));
         }
-        let table = Table::read(&path, &columns).map_err(|error| at_file(error.to_string()))?;
-        let unit = reference.unit.as_ref();
-        let conversion = unit.map_or(Ok(Conversion::IDENTITY), |unit| self.scale.from(unit));
+        let mut table = Table::read(&path, &columns).map_err(|error| at_file(error.to_string()))?;
+        let in_file = |message: String| at_file(format!("{}: {message}", path.display()));
+        in_seconds(&mut table, time).map_err(in_file)?;
+        let unit = number_tables::agreed(column, table.units[1].as_deref(), reference.unit.as_deref());
+        let conversion = unit.map_err(in_file)?.map_or(Ok(Conversion::IDENTITY), |unit| self.scale.from(unit));
         let conversion = conversion.map_err(named)?;
         let cells = |place: usize| table.rows.iter().map(move |row| row[place]);
         let values = cells(1).map(|value| conversion.value(value)).collect();

@@ -25,7 +25,7 @@ pub struct SensitivityText {
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct RobustnessText {
-    /// The verification probability that box and ellipsoid must hold, between 0 and 1.
+    /// The verification probability that the box must hold, between 0 and 1.
     pub level: Option<Spanned<f64>>,
     /// New runs in each, by which they are confirmed.
     pub confirm: Option<usize>,

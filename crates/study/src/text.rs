@@ -173,6 +173,8 @@ pub struct RecordingText {
     /// How much all its rows together may be off, expanded (k = 2): the zero error of the sensor. `identify` finds it with the
     /// parameters; other commands take the recording as it is.
     pub uncertainty: Option<Quantity>,
+    /// By how much all its rows are known to be too high: it is taken off them. `identify` writes the one that it finds.
+    pub offset: Option<Quantity>,
     /// Whether a value holds until the next row; straight lines otherwise.
     #[serde(default)]
     pub hold: bool,
@@ -326,6 +328,8 @@ pub struct Required {
     pub confidence: Option<Spanned<f64>>,
     /// The largest probability that an accepted point does not conform; sets the guard band.
     pub risk: Option<Spanned<Quantity>>,
+    /// The largest probability not to conform of each accepted point.
+    pub point_risk: Option<Spanned<Quantity>>,
     /// The guard band of every criterion, in expanded uncertainties.
     pub guard_band: Option<Spanned<f64>>,
 }

@@ -83,6 +83,69 @@ fn rates_do_not_remember() {
     }
 }
 
+/// The rates of the eccentricity at a place.
+fn drift(stand: &mut Stand, x: f64, y: f64) -> [f64; 2] {
+    let mut states: Vec<f64> = Stand::states().iter().map(|state| (state.get)(stand)).collect();
+    (states[1], states[2]) = (x, y);
+    let rates = rates(stand, 0.0, &states);
+    [rates[1], rates[2]]
+}
+
+/// Roughness from none to contact all around, m; clearance, m; B/D.
+const FILMS: [[f64; 3]; 5] =
+    [[0.0, 2e-5, 0.76], [1e-7, 2e-5, 0.76], [1e-6, 2e-5, 0.3], [5.13e-6, 2e-5, 0.76], [8e-6, 2e-5, 2.0]];
+
+fn of_film([roughness, clearance, width]: [f64; 3]) -> Stand {
+    let mut stand = Stand::default();
+    stand.bearing.surface.roughness = roughness;
+    stand.bearing.radial_clearance = clearance;
+    stand.bearing.width = width * stand.bearing.diameter;
+    stand.initialise(&Experiment::default(), &mut ()).unwrap();
+    stand
+}
+
+/// Where every run starts, the rates have one derivative, from all sides and over steps of all lengths that solvers take.
+#[test]
+fn rates_are_differentiable_in_the_centre() {
+    for film in FILMS {
+        let mut stand = of_film(film);
+        let here = drift(&mut stand, 0.0, 0.0);
+        let along = |stand: &mut Stand, x: f64, y: f64, far: f64| {
+            let there = drift(stand, x * far, y * far);
+            [0, 1].map(|k| (there[k] - here[k]) / far)
+        };
+        let (dx, dy) = (along(&mut stand, 1.0, 0.0, 1e-6), along(&mut stand, 0.0, 1.0, 1e-6));
+        let size = dx.iter().chain(&dy).fold(0.0_f64, |most, slope| most.max(slope.abs()));
+        for far in [1e-8, 1e-6, 1e-4] {
+            for turn in 0..16 {
+                let (y, x) = (f64::from(turn) * std::f64::consts::TAU / 16.0).sin_cos();
+                let slope = along(&mut stand, x, y, far);
+                for k in 0..2 {
+                    let apart = (slope[k] - x * dx[k] - y * dy[k]).abs();
+                    // Second derivatives count by the distance, rounding by its reciprocal.
+                    let allowed = (1e-5 + 20.0 * far) * size + 1e-13 * here[0].abs() / far;
+                    assert!(apart < allowed, "{film:?} {far:e} {turn}: {slope:?} {dx:?} {dy:?}");
+                }
+            }
+        }
+    }
+}
+
+/// Where a solver looks far beyond the bush it gets numbers.
+#[test]
+fn rates_exist_far_outside() {
+    for film in FILMS {
+        let mut stand = of_film(film);
+        for far in [1.0, 1.5, 42.7, 1e4] {
+            for turn in 0..8 {
+                let (y, x) = (f64::from(turn) * 0.8).sin_cos();
+                // `rates` fails where they are not finite.
+                drift(&mut stand, x * far, y * far);
+            }
+        }
+    }
+}
+
 #[test]
 fn what_cannot_be_integrated_is_refused() {
     let mut stand = started(1e-6);

@@ -1,4 +1,4 @@
-//! Box and ellipsoid: what part of them is verified, by fresh samples, against what is stated.
+//! The largest box: what part of it is verified, by fresh samples, against what is stated.
 
 use parameter_regions::robustness::region::Confirmed;
 use parameter_regions::robustness::robustness;
@@ -88,7 +88,7 @@ impl Case {
     }
 }
 
-/// A region: what it states, what part of it is verified in truth, and whether the interval of fresh runs holds that.
+/// A box: what it states, what part of it is verified in truth, and whether the interval of fresh runs holds that.
 #[derive(Clone, Copy)]
 struct Judged {
     /// The part of the space that it takes.
@@ -125,26 +125,19 @@ fn judged(
     Some(Judged { share: all.len() as f64 / MANY as f64, stated, interval, truth, holds: confirmed.agrees([truth; 2]) })
 }
 
-fn one(case: &Case, points: u64, seed: u64) -> Option<[Option<Judged>; 2]> {
+fn one(case: &Case, points: u64, seed: u64) -> Option<Judged> {
     let study = cube(case.dimensions, points, 100 + seed, 1).ok()?;
     let mut random = StdRng::seed_from_u64(5_000_000 + seed);
     let cloud = (0..40_000).map(|_| uniform(case.dimensions, &mut random));
     let cloud: Vec<Vec<f64>> = cloud.collect();
     let found = robustness(&case.table(&study), &cloud, LEVEL)?;
-    let region = found.region.and_then(|own| {
-        let stated = (own.probability, own.interval);
-        judged(case, |u| own.contains(u), stated, seed)
-    });
-    let ellipsoid = found.ellipsoid.and_then(|own| {
-        let stated = (own.probability, own.interval);
-        judged(case, |u| own.contains(u), stated, seed)
-    });
-    Some([region, ellipsoid])
+    let region = found.region?;
+    judged(case, |u| region.contains(u), (region.probability, region.interval), seed)
 }
 
 pub fn print(repetitions: u64) -> Result<(), String> {
     println!(
-        "\nBox and ellipsoid of {} % or more, {repetitions} studies each: found, and their median part of the space; mean of",
+        "\nBox of {} % or more, {repetitions} studies each: found, and their median part of the space; mean of",
         percent(LEVEL)
     );
     println!(
@@ -155,12 +148,9 @@ pub fn print(repetitions: u64) -> Result<(), String> {
     );
     for case in cases() {
         for points in [128, 512] {
-            let all: Vec<[Option<Judged>; 2]> =
-                (0..repetitions).into_par_iter().map(|seed| one(&case, points, seed).unwrap_or_default()).collect();
-            for (k, shape) in ["box", "ellipsoid"].iter().enumerate() {
-                let found: Vec<Judged> = all.iter().filter_map(|own| own[k]).collect();
-                told(&format!("{:<14} {points:>4} points, {shape:<9}", case.name), &found);
-            }
+            let found: Vec<Judged> =
+                (0..repetitions).into_par_iter().filter_map(|seed| one(&case, points, seed)).collect();
+            told(&format!("{:<14} {points:>4} points", case.name), &found);
         }
     }
     Ok(())

@@ -44,12 +44,12 @@ pub(super) fn of(verification: &mut Verification, means: &Means, jobs: usize) ->
         let begun = Instant::now();
         let mut first = None;
         let mut take = |event| {
-            if let Event::Answer(_, answer, _) = event {
+            if let Event::Answer(_, answer) = event {
                 first.get_or_insert(answer.err());
             }
             ControlFlow::Continue(())
         };
-        worker.run(points, &mut Post::new(&mut take, &|| false, Some(0)))?;
+        worker.run(points, &mut Post::new(&mut take, &|| false))?;
         Ok::<_, Error>((first.flatten(), begun.elapsed().as_secs_f64()))
     };
     // The first run starts the worker and loads the FMU.
@@ -58,7 +58,7 @@ pub(super) fn of(verification: &mut Verification, means: &Means, jobs: usize) ->
         let label = verification.source.label(index);
         return Ok(format!("point {label} fails: {failure}\n"));
     }
-    // The first points take longer: with them the worker finds out whether points may share a process. So more and more are run.
+    // The first points take longer: with them the worker finds out whether it may fork. So more and more are run.
     let (mut count, mut spent) = (1, took);
     while spent < ENOUGH && (took < LONG || count < MANY) {
         let jobs = jobs_of(2 * count);

@@ -50,12 +50,14 @@ pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {
         }
         None => Criteria::of_model(&signals, fmu, &options.fmu)?,
     };
+    let driven = table.iter().flat_map(|table| &table.inputs).map(|column| &*column.variable.name);
+    let driven: Vec<&str> = driven.collect();
     let study = write::Study {
         fmu,
         path: relative(&options.fmu, options.output.as_deref()),
         schedule,
         of_step,
-        parameters: parameters(fmu, &options.fmu)?,
+        parameters: parameters(fmu, &options.fmu, &driven)?,
         criteria,
     };
     match &options.output {
@@ -110,9 +112,10 @@ fn is_number(variable: &Variable) -> bool {
 }
 
 /// The parameters that can vary about their start values: `parameter`s, or where there are none inputs.
-fn parameters<'a>(fmu: &'a Description, path: &Path) -> Result<Vec<(&'a Variable, Shown<'a>)>, Error> {
+fn parameters<'a>(fmu: &'a Description, path: &Path, driven: &[&str]) -> Result<Vec<(&'a Variable, Shown<'a>)>, Error> {
     for causality in [Causality::Parameter, Causality::Input] {
-        let all = fmu.with(causality);
+        // What was measured drives the model.
+        let all = fmu.with(causality).filter(|variable| !driven.contains(&&*variable.name));
         let all: Vec<_> = all.filter_map(|v| Some((v, Shown::about_start(fmu, v)?))).collect();
         if !all.is_empty() {
             return Ok(all);

@@ -72,30 +72,24 @@ pub(super) struct Isolated {
     fmu: PathBuf,
     name: PathBuf,
     scratch: Scratch,
-    /// Whether the FMU gets an empty working directory.
-    apart: bool,
+    /// Whether a start value names a file in the user's working directory.
+    named: bool,
 }
 
 impl Isolated {
     pub(super) fn new(package: &mut Package) -> Result<Self, Error> {
         let scratch = stop::scratch().map_err(Error::from)?;
-        Ok(Self { fmu: package.unpack(scratch.path())?, name: package.path().to_owned(), scratch, apart: false })
-    }
-
-    /// The same with the working directory of the points of a study.
-    pub(super) fn in_a_study(mut self, package: &Package, cases: &[Case]) -> Self {
-        let tasks = cases.iter().map(|case| &case.task);
-        let home = working_directory::home(self.scratch.path(), package.description(), tasks);
-        self.apart = home.is_some();
-        self
+        let named = working_directory::is_kept(package.description(), []);
+        Ok(Self { fmu: package.unpack(scratch.path())?, name: package.path().to_owned(), scratch, named })
     }
 
     /// How single points are recorded: without a limit of time, as a person watches and can press Ctrl-C.
-    fn recorder(&self) -> Recorder<'_> {
+    fn recorder<'t>(&self, mut tasks: impl Iterator<Item = &'t Task>) -> Recorder<'_> {
         Recorder {
             fmu: &self.fmu,
             name: &self.name,
-            home: self.apart.then_some(self.scratch.path()),
+            scratch: self.scratch.path(),
+            here: self.named || tasks.any(working_directory::is_named_in),
             limits: Limits::NONE,
             echo: true,
         }
@@ -116,7 +110,7 @@ impl Isolated {
         let head = std::iter::once("time".into()).chain(names);
         csv.write_record(head.map(Cow::into_owned)).map_err(failed)?;
         let mut last = Vec::new();
-        let mut recording = self.recorder().of(task);
+        let mut recording = self.recorder([task].into_iter()).of(task)?;
         let recorded = recording.record(values, &columns.handles, None, |time, values| {
             last = values.iter().map(cell).collect();
             csv.write_field(number(time)).map_err(failed)?;
@@ -137,8 +131,8 @@ impl Isolated {
         (until, echo): (Option<Instant>, bool),
         mut take: impl FnMut(f64, &[Value]),
     ) -> Result<(), Error> {
-        let recorder = Recorder { echo, ..self.recorder() };
-        let mut recording = recorder.of(task);
+        let recorder = Recorder { echo, ..self.recorder([task].into_iter()) };
+        let mut recording = recorder.of(task)?;
         recording.record(&[], variables, until, |time, values| {
             take(time, values);
             Ok(())
@@ -147,7 +141,7 @@ impl Isolated {
 
     /// Simulates a point as `verify` does.
     pub(super) fn run(&self, cases: &[Case], job: &Job) -> Result<Answer, RunError> {
-        let silent = Recorder { echo: false, ..self.recorder() };
+        let silent = Recorder { echo: false, ..self.recorder(cases.iter().map(|case| &case.task)) };
         silent.run(cases, job)
     }
 }

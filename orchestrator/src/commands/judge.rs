@@ -35,10 +35,8 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
     warn(&judge);
     let conversions = conversions(&study, &judge, fmu)?;
     let mut rows = Table::read_results(&options.table, &columns(&study))?;
-    let sample = match study.design.method.is_by_levels() {
-        true => Sample::Grid,
-        false => Sample::Replicates(1),
-    };
+    // The rows of a table need not be in the order of the points, so that nobody knows which belong to one net.
+    let sample = Sample::of(study.design.method, 1);
     let mut tally = Tally::new(&judge, sample);
     let mut survey = Survey::new(&judge, None, false);
     let (mut seen, mut repeated) = (HashSet::new(), 0);

@@ -29,7 +29,7 @@ use crate::cli::{Cli, Command};
 use crate::error::Error;
 use crate::junit::{self, Outcome, Test};
 use crate::methods::asking::Delivery;
-use crate::methods::{proven, rare};
+use crate::methods::rare;
 use crate::report::Report;
 use crate::results::Summary;
 use fmu_points::stop::INTERRUPTED;
@@ -74,7 +74,7 @@ fn dispatch(cli: Cli) -> Result<ExitCode, Error> {
         Command::Manual(options) => manual::run(&options),
         Command::Simulate(options) => simulate::run(&options),
         Command::Verify(options) => match options.rare {
-            Some(event) => deliver(proven(options.rare(event), rare::run, |o| &mut o.work)?),
+            Some(event) => deliver(rare::run(&options.rare(event))?),
             None if pack::is_fmu(&options.work.study) => pack::run_carried(*options),
             None => verify::run(&options),
         },

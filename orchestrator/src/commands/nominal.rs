@@ -57,7 +57,6 @@ pub(super) fn once(session: &mut Session, case: &Case, halved: i32) -> Result<Ve
     session.plan.to_fmu(&medians, &mut values);
     let case = [refined_case(case, Refined::Step, halved)];
     let run = Isolated::new(&mut session.package)?;
-    let run = run.in_a_study(&session.package, &case);
     let columns = Columns::usual(session.package.description(), false);
     let mut csv = Vec::new();
     run.trajectory(&case[0].task, &values, &columns, &mut csv, Path::new("the nominal run"))?;

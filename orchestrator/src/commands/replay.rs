@@ -15,7 +15,8 @@ use crate::session::Verification;
 use fmu_points::names::{did_you_mean, nearest};
 use fmu_points::task::Case;
 use point_journal::files::{draft, keep};
-use point_journal::pipeline::Model;
+use point_journal::pipeline::{Model, difference};
+use point_journal::{Finished, Outcome};
 
 pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
     let mut verification = Verification::reopen(&options.folder, options.fmu.clone())?;
@@ -30,7 +31,6 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
     let session = &mut verification.session;
     let wanted = wanted(options, &session.plan.cases)?;
     let run = Isolated::new(&mut session.package)?;
-    let run = run.in_a_study(&session.package, &session.plan.cases);
     let outcome = session.outcome(run.run(&session.plan.cases, &job)?);
     let columns = Columns::usual(session.package.description(), false);
     let mut files = String::new();
@@ -38,7 +38,6 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
         // The run before may have changed the unpacked FMU.
         let again = Isolated::new(&mut session.package)?;
         let case = std::slice::from_ref(&session.plan.cases[case]);
-        let again = again.in_a_study(&session.package, case);
         // One in the folder is replaced when it is complete; where the user wants it may be a pipe.
         let kept = options.output.is_none().then(|| draft(&options.folder));
         let kept = kept.transpose().map_err(Error::io(&path))?;
@@ -84,9 +83,22 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
         (Ok(_), Some(false)) => text += "  not accepted, with the guard band\n",
         (Err(failure), _) => text += &format!("  failed: {failure}\n"),
     }
+    if let Some(then) = recorded(&options.folder, index)
+        && let Some(difference) = difference(&then, &outcome)
+    {
+        text += &format!(
+            "warning: these are not the results that {} holds: {difference}; the FMU gives other results for the same point\n",
+            options.folder.display()
+        );
+    }
     text += &files;
     output::print(&text);
     Ok(if accepted.unwrap_or_else(|| verdict.verified()) { ExitCode::SUCCESS } else { ExitCode::FAILURE })
+}
+
+/// The outcome of a point that a folder's journal holds, where it does: results of a table have none.
+fn recorded(folder: &Path, index: u64) -> Option<Outcome> {
+    Finished::read(folder).ok()?.outcomes().ok()?.get(index).ok()?
 }
 
 /// The cases whose trajectories are written, each with its file.
@@ -130,6 +142,5 @@ fn accepted(folder: &Path, judge: &Judge, values: Option<&[f64]>) -> Option<bool
         return None;
     }
     let band = table::summary(folder).ok()?.conclusion?.guard_band;
-    let margin = values.map_or(f64::NEG_INFINITY, |values| judge.measurement.margin(values));
-    Some(judge.guard.accepts(margin, band))
+    Some(values.is_some_and(|values| judge.guard.accepts(judge.measurement.assess(values).all, band)))
 }

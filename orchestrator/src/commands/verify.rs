@@ -21,8 +21,8 @@ use crate::results::{Looked, Summary, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
 use fmu_points::names::behind;
 use fmu_points::task::Case;
+use point_journal::pipeline::Pipeline;
 use point_journal::pipeline::folder::Earlier;
-use point_journal::pipeline::{Pipeline, Step};
 use point_journal::{Journal, lines};
 use sampling::design::Method;
 use study::plan::bare;
@@ -61,7 +61,6 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
         means,
         jobs,
         // A study that ends when enough is known has as many points as that takes.
-        open: ending.is_some(),
         ends: false,
     };
     let mut hosts = BTreeMap::new();
@@ -232,44 +231,31 @@ fn request(options: &Verify) -> Result<Request, Error> {
 fn compute(verification: &Verification, pipeline: &mut Pipeline<'_>, ending: Option<&Ending>) -> Result<bool, Error> {
     let judge = &verification.session.judge;
     let job = |index| verification.job(index);
-    pipeline.doubt(&job)?;
-    loop {
-        let finished = pipeline.finished();
-        let mut front = ending.map(|ending| (ending, Front::new(ending)));
-        let mut enough = false;
-        if let (Some((ending, front)), Some(finished)) = (&mut front, &finished) {
-            let mut outcomes = finished.outcomes()?;
-            // A run that was killed had several points under way, and left gaps.
-            for index in 0..verification.source.len() {
-                if let Some(outcome) = outcomes.first(index)? {
-                    enough = front.add(index, ending.counts(judge, &outcome));
-                }
-                if enough {
-                    return Ok(true);
-                }
+    let finished = pipeline.finished();
+    let mut front = ending.map(|ending| (ending, Front::new(ending)));
+    let mut enough = false;
+    if let (Some((ending, front)), Some(finished)) = (&mut front, &finished) {
+        let mut outcomes = finished.outcomes()?;
+        // A run that was killed had several points under way, and left gaps.
+        for index in 0..verification.source.len() {
+            if let Some(outcome) = outcomes.get(index)? {
+                enough = front.add(index, ending.counts(judge, &outcome));
+            }
+            if enough {
+                return Ok(true);
             }
         }
-        // The workers share out what is left, so they have to know how much that is.
-        let left = verification.expected().saturating_sub(pipeline.done());
-        let left = usize::try_from(left).unwrap_or(usize::MAX);
-        let is_open = |index: &u64| !finished.as_ref().is_some_and(|f| f.has(*index));
-        let open = verification.indexes().filter(is_open).take(left);
-        let mut void = false;
-        pipeline.compute(open, &job, |step| {
-            if let Some((ending, front)) = &mut front {
-                match step {
-                    Step::Outcome { index, outcome, .. } => {
-                        enough = enough || front.add(index, ending.counts(judge, &outcome));
-                    }
-                    // What counts no more comes again in the order of the points, and not after all of them.
-                    Step::Void(_) => void = true,
-                }
-            }
-            if enough || void { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
-        })?;
-        if !void {
-            return Ok(enough);
-        }
-        pipeline.read_again()?;
     }
+    // The workers share out what is left, so they have to know how much that is.
+    let left = verification.expected().saturating_sub(pipeline.done());
+    let left = usize::try_from(left).unwrap_or(usize::MAX);
+    let is_open = |index: &u64| !finished.as_ref().is_some_and(|f| f.has(*index));
+    let open = verification.indexes().filter(is_open).take(left);
+    pipeline.compute(open, &job, |index, outcome| {
+        if let Some((ending, front)) = &mut front {
+            enough = enough || front.add(index, ending.counts(judge, &outcome));
+        }
+        if enough { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })?;
+    Ok(enough)
 }

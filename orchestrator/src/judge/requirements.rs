@@ -125,18 +125,22 @@ impl Judge {
     }
 
     fn guard_band(&mut self, study: &Study, required: &Spanned<Required>) -> Result<Guard, FileError> {
-        let Required { risk, guard_band, .. } = required.as_ref();
-        match (risk, guard_band) {
-            (Some(_), Some(band)) => {
-                let message = "risk sets the guard band itself; keep `risk` or `guard-band`";
-                Err(study.error_at(band, message))
-            }
-            (Some(risk), None) => {
+        const ONE: &str = "risk, point-risk and guard-band each say which points are accepted; keep one";
+        let Required { risk, point_risk, guard_band, .. } = required.as_ref();
+        match (risk, point_risk, guard_band) {
+            (Some(_), Some(second), _) => Err(study.error_at(second, ONE)),
+            (Some(_), _, Some(second)) | (_, Some(_), Some(second)) => Err(study.error_at(second, ONE)),
+            (Some(risk), None, None) => {
                 self.all_uncertain(study, risk, "risk")?;
                 let risk = between_0_and_1(study, risk, "the risk")?;
                 Ok(Guard::Limiting { risk })
             }
-            (None, Some(band)) => {
+            (None, Some(risk), None) => {
+                self.all_uncertain(study, risk, "point-risk")?;
+                let risk = between_0_and_1(study, risk, "the risk")?;
+                Ok(Guard::EachPoint { risk })
+            }
+            (None, None, Some(band)) => {
                 self.all_uncertain(study, band, "a guard band")?;
                 let factor = *band.as_ref();
                 if factor >= 0.0 && factor.is_finite() {
@@ -146,7 +150,7 @@ impl Judge {
                 let message = format!("the guard band {factor} must be a number of expanded uncertainties, 0 or more");
                 Err(study.error_at(band, message))
             }
-            (None, None) => Ok(Guard::Given(0.0)),
+            (None, None, None) => Ok(Guard::Given(0.0)),
         }
     }
 
@@ -178,8 +182,8 @@ impl Judge {
         };
         let message = match without.metric {
             Some(_) => format!(
-                "{what} needs a guard band, which draws an acceptance interval in by a part of the expanded uncertainty, and the \
-                 curve {} has none, since its metric is no measured value; remove {what} or the criterion",
+                "{what} needs the expanded uncertainty of every measured value, and the curve {} has none, since its metric is no \
+                 measured value; remove {what} or the criterion",
                 without.name
             ),
             None => format!(

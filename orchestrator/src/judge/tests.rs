@@ -172,7 +172,7 @@ fn a_distance_adds_the_squares_of_the_deviations() {
 
 #[test]
 fn columns_can_be_told_apart() {
-    for name in ["point", "verified", "accepted", "status", "T.ok", "a.width", "", "a\\nb"] {
+    for name in ["point", "verified", "accepted", "conformance", "status", "T.ok", "a.width", "", "a\\nb"] {
         let text = STUDY
             .replace("[criteria.F]", &format!("[criteria.\"{name}\"]"))
             .replace("[criteria.T]", "[parameters.\"a.width\"]\ndistribution = \"fixed\"\nvalue = 1\n[criteria.T]");

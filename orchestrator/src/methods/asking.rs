@@ -220,6 +220,7 @@ pub fn header<A: Analysis>(source: &A::Source, analysis: &A) -> Result<Header, E
         points: set.points,
         shard: parts.request.shard.map(|shard| shard.to_string()),
         analysis: Some(format!("{}, {}", A::NAME, set.method)),
+        ..Header::default()
     })
 }
 
@@ -234,7 +235,7 @@ pub(super) fn run<A: Analysis>(
     let header = header(&source, analysis)?;
     let place = Place { output: &folder, analysis: Some(A::NAME), earlier: work.parts.earlier() };
     let taken = place.take(source.parts(), &header, || Ok(()))?;
-    let means = setup::Work { means: &work.means, jobs: work.means.jobs_of(usize::MAX)?, open: false, ends: true };
+    let means = setup::Work { means: &work.means, jobs: work.means.jobs_of(usize::MAX)?, ends: true };
     let (mut result, kept) =
         setup::run(&mut source, &header, taken, means, |source, pipeline| analysis.find(source, pipeline, &folder))?;
     result.tell_validity(source.parts(), &place.state())?;

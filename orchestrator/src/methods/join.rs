@@ -105,6 +105,11 @@ impl Shards<'_> {
             let same_part = Header { shard: then.shard.clone(), ..of.clone() };
             match same_part.difference(&then) {
                 None => Ok(then.shard.unwrap_or_else(|| "1/1".to_owned())),
+                // The first one gave the study file; its points are older than what stands there now.
+                Some((what, then, now)) if *folder == self.folders[0] => Err(Error::Refused(format!(
+                    "{} has points of another {what} ({then}) than there is now ({now}); run it again",
+                    folder.display(),
+                ))),
                 Some((what, then, now)) => Err(Error::Refused(format!(
                     "{} has another {what} ({then}) than {} ({now}); leave it out",
                     folder.display(),

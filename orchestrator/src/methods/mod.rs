@@ -10,10 +10,8 @@ pub(crate) mod setup;
 use clap::Subcommand;
 
 use crate::error::Error;
-use crate::options::Work;
 use crate::session::Request;
 use asking::{Analysis, Delivery};
-use fmu_points::{Isolation, RunError};
 use join::Shards;
 use known::Finished;
 use result_document::Document;
@@ -35,7 +33,7 @@ macro_rules! methods {
             /// With one clear line, for a mistake in what was asked for.
             pub(crate) fn run(self) -> Result<Delivery, Error> {
                 match self {
-                    $(Self::$name(options) => proven(options, $module::run, |o| &mut o.work),)*
+                    $(Self::$name(options) => $module::run(&options),)*
                 }
             }
         }
@@ -69,34 +67,8 @@ methods! {
     Tolerances = tolerances;
     /// Tells which parameter matters: Sobol indices, Shapley effects, Morris screening, ranks, PAWN
     Sensitivity = sensitivity;
-    /// Tells how far parameters may move: maps, largest box and ellipsoid, margins
+    /// Tells how far parameters may move: maps, largest box, margins
     Robustness = robustness;
     /// Shows the trade-off between criteria: Pareto front, best compromise
     Pareto = pareto;
-}
-
-/// Runs an analysis of which later points depend on earlier ones. Where the processes of these turn out not to be
-/// used again, it begins again with each point alone.
-///
-/// # Errors
-/// Those of the analysis.
-pub(crate) fn proven<T>(
-    mut options: T,
-    run: fn(&T) -> Result<Delivery, Error>,
-    work: fn(&mut T) -> &mut Work,
-) -> Result<Delivery, Error> {
-    match run(&options) {
-        Err(Error::Journal(point_journal::Error::Run(RunError::Refuted))) => {
-            fmu_points::tell::line!(
-                "note: the FMU gives other results in a process that has computed points before: all points are \
-                 computed again, each alone"
-            );
-            let work = work(&mut options);
-            work.means.isolation = Isolation::Fresh;
-            // The journal says which points count no more; the others are kept.
-            work.parts.resume = true;
-            run(&options)
-        }
-        other => other,
-    }
 }

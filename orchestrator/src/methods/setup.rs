@@ -114,8 +114,6 @@ pub struct Work<'a> {
     pub means: &'a Means,
     /// How many points at a time.
     pub jobs: usize,
-    /// Whether the run may end before its last point.
-    pub open: bool,
     /// Whether no further points are needed once the analysis has its answer.
     pub ends: bool,
 }
@@ -157,8 +155,7 @@ fn run_in<S: Source, T>(
     let parts = source.parts();
     let part = Part::of(parts.request.shard, header);
     let run = Some((&crew, parts.cases));
-    let mut pipeline =
-        Pipeline::new(parts.model, run, folder.journal, folder.finished, part).repeating(header.seed, work.open);
+    let mut pipeline = Pipeline::new(parts.model, run, folder.journal, folder.finished, part);
     let told = ask(source, &mut pipeline);
     match told.is_ok() && work.ends {
         true => pipeline.end()?,

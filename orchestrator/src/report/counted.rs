@@ -4,6 +4,7 @@
 use crate::results::Summary;
 use crate::results::summary::{CaseCount, Count, CriterionCount, VariantCount};
 use crate::results::words::capitalised;
+use conformity::conclusion::Conclusion;
 use conformity::measured::{Limits, Measured};
 use conformity::risk::Risk;
 use result_document::format::{count, number, percent};
@@ -87,7 +88,12 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
             let expanded = number(error.expanded, 4);
             match error.is_normal() {
                 true => format!("{expanded}{unit} (k = {})", number(stated.coverage, 3)),
-                false => format!("{expanded}{unit} (95 %)"),
+                false => {
+                    let freedom = error.freedom_within(error.standard());
+                    let freedom =
+                        freedom.map_or_else(String::new, |f| format!(", {} degrees of freedom", number(f, 2)));
+                    format!("{expanded}{unit} (95 %: k = {}{freedom})", number(error.expanded / error.standard(), 3))
+                }
             }
         }
         (None, Some(_)) => "that of the rows".to_owned(),
@@ -199,9 +205,9 @@ pub fn readings(summary: &Summary) -> Vec<Block> {
     };
     let mut told = vec![heading("With the tolerances read otherwise")];
     let conclusion = summary.conclusion.as_ref();
-    if conclusion.is_some_and(|conclusion| conclusion.guard_band != Some(0.0)) {
+    if conclusion.is_some_and(Conclusion::is_guarded) {
         told.push(Block::Sentence(
-            "These counts are of points within the tolerances; the guard band of the verdict is not applied to them."
+            "These counts are of points within the tolerances; what [verdict] asks of accepted points is not applied to them."
                 .to_owned(),
         ));
     }

@@ -69,12 +69,7 @@ fn guarded(judgement: &Judgement, total: usize) -> Option<(String, Count)> {
     let (required, accepted) = judgement.required()?;
     // Of nothing accepted without an interval there is no row.
     let interval = Some(required.interval?);
-    let band = judgement.guard?;
-    let note = if band.is_finite() {
-        format!("each tolerance drawn in by {} expanded uncertainties (guard band)", number(band, 3))
-    } else {
-        "no guard band keeps the risk as low as required".into()
-    };
+    let note = judgement.rule_of_acceptance()?;
     let share = Count { passed: accepted as u64, fraction: accepted as f64 / total.max(1) as f64, interval };
     Some((note, share))
 }

@@ -14,6 +14,7 @@ use crate::results::choice;
 use crate::results::settled::Settled;
 use crate::results::table;
 use crate::results::words::capitalised;
+use fmu_points::Conduct;
 use parameter_regions::table::PointTable;
 use result_document::Document;
 use result_document::format::count;
@@ -74,8 +75,7 @@ pub(super) fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
             count(criteria)
         )
     });
-    let conduct = summary.conduct.iter();
-    let conduct = conduct.flat_map(|conduct| conduct.remarks().into_iter().chain(conduct.usual_reason()));
+    let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
     let asides = summary.asides.iter().flat_map(Asides::remarks);
     let concerns = summary.concerns.iter().map(|concern| format!("{}: {concern}", concern.severity.name()));
     let watched = summary.settled.iter().filter_map(Settled::remark);

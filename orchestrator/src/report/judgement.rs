@@ -3,9 +3,11 @@
 use std::borrow::Cow;
 
 use crate::results::Summary;
-use conformity::conclusion::{Conclusion, Requirement};
-use conformity::measured::Measurement;
+use conformity::conclusion::{Conclusion, Requirement, percent};
+use conformity::measured::{Assessed, Measurement};
+use conformity::risk::Guard;
 use parameter_regions::table::PointTable;
+use result_document::format::number;
 
 /// The verdict with its risks.
 #[derive(Clone, Debug, Default)]
@@ -35,6 +37,28 @@ impl Judgement {
         })
     }
 
+    /// The largest probability not to conform of an accepted point, where each has to keep it.
+    fn point_risk(&self) -> Option<f64> {
+        self.conclusion.as_ref()?.point_risk
+    }
+
+    /// Whether fewer points may be accepted than lie within all tolerances.
+    pub(super) fn is_guarded(&self) -> bool {
+        self.guard.is_some() || self.point_risk().is_some()
+    }
+
+    /// What decides on the acceptance of points within all tolerances, where anything does.
+    pub(super) fn rule_of_acceptance(&self) -> Option<String> {
+        match (self.point_risk(), self.guard) {
+            (Some(risk), _) => Some(format!("each conforms with {} % or more", percent(1.0 - risk))),
+            (None, Some(band)) if band.is_finite() => {
+                Some(format!("each tolerance drawn in by {} expanded uncertainties (guard band)", number(band, 3)))
+            }
+            (None, Some(_)) => Some("no guard band is shown to keep the risk as low as required".into()),
+            (None, None) => None,
+        }
+    }
+
     /// The share that decided and how many points are accepted, where a share of the sampled space is required.
     pub(super) fn required(&self) -> Option<(&Requirement, usize)> {
         let conclusion = self.conclusion.as_ref()?;
@@ -44,12 +68,18 @@ impl Judgement {
     /// The table in which those points count as verified that are accepted: under a guard band these are fewer than those
     /// within all tolerances.
     pub(super) fn as_accepted<'a>(&self, table: &'a PointTable) -> Cow<'a, PointTable> {
-        let Some(guard) = self.guard else {
-            return Cow::Borrowed(table);
+        let guard = match (self.point_risk(), self.guard) {
+            (Some(risk), _) => Guard::EachPoint { risk },
+            (None, Some(band)) => Guard::Given(band),
+            (None, None) => return Cow::Borrowed(table),
         };
         let accepted = |point: usize| {
             let values: Vec<f64> = table.criteria.iter().map(|c| c.values[point]).collect();
-            table.verified[point] && self.measurement.margin(&values) >= guard
+            let all = || match guard {
+                Guard::EachPoint { .. } => self.measurement.assess(&values).all,
+                _ => Assessed { margin: self.measurement.margin(&values), probability: None },
+            };
+            table.verified[point] && guard.accepts(all(), None)
         };
         Cow::Owned(PointTable { verified: (0..table.len()).map(accepted).collect(), ..table.clone() })
     }

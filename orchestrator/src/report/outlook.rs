@@ -27,7 +27,9 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
             numbers("u_{input}"),
             numbers("u_{D}"),
             numbers("u_{val}"),
-            numbers("E ± 2 u_{val}"),
+            numbers("k (degrees of freedom)"),
+            numbers("E ± k u_{val}"),
+            numbers("E_{n}"),
             words("Largest"),
         ],
         rows: summary.validation.iter().map(row).collect(),
@@ -35,7 +37,7 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
     let note = |(name, comparison): (&String, &Comparison)| {
         let bound = match comparison.complete {
             true => "",
-            false => "; since not all uncertainties are known, E ± 2 u_{val} is wider than stated",
+            false => "; since not all uncertainties are known, E ± k u_{val} is wider than stated",
         };
         format!(
             " {name}: the {} uncertainty dominates; numerical uncertainty {}{bound}.",
@@ -52,14 +54,15 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
     };
     told.hint(format!(
         "After ASME V&V 20: E is the mean of the model's values minus the measured value. Where all uncertainties are known, \
-         the model's own error lies in E ± 2 u_{{val}}; otherwise the interval is at least so wide. u_{{val}} joins the \
+         the model's own error lies in E ± k u_{{val}}; otherwise the interval is at least so wide. E_{{n}} is E over \
+         the expanded uncertainty of both values (ISO 13528): above 1 they disagree. u_{{val}} joins the \
          uncertainties of the numerical solution, of the parameters (the spread of the points) and of the measured value. \
          What is called verification here, V&V 10 and V&V 20 call validation: a comparison with measurements.{notes}{missing}"
     ));
     (!summary.validation.is_empty()).then_some(told)
 }
 
-fn compared(comparison: &Comparison) -> [String; 7] {
+fn compared(comparison: &Comparison) -> [String; 9] {
     let known = |u: Option<f64>| u.map_or_else(|| "not known".to_owned(), |u| number(u, 3));
     let least = if comparison.complete { "" } else { "at least " };
     let [low, high] = comparison.model_error.map(|limit| number(limit, 3));
@@ -69,7 +72,12 @@ fn compared(comparison: &Comparison) -> [String; 7] {
         number(comparison.u_input, 3),
         known(comparison.u_d),
         format!("{least}{}", number(comparison.u_val, 3)),
+        match comparison.freedom {
+            Some(freedom) => format!("{} ({})", number(comparison.coverage, 3), number(freedom, 2)),
+            None => number(comparison.coverage, 3),
+        },
         format!("{least}{low} .. {high}"),
+        comparison.e_n.map_or_else(|| "–".to_owned(), |e_n| number(e_n, 2)),
         comparison.dominant.clone(),
     ]
 }
@@ -175,6 +183,8 @@ mod tests {
             u_d: None,
             u_val: 0.5,
             complete: false,
+            freedom: None,
+            e_n: None,
             coverage: 2.0,
             model_error: [-2.0, 0.0],
             dominant: "input".into(),

@@ -97,11 +97,11 @@ pub fn render(report: &Report) -> Result<String, Error> {
             Sign::Open => "M7.5 9.2a4.6 4.6 0 1 1 6.7 4.1c-1.5.8-2.2 1.5-2.2 3.2M12 20.2v.3",
         },
         answer => Serde(&answer),
-        word => match judgement.guard {
-            Some(_) => "accepted",
-            None => summary.met(),
+        word => match judgement.is_guarded() {
+            true => "accepted",
+            false => summary.met(),
         },
-        guarded => judgement.guard.is_some(),
+        guarded => judgement.is_guarded(),
         n => count(total),
         headline => Serde(Headline::new(judgement, &verified)),
         failed => summary.failed,

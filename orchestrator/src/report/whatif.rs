@@ -91,6 +91,10 @@ impl WhatIf {
             None => None,
             Some(required) => {
                 let stated = study?.verdict.as_ref()?.as_ref();
+                // The page knows guard bands only.
+                if stated.point_risk.is_some() {
+                    return None;
+                }
                 let risk = stated.risk.as_ref();
                 let risk = risk.and_then(|risk| share(risk.as_ref()));
                 let band = stated.guard_band.as_ref().map_or(0.0, |band| *band.as_ref());
@@ -168,8 +172,10 @@ fn fixed(summary: &Summary, study: Option<&Study>) -> Option<&'static str> {
     if summary.parameters.is_empty() || method == "table" {
         return Some("the points come from a table, whose distributions are not known");
     }
-    if summary.verified_interval.is_none() {
-        return Some("the points of a grid are no sample of a distribution");
+    if summary.verified_interval.is_none() || summary.provenance.replicates.is_some() {
+        return Some(
+            "the points of a grid or of nets depend on each other, so that nothing tells the error of a weighted share",
+        );
     }
     match study {
         None => Some("the study's text cannot be read"),

@@ -126,12 +126,11 @@ impl<'a> Reruns<'a> {
         let all = summary.points as f64;
         let run = summary.run.as_ref().filter(|run| run.computed > 0);
         let [each, took] = match run {
-            // Of a study that was resumed, only some points were computed in this time; some were computed twice.
+            // Of a study that was resumed, only some points were computed in this time.
             Some(run) => {
-                let twice = conduct.map_or(0, |conduct| conduct.audits) as f64;
                 let busy = run.wall_seconds * run.jobs as f64;
                 let computed = run.computed as f64;
-                [busy / (computed + twice), run.wall_seconds * all / computed]
+                [busy / computed, run.wall_seconds * all / computed]
             }
             None => {
                 let each = reruns.time_of_a_point(summary);
@@ -171,7 +170,8 @@ impl<'a> Reruns<'a> {
         Recorder {
             fmu,
             name: package.path(),
-            home: working_directory::home(self.scratch.path(), package.description(), tasks),
+            scratch: self.scratch.path(),
+            here: working_directory::is_kept(package.description(), tasks),
             limits: self.wish.limits,
             echo: false,
         }
@@ -206,7 +206,8 @@ impl<'a> Reruns<'a> {
 
     /// Records trajectories of a task. Where the FMU changes its folder, each needs another one.
     fn recording(&self, task: &Task) -> Option<Recording> {
-        (!self.apart).then(|| self.recorder(&self.fmu).of(task))
+        // Without a folder for it the points fail one by one, each with the reason.
+        (!self.apart).then(|| self.recorder(&self.fmu).of(task).ok()).flatten()
     }
 
     /// Runs a point, and hands over time and signals, in the FMU's units, at every communication point.
@@ -245,7 +246,7 @@ impl<'a> Reruns<'a> {
         let ended = match recording {
             Some(recording) => recording.record(values, handles, until, &mut row),
             None => self.with_fmu(|fmu| {
-                let mut recording = self.recorder(fmu).of(task);
+                let mut recording = self.recorder(fmu).of(task)?;
                 recording.record(values, handles, until, &mut row)
             }),
         };

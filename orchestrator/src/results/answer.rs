@@ -104,11 +104,16 @@ fn warnings(summary: &Summary) -> impl Iterator<Item = &Concern> {
     concerns.filter(|concern| concern.severity == Severity::Warning)
 }
 
+/// How points ran, where they did not run alone.
+fn company(summary: &Summary) -> Option<String> {
+    let conduct = summary.conduct.as_ref()?;
+    conduct.company().map(|text| format!("{}.", capitalised(text)))
+}
+
 /// What the points' own runs say against all results.
 fn odd(summary: &Summary) -> Option<String> {
     let conduct = summary.conduct.as_ref()?;
-    let is_odd = conduct.reproducible == Some(false) || conduct.audit_mismatches > 0;
-    conduct.remarks().into_iter().next().filter(|_| is_odd)
+    conduct.remarks().into_iter().next().filter(|_| conduct.reproducible == Some(false))
 }
 
 fn criteria(summary: &Summary) -> String {
@@ -126,8 +131,11 @@ fn asked(summary: &Summary) -> String {
     }
     let criteria = criteria(summary);
     let guarded = match &summary.conclusion {
-        Some(Conclusion { guard_band: Some(0.0), .. }) | None => "",
-        Some(_) => ", less the guard bands,",
+        Some(Conclusion { point_risk: Some(risk), .. }) => {
+            format!(", with a conformance probability of {} % or more,", percent(1.0 - risk))
+        }
+        Some(Conclusion { guard_band: Some(0.0), .. }) | None => String::new(),
+        Some(_) => ", less the guard bands,".to_owned(),
     };
     match required(summary) {
         Some(Requirement { rule, .. }) => format!(
@@ -210,6 +218,7 @@ fn decides(summary: &Summary) -> Vec<String> {
     let weak = conclusion.filter(|conclusion| is_weak(conclusion));
     list.extend(weak.and_then(|conclusion| firmness(conclusion, summary)));
     list.extend(odd(summary).map(|odd| format!("Warning: {odd}.")));
+    list.extend(company(summary));
     list.extend(doubts(summary));
     list.extend(conclusion.and_then(|_| beyond_validity(summary)));
     list.extend(conclusion.and_then(guard));
@@ -307,8 +316,8 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
 /// The surest gain, or that the points are too few to tell one.
 pub fn improve_first(summary: &Summary) -> Option<String> {
     let improvements = summary.improvements.as_ref()?;
-    // Those of a grid have no intervals that would tell a gain from chance.
-    summary.verified_interval?;
+    // Those of points that depend on each other have no intervals that would tell a gain from chance.
+    improvements.now.interval?;
     let by = |sign| improvements.changes.iter().find(move |c| c.sign() == sign);
     let Some(first) = by(Gain::Gain) else {
         let nothing = match by(Gain::Open) {

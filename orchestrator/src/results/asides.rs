@@ -17,6 +17,9 @@ pub struct Asides {
     pub ended_early: Points,
     /// Points whose simulation was complete, but could not be ended properly (`fmi2Terminate`, `fmi2FreeInstance`).
     pub terminate_errors: Points,
+    /// Points that waited for others at a port of the machine when their results were there.
+    #[serde(default, skip_serializing_if = "Points::is_none")]
+    pub ports: Points,
     /// The answer of `fmi2GetVersion`, where it is not "2.0".
     pub fmi_version: Option<String>,
     /// Whether the FMU needs a tool to be installed beside it.
@@ -52,13 +55,17 @@ pub struct First {
 }
 
 impl Points {
+    fn is_none(&self) -> bool {
+        self.points == 0
+    }
+
     fn add(&mut self, point: u64, message: impl FnOnce() -> String) {
         self.points += 1;
         self.first.get_or_insert_with(|| First { point, message: message() });
     }
 
     /// A sentence about these points, where there are any.
-    fn remark(&self, what: &str) -> Option<String> {
+    pub(super) fn remark(&self, what: &str) -> Option<String> {
         let First { point, message } = self.first.as_ref()?;
         let plural = if self.points == 1 { "" } else { "s" };
         Some(format!("{} point{plural}: {what}; the first is point {point}: {message}", self.points))
@@ -81,6 +88,9 @@ impl Asides {
         }
         if let Some(error) = &notices.unfinished {
             self.terminate_errors.add(point, || error.clone());
+        }
+        if let Some(port) = &notices.port {
+            self.ports.add(point, || port.clone());
         }
         if self.fmi_version.is_none() {
             self.fmi_version.clone_from(&notices.version);

@@ -269,7 +269,7 @@ mod tests {
             ("-", 5.0, [0.049, 0.052], "if per cent and a share were"),
             ("N", 5.0, [48.0, 52.0], "Find out"),
             ("J", 300.0, [31.0, 32.0], "Find out"),
-            ("J", 300.0, [0.29, 0.31], "such as mm and m"),
+            ("J", 300.0, [0.29, 0.31], "if N.mm and J were"),
         ] {
             let criterion = Criterion { unit: Some(unit.into()), ..criterion(nominal, 0.02 * nominal) };
             let warning = out_of_reach(&criterion, reached, 50).unwrap().to_string();

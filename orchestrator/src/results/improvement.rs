@@ -123,12 +123,14 @@ impl Prospect {
 }
 
 impl Improvements {
-    /// The same without intervals, of points that are no sample.
+    /// The same without intervals and the verdicts that rest on them, of points that depend on each other.
     pub(super) fn without_intervals(mut self) -> Self {
-        self.now.interval = None;
-        for change in &mut self.changes {
+        let prospects = self.changes.iter_mut().map(|change| {
             change.gain_interval = None;
-            change.prospect.interval = None;
+            &mut change.prospect
+        });
+        for prospect in prospects.chain([&mut self.now]) {
+            (prospect.interval, prospect.verdict) = (None, None);
         }
         self
     }
@@ -234,17 +236,17 @@ fn reweighted(base: &[Seen], points: &[Row], k: usize, wide: &Distribution) -> V
 
 /// The worth of each point: the probability that it is accepted and conforms.
 fn worths(judge: &Judge, points: &[Seen]) -> Vec<f64> {
-    let least = least_margin(judge.guard, points);
+    let accepts = acceptance(judge.guard, points);
     let worth = |point: &Seen| {
-        if point.margin >= least { point.conforms.unwrap_or(1.0) } else { 0.0 }
+        if accepts(point) { point.conforms.unwrap_or(1.0) } else { 0.0 }
     };
     points.iter().map(worth).collect()
 }
 
 /// Verdict and risks over weighted points.
 fn prospect(judge: &Judge, points: &[Seen]) -> Prospect {
-    let least = least_margin(judge.guard, points);
-    let accepted = |point: &&Seen| point.margin >= least;
+    let accepts = acceptance(judge.guard, points);
+    let accepted = |point: &&Seen| accepts(point);
     let sum = |of: &dyn Fn(&Seen) -> f64| points.iter().map(|p| p.weight * of(p)).sum::<f64>();
     let all = sum(&|_| 1.0).max(f64::MIN_POSITIVE);
     let effective = all * all / sum(&|p| p.weight).max(f64::MIN_POSITIVE);
@@ -269,10 +271,20 @@ fn prospect(judge: &Judge, points: &[Seen]) -> Prospect {
     }
 }
 
-/// The least margin with which a point is accepted.
+/// Which points are accepted.
+fn acceptance(guard: Guard, points: &[Seen]) -> impl Fn(&Seen) -> bool {
+    let least = least_margin(guard, points);
+    move |&Seen { margin, conforms, .. }| match guard {
+        Guard::EachPoint { .. } => guard.accepts(Assessed { margin, probability: conforms }, None),
+        _ => margin >= least,
+    }
+}
+
+/// The least margin with which a point is accepted, where that is enough.
 fn least_margin(guard: Guard, points: &[Seen]) -> f64 {
     let risk = match guard {
         Guard::Given(factor) => return factor,
+        Guard::EachPoint { .. } => return 0.0,
         Guard::Limiting { risk } => risk,
     };
     let mut within: Vec<&Seen> = points.iter().filter(|p| p.margin >= 0.0).collect();

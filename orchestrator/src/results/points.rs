@@ -8,7 +8,7 @@ use super::choice::{Best, Even};
 use super::summary::Summary;
 use crate::error::Error;
 use crate::judge::{Judge, PointVerdict};
-use conformity::measured::Measurement;
+use conformity::measured::Assessed;
 use conformity::risk::Guard;
 use number_tables::csv_file;
 use parameter_regions::table::{ParameterColumn, PointTable};
@@ -20,16 +20,22 @@ use study::plan::Input;
 pub struct Writer<W: Write> {
     csv: csv::Writer<W>,
     record: csv::StringRecord,
-    /// Where a guard band acts. It may be known only when all points are; until then the column `accepted` holds margins.
-    margins: Option<Measurement>,
+    /// How points are accepted, where others are than those within all tolerances.
+    guard: Option<Guard>,
+    /// Whether each point has a conformance probability.
+    conformance: bool,
 }
 
-/// The column of the decision under a guard band.
+/// The column of the decision under a guard band. That may be known only when all points are; until then the column holds
+/// margins.
 const ACCEPTED: &str = "accepted";
+
+/// The column of the probability that a point conforms.
+const CONFORMANCE: &str = "conformance";
 
 impl<W: Write> Writer<W> {
     /// Begins the table: `point`, the parameters, the criteria's values, `NAME.ok` a criterion,
-    /// `verified`, where a guard band acts `accepted`, `status`. [`settle`] completes the table with a guard band.
+    /// `verified`, where a guard band acts `accepted`, where uncertainties are known `conformance`, `status`. [`settle`] completes the table with a guard band.
     ///
     /// # Errors
     /// When it cannot be written.
@@ -41,12 +47,14 @@ impl<W: Write> Writer<W> {
             .chain(judge.names().map(|name| format!("{name}.ok")))
             .chain(["verified".to_owned()])
             .chain(judge.is_guarded().then(|| ACCEPTED.to_owned()))
+            .chain(judge.knows_conformance().then(|| CONFORMANCE.to_owned()))
             .chain(["status".to_owned()]);
         csv.write_record(header.map(|name| csv_file::cell(&name).into_owned()))?;
         Ok(Self {
             csv,
             record: csv::StringRecord::new(),
-            margins: judge.is_guarded().then(|| judge.measurement.clone()),
+            guard: judge.is_guarded().then_some(judge.guard),
+            conformance: judge.knows_conformance(),
         })
     }
 
@@ -77,10 +85,17 @@ impl<W: Write> Writer<W> {
         for passed in verdict.passed.iter().chain([&verdict.verified()]) {
             record.push_field(word(*passed));
         }
-        if let Some(measurement) = &self.margins {
-            let values = outcome.as_deref().ok();
-            let margin = values.map_or(f64::NEG_INFINITY, |values| measurement.margin(values));
-            record.push_field(&number(margin));
+        let together = verdict.together;
+        match self.guard {
+            None => (),
+            Some(guard @ Guard::EachPoint { .. }) => {
+                record.push_field(word(together.is_some_and(|point| guard.accepts(point, None))));
+            }
+            Some(_) => record.push_field(&number(together.map_or(f64::NEG_INFINITY, |point| point.margin))),
+        }
+        if self.conformance {
+            let probability = together.and_then(|point| point.probability);
+            record.push_field(&probability.map(number).unwrap_or_default());
         }
         match outcome {
             Ok(_) => record.push_field("ok"),
@@ -114,7 +129,7 @@ pub fn settle(from: impl Read, into: impl Write, guard: Guard, band: Option<f64>
     let mut record = csv::StringRecord::new();
     while table.read_record(&mut record)? {
         let cells = record.iter().enumerate().map(|(k, cell)| match cell.parse() {
-            Ok(margin) if Some(k) == column => word(guard.accepts(margin, band)),
+            Ok(margin) if Some(k) == column => word(guard.accepts(Assessed { margin, probability: None }, band)),
             _ => cell,
         });
         settled.write_record(cells)?;
@@ -147,8 +162,8 @@ pub fn read(path: &Path, summary: &Summary, most: u64) -> Result<PointTable, Err
     let mut reader = csv::Reader::from_path(path).map_err(failed)?;
     let verified = 1 + summary.parameters.len() + 2 * summary.criteria.len();
     let header = reader.headers().map_err(failed)?;
-    let guarded = header.get(verified + 1) == Some(ACCEPTED);
-    let width = verified + 2 + usize::from(guarded);
+    let beside = header.iter().skip(verified + 1).take_while(|name| [ACCEPTED, CONFORMANCE].contains(name)).count();
+    let width = verified + 2 + beside;
     if header.len() != width {
         let message = format!("{} columns, but the summary asks for {width}", header.len());
         return Err(Error::content(path, message));

@@ -89,12 +89,9 @@ pub struct Summary {
     pub validation: IndexMap<String, Comparison>,
     /// Improvements by their effect on the verdict, the best first.
     pub improvements: Option<Improvements>,
-    /// How the points shared processes, and what audits of that found.
+    /// How the points were computed, and whether the FMU gave the same again.
     #[serde(flatten)]
     pub conduct: Option<Conduct>,
-    /// On how many points it rests that the FMU is reproducible, or is not.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub reproducibility: Option<String>,
     /// The FMU's remarks beside its results.
     #[serde(flatten)]
     pub asides: Option<Asides>,

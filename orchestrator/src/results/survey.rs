@@ -15,6 +15,11 @@ use point_journal::Outcome;
 use study::concern::{Code, Concern};
 use study::plan::Plan;
 
+/// What no process can keep from another one.
+const HELD_PORT: &str = "the FMU waits for others at a port of this machine, where points that run at the same time meet each \
+                         other, and other programs";
+const ONE_JOB: &str = "Compare with `--jobs 1`, where one point runs at a time.";
+
 /// Looks at points one by one, in constant memory.
 #[derive(Debug)]
 pub struct Survey<'a> {
@@ -64,10 +69,9 @@ impl<'a> Survey<'a> {
         }
         let Ok(values) = outcome else { return };
         self.points += 1;
-        for (k, &value) in values.iter().enumerate() {
-            let [low, high] = &mut self.reached[k];
+        for ((&value, [low, high]), spread) in values.iter().zip(&mut self.reached).zip(&mut self.spreads) {
             (*low, *high) = (low.min(value), high.max(value));
-            self.spreads[k].add(value);
+            spread.add(value);
         }
     }
 
@@ -106,6 +110,8 @@ impl<'a> Survey<'a> {
         summary.concerns.extend(failed);
         let beyond = self.beyond_validity(summary);
         summary.concerns.extend(beyond);
+        let ports = summary.asides.as_ref().and_then(|asides| asides.ports.remark(HELD_PORT));
+        summary.concerns.extend(ports.map(|text| Concern::new(Code::HeldPort, text).remedied(ONE_JOB)));
         for (k, criterion) in criteria() {
             // The comparison is about a measured number.
             let spread =
@@ -129,8 +135,8 @@ impl<'a> Survey<'a> {
         let drawn = self.plan.filter(|_| self.drawn);
         if self.points > 0 && !summary.has_own_values() {
             let gains = improvements(self.judge, drawn, &self.first);
-            // A grid is no sample.
-            let is_sample = summary.verified_interval.is_some();
+            // The intervals of gains take the points as independent.
+            let is_sample = summary.verified_interval.is_some() && summary.provenance.replicates.is_none();
             summary.improvements = match gains {
                 Some(gains) if !is_sample => Some(gains.without_intervals()),
                 gains => gains,

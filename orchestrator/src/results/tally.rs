@@ -11,23 +11,39 @@ use super::summary::{
     Provenance, Summary, VariantCount,
 };
 use crate::judge::{Judge, PointVerdict, Variant};
-use conformity::conclusion::{Conclusion, Ruling, grouped};
+use conformity::conclusion::{Conclusion, Requirement, Ruling, grouped};
 use conformity::decision::{Decision, randomised};
+use conformity::interval::LEAST_SAMPLES;
 use conformity::looks::Looks;
 use conformity::measured::Limits;
-use conformity::risk::RiskTally;
+use conformity::risk::{Guard, RiskTally};
 use fmu_import::validity;
 use fmu_points::failure::Failure;
 use fmu_points::notices::{Notices, Replicates};
 use point_journal::Outcome;
+use sampling::design::Method;
 
 /// How the points represent the space.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sample {
-    /// They belong to so many randomisations of a design in turn; they must be added in their order.
-    Replicates(u64),
-    /// A grid, which is no sample: no interval tells how far the share of its points is from that of the space.
-    Grid,
+    /// Each by itself.
+    Independent,
+    /// They belong to so many independent nets in turn; they must be added in their order.
+    Nets(u64),
+    /// They depend on each other in a way that nobody knows: a grid, or too few nets. No interval tells how far the share of
+    /// these points is from that of the space.
+    Dependent,
+}
+
+impl Sample {
+    /// The points of a design, in their order.
+    pub fn of(method: Method, replicates: u64) -> Self {
+        match replicates {
+            _ if method.is_independent() => Self::Independent,
+            n if n >= LEAST_SAMPLES as u64 => Self::Nets(n),
+            _ => Self::Dependent,
+        }
+    }
 }
 
 /// Points that meet a condition, for each randomisation of the design on its own.
@@ -38,7 +54,7 @@ type Passed = Vec<u64>;
 pub struct Tally<'a> {
     judge: &'a Judge,
     replicates: usize,
-    is_grid: bool,
+    is_dependent: bool,
     looks: Looks,
     look: u64,
     /// How many points were counted.
@@ -93,15 +109,15 @@ impl Counts {
 impl<'a> Tally<'a> {
     /// No points yet.
     pub fn new(judge: &'a Judge, sample: Sample) -> Self {
-        let (replicates, is_grid) = match sample {
-            Sample::Replicates(number) => (usize::try_from(number).unwrap_or(1).max(1), false),
-            Sample::Grid => (1, true),
+        let replicates = match sample {
+            Sample::Nets(number) => usize::try_from(number).unwrap_or(1).max(1),
+            Sample::Independent | Sample::Dependent => 1,
         };
         let none = Counts::new(judge, replicates);
         Self {
             judge,
             replicates,
-            is_grid,
+            is_dependent: sample == Sample::Dependent,
             looks: Looks::default(),
             look: 1,
             points: 0,
@@ -143,6 +159,7 @@ impl<'a> Tally<'a> {
             self.judge.measurement.assess_with(values, told.as_ref())
         });
         self.risk.add(conformity.as_ref());
+        let verdict = PointVerdict { together: conformity.map(|conformity| conformity.all), ..verdict };
         self.stated.add(self.judge, &verdict, replicate);
         for (counts, variant) in self.variants.iter_mut().zip(&self.judge.variants) {
             let verdict = self.judge.variant_verdict(variant, values);
@@ -213,7 +230,7 @@ impl<'a> Tally<'a> {
         Count {
             passed: all,
             fraction: all as f64 / self.points.max(1) as f64,
-            interval: (!self.is_grid).then(|| randomised(passed, self.points, CONFIDENCE)),
+            interval: (!self.is_dependent).then(|| randomised(passed, self.points, CONFIDENCE)),
         }
     }
 
@@ -249,7 +266,7 @@ impl<'a> Tally<'a> {
         let (judge, points) = (self.judge, self.points);
         let ruling = judge.rule.map(|rule| Ruling { rule, looks: self.looks, count: self.look });
         let statement = match ruling {
-            _ if self.is_grid => self.risk.statement().without_intervals(),
+            _ if self.is_dependent => self.risk.statement_of_no_sample(),
             Some(Ruling { rule, looks, .. }) => {
                 let confidence = looks.band_confidence(rule.confidence);
                 self.risk.statement_at(confidence)
@@ -257,8 +274,14 @@ impl<'a> Tally<'a> {
             None => self.risk.statement(),
         };
         let mut conclusion = Conclusion::new(ruling, &statement, points);
-        if self.is_grid {
-            // A grid has no seed.
+        if let Guard::EachPoint { risk } = judge.guard {
+            conclusion.point_risk = Some(risk);
+        }
+        if self.is_dependent {
+            untold(&mut conclusion, points);
+        }
+        if self.replicates > 1 {
+            // How another seed's nets would differ is not known.
             conclusion.other_verdict_interval = None;
         }
         let compared = self.failed() < points;
@@ -320,12 +343,11 @@ impl<'a> Tally<'a> {
 
     fn interval_method(&self, provenance: &Provenance) -> String {
         match (self.replicates, provenance.method.as_str()) {
-            _ if self.is_grid => "none: the points of a grid are no sample".to_owned(),
-            (1, "monte-carlo" | "table") => "Clopper and Pearson's".to_owned(),
-            (1, _) => "Clopper and Pearson's; it takes the points as independent".to_owned(),
-            (n, _) => format!(
-                "Student's over {n} independently scrambled nets; Clopper and Pearson's where their counts hardly differ"
-            ),
+            (_, method) if self.is_dependent => {
+                format!("none: the points of {method} depend on each other, and nothing tells how much")
+            }
+            (1, _) => "Clopper and Pearson's".to_owned(),
+            (n, _) => format!("the wider of Student's over {n} independently scrambled nets and Clopper and Pearson's"),
         }
     }
 
@@ -344,6 +366,26 @@ impl<'a> Tally<'a> {
         };
         (variant.name.clone(), count)
     }
+}
+
+/// The conclusion from points whose share nothing tells the error of.
+fn untold(conclusion: &mut Conclusion, points: u64) {
+    // Points of another seed depend on each other, too.
+    conclusion.other_verdict_interval = None;
+    let Some(required) = &mut conclusion.required else {
+        return;
+    };
+    *required = Requirement {
+        method: "none: the points depend on each other, and nothing tells how much".to_owned(),
+        ..Requirement::open(required.rule, required.looks)
+    };
+    conclusion.verdict = Decision::Inconclusive;
+    conclusion.verdict_words = format!(
+        "inconclusive: {} of {} points are accepted, but they are one net, from which nothing tells how far that share is off; \
+         add `replicates = {LEAST_SAMPLES}` to method = \"sobol\" under [design], or use method = \"monte-carlo\"",
+        grouped(conclusion.accepted),
+        grouped(points)
+    );
 }
 
 /// The conclusion while the model is compared with its own values: they verify nothing.

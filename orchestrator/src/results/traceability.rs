@@ -51,6 +51,7 @@ pub fn verdict(summary: &Summary) -> Vec<Entry> {
         ("verified", Some(summary.verified.to_string())),
         ("accepted", Some(conclusion.accepted.to_string())),
         ("guard-band", conclusion.guard_band.map(number)),
+        ("point-risk", conclusion.point_risk.map(number)),
     ]);
     if let Some(risk) = risk {
         let given = risk.not_conforming_given_accepted;

@@ -13,7 +13,6 @@ use crate::error::Error;
 use conformity::conclusion::grouped;
 use fmu_import::Description;
 use fmu_import::validity::{CATEGORY, alike};
-use fmu_points::Separation;
 use fmu_points::notices::Limit;
 use number_tables::csv_file;
 use point_journal::Finished;
@@ -72,7 +71,7 @@ impl Validity {
         };
         let finished = Finished::read(folder)?;
         let mut outcomes = finished.outcomes()?;
-        for index in finished.of(Separation::Apart) {
+        for index in finished.points() {
             let noted = outcomes.get_noted(index)?.and_then(|(_, notices)| notices);
             if let Some(notices) = noted {
                 validity.add(index + 1, false, &notices.beyond);

@@ -1,7 +1,7 @@
 //! Sentences on how firmly a verdict stands, and on how many of the accepted points conform.
 
 use super::Summary;
-use conformity::conclusion::{Conclusion, grouped};
+use conformity::conclusion::{Conclusion, grouped, percent};
 use conformity::risk::Risk;
 
 /// How many of the points on which the verdict rests went beyond what the model is valid for.
@@ -84,6 +84,13 @@ pub(super) fn looked(conclusion: &Conclusion) -> Option<String> {
 }
 
 pub(super) fn guard(conclusion: &Conclusion) -> Option<String> {
+    if let Some(risk) = conclusion.point_risk {
+        return Some(format!(
+            "A point is accepted where it conforms with a probability of {} % or more; {} points are accepted.",
+            percent(1.0 - risk),
+            grouped(conclusion.accepted)
+        ));
+    }
     match conclusion.guard_band {
         Some(0.0) if bands(conclusion).is_empty() => None,
         Some(band) => Some(format!(
@@ -92,6 +99,7 @@ pub(super) fn guard(conclusion: &Conclusion) -> Option<String> {
             grouped(conclusion.accepted),
             bands(conclusion)
         )),
+        None if !bands(conclusion).is_empty() => Some(format!("Nothing is accepted:{}", bands(conclusion))),
         None => Some(
             "No guard band keeps the risk as low as required, so nothing is accepted: measure better or widen the \
              tolerances."
@@ -106,14 +114,14 @@ fn bands(conclusion: &Conclusion) -> String {
     let Some([Some(narrowest), widest]) = required.and_then(|required| required.guard_bands) else {
         return String::new();
     };
-    let widest = match widest {
-        Some(widest) => format!("one from {narrowest:.3} to {widest:.3}"),
-        None => format!("any from {narrowest:.3} on: the points show of none that it is enough"),
-    };
-    format!(
-        " It comes from the same points; for the whole space it may be {widest}, and the interval of the share holds for \
-         all of these."
-    )
+    match widest {
+        Some(_) => format!(
+            " The points show that this band keeps the risk over the whole space; one from {narrowest:.3} on may be enough, and \
+             the interval of the share holds for all of these."
+        ),
+        None => " the points show of no guard band that it keeps the risk over the whole space; simulate more points."
+            .to_owned(),
+    }
 }
 
 pub(super) fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String {

@@ -41,9 +41,9 @@ impl Verification {
         let mut outcomes = finished.outcomes()?;
         let provenance = self.provenance();
         let replicates = provenance.replicates.unwrap_or(1);
-        let sample = match self.is_grid() {
-            true => Sample::Grid,
-            false => Sample::Replicates(replicates),
+        let sample = match self.header.table {
+            Some(_) => Sample::Independent,
+            None => Sample::of(session.study.design.method, replicates),
         };
         let mut tally = Tally::new(&session.judge, sample);
         let mut survey = Survey::new(&session.judge, Some(&session.plan), self.is_drawn());
@@ -96,8 +96,8 @@ impl Verification {
             let repeated = session.plan.concerns_of_samples(summary.points);
             summary.concerns.extend(repeated);
         }
-        let conduct = finished.conduct();
-        summary.reproducibility = Some(conduct.reproducibility());
+        let mut conduct = finished.conduct();
+        conduct.reproducibility = conduct.told_reproducibility();
         summary.conduct = Some(conduct);
         summary.dossier = session.study.dossier.clone();
         summary.run = run;

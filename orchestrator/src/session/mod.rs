@@ -82,6 +82,7 @@ impl Session {
             points,
             shard: self.request.shard.map(|shard| shard.to_string()),
             analysis: None,
+            ..Header::default()
         })
     }
 }

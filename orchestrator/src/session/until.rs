@@ -3,8 +3,8 @@
 use std::str::FromStr;
 
 use crate::judge::Judge;
-use conformity::decision::{Decision, Rule};
-use conformity::interval::{LEAST_SAMPLES, clopper_pearson};
+use conformity::decision::{Decision, Rule, randomised};
+use conformity::interval::LEAST_SAMPLES;
 use conformity::looks::{History, Looks, Way};
 use conformity::risk::Guard;
 use point_journal::Outcome;
@@ -65,7 +65,12 @@ impl Ending {
             return Err(format!("this design needs all its points; use {with}"));
         }
         let condition = match until {
-            Until::Width(width) => Condition::Width(width),
+            Until::Width(width) => {
+                if design.is_some() {
+                    way(design)?;
+                }
+                Condition::Width(width)
+            }
             Until::Verdict => {
                 let rule =
                     judge.rule.ok_or("there is no verdict to wait for: add [verdict] with the required share")?;
@@ -76,9 +81,11 @@ impl Ending {
                         .to_owned());
                 }
                 if !judge.guard.leaves_something(&judge.measurement) {
-                    return Err("the guard band is as wide as a tolerance, so that no point can be accepted and no \
-                                verdict comes; give a smaller `guard-band` under [verdict]"
-                        .to_owned());
+                    return Err(
+                        "the guard band is as wide as a tolerance, or no value conforms as surely as `point-risk` \
+                                asks, so that no point can be accepted and no verdict comes; change [verdict]"
+                            .to_owned(),
+                    );
                 }
                 Condition::Verdict(rule, history.awaiting(way(design)?))
             }
@@ -105,6 +112,7 @@ impl Ending {
         };
         let counts = match (self.condition, self.guard) {
             (Condition::Verdict(..), Guard::Given(band)) => judge.measurement.margin(values) >= band,
+            (Condition::Verdict(..), guard) => guard.accepts(judge.measurement.assess(values).all, None),
             _ => judge.verdict(Some(values)).verified(),
         };
         if counts { Seen::Counts } else { Seen::Misses }
@@ -114,8 +122,7 @@ impl Ending {
         const CONFIDENCE: f64 = 0.95;
         match self.condition {
             Condition::Width(width) => {
-                let hits: u64 = counts.iter().sum();
-                let [low, high] = clopper_pearson(hits as f64, points as f64, CONFIDENCE);
+                let [low, high] = randomised(counts, points, CONFIDENCE);
                 points > 0 && points.is_multiple_of(ROUND) && high - low <= width
             }
             Condition::Verdict(rule, looks) => {
@@ -129,7 +136,7 @@ impl Ending {
 fn way(design: Option<(Method, u64)>) -> Result<Way, String> {
     const LEAST: u64 = LEAST_SAMPLES as u64;
     match design {
-        Some((Method::MonteCarlo, _)) => Ok(Way::EveryPoint),
+        Some((method, _)) if method.is_independent() => Ok(Way::EveryPoint),
         Some((_, replicates)) if replicates >= LEAST => Ok(Way::Doublings),
         Some((method, _)) => Err(format!(
             "the points of this design depend on each other, and while they come in nothing tells how much; use \

@@ -115,7 +115,7 @@ impl Verification {
         for other in from {
             let other = Looked::read(other, &study)?;
             if other.history.looks.len() > longest.history.looks.len() {
-                longest = other;
+                longest.history = other.history;
             }
         }
         Ok(longest)

@@ -97,7 +97,10 @@ fn sensitivity_finds_the_only_parameter_that_matters() {
     let y = &result["outputs"][0];
     assert_eq!(y["name"], "Y");
     assert_eq!(y["dominant"], "lag.rate");
-    assert!((y["sobol"]["total"][0]["value"].as_f64().unwrap() - 1.0).abs() < 0.15, "{y}");
+    // Of a part of the variance that no other parameter has, 64 base points tell an interval that holds 1.
+    let total = &y["sobol"]["total"][0];
+    let [low, value, high] = ["low", "value", "high"].map(|key| total[key].as_f64().unwrap());
+    assert!(low <= 1.0 && 1.0 <= high && (value - 1.0).abs() < 0.35, "{y}");
     assert_eq!(y["sobol"]["total"][1]["value"], 0.0);
     assert_eq!(result["outputs"][1]["name"], "verified");
 }
@@ -193,25 +196,13 @@ fn robustness_finds_the_room_and_confirms_it() {
     // y = 1 - exp(-2 rate) within 0.86 +- 0.02 is rate = 0.9163 .. 1.0601.
     let margin = |side: &str| result["margins"][0][side][0].as_f64().unwrap();
     assert!((margin("low") - 0.9163).abs() < 0.01 && (margin("high") - 1.0601).abs() < 0.01, "{result}");
-    for part in ["region", "ellipsoid"] {
-        let fresh = &result[part]["fresh"];
-        assert_eq!(fresh["points"], 200, "{result}");
-        let (stated, interval) = (&result[part]["interval"], &fresh["interval"]);
-        let end = |of: &serde_json::Value, k: usize| of[k].as_f64().unwrap();
-        assert!(end(interval, 0) <= end(stated, 1) && end(stated, 0) <= end(interval, 1), "{stated} {fresh}");
-        assert!(end(stated, 0) >= 0.9, "{stated}");
-    }
+    let fresh = &result["region"]["fresh"];
+    assert_eq!(fresh["points"], 200, "{result}");
+    let (stated, interval) = (&result["region"]["interval"], &fresh["interval"]);
+    let end = |of: &serde_json::Value, k: usize| of[k].as_f64().unwrap();
+    assert!(end(interval, 0) <= end(stated, 1) && end(stated, 0) <= end(interval, 1), "{stated} {fresh}");
+    assert!(end(stated, 0) >= 0.9, "{stated}");
     assert!(said.out.contains("stated probability holds"), "{}", said.out);
-    // Below the rate of 0.9163 and above that of 1.0601 nothing is verified, whatever the length.
-    let unsafe_combinations = result["unsafe_combinations"].as_array().unwrap();
-    assert_eq!(unsafe_combinations.len(), 2, "{result}");
-    for combination in unsafe_combinations {
-        let bound = &combination["bounds"][0];
-        let expected = if bound["below"] == true { 0.9163 } else { 1.0601 };
-        assert!((bound["limit"].as_f64().unwrap() - expected).abs() < 0.02, "{bound}");
-        assert_eq!(combination["confirmed"]["verified"], 0);
-    }
-    assert!(said.out.contains("Unsafe combinations") && said.out.contains("lag.rate below"));
     assert!(bench.read("out/report.html").contains("id=\"robustness\""));
     bench.run(&["robustness", "study.toml", "--from", "out", "--level", "1.5"]).is_mistake(&["--level"]);
     bench.run(&["robustness", "study.toml", "--from", "none"]).is_mistake(&["none holds no study"]);
@@ -244,38 +235,29 @@ fn pareto_weighs_the_criteria_against_each_other() {
     assert!(largest(&cloud["front"][0]) <= largest(&nominal["member"]) + 1e-9);
     assert!(bench.read("out/report.html").contains("id=\"pareto\""));
     assert!(bench.path("out/plots/pareto-Y-Z.svg").exists());
-    // A search does at least as well as the cloud.
-    let said = bench.run(&["pareto", "two.toml", "--generations", "15", "--population", "20", "--output", "n"]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    let found = json(&bench, "n/pareto.json");
-    assert_eq!(found["points"], 16 * 20);
-    assert!(largest(&found["front"][0]) <= largest(&cloud["front"][0]) + 1e-3, "{found}");
     assert!(said.out.contains("Best compromise"), "{}", said.out);
     bench.run(&["pareto", "two.toml", "--from", "none"]).is_mistake(&["none holds no study"]);
 }
 
 #[test]
-fn replicates_of_a_sobol_design_narrow_the_interval() {
+fn one_net_states_no_interval_and_replicates_do() {
     let bench = bench();
     let study = |design: &str| {
         let text = STUDY.replace("points = 60", &format!("points = 512\nmethod = \"{design}"));
         bench.write("sobol.toml", &text);
         bench.run(&["verify", "sobol.toml", "--output", "s"])
     };
-    let width = || {
-        let summary = json(&bench, "s/summary.json");
-        let end = |k: usize| summary["verified_interval"][k].as_f64().unwrap();
-        let share = summary["verified_fraction"].as_f64().unwrap();
-        // The rate lies within 0.9163 .. 1.0601 of a normal distribution of 1 +- 0.1.
-        assert!((share - 0.5248).abs() < 0.02 && end(0) < share && share < end(1));
-        end(1) - end(0)
-    };
     assert_eq!(study("sobol\"").code, 0);
-    let wilson = width();
-    assert!(bench.read("s/report.html").contains("takes the points as independent"));
-    assert_eq!(study("sobol\"\nreplicates = 16").code, 0);
-    assert!(width() < 0.7 * wilson);
     let summary = json(&bench, "s/summary.json");
+    assert!(summary["verified_interval"].is_null(), "{summary}");
+    assert!(summary["conclusion"]["other_verdict_interval"].is_null(), "{summary}");
+    assert!(summary["interval_method"].as_str().unwrap().contains("depend on each other"), "{summary}");
+    assert_eq!(study("sobol\"\nreplicates = 16").code, 0);
+    let summary = json(&bench, "s/summary.json");
+    let end = |k: usize| summary["verified_interval"][k].as_f64().unwrap();
+    let share = summary["verified_fraction"].as_f64().unwrap();
+    // The rate lies within 0.9163 .. 1.0601 of a normal distribution of 1 +- 0.1.
+    assert!((share - 0.5248).abs() < 0.02 && end(0) < share && share < end(1));
     let y = &summary["criteria"]["Y"];
     assert_eq!((&y["binds"], &summary["points"]), (&512.into(), &512.into()));
     assert_eq!(y["only_failure"], 512 - summary["verified"].as_u64().unwrap());
@@ -364,7 +346,7 @@ fn synchronise_takes_values_as_they_are_where_the_model_has_no_unit() {
     assert_eq!(said.code, 0, "{}", said.err);
     for line in [
         "signals.y: the model has no unit, so the values are those in `degC`, as they are",
-        "measured.csv: the time has no unit and is read as s: 19.99 s long",
+        "measured.csv: time: `t`, which has no unit and is read as s, 0 .. 19.99 s",
         "y: the rows' noise alone (",
     ] {
         assert!(said.out.contains(line), "{line}: {}", said.out);
@@ -394,7 +376,8 @@ fn synchronise_writes_a_case() {
     run(&[]).is_mistake(&["settings.toml", "nothing drives the model", "variable = "]);
     let driven = SETTINGS
         .replace("speed = { ", "lag = \"2 ms\"\nspeed = { variable = \"drive.speed\", ")
-        .replace("accuracy = \"1 %\", group", "accuracy = \"1 %\", tolerance = \"15 N\", group");
+        .replace("accuracy = \"1 %\", group", "accuracy = \"1 %\", tolerance = \"15 N\", drop = [\"spikes\"], group")
+        .replace("accuracy = 0.01 }", "accuracy = 0.01, drop = [\"spikes\"] }");
     bench.write("settings.toml", &driven);
     let said = run(&["--held-out"]);
     assert_eq!(said.code, 0, "{}", said.err);
@@ -441,22 +424,11 @@ fn mistakes_of_a_recording_are_named() {
     say("\"25 mm\"", "\"-25 mm\"").is_mistake(&["diameter must be positive"]);
 }
 
-/// Time stamps, units below the header, decimal commas, and no unit in the settings.
+/// Units in the header, and none in the settings; what a logger writes otherwise is for `convert`.
 #[test]
-fn a_recording_as_loggers_write_it() {
+fn units_of_a_recording_stand_in_its_header() {
     let bench = Bench::empty();
-    let mut text = String::from("t;F;M;T\n;kN;N.m;degC\n");
-    for row in recording().lines().skip(1) {
-        let cells: Vec<&str> = row.split(',').collect();
-        let k: u32 = cells[0].parse().unwrap();
-        let rest = cells[1..].join(";").replace('.', ",");
-        let (second, part) = (50 + k / 1000, k % 1000);
-        let (minute, second) = (59 + second / 60, second % 60);
-        let (hour, minute) = (23 + minute / 60, minute % 60);
-        let (day, hour) = (21 + hour / 24, hour % 24);
-        text += &format!("2026-11-{day}T{hour:02}:{minute:02}:{second:02}.{part:03}+01:00;{rest}\n");
-    }
-    bench.write("measured.csv", &text);
+    bench.write("measured.csv", &recording().replacen("t,F,M,T", "t [ms],F [kN],M [N.m],T [degC]", 1));
     let settings = SETTINGS.replace(", unit = \"ms\"", "").replace(" unit = \"kN\",", "");
     bench.write("settings.toml", &settings.replace(" unit = \"degC\",", ""));
     let run = ["synchronise", "measured.csv", "--settings", "settings.toml", "--output", "m"];
@@ -466,11 +438,12 @@ fn a_recording_as_loggers_write_it() {
     assert!(text.contains("torque shifted by 12.30"), "{text}");
     assert!(text.contains("nominal = 750") && text.contains("unit = \"degC\""), "{text}");
     bench.write("settings.toml", &SETTINGS.replace("\"kN\"", "\"N\""));
-    bench.run(&run).is_mistake(&["measured.csv: column `F` is in `kN`", "say `N`"]);
+    bench.run(&run).is_mistake(&["measured.csv: column `F` is in `kN`", "`unit` says `N`"]);
+    bench.write("measured.csv", &recording().replacen("\n", "\n;kN;N.m;degC\n", 1));
+    bench.run(&run).is_mistake(&["measured.csv", "convert"]);
 }
 
-/// Any signals, from two loggers that share nothing: a preamble in Windows' letters, decimal commas, time stamps, volts,
-/// units in names. The case runs as it is written.
+/// Any signals, from two loggers that share nothing: other times, volts, units in names. The case runs as it is written.
 #[test]
 fn two_files_of_any_signals_become_a_case_that_runs() {
     let bench = Bench::new();
@@ -483,21 +456,15 @@ fn two_files_of_any_signals_become_a_case_that_runs() {
         let y = 2.0 * (1.0 - (-if (1500..1540).contains(&k) { 1.5 } else { t }).exp());
         fast += &format!("{k},{},{y}\n", 1.0 + 0.01 * noise);
     }
-    fast += "end of record,,\n";
     bench.write("fast.csv", &fast);
-    let mut slow = "Pr\u{fc}fer;Meier\nKanal;7\n\nZeit;T\n;\u{b0}C\n".to_owned();
+    let mut slow = "Zeit [s],T [\u{b0}C]\n".to_owned();
     for k in 0..20_u32 {
-        let (second, part) = (7 + k / 10, k % 10);
-        slow += &format!(
-            "22.11.2026 13:15:{second:02},{part};{}\n",
-            format!("{:.3}", 20.0 + 0.01 * f64::from(k)).replace('.', ",")
-        );
+        slow += &format!("{},{:.3}\n", 0.1 * f64::from(k), 20.0 + 0.01 * f64::from(k));
     }
-    let latin: Vec<u8> = slow.chars().map(|c| u8::try_from(u32::from(c)).unwrap()).collect();
-    std::fs::write(bench.path("slow.txt"), latin).unwrap();
+    bench.write("slow.csv", &slow);
     let settings = r#"
 [[files]]
-time = { column = "t", offset = "22.11.2026 13:15:07" }
+time = { column = "t" }
 [[files]]
 time = { column = "Zeit" }
 [signals]
@@ -507,13 +474,13 @@ T = { column = "T", variable = "lag.temperature", accuracy = "0.5 degC", toleran
 "drive.u" = { column = "u", accuracy = 0.01 }
 "#;
     bench.write("settings.toml", settings);
-    let run = ["synchronise", "fast.csv", "slow.txt", "--settings", "settings.toml", "--case", "idle", "--output", "m"];
+    let run = ["synchronise", "fast.csv", "slow.csv", "--settings", "settings.toml", "--case", "idle", "--output", "m"];
     let said = bench.run(&run);
     assert_eq!(said.code, 0, "{}", said.err);
     for line in [
         "# case.csv, Y: 2000 rows, 2000 used.",
         "# case-2.csv, T: 20 rows, 20 used.",
-        "fast.csv: line 2002 holds no number and was left out",
+        "slow.csv: time: `Zeit`, 0 .. 1.9 s",
         "2000 used for a line with 2 corners",
     ] {
         assert!(said.out.contains(line), "{line}: {}", said.out);
@@ -547,7 +514,7 @@ T = { column = "T", variable = "lag.temperature", accuracy = "0.5 degC", toleran
     let start = |text: &str| {
         say("\n[[files]]\ntime = { column = \"t\"", &format!("\nstart = {text}\n[[files]]\ntime = {{ column = \"t\""))
     };
-    for text in ["0.5", "\"500 ms\"", "\"22.11.2026 13:15:07,5\""] {
+    for text in ["0.5", "\"500 ms\""] {
         let said = start(text);
         for line in [
             "# The model starts at 0.5 s of the recording.",
@@ -574,32 +541,33 @@ T = { column = "T", variable = "lag.temperature", accuracy = "0.5 degC", toleran
     for offset in ["1.8", "\"1.8 K\"", "\"3.24 degF\""] {
         assert!((shifted(offset) - 1.8).abs() < 0.01, "{offset}");
     }
-    say("offset = \"22.11.2026 13:15:07\"", "offset = \"soon\"").is_mistake(&["settings.toml", "offset", "`soon`"]);
+    say("column = \"t\"", "column = \"t\", offset = \"soon\"").is_mistake(&["settings.toml", "line 3", "`soon`"]);
     say("column = \"U_y\"", "column = \"U_z\"").is_mistake(&[
         "fast.csv",
         "no column `U_z`",
         "did you mean",
-        "it has t [ms], u [-], U_y (V); slow.txt has Zeit, T",
+        "it has t [ms], u [-], U_y (V); slow.csv has Zeit [s], T [\u{b0}C]",
     ]);
     say("variable = \"lag.y\",", "").is_mistake(&["settings.toml", "signals.Y", "`variable` is missing"]);
     say("[[files]]", "[[files]]\n[[files]]").is_mistake(&["settings.toml", "files: 4", "2 given"]);
-    say("time = { column = \"Zeit\" }", "header = 9\ntime = { column = \"Zeit\" }").is_mistake(&["slow.txt", "line 9"]);
     bench.write("settings.toml", settings);
+    bench.write("fast.csv", &(fast.clone() + "end of record,,\n"));
+    bench.run(&run).is_mistake(&["fast.csv: line 2002: `end of record` in column `t` is no number", "missing = ["]);
     std::fs::write(bench.path("x.mf4"), b"MDF     4.10").unwrap();
-    bench.run(&["synchronise", "x.mf4", "--settings", "settings.toml"]).is_mistake(&["settings.toml", "files: 2"]);
+    bench.run(&["synchronise", "x.mf4", "--settings", "settings.toml"]).is_mistake(&["settings.toml: files: 2"]);
     bench.write(
         "settings.toml",
         settings.split("[signals]").last().map(|rest| format!("[signals]{rest}")).unwrap().as_str(),
     );
     bench
         .run(&["synchronise", "x.mf4", "--settings", "settings.toml"])
-        .is_mistake(&["x.mf4: no text, but mf4", "python -m fmu_orchestrator convert x.mf4"]);
+        .is_mistake(&["x.mf4: not a plain table", "python -m fmu_orchestrator convert \"x.mf4\""]);
 }
 
 #[test]
 fn of_many_points_an_even_choice_and_the_best_are_read() {
     let bench = bench();
-    let run = ["verify", "study.toml", "--points", "1900", "--in-process", "--output", "out"];
+    let run = ["verify", "study.toml", "--points", "1900", "--isolation", "none", "--output", "out"];
     assert_eq!(bench.run(&run).code, 0);
     let folder = bench.path("out");
     let (_, all) = read_some(&folder, u64::MAX).unwrap();

@@ -92,7 +92,7 @@ fn column(table: &[(String, Vec<String>)], name: &str) -> Vec<String> {
 /// processes; and each is verified when it is in all of them.
 #[test]
 fn two_cases_are_two_studies() {
-    for isolation in ["fresh", "audited", "reuse"] {
+    for isolation in ["fresh", "shared"] {
         let bench = bench();
         let options = ["--isolation", isolation];
         verify(&bench, "cases.toml", "cases", &options);
@@ -138,12 +138,12 @@ fn two_cases_are_two_studies() {
 #[test]
 fn cases_are_separated_like_points() {
     let bench = bench();
-    verify(&bench, "cases.toml", "good", &["--in-process"]);
+    verify(&bench, "cases.toml", "good", &["--isolation", "none"]);
     bench.fmu("lag.fmu", &["DRIFT=1"], &model("Lag", "Lag"));
     verify(&bench, "cases.toml", "fresh", &[]);
     assert_eq!(bench.read("fresh/points.csv"), bench.read("good/points.csv"));
-    verify(&bench, "cases.toml", "reuse", &["--isolation", "reuse"]);
-    assert_ne!(bench.read("reuse/points.csv"), bench.read("good/points.csv"));
+    verify(&bench, "cases.toml", "shared", &["--isolation", "shared"]);
+    assert_ne!(bench.read("shared/points.csv"), bench.read("good/points.csv"));
 }
 
 #[test]

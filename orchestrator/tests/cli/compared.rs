@@ -52,7 +52,7 @@ fn compared(bench: &Bench, new: &str, more: &[&str]) -> (Said, Value) {
 #[test]
 fn the_same_study_gives_no_difference_however_it_is_run() {
     let bench = bench();
-    for more in [&["--jobs", "3"][..], &["--isolation", "fresh", "--jobs", "1"], &["--in-process"]] {
+    for more in [&["--jobs", "3"][..], &["--isolation", "fresh", "--jobs", "1"], &["--isolation", "none"]] {
         verified(&bench, "new", STUDY, more);
         let (said, file) = compared(&bench, "new", &["--strict"]);
         assert_eq!(said.code, 0, "{}{}", said.out, said.err);

@@ -376,7 +376,7 @@ window = { from = 0.5, to = "700 ms" }
 "#;
     let bench = Bench::new();
     bench.write("study.toml", &study);
-    for place in [&["--in-process"][..], &["--isolation", "fresh"]] {
+    for place in [&["--isolation", "none"][..], &["--isolation", "fresh"]] {
         let arguments = [&["verify", "study.toml", "--output", "out"], place].concat();
         let said = bench.run(&arguments);
         assert!(said.code < 2, "{}", said.err);

@@ -258,7 +258,7 @@ fn the_risk_of_a_curve_joins_that_of_numbers() {
     assert_eq!(summary["criteria"]["Y"]["row_correlation"], 1.0);
     assert!(said.out.contains("risk presumes that all measured rows of Y share one error"), "{}", said.out);
     // The same numbers whatever the processes, and after the run was interrupted.
-    for isolation in ["fresh", "reuse"] {
+    for isolation in ["fresh", "shared"] {
         bench.run(&["verify", "study.toml", "--isolation", isolation, "--output", isolation]);
         assert_eq!(bench.summary(isolation)["risk"], summary["risk"]);
     }
@@ -297,7 +297,7 @@ fn curves_of_one_recording_share_their_errors() {
     let wrong = bench(&noise.replace("correlation = 0", "correlation = 1.5"));
     wrong.run(&["verify", "study.toml", "--output", "out"]).is_mistake(&["study.toml:14:", "from 0 (noise) to 1"]);
     let guarded = bench(&format!("{UNCERTAIN}[verdict]\nshare = 0.1\nrisk = 0.05\n"));
-    guarded.run(&["verify", "study.toml", "--output", "out"]).is_mistake(&["study.toml:25:", "guard band", "curve Y"]);
+    guarded.run(&["verify", "study.toml", "--output", "out"]).is_mistake(&["study.toml:25:", "curve Y", "remove risk"]);
 }
 
 /// The model rises, so its percentiles are its values after so much of the time, on straight lines between its steps.

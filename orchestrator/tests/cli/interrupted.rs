@@ -57,11 +57,6 @@ const SCREENING: Analysis = Analysis {
     state: "sensitivity",
     files: &["sensitivity.json", "sensitivity-runs.csv"],
 };
-const PARETO: Analysis = Analysis {
-    command: &["pareto", "study.toml", "--generations", "6", "--population", "10"],
-    state: "pareto",
-    files: &["pareto.json"],
-};
 const ROBUSTNESS: Analysis = Analysis {
     command: &["robustness", "study.toml", "--from", "verified", "--confirm", "40", "--level", "0.8"],
     state: "robustness",
@@ -188,7 +183,7 @@ impl Analysis {
         let text = fs::read_to_string(path).unwrap_or_default();
         let points = text.lines().filter(|line| {
             let words: Vec<&str> = line.split(' ').take(3).collect();
-            matches!(words[..], [_, _, "ok" | "forked" | "used" | "failed"])
+            matches!(words[..], [_, _, "ok" | "failed"])
         });
         points.count() as u64
     }
@@ -275,7 +270,7 @@ fn an_analysis_of_one_set_of_points_goes_on() {
 
 #[test]
 fn a_search_goes_on() {
-    PARETO.stop_and_resume(2, &BOTH);
+    IDENTIFICATION.stop_and_resume(2, &BOTH);
 }
 
 #[test]
@@ -311,7 +306,7 @@ fn cross_validation_goes_on_from_a_fit_and_predicts_each_case_from_the_others() 
 #[test]
 #[ignore = "takes minutes: cargo test --workspace --test cli interrupted -- --ignored --nocapture"]
 fn every_analysis_goes_on_from_twenty_moments() {
-    for analysis in [SENSITIVITY, SCREENING, PARETO, ROBUSTNESS, RARE, IDENTIFICATION, POSTERIOR, CROSS_VALIDATION] {
+    for analysis in [SENSITIVITY, SCREENING, ROBUSTNESS, RARE, IDENTIFICATION, POSTERIOR, CROSS_VALIDATION] {
         for signal in BOTH {
             analysis.stop_and_resume(20, &[signal]);
         }
@@ -364,7 +359,7 @@ fn kill_and_resume(bench: &Bench, command: &[&str], journal: &str, files: &[&str
     let noted = |folder: &str| {
         let text = fs::read_to_string(bench.path(&format!("{folder}/{journal}"))).unwrap_or_default();
         let word = |line: &str| line.split(' ').nth(2).map(str::to_owned);
-        let done = ["ok", "forked", "used", "failed"];
+        let done = ["ok", "failed"];
         text.lines().filter(|line| word(line).is_some_and(|word| done.contains(&&*word))).count() as u64
     };
     let begun = bench.path("begun");
@@ -434,10 +429,8 @@ fn a_hundred_kills_with_one_two_and_five_workers_cost_a_batch_a_worker_at_most()
         let number = jobs.to_string();
         for (command, journal, files) in commands {
             let command = [command, &["--jobs", &number]].concat();
-            kill_and_resume(&bench, &command, journal, files, KILLS);
-            // Where each point has an instance of its own, these count the points that were computed.
-            let fresh = [&command[..], &["--isolation", "fresh"]].concat();
-            let more = kill_and_resume(&bench, &fresh, journal, files, KILLS);
+            // Each point has an instance of its own, so these count the points that were computed.
+            let more = kill_and_resume(&bench, &command, journal, files, KILLS);
             let most = KILLS * (jobs * BATCH + PROBES);
             assert!(more <= most, "{command:?}: {more}");
         }
@@ -483,7 +476,6 @@ fn shards_join_to_the_same_results() {
 fn what_has_no_parts_is_refused_with_the_reason() {
     let bench = bench();
     let shard = ["--shard", "1/2"];
-    PARETO.run(&bench, "p", &shard).is_mistake(&["--shard", "each generation depends on the one before"]);
     IDENTIFICATION.run(&bench, "i", &shard).is_mistake(&["--shard", "depends on the one before"]);
     bench
         .run(&["pareto", "study.toml", "--from", "verified", "--shard", "1/2"])
@@ -508,48 +500,4 @@ fn other_analyses_are_not_resumed_and_an_unfinished_one_is_not_overwritten() {
     for _ in 0..2 {
         assert_eq!(SENSITIVITY.run(&bench, "whole", &[]).code, 0);
     }
-}
-
-#[test]
-fn a_search_over_more_generations_goes_on_with_the_earlier_ones() {
-    let bench = bench();
-    let (whole, _) = PARETO.undisturbed(&bench);
-    let fewer = ["pareto", "study.toml", "--population", "10", "--output", "more"];
-    let said = bench.run(&[&fewer[..], &["--generations", "3"]].concat());
-    assert_eq!(said.code, 0, "{}", said.err);
-    assert_eq!(PARETO.run(&bench, "more", &["--resume"]).code, 0);
-    assert!(PARETO.results(&bench, "more") == whole);
-    // 40 of the first search with its nominal design, and the 30 and 1 that came to it.
-    assert_eq!(PARETO.noted(&bench, "more"), 41 + 31);
-}
-
-/// A folder with points of used processes, of which those after the first two of each process are wrong; and the
-/// results as they should be.
-fn spoilt(analysis: &Analysis) -> (Bench, Vec<String>) {
-    let bench = Bench::empty();
-    bench.fmu("lag.fmu", &["DRIFT=2"], &crate::support::model("", ""));
-    bench.write("study.toml", STUDY);
-    for (folder, isolation) in [("right", "fresh"), ("spoilt", "reuse")] {
-        let said = analysis.run(&bench, folder, &["--isolation", isolation]);
-        assert_eq!(said.code, 0, "{}", said.err);
-    }
-    let right = analysis.results(&bench, "right");
-    assert!(analysis.results(&bench, "spoilt") != right);
-    (bench, right)
-}
-
-#[test]
-fn points_of_used_processes_are_audited_before_an_analysis_goes_on_with_them() {
-    let (bench, right) = spoilt(&SENSITIVITY);
-    let said = SENSITIVITY.run(&bench, "spoilt", &["--resume"]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    assert!(SENSITIVITY.results(&bench, "spoilt") == right);
-}
-
-#[test]
-fn a_search_whose_earlier_points_were_wrong_finds_the_right_ones() {
-    let (bench, right) = spoilt(&PARETO);
-    let said = PARETO.run(&bench, "spoilt", &["--resume"]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    assert!(PARETO.results(&bench, "spoilt") == right);
 }

@@ -7,7 +7,6 @@ use std::path::Path;
 
 use crate::support::Bench;
 use fmu_import::Package;
-use fmu_points::Separation;
 use number_tables::Table;
 use orchestrator::judge::Judge;
 use orchestrator::results::table;
@@ -176,7 +175,7 @@ fn journal(folder: &Path) -> Attempt {
     }
     let header = lines::header(folder).map_err(text)?;
     let (mut journal, _) = Journal::resume(folder, &header).map_err(text)?;
-    journal.append(3, &Ok(vec![1.0]), Separation::New, None).map_err(text)
+    journal.append(3, &Ok(vec![1.0]), None).map_err(text)
 }
 
 fn table(bench: &Bench, path: &Path) -> Attempt {

@@ -37,7 +37,7 @@ fn searched(bench: &Bench, lines: &str, points: &str, options: &[&str]) -> Said 
         points,
         // The FMU is known to keep nothing from one point to the next.
         "--isolation",
-        "reuse",
+        "shared",
     ];
     bench.run(&[&common, options].concat())
 }

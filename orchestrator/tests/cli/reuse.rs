@@ -25,8 +25,11 @@ fn instances(macros: &[&str], description: &str) -> (usize, String) {
     bench.write("study.toml", STUDY);
     let count = bench.path("instances");
     let command = ["verify", "study.toml", "--output", "out", "--jobs", "1"];
-    let in_process =
-        bench.command(&[&command[..], &["--in-process"]].concat()).env("LAG_INSTANCES", &count).output().unwrap();
+    let in_process = bench
+        .command(&[&command[..], &["--isolation", "none"]].concat())
+        .env("LAG_INSTANCES", &count)
+        .output()
+        .unwrap();
     assert!(in_process.status.success(), "{}", String::from_utf8_lossy(&in_process.stderr));
     // One more runs the report's best point, and one the extra run with finer steps: one for ten points.
     let instances = fs::read(count).unwrap().len() - 2;

@@ -70,11 +70,10 @@ tolerance = 0.03
     let ranked = bench.run(&["sensitivity", "study.toml", "--from", "out"]);
     assert_eq!(ranked.code, 0, "{}", ranked.err);
     assert!(ranked.out.contains("drawn together"), "{}", ranked.out);
-    let one_alone: [&[&str]; 5] = [
+    let one_alone: [&[&str]; 4] = [
         &["sensitivity", "study.toml"],
         &["sensitivity", "study.toml", "--morris", "8"],
         &["sensitivity", "study.toml", "--shapley", "8"],
-        &["pareto", "study.toml", "--generations", "2"],
         &["verify", "study.toml", "--rare", "verified"],
     ];
     for command in one_alone {

@@ -167,7 +167,6 @@ fn measured_columns_become_curves() {
     bench.write("data.csv", MEASURED);
     let said = good(bench.run(&["init", "lag.fmu", "--measured", "data.csv", "--output", "study.toml"]));
     for words in [
-        "`drive.u`: it is an input",
         "`lag.yy`: the FMU has no such variable; did you mean `lag.y`?",
         "`lag.text`: it is no output",
         "`lag.micrometres`: it is the same in all rows",
@@ -183,6 +182,9 @@ fn measured_columns_become_curves() {
         assert!(study.contains(lines), "no {lines} in {study}");
     }
     assert!(!study.contains("nominal"), "{study}");
+    // What drove the rig drives the model, and varies no more.
+    let driven = "[inputs]\n\"drive.u\" = { file = \"data.csv\", time = \"time\", column = \"drive.u\"";
+    assert!(study.contains(driven) && study.matches("drive.u").count() == 2, "{study}");
     let said = bench.run(&["verify", "study.toml", "--output", "out"]);
     assert!(said.code < 2, "{}{}", said.out, said.err);
     assert!(!said.out.contains("No measured value yet"), "{}", said.out);
@@ -199,11 +201,22 @@ fn rows_without_a_time_are_repeats() {
     bench.write("study.toml", &study);
     good(bench.run(&["verify", "study.toml"]));
     bench.write("data.csv", "lag.yy,drive.u\n1,2\n");
-    bench.run(&measured).is_mistake(&["no column is an output", "lag.yy: the FMU", "drive.u: it is an input"]);
+    bench.run(&measured).is_mistake(&["no column is an output", "lag.yy: the FMU"]);
+    bench.write("data.csv", "drive.u;lag.y\n1;0,632\n2;1,264\n");
+    let study = good(bench.run(&measured)).out;
+    let point = "name = \"row 2\"\nfixed.\"drive.u\" = \"2\"\ncriteria.\"lag.y\" = { variable = \"lag.y\", nominal = 1.264, tolerance = \"5 %\" }\n";
+    assert!(study.contains(point), "{study}");
+    bench.write("study.toml", &study);
+    let said = bench.run(&["verify", "study.toml", "--output", "points"]);
+    assert!(said.code < 2, "{}{}", said.out, said.err);
     bench.write("data.csv", "time,lag.y\n0,1\n0,2\n");
     bench.run(&measured).is_mistake(&["`time`", "times that grow"]);
-    bench.write("data.csv", "time [ms],lag.y\n0,1\n1,2\n");
-    bench.run(&measured).is_mistake(&["seconds"]);
+    bench.write("data.csv", "time [ms],lag.y\n0,1\n1500,2\n");
+    assert!(good(bench.run(&measured)).out.contains("stop = 1.5 # s"));
+    bench.write("data.csv", "time [bar],lag.y\n0,1\n1,2\n");
+    bench.run(&measured).is_mistake(&["no unit of time"]);
+    bench.write("data.csv", "time;lag.y\ns;-\n0;1\n1;2\n");
+    bench.run(&measured).is_mistake(&["a row of words", "python -m fmu_orchestrator convert"]);
 }
 
 #[test]

@@ -64,8 +64,8 @@ impl Bench {
     }
 
     /// Packs `damage.fmu`, of which each point may spoil what it leaves.
-    pub fn damage(&self, macros: &[&str]) {
-        let binary = self.compiled("damage", macros);
+    pub fn damage(&self) {
+        let binary = self.compiled("damage", &[]);
         let entries: [(&str, &[u8]); 2] =
             [("modelDescription.xml", DAMAGE.as_bytes()), ("binaries/linux64/damage.so", &binary)];
         self.zip("damage.fmu", &entries);

@@ -132,9 +132,8 @@ fn verify_gives_the_same_in_every_way() {
         bench.read(&format!("{output}/points.csv"))
     };
     let alone = run("fresh", "1", "fresh");
-    assert_eq!(run("audited", "2", "audited"), alone);
-    assert_eq!(run("reuse", "2", "reuse"), alone);
-    let summary = bench.summary("reuse");
+    assert_eq!(run("shared", "2", "shared"), alone);
+    let summary = bench.summary("shared");
     assert_eq!((&summary["points"], &summary["failed"]), (&64.into(), &0.into()));
     let mut rows = csv::Reader::from_reader(alone.as_bytes());
     let head = rows.headers().unwrap().clone();
@@ -253,12 +252,12 @@ tolerance = 2
     let bench = Bench::empty();
     bench.ticks("ticks.fmu", TICKS);
     bench.write("study.toml", study);
-    for isolation in ["fresh", "audited", "reuse"] {
+    for isolation in ["fresh", "shared"] {
         let said = bench.run(&["verify", "study.toml", "--isolation", isolation, "--output", isolation]);
         assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     }
     let points = bench.read("fresh/points.csv");
-    assert_eq!(points, bench.read("reuse/points.csv"));
+    assert_eq!(points, bench.read("shared/points.csv"));
     let smaller = study.replace("[3]", "[1]").replace("[4]", "[2]");
     let varied = smaller.replace("N = 4\n", "");
     bench.write("study.toml", &varied.replace("[parameters.period]", "[parameters.N]"));

@@ -107,10 +107,10 @@ fn the_risk_sets_the_guard_band() {
     let (_, summary) = judge(&guarded, 2000);
     let band = summary["guard_band"].as_f64().unwrap();
     let share = summary["risk"]["not_conforming_given_accepted"].as_f64().unwrap();
-    assert!(band > 0.0 && share <= 0.3 && share > 0.29, "{band} {share}");
+    assert!(band > 0.0 && share <= 0.3 && share > 0.27, "{band} {share}");
     assert!(summary["accepted"].as_u64() < summary["verified"].as_u64());
     let [narrowest, widest] = [0, 1].map(|k| summary["required"]["guard_bands"][k].as_f64().unwrap());
-    assert!(narrowest < band && band < widest, "{narrowest} {band} {widest}");
+    assert!(narrowest < band && band == widest, "{narrowest} {band} {widest}");
     let given = guarded.replace("risk = \"30 %\"", &format!("guard-band = {band}"));
     assert_eq!(judge(&given, 2000).1["accepted"], summary["accepted"]);
 }
@@ -164,8 +164,8 @@ fn a_study_ends_when_its_verdict_is_known() {
         assert!(method.contains("confidence sequence"), "{method}");
         assert!(summary["required"]["points_needed"].is_null());
     }
-    let nets = LAG.replace("monte-carlo\"", "sobol\"\nreplicates = 8");
-    assert_eq!(verify(&bench, &nets, &waiting).1["points"], 128);
+    let nets = LAG.replace("monte-carlo\"", "sobol\"\nreplicates = 16");
+    assert_eq!(verify(&bench, &nets, &waiting).1["points"], 256);
     let near = LAG.replace("\"5 %\"\n[dossier]", "\"40 %\"\n[dossier]");
     let (said, summary) = verify(&bench, &near, &["--until", "verdict", "--points", "60"]);
     assert_eq!((said.code, summary["points"].as_u64()), (3, Some(60)), "{}", said.out);
@@ -177,7 +177,7 @@ fn a_study_ends_when_its_verdict_is_known() {
 fn a_verdict_cannot_be_waited_for_where_nothing_tells_how_points_depend() {
     let bench = Bench::new();
     for (from, to, words) in [
-        ("monte-carlo", "sobol", ["until", "replicates = 8"]),
+        ("monte-carlo", "sobol", ["until", "replicates = 16"]),
         ("monte-carlo", "optimised-latin-hypercube", ["until", "this design needs all its points"]),
         ("[verdict]\nshare = \"5 %\"\n", "", ["until", "add [verdict]"]),
         ("share = \"5 %\"", "share = 0.05\nrisk = 0.1", ["until", "guard-band"]),
@@ -560,4 +560,29 @@ fn a_gain_of_nothing_is_no_uncertainty() {
     bench.write("study.toml", &zero);
     let said = bench.run(&["judge", "study.toml", "table.csv"]);
     said.is_mistake(&["study.toml:10:", "measured value of 0", "add `uncertainty`"]);
+}
+
+/// Conformance probabilities by scipy: the sum of a normal error of 0.25 and one of Student's with 2 degrees of freedom and the
+/// scale 0.1 / sqrt(3), integrated between the tolerances.
+#[test]
+fn each_accepted_point_conforms_with_the_required_probability() {
+    let bench = Bench::new();
+    let study = "fmu = \"none.fmu\"\n[design]\nmethod = \"monte-carlo\"\npoints = 4\n[criteria.T]\nvariable = \"t\"\nnominal = 82\n\
+                 tolerance = \"1 degC\"\nunit = \"degC\"\nuncertainty = \"0.5 degC\"\nnoise = \"0.1 degC\"\nrepeats = 3\n\
+                 [verdict]\nshare = \"5 %\"\npoint-risk = \"5 %\"\n";
+    bench.write("s.toml", study);
+    bench.write("t.csv", "t\n82\n82.4\n82.6\n82.9\n");
+    // 2 of 4: the interval begins at 6.8 %.
+    assert_eq!(bench.run(&["judge", "s.toml", "t.csv", "--output", "out"]).code, 0);
+    let text = bench.read("out/points.csv");
+    let mut lines = text.lines();
+    assert_eq!(lines.next(), Some("point,T,T.ok,verified,accepted,conformance,status"));
+    let expected = [("true", 0.995_619), ("true", 0.981_208), ("false", 0.925_928), ("false", 0.643_403)];
+    for (line, (accepted, probability)) in lines.zip(expected) {
+        let cells: Vec<&str> = line.split(',').collect();
+        assert_eq!(cells[4], accepted, "{line}");
+        assert!((cells[5].parse::<f64>().unwrap() - probability).abs() < 1e-4, "{line}");
+    }
+    let summary = bench.summary("out");
+    assert_eq!((&summary["accepted"], &summary["point_risk"]), (&2.into(), &0.05.into()));
 }

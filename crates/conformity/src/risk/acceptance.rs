@@ -22,7 +22,7 @@ impl Acceptance {
     }
 
     pub fn add(&mut self, guard: Guard, sample: usize, assessed: Assessed) {
-        let place = match guard.widest_passed(assessed.margin) {
+        let place = match guard.widest_passed(assessed) {
             Some(step) => {
                 if step >= self.within.len() {
                     let none = vec![Moments::default(); self.samples];
@@ -37,27 +37,26 @@ impl Acceptance {
         place[sample].add(1.0 - assessed.probability.unwrap_or(0.0));
     }
 
-    /// The points that each step accepts, from the widest guard band that accepts any.
-    fn accepted(&self) -> impl Iterator<Item = (usize, Moments)> + '_ {
-        let steps = self.within.iter().enumerate().rev();
-        let sums = steps.scan(Moments::default(), |sum, (step, moments)| {
-            sum.merge(Moments::total(moments));
-            Some((step, *sum))
-        });
-        sums.filter(|(_, sum)| sum.count > 0)
-    }
-
-    /// The least step that keeps the probability of accepted points not to conform at or below a
-    /// limit.
-    pub fn least_step(&self, limit: f64) -> Option<usize> {
-        let low = self.accepted().filter(|(_, sum)| sum.mean() <= limit);
-        low.last().map(|(step, _)| step)
-    }
-
-    /// The least probability of accepted points not to conform that any guard band comes to.
+    /// The least probability of accepted points not to conform that any guard band comes to, over these points.
     pub fn least_risk(&self) -> f64 {
-        let risks = self.accepted().map(|(_, sum)| sum.mean());
-        risks.fold(1.0, f64::min)
+        let (mut sum, mut least) = (Moments::default(), 1.0_f64);
+        for moments in self.within.iter().rev() {
+            sum.merge(Moments::total(moments));
+            if sum.count > 0 {
+                least = least.min(sum.mean());
+            }
+        }
+        least
+    }
+
+    /// The least step that keeps the probability of accepted points not to conform at or below a limit, over these points.
+    #[cfg(test)]
+    pub fn least_step(&self, limit: f64) -> Option<usize> {
+        let holds = |from: &usize| {
+            let accepted = Moments::total(&self.split(*from)[0]);
+            accepted.count > 0 && accepted.mean() <= limit
+        };
+        (0..self.within.len()).find(holds)
     }
 
     /// The accepted and the rejected points of each sample, with the guard band of a step.

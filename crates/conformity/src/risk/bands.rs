@@ -69,10 +69,13 @@ impl Accepted {
 /// A band that is enough for any population accepts no point where several criteria all lie near their limits. With
 /// many points the order begins at the band that accepts the first few of them instead; how many is fixed beforehand,
 /// and given the band, these are a sample, too.
-pub(super) fn allowed(all: &Acceptance, criteria: &[Measured], limit: f64, confidence: f64) -> Bands {
+///
+/// Without a confidence the points are no sample: any band may be the right one then, but one that is enough for any
+/// population.
+pub(super) fn allowed(all: &Acceptance, criteria: &[Measured], limit: f64, confidence: Option<f64>) -> Bands {
     let sets = sets(all, criteria);
     let factor = |step: usize| step as f64 * Guard::STEP;
-    let too_little = |set: &&Accepted| set.interval(confidence)[0] > limit;
+    let too_little = |set: &&Accepted| confidence.is_some_and(|confidence| set.interval(confidence)[0] > limit);
     let first = sets.iter().rev().find(|set| !too_little(set));
     let enough = enough(&sets, limit, confidence);
     let none = || vec![0; all.samples];
@@ -88,7 +91,7 @@ pub(super) fn allowed(all: &Acceptance, criteria: &[Measured], limit: f64, confi
 }
 
 /// The narrowest band of which the sample shows that it is enough, with the points that it accepts.
-fn enough(sets: &[Accepted], limit: f64, confidence: f64) -> Option<(usize, &Accepted)> {
+fn enough(sets: &[Accepted], limit: f64, confidence: Option<f64>) -> Option<(usize, &Accepted)> {
     // Of so many points those that a sample may have missed count little beside the limit.
     const FIRST: f64 = 10.0;
     let first = (FIRST / limit).ceil() as u64;
@@ -103,7 +106,7 @@ fn enough(sets: &[Accepted], limit: f64, confidence: f64) -> Option<(usize, &Acc
             if many && set.count() < first {
                 continue;
             }
-            if set.interval(confidence)[1] > limit {
+            if confidence.is_none_or(|confidence| set.interval(confidence)[1] > limit) {
                 break;
             }
         }

@@ -70,7 +70,9 @@ impl Population {
             let place = (i as f64 + 0.5) / POINTS as f64;
             tally.add(&self.draw(&mut random, Some(place)));
         }
-        tally.sum.statement().accepted as f64 / POINTS as f64
+        // Both ends are near the right band.
+        let Bands { accepted_at_least, accepted_at_most, .. } = tally.sum.statement().bands;
+        (accepted_at_least[0] + accepted_at_most[0]) as f64 / (2 * POINTS) as f64
     }
 }
 
@@ -112,7 +114,9 @@ fn wrong(population: &Population, studies: u32, nets: usize, numbers: &[usize]) 
                 let wrong = [Decision::NotVerified, Decision::Verified][k];
                 let points = points as u64;
                 let by_bands = looks.decide_by_bands(rule(share), &statement.bands, points);
-                let as_given = looks.decide(rule(share), &statement.accepted_by_sample, points);
+                let least = tally.sum.all.least_step(population.risk).unwrap_or(usize::MAX);
+                let accepted: Vec<u64> = tally.sum.all.split(least)[0].iter().map(|part| part.count).collect();
+                let as_given = looks.decide(rule(share), &accepted, points);
                 ever[0][k] |= by_bands == wrong;
                 ever[1][k] |= as_given == wrong;
             }
@@ -173,6 +177,49 @@ fn guard_bands_from_the_same_points_decide_rightly_whatever_the_population() {
             println!("{population:?} {nets} {numbers:?}: {by_bands:?}, as given {as_given:?}");
             assert!(by_bands.iter().all(|&n| n <= STUDIES / 20), "{by_bands:?}");
         }
+    }
+}
+
+/// The probability that a point does not conform that a band of a study accepts, over the whole population, is above the limit
+/// in so many studies: of the band that the study finds, and of the least one that its own points allow.
+fn exceeded(population: &Population, studies: u32, nets: usize) -> [u32; 2] {
+    let measurement = population.measurement();
+    let mut random = StdRng::seed_from_u64(7);
+    let all: Vec<Assessed> = (0..20_000)
+        .map(|i| measurement.assess(&population.draw(&mut random, Some((f64::from(i) + 0.5) / 20_000.0))).all)
+        .collect();
+    let risk_of = |factor: f64| {
+        let accepted = all.iter().filter(|point| point.margin >= factor);
+        let [count, wrong] = accepted.fold([0.0, 0.0], |[n, sum], p| [n + 1.0, sum + 1.0 - p.probability.unwrap()]);
+        if count > 0.0 { wrong / count } else { 0.0 }
+    };
+    let mut exceeded = [0; 2];
+    for _ in 0..studies {
+        let mut tally = population.tally(&measurement, nets as u64);
+        let shifts: Vec<f64> = (0..nets).map(|_| random.random()).collect();
+        for i in 0..population.points {
+            let place = (nets > 1).then(|| (in_net(i / nets) + shifts[i % nets]).fract());
+            tally.add(&population.draw(&mut random, place));
+        }
+        let least = tally.sum.all.least_step(population.risk).map(|step| step as f64 * Guard::STEP);
+        for (sum, band) in exceeded.iter_mut().zip([tally.sum.statement().guard, least]) {
+            // What 20,000 points do not tell apart is no excess.
+            *sum += u32::from(band.is_some_and(|factor| risk_of(factor) > 1.01 * population.risk));
+        }
+    }
+    exceeded
+}
+
+/// The least band of the same points exceeds its limit in every other study.
+#[test]
+fn the_band_of_a_study_keeps_its_limit() {
+    const STUDIES: u32 = 200;
+    for (population, nets) in
+        [(population(Shape::Normal(0.5), 0.3, 0.04, 200), 1), (population(Shape::Peaks(0.5), 0.2, 0.05, 128), 8)]
+    {
+        let [found, least] = exceeded(&population, STUDIES, nets);
+        assert!(found <= STUDIES / 20, "{population:?} {nets}: {found}");
+        assert!(least > STUDIES / 5, "{population:?} {nets}: {least}");
     }
 }
 

@@ -145,10 +145,12 @@ fn the_least_guard_band_that_limits_the_risk_is_found() {
             let accepted = between((-half - offset) / s, (half - offset) / s);
             case.exact(guard)[0] / accepted
         };
-        assert!(share(guard) < limit + 1e-4, "{guard}");
-        assert!(share(guard - 0.002) > limit - 1e-4, "{guard}");
-        let stated = statement.all.unwrap().not_conforming_given_accepted.unwrap();
-        assert!(stated <= limit && stated > limit - 1e-3, "{stated}");
+        // Of so many points the band that is shown to be enough is hardly wider than the right one.
+        assert!(share(guard) < limit + 1e-3, "{guard}");
+        assert!(share(guard - 0.03) > limit, "{guard}");
+        let risk = statement.all.unwrap();
+        let [_, high] = risk.intervals.unwrap().not_conforming_given_accepted;
+        assert!((high - limit).abs() < 2e-3, "{high}");
     }
     let wide = quantiles(case, Guard::Limiting { risk: 0.5 }, 1000);
     assert_eq!(wide.guard, Some(0.0));
@@ -203,12 +205,32 @@ fn a_guard_band_as_wide_as_the_tolerance_decides_nothing() {
 
 #[test]
 fn points_that_are_no_sample_have_no_intervals() {
-    let statement = three_points(Guard::Given(0.0), &[0.1, 1.5]);
+    let points = |guard: Guard| {
+        let measured = Measured::within(0.0, 1.0, Some(Uncertainty::normal(0.5, 2.0).law(0.0)));
+        let measurement = Measurement::new(vec![measured], &[]).unwrap();
+        let mut tally = RiskTally::new(&measurement, guard, 1);
+        [0.1, 0.3, 0.8, 1.5].iter().for_each(|value| tally.add(Some(&measurement.assess(&[*value]))));
+        [tally.statement(), tally.statement_of_no_sample()]
+    };
+    // 5 % fail at 1.645 standard uncertainties of 0.25 within the limit, at 0.589; a wider band accepts the same points.
+    let [_, sure] = points(Guard::Limiting { risk: 0.05 });
+    assert!(sure.guard.unwrap() >= 1.644_853_6 / 2.0 && sure.accepted == 2, "{sure:?}");
+    let [statement, grid] = points(Guard::Given(0.0));
     assert!(statement.all.clone().unwrap().intervals.is_some());
-    let grid = statement.clone().without_intervals();
     assert!(grid.all.unwrap().intervals.is_none());
     assert!(grid.criteria[0].clone().unwrap().intervals.is_none());
     assert_eq!(grid.accepted, statement.accepted);
+}
+
+/// ISO 14253-1 asks for 95 % at each point: one standard uncertainty of 0.25 within a limit conform 84 %, two 97.7 %.
+#[test]
+fn each_point_has_to_conform_with_the_required_probability() {
+    let statement = three_points(Guard::EachPoint { risk: 0.05 }, &[0.0, 0.5, 0.75, 0.58, 0.6, 1.5]);
+    assert_eq!((statement.accepted, statement.unfit, statement.guard), (3, None, Some(0.0)));
+    assert!(statement.all.unwrap().not_conforming_given_accepted.unwrap() < 0.05);
+    // At the measured value itself 0.0063 % fail.
+    let none = three_points(Guard::EachPoint { risk: 5e-5 }, &[0.0, 0.5]);
+    assert_eq!((none.accepted, none.unfit), (0, Some(Unfit::Point { limit: 5e-5 })));
 }
 
 /// Model values of two criteria, independent; their measured values' errors correlated. All four
@@ -310,16 +332,12 @@ fn samples_of_a_design_are_told_apart() {
     };
     let (one, many) = (tally(1), tally(16));
     assert!((one.consumer - many.consumer).abs() < 1e-12);
-    let width = |risk: &Risk| {
-        let [low, high] = risk.intervals.unwrap().consumer;
-        high - low
-    };
-    assert!(width(&many) < 0.1 * width(&one), "{one:?} {many:?}");
-    let width = |risk: &Risk| {
-        let [low, high] = risk.intervals.unwrap().not_conforming_given_accepted;
-        high - low
-    };
-    assert!(width(&many) < 0.2 * width(&one), "{one:?} {many:?}");
+    // Nets that agree are no worse than their points as independent ones; their scatter alone would promise too much.
+    let [narrow, wide] = [&one, &many].map(|risk| {
+        let intervals = risk.intervals.unwrap();
+        [intervals.consumer, intervals.not_conforming_given_accepted].map(|[low, high]| high - low)
+    });
+    assert!((0..2).all(|k| wide[k] > narrow[k]), "{one:?} {many:?}");
 }
 
 /// The global risks over a normal population N(84, 0.6) with simple acceptance.

@@ -71,8 +71,14 @@ fn compare(study: &Study, guard: Guard, differences: &mut [[Differences; 4]; 3])
     let assessed: Vec<Conformity> = study.points.iter().map(|p| study.measurement.assess(p)).collect();
     assessed.iter().for_each(|point| tally.add(Some(point)));
     // A whole statement has intervals, too, and takes thirty times as long.
-    let (factor, from) = tally.guard_band();
-    let factor = factor.unwrap_or(f64::INFINITY);
+    let from = match guard {
+        Guard::Limiting { risk } => tally.all.least_step(risk).unwrap_or(usize::MAX),
+        _ => 0,
+    };
+    let factor = match guard {
+        Guard::Given(factor) => factor,
+        _ => from as f64 * Guard::STEP,
+    };
     let stated = [&tally.criteria[0], &tally.criteria[1], &tally.all];
     let mut accepted_wrongly = [0.0, 0.0];
     for (k, (stated, differences)) in stated.into_iter().zip(differences).enumerate() {

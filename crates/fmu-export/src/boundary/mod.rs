@@ -7,7 +7,7 @@
 //! - `calls`: makes C functions of a version's table of them;
 //! - `description`, with `describe` and `xml`: the model descriptions of all versions.
 //!
-//! An instance owns all its data and the boundary has no globals, so any number of instances can run in any number of
+//! An instance owns all its data and the only global is the description's fingerprint, so any number of instances can run in any number of
 //! threads. A second call to an instance that is at work is refused.
 
 pub mod calls;

@@ -4,7 +4,7 @@ use std::io;
 use std::os::fd::OwnedFd;
 
 /// Signals that a keeper ignores, and those whose handlers are Rust's.
-const CHANGED: [i32; 11] = [
+const CHANGED: [i32; 12] = [
     libc::SIGTERM,
     libc::SIGINT,
     libc::SIGHUP,
@@ -14,6 +14,7 @@ const CHANGED: [i32; 11] = [
     libc::SIGUSR2,
     libc::SIGVTALRM,
     libc::SIGPROF,
+    libc::SIGXFSZ,
     libc::SIGSEGV,
     libc::SIGBUS,
 ];

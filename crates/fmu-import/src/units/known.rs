@@ -1,6 +1,6 @@
 //! Units that people and loggers write, whether an FMU defines them or not.
 
-use super::{Conversion, plain};
+use super::{BaseUnit, Conversion, plain};
 
 type Exponents = [i32; 8];
 
@@ -64,6 +64,10 @@ const KNOWN: &[(&str, Exponents, f64, f64)] = &[
     ("mN.m mNm", TORQUE, 1e-3, 0.0),
     ("N.cm Ncm", TORQUE, 1e-2, 0.0),
     ("kN.m kNm", TORQUE, 1e3, 0.0),
+    // An energy has the base units of a torque.
+    ("J", TORQUE, 1.0, 0.0),
+    ("kJ", TORQUE, 1e3, 0.0),
+    ("kWh", TORQUE, 3.6e6, 0.0),
     ("Pa", PRESSURE, 1.0, 0.0),
     ("hPa mbar", PRESSURE, 1e2, 0.0),
     ("kPa", PRESSURE, 1e3, 0.0),
@@ -103,12 +107,16 @@ pub fn usual(name: &str) -> Option<&'static str> {
     named(name).last().map(|(names, ..)| first(names))
 }
 
+/// What a name means in SI base units: nothing, one thing, or several of different kinds.
+pub(super) fn meanings(name: &str) -> impl Iterator<Item = BaseUnit> {
+    named(name).map(|&(_, exponents, factor, offset)| BaseUnit { exponents, to_base: Conversion { factor, offset } })
+}
+
 /// How values in one unit become values in another one of the same kind, by their names alone.
 pub fn between(from: &str, to: &str) -> Option<Conversion> {
-    let pairs = named(from).flat_map(|a| named(to).map(move |b| (a, b)));
-    let mut alike = pairs.filter(|((_, a, ..), (_, b, ..))| a == b);
-    let way = |&(_, _, factor, offset)| Conversion { factor, offset };
-    alike.next().map(|(from, to)| way(from).then(way(to).inverse()))
+    let pairs = meanings(from).flat_map(|a| meanings(to).map(move |b| (a, b)));
+    let mut alike = pairs.filter(|(a, b)| a.exponents == b.exponents);
+    alike.next().map(|(from, to)| from.to_base.then(to.to_base.inverse()))
 }
 
 /// The usual names of all units of a unit's kind.

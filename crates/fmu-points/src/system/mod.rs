@@ -17,6 +17,15 @@ pub fn share_of_memory(workers: usize) -> u64 {
     memory_of_machine().map_or(UNKNOWN, |bytes| bytes / 5 * 4) / workers.max(1) as u64
 }
 
+/// Lets a file that grows beyond the user's limit (`ulimit -f`) be an error of writing it, and not the end of this process.
+pub fn survive_large_files() {
+    #[cfg(unix)]
+    // SAFETY: the signal then has no effect; no handler is involved.
+    unsafe {
+        libc::signal(libc::SIGXFSZ, libc::SIG_IGN)
+    };
+}
+
 /// Gives large blocks of memory back to the system when they are freed. Without this, the GNU C library keeps blocks as large as
 /// the largest one freed so far: a program that reads long recordings would hold on to half as much again as it needs.
 pub fn give_back_memory() {

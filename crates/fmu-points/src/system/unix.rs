@@ -3,7 +3,7 @@
 use std::fs::{self, File};
 use std::io;
 use std::os::fd::{AsFd, OwnedFd};
-use std::os::unix::fs::MetadataExt;
+use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{ChildStdout, Command, ExitStatus};
@@ -95,6 +95,18 @@ pub(crate) fn is_mine(folder: &fs::Metadata) -> bool {
     folder.is_dir() && folder.uid() == user() && folder.mode() & 0o022 == 0
 }
 
+/// Makes a folder into which nobody else can look.
+pub(crate) fn make_private(folder: &Path) -> io::Result<()> {
+    fs::DirBuilder::new().mode(0o700).create(folder)
+}
+
+/// Whether a path is that of an open file.
+pub(crate) fn is_that_file(file: &File, path: &Path) -> bool {
+    let place = |of: fs::Metadata| (of.dev(), of.ino());
+    let pair = file.metadata().ok().zip(fs::metadata(path).ok());
+    pair.is_some_and(|(open, named)| place(open) == place(named))
+}
+
 /// Sets a handler of signals, and leaves a hangup ignored where it was before, as by `nohup`.
 pub(crate) fn without_hangup(set: impl FnOnce()) {
     // SAFETY: zeroes are a valid value of this plain struct, which the call fills.
@@ -116,6 +128,38 @@ pub fn memory_of_machine() -> Option<u64> {
     let line = text.lines().find_map(|l| l.strip_prefix("MemTotal:"))?;
     let kibibytes = line.trim().strip_suffix("kB")?.trim().parse::<u64>();
     kibibytes.ok().map(|kibibytes| kibibytes * 1024)
+}
+
+/// A port at which this process waits for others. None of the program's own descriptors does.
+pub(crate) fn held_port() -> Option<String> {
+    /// The first descriptors are those of the FMU: the program keeps its own far above. Of more files it is not looked at.
+    const DESCRIPTORS: std::ops::Range<i32> = 3..16;
+    DESCRIPTORS.into_iter().find_map(|descriptor| {
+        let is_datagram = option(descriptor, libc::SO_TYPE)? == libc::SOCK_DGRAM;
+        let waits = option(descriptor, libc::SO_ACCEPTCONN)? != 0;
+        let port = port(descriptor).filter(|&port| port != 0)?;
+        (is_datagram || waits).then(|| format!("{} port {port}", if is_datagram { "UDP" } else { "TCP" }))
+    })
+}
+
+/// An option of a socket; none where the descriptor is no socket.
+fn option(descriptor: i32, which: i32) -> Option<i32> {
+    let (mut value, mut size) = (0_i32, size_of::<i32>() as libc::socklen_t);
+    // SAFETY: writes at most `size` bytes to `value`; of a descriptor that is none the call says so.
+    let done = unsafe { libc::getsockopt(descriptor, libc::SOL_SOCKET, which, (&raw mut value).cast(), &raw mut size) };
+    (done == 0).then_some(value)
+}
+
+/// The port to which a socket of the internet is bound.
+fn port(descriptor: i32) -> Option<u16> {
+    // SAFETY: zeroes are a valid value of this plain struct.
+    let mut address: libc::sockaddr_in6 = unsafe { std::mem::zeroed() };
+    let mut size = size_of::<libc::sockaddr_in6>() as libc::socklen_t;
+    // SAFETY: writes at most `size` bytes to `address`.
+    let done = unsafe { libc::getsockname(descriptor, (&raw mut address).cast(), &raw mut size) };
+    // The port stands in the same place in both families of addresses.
+    let is_internet = [libc::AF_INET, libc::AF_INET6].contains(&i32::from(address.sin6_family));
+    (done == 0 && is_internet).then(|| u16::from_be(address.sin6_port))
 }
 
 /// Ends this process at once: the destructors of an FMU in it have no say any more.

@@ -3,7 +3,7 @@
 use std::fs::{File, Metadata};
 use std::io;
 use std::os::windows::io::{AsHandle, OwnedHandle};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::{ChildStdout, ExitStatus};
 use std::ptr::{self, NonNull};
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -28,6 +28,21 @@ pub(crate) fn adopt_orphans() {}
 /// This program. Its file cannot be replaced while it runs.
 pub(crate) fn program() -> io::Result<PathBuf> {
     std::env::current_exe()
+}
+
+/// Makes a folder: the user's own folder for temporary files is nobody else's.
+pub(crate) fn make_private(folder: &Path) -> io::Result<()> {
+    std::fs::create_dir(folder)
+}
+
+/// Whether a path is that of an open file: an open file keeps its folder.
+pub(crate) fn is_that_file(_: &File, _: &Path) -> bool {
+    true
+}
+
+/// A port at which this process waits for others: not looked for.
+pub(crate) fn held_port() -> Option<String> {
+    None
 }
 
 /// Where a worker's replies come from.

@@ -83,6 +83,23 @@ mod tests {
         }
     }
 
+    /// In the centre, too: its logarithm falls by 5/2 of the way towards the load and rises by as much away from it, over ways of
+    /// all lengths; across the load it stays.
+    #[test]
+    fn a_narrow_bearing_leaves_the_centre_as_a_short_one() {
+        let slice = SliceFamily::new(&MobilityMap::built_in().unwrap()).slice(0.02);
+        let size = |e: f64, angle: f64| {
+            let (radial, tangential) = slice.mobility(e, angle.cos(), angle.sin());
+            radial.hypot(tangential).ln()
+        };
+        for e in [1e-8, 1e-6, 1e-4] {
+            for angle in [0.0, 0.5, 1.57, -2.0, PI] {
+                let slope = (size(e, angle) - size(0.0, angle)) / e;
+                assert!((slope + 2.5 * angle.cos()).abs() < 0.04, "{e:e} {angle}: {slope}");
+            }
+        }
+    }
+
     /// Beyond the table the mobility keeps falling with the power 3/2 of the gap, so the journal cannot reach the bush.
     #[test]
     fn the_mobility_vanishes_at_the_bush() {

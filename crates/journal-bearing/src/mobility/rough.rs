@@ -9,7 +9,7 @@ use std::sync::{Arc, OnceLock};
 
 use super::coordinates::Point;
 use super::map::MapError;
-use super::table::{Along, CHANNELS, NUMBER, Node, nodes_of_row, numbers, splines_over_s};
+use super::table::{Along, CHANNELS, NUMBER, Node, level, nodes_of_row, numbers, splines_over_s};
 use crate::roughness::{NO_CONTACT, Reach};
 use crate::spline::{End, Spline, hermite, slope_of_hermite};
 
@@ -113,6 +113,8 @@ impl Corrections {
             // Even in the eccentricity ratio at the first place.
             let spline = Spline::new(SIZE[2], [End::Even, End::Free]);
             spline.slopes_of_many(SIZE[3] * CHANNELS, &values, &mut over_place);
+            // In the centre where contact reaches around the bush; else these are zero.
+            level(&mut values[..SIZE[3] * CHANNELS]);
             [values, over_place]
         })
     }

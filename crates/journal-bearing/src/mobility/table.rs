@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::coordinates::Point;
 use crate::spline::{End, Spline};
 
 /// Quantities per node: `ln |M|`, the angle by which `M` leads the load (rad), `ln` of the largest pressure over
@@ -80,9 +81,43 @@ impl Tabulated {
     pub fn row(&self, i: usize, along: &Along) -> Vec<Node> {
         let ss = self.lattice.ss;
         let (first, last) = (i * ss * CHANNELS, (i + 1) * ss * CHANNELS);
-        let values: Vec<f64> = numbers(&self.values[first * NUMBER..last * NUMBER]).collect();
-        nodes_of_row([&values, &self.over_u[first..last]], along)
+        let mut values: Vec<f64> = numbers(&self.values[first * NUMBER..last * NUMBER]).collect();
+        let over_u = &self.over_u[first..last];
+        if i > 0 {
+            return nodes_of_row([&values, over_u], along);
+        }
+        level(&mut values);
+        nodes_of_row([&values, &tilted(over_u)], along)
     }
+}
+
+/// Gives the quantities of a row in the centre one value for all directions of the load, their mean, and no lead. The tabulated
+/// ones are 1e-4 apart, which would be a slope without bound to a solver that starts there.
+pub fn level(values: &mut [f64]) {
+    for channel in 0..CHANNELS {
+        let all = || (channel..values.len()).step_by(CHANNELS);
+        let sum: f64 = all().map(|k| values[k]).sum();
+        let mean = if channel == LEAD { 0.0 } else { sum / all().count() as f64 };
+        all().for_each(|k| values[k] = mean);
+    }
+}
+
+/// Slopes over `u` in the centre as a function has them that is differentiable there: they go with the cosine of the angle from
+/// eccentricity to load, the lead's with its sine. The amplitudes are those nearest to the given slopes by least squares.
+fn tilted(slopes: &[f64]) -> Vec<f64> {
+    let last = (slopes.len() / CHANNELS - 1) as f64;
+    let wave = |k: usize| {
+        let angle = Point { u: 0.0, s: (k / CHANNELS) as f64 / last }.angle();
+        if k % CHANNELS == LEAD { angle.sin() } else { angle.cos() }
+    };
+    let mut sums = [[0.0; 2]; CHANNELS];
+    for (k, slope) in slopes.iter().enumerate() {
+        let [product, square] = &mut sums[k % CHANNELS];
+        *product += slope * wave(k);
+        *square += wave(k).powi(2);
+    }
+    let amplitudes = sums.map(|[product, square]| product / square);
+    (0..slopes.len()).map(|k| amplitudes[k % CHANNELS] * wave(k)).collect()
 }
 
 /// Splines over `s`, even and odd at both ends.

@@ -3,7 +3,6 @@
 //! The objectives are the normalised deviations of the criteria; all are minimised.
 
 mod front;
-pub mod nsga2;
 pub mod study;
 
 pub use front::{dominates, front};

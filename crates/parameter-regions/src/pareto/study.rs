@@ -9,8 +9,6 @@ use serde::{Deserialize, Serialize};
 /// The trade-off between the criteria of a study.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Pareto {
-    /// Origin of the points, for people.
-    pub method: String,
     /// Points with values that the front was chosen from.
     pub points: usize,
     /// The parameters, in the order of all lists below.
@@ -39,7 +37,7 @@ pub struct Pareto {
 /// A point of the front, or to be compared with it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Member {
-    /// The point's number in `points.csv`, if it comes from there.
+    /// The point's number in `points.csv`; the nominal design has none.
     pub point: Option<u64>,
     /// The parameters.
     pub parameters: Vec<f64>,
@@ -104,18 +102,16 @@ pub struct Conflict {
     pub correlation: f64,
 }
 
-/// The trade-off among the points of a table; `labelled` where they are those of `points.csv`.
-/// `None` where no point has values.
+/// The trade-off among the points of a study. `None` where no point has values.
 ///
 /// The best compromise is the point with the least largest deviation (Zeleny 1973, "Compromise
 /// programming", with the infinite norm): every criterion is met with as much room to spare as the
 /// worst of them can have.
-pub fn trade_off(table: &PointTable, labelled: bool, nominal: Option<Member>, method: String) -> Option<Pareto> {
+pub fn trade_off(table: &PointTable, nominal: Option<Member>) -> Option<Pareto> {
     let completed: Vec<usize> = (0..table.len()).filter(|&i| table.completed(i)).collect();
     let objectives = completed.iter().map(|&i| table.deviations(i).collect());
     let unbeaten = front(&objectives.collect::<Vec<_>>()).into_iter();
-    let member =
-        |k: usize| Member { point: labelled.then(|| table.ids[completed[k]]), ..Member::of(table, completed[k]) };
+    let member = |k: usize| Member { point: Some(table.ids[completed[k]]), ..Member::of(table, completed[k]) };
     let mut chosen: Vec<Member> = unbeaten.map(member).collect();
     chosen.sort_by(|a, b| a.largest().total_cmp(&b.largest()));
     let by_distance = |a: &usize, b: &usize| chosen[*a].distance().total_cmp(&chosen[*b].distance());
@@ -126,7 +122,6 @@ pub fn trade_off(table: &PointTable, labelled: bool, nominal: Option<Member>, me
     let conflicts = conflicts(&chosen, table.criteria.len());
     let nearest = shorten(&mut chosen, nearest);
     Some(Pareto {
-        method,
         points: completed.len(),
         parameters: table.parameters.iter().map(|p| p.name.clone()).collect(),
         units: table.parameters.iter().map(|p| p.unit.clone()).collect(),
@@ -222,7 +217,7 @@ mod tests {
     fn the_compromise_shares_the_room_and_the_nominal_design_is_compared() {
         let x: Vec<f64> = (-20..=40).map(|k| f64::from(k) / 20.0).collect();
         let nominal = Member::of(&table(&[-0.5]), 0);
-        let p = trade_off(&table(&x), true, Some(nominal), String::new()).unwrap();
+        let p = trade_off(&table(&x), Some(nominal)).unwrap();
         // Everything between the two measured values is on the front, nothing else.
         assert_eq!(p.front.len(), 21);
         // x = 2 (1 - x): both deviations are 2/3; the nearest grid point is 0.65.
@@ -242,7 +237,7 @@ mod tests {
     #[test]
     fn a_large_front_is_counted_and_its_best_points_are_kept() {
         let x: Vec<f64> = (0..=30_000).map(|k| f64::from(k) / 30_000.0).collect();
-        let p = trade_off(&table(&x), true, None, String::new()).unwrap();
+        let p = trade_off(&table(&x), None).unwrap();
         assert_eq!((p.unbeaten, p.front.len()), (30_001, MOST + usize::from(p.nearest >= MOST / 2)));
         // Verified from 0.5 on.
         assert_eq!(p.unbeaten_verified, 15_001);
@@ -267,10 +262,10 @@ mod tests {
         let mut t = table(&[0.2, 0.5]);
         t.status[0] = "failed".into();
         t.criteria.iter_mut().for_each(|c| c.values[0] = f64::NAN);
-        let p = trade_off(&t, false, None, String::new()).unwrap();
-        assert_eq!((p.points, p.front.len(), p.front[0].point), (1, 1, None));
+        let p = trade_off(&t, None).unwrap();
+        assert_eq!((p.points, p.front.len(), p.front[0].point), (1, 1, Some(2)));
         t.status[1] = "failed".into();
         t.criteria.iter_mut().for_each(|c| c.values[1] = f64::NAN);
-        assert_eq!(trade_off(&t, false, None, String::new()), None);
+        assert_eq!(trade_off(&t, None), None);
     }
 }

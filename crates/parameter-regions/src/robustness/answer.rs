@@ -4,9 +4,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::boxes::SEARCHES;
-use super::combinations::{CEILING, upper_limit};
 use super::region::Region;
 use super::{Robustness, Stand, TRUSTED};
+use conformity::interval::clopper_pearson;
+
+/// No box is seen where the surrogates give no place as high a probability as this.
+const CEILING: f64 = 0.01;
 
 /// Results of earlier versions do not have it.
 fn all() -> f64 {
@@ -75,7 +78,7 @@ impl Answer {
                 highest,
                 criterion: stand.least_met(cloud.iter()),
                 points,
-                at_most: upper_limit(0, points, 0.05),
+                at_most: clopper_pearson(0.0, points as f64, 0.9)[1],
             };
         }
         Self::NotFound { searches: SEARCHES, verified, highest }

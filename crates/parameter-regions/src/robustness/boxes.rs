@@ -9,7 +9,7 @@
 use rayon::prelude::*;
 use sampling::statistics::moments::{quantile, sorted};
 
-use super::region::{Domain, Region, Sample, Sides, within};
+use super::region::{Region, Sample, within};
 
 /// The part that is peeled off at a time.
 const PEEL: f64 = 0.03;
@@ -59,7 +59,7 @@ pub fn largest_box(sample: &Sample<'_>, level: f64) -> Option<Region> {
 
 /// A box inside another one, in which the mean probability is at least the level.
 pub fn tightened(sample: &Sample<'_>, level: f64, region: &Region) -> Option<Region> {
-    let mut limits = region.form.limits.clone();
+    let mut limits = region.limits.clone();
     peel(sample, level, &mut limits, None)?;
     Some(pasted(sample, &Scale::new(sample.points), level, limits))
 }
@@ -67,7 +67,7 @@ pub fn tightened(sample: &Sample<'_>, level: f64, region: &Region) -> Option<Reg
 fn pasted(sample: &Sample<'_>, scale: &Scale, level: f64, mut limits: Limits) -> Region {
     paste(sample, scale, level, &mut limits);
     let limits = scale.closed(&limits);
-    Domain::new(Sides { limits }, sample)
+    Region::new(limits, sample)
 }
 
 /// The parameters' sorted values: a parameter is measured by the part of the sample that lies below.

@@ -1,4 +1,4 @@
-//! How far the parameters may go: maps over pairs, the largest box and ellipsoid in which the model
+//! How far the parameters may go: maps over pairs, the largest box in which the model
 //! stays verified, and the margins of every parameter alone.
 //!
 //! From existing points, by surrogates whose cross-validated errors are stated and taken into
@@ -6,7 +6,6 @@
 
 pub mod answer;
 pub mod boxes;
-pub mod combinations;
 pub mod evidence;
 pub mod maps;
 pub mod margins;
@@ -16,8 +15,7 @@ pub mod surrogate;
 use crate::table::{CriterionColumn, PointTable};
 use evidence::Evidence;
 use rayon::prelude::*;
-use region::{Domain, Ellipsoid, Region, Sample, Shape};
-use sampling::random::{Purpose, Random};
+use region::{Region, Sample};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ContinuousCDF, Normal};
 use surrogate::{Quality, Surrogate};
@@ -33,7 +31,7 @@ pub struct Robustness {
     pub criteria: Vec<(String, Quality)>,
     /// Maps over all pairs of parameters.
     pub maps: Vec<maps::Map>,
-    /// The verification probability that box and ellipsoid were asked to hold.
+    /// The verification probability that the box was asked to hold.
     pub level: f64,
     /// Runs beyond the study's points that the surrogates were refined with.
     #[serde(default)]
@@ -43,11 +41,6 @@ pub struct Robustness {
     pub answer: answer::Answer,
     /// The largest box found.
     pub region: Option<Region>,
-    /// The largest ellipsoid found.
-    pub ellipsoid: Option<Ellipsoid>,
-    /// Regions in which hardly any point is verified.
-    #[serde(default)]
-    pub unsafe_combinations: Vec<combinations::Combination>,
     /// How far each parameter alone may move from the best point.
     pub margins: Vec<margins::Margin>,
     /// Caveats for the reader.
@@ -65,7 +58,7 @@ impl Robustness {
         self.margins.retain(|margin| !bound(&margin.parameter));
         self.maps.retain(|map| !bound(&parameters[map.x]) && !bound(&parameters[map.y]));
         self.warnings.push(format!(
-            "{} are drawn together from a sample: box, ellipsoid and unsafe combinations count its rows; there are no maps and \
+            "{} are drawn together from a sample: the box counts its rows; there are no maps and \
              no margins of these parameters, which would move one of them away from its row",
             names.join(", ")
         ));
@@ -244,14 +237,12 @@ pub fn refined(table: &PointTable, fitted: &PointTable, cloud: &[Vec<f64>], leve
         answer: answer::Answer::default(),
         region: firm(
             level,
-            |target, before: Option<&Region>| match before {
+            |target, before| match before {
                 None => boxes::largest_box(&seen, target),
                 Some(before) => boxes::tightened(&seen, target, before),
             },
             &evidence,
         ),
-        ellipsoid: firm(level, |target, _| region::largest_ellipsoid(&seen, target), &evidence),
-        unsafe_combinations: unsafe_combinations(table, &only(fitted), &cloud),
         margins: margins::margins(table, &stand, &inputs[best]),
         warnings: vec![],
     };
@@ -270,25 +261,6 @@ pub fn refined(table: &PointTable, fitted: &PointTable, cloud: &[Vec<f64>], leve
     Some(result)
 }
 
-/// The unsafe combinations by surrogates of one half of the points (and of those fitted beside them), judged by the other;
-/// none where a half is too small for surrogates.
-fn unsafe_combinations(table: &PointTable, fitted: &PointTable, cloud: &[Vec<f64>]) -> Vec<combinations::Combination> {
-    // At random: the points of a net take turns in the halves of the space.
-    let mut random = Random::new(1, Purpose::Resample, 0);
-    let order = random.choice(table.len(), table.len());
-    let (chosen, judging) = order.split_at(table.len() / 2);
-    let further = table.len()..fitted.len();
-    let known: Vec<usize> = chosen.iter().copied().chain(further).collect();
-    let Some(stand) = Stand::fit(&fitted.subset(&known)) else {
-        return Vec::new();
-    };
-    let inputs = rows(table);
-    let judges: Vec<(&Vec<f64>, bool)> = (judging.iter()).map(|&i| (&inputs[i], table.verified[i])).collect();
-    let verdicts: Vec<f64> = cloud.par_iter().map(|x| stand.probability(x)).collect();
-    let sample = Sample { points: cloud, verdicts: &verdicts };
-    combinations::combinations(&stand, &sample, &judges)
-}
-
 /// Warns of failed points: the surrogates are fitted to the others.
 fn unseen_failures(table: &PointTable, inputs: &[Vec<f64>], region: Option<&Region>) -> Option<String> {
     let failed = (0..table.len()).filter(|&i| !table.completed(i));
@@ -301,9 +273,8 @@ fn unseen_failures(table: &PointTable, inputs: &[Vec<f64>], region: Option<&Regi
         format!("; {inside} of them lie in the box")
     });
     Some(format!(
-        "{} of {} points failed{inside}. The surrogates do not know where the model fails: maps, margins and unsafe \
-         combinations are those of a model that has values everywhere. What is stated of box and ellipsoid counts failed \
-         points as not verified, and so does --confirm",
+        "{} of {} points failed{inside}. The surrogates do not know where the model fails: maps and margins are those of \
+         a model that has values everywhere. What is stated of the box counts failed points as not verified, and so does --confirm",
         failed.len(),
         table.len(),
     ))
@@ -312,13 +283,13 @@ fn unseen_failures(table: &PointTable, inputs: &[Vec<f64>], region: Option<&Regi
 /// Searches until the lower limit of what is stated is no less than the level: where it is less, the search asks for so
 /// much more. Where no search comes to that, the first region whose probability alone is no less. It is checked against the
 /// study's own points.
-fn firm<S: Shape + Clone>(
+fn firm(
     level: f64,
-    search: impl Fn(f64, Option<&Domain<S>>) -> Option<Domain<S>>,
+    search: impl Fn(f64, Option<&Region>) -> Option<Region>,
     evidence: &Evidence<'_>,
-) -> Option<Domain<S>> {
+) -> Option<Region> {
     const TRIES: usize = 12;
-    let (mut target, mut before, mut likely) = (level, None, None::<Domain<S>>);
+    let (mut target, mut before, mut likely) = (level, None, None::<Region>);
     for _ in 0..TRIES {
         let Some(mut region) = search(target, before.as_ref()) else {
             break;
@@ -337,7 +308,7 @@ fn firm<S: Shape + Clone>(
         target = (target + 1.2 * missing).min(0.5 * (target + 1.0));
         before = Some(region);
     }
-    let checked = |mut region: Domain<S>| {
+    let checked = |mut region: Region| {
         region.confirmed = region.confirm(evidence.points, evidence.verified);
         region
     };

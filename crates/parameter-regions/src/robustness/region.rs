@@ -1,6 +1,5 @@
 //! The largest part of the parameter space with a verification probability above a level.
 
-use nalgebra::{DMatrix, DVector};
 use sampling::random::{Purpose, Random};
 use sampling::statistics::moments::{mean, quantile, sorted};
 use sampling::statistics::share::Fraction;
@@ -70,18 +69,11 @@ pub struct Statement {
     pub interval: [f64; 2],
 }
 
-/// A shape in the parameter space.
-pub trait Shape {
-    /// Whether a point lies inside.
-    fn contains(&self, x: &[f64]) -> bool;
-}
-
-/// A part of the parameter space, and how much of it is verified.
+/// A box in the parameter space, and how much of it is verified.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Domain<S> {
-    /// Where it is.
-    #[serde(flatten)]
-    pub form: S,
+pub struct Region {
+    /// Least and greatest value of every parameter.
+    pub limits: Vec<[f64; 2]>,
     /// The part of the sampled probability that lies inside.
     pub share: f64,
     /// The part of it that is verified: by the surrogates, corrected by the study's own points.
@@ -95,20 +87,14 @@ pub struct Domain<S> {
     pub fresh: Option<Confirmed>,
 }
 
-/// A box.
-pub type Region = Domain<Sides>;
-
-/// An ellipsoid.
-pub type Ellipsoid = Domain<Quadric>;
-
-impl<S: Shape> Domain<S> {
-    /// A part with share and probability by a sample and the surrogates alone, as a search needs them.
-    pub(super) fn new(form: S, sample: &Sample<'_>) -> Self {
+impl Region {
+    /// A box with share and probability by a sample and the surrogates alone, as a search needs them.
+    pub(super) fn new(limits: Vec<[f64; 2]>, sample: &Sample<'_>) -> Self {
         let pairs = sample.points.iter().zip(sample.verdicts);
-        let inside = pairs.filter(|(x, _)| form.contains(x));
+        let inside = pairs.filter(|(x, _)| within(x, &limits));
         let held: Vec<f64> = inside.map(|(_, v)| *v).collect();
         Self {
-            form,
+            limits,
             share: held.len() as f64 / sample.points.len() as f64,
             probability: mean(&held),
             interval: unknown(),
@@ -119,7 +105,7 @@ impl<S: Shape> Domain<S> {
 
     /// Whether a point lies inside.
     pub fn contains(&self, x: &[f64]) -> bool {
-        self.form.contains(x)
+        within(x, &self.limits)
     }
 
     /// Whether fresh runs, where some were made, contradict neither what is stated nor the level.
@@ -140,41 +126,10 @@ impl<S: Shape> Domain<S> {
     }
 }
 
-/// The sides of a box.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Sides {
-    /// Least and greatest value of every parameter.
-    pub limits: Vec<[f64; 2]>,
-}
-
-impl Shape for Sides {
-    fn contains(&self, x: &[f64]) -> bool {
-        within(x, &self.limits)
-    }
-}
-
 /// Whether a point lies between limits of each parameter.
 pub fn within(x: &[f64], limits: &[[f64; 2]]) -> bool {
     let mut sides = x.iter().zip(limits);
     sides.all(|(v, [low, high])| v >= low && v <= high)
-}
-
-/// The points with (x - centre)' shape (x - centre) <= 1.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Quadric {
-    /// Centre of the ellipsoid.
-    pub centre: Vec<f64>,
-    /// Matrix of the ellipsoid, row by row.
-    pub shape: Vec<Vec<f64>>,
-}
-
-impl Shape for Quadric {
-    fn contains(&self, x: &[f64]) -> bool {
-        let off: Vec<f64> = x.iter().zip(&self.centre).map(|(a, b)| a - b).collect();
-        let product = |row: &Vec<f64>| row.iter().zip(&off).map(|(s, b)| s * b).sum::<f64>();
-        let rows = self.shape.iter().zip(&off);
-        rows.map(|(row, a)| a * product(row)).sum::<f64>() <= 1.0
-    }
 }
 
 /// A large sample of the parameter space from the study's points: every parameter from a point of
@@ -186,38 +141,4 @@ pub fn cloud(points: &[Vec<f64>], seed: u64) -> Vec<Vec<f64>> {
     let columns: Vec<Vec<f64>> = (0..d).map(|k| sorted(points.iter().map(|p| p[k]).collect())).collect();
     // Between the samples: the smoothed distribution, so that few points do not leave gaps.
     (0..SIZE).map(|_| columns.iter().map(|c| quantile(c, random.unit())).collect()).collect()
-}
-
-/// The ellipsoid with centre and shape of the verified points, as large as the level allows.
-pub(super) fn largest_ellipsoid(sample: &Sample<'_>, level: f64) -> Option<Ellipsoid> {
-    const FEWEST: usize = 100;
-    let d = sample.points.first()?.len();
-    let weight: f64 = sample.verdicts.iter().sum();
-    if weight <= 0.0 {
-        return None;
-    }
-    let pairs = || sample.points.iter().zip(sample.verdicts);
-    let weighted = |of: &dyn Fn(&Vec<f64>) -> f64| pairs().map(|(x, v)| v * of(x)).sum::<f64>();
-    let centre = DVector::from_fn(d, |k, _| weighted(&|x| x[k]) / weight);
-    let covariance = DMatrix::from_fn(d, d, |a, b| weighted(&|x| (x[a] - centre[a]) * (x[b] - centre[b])) / weight);
-    let inverse = covariance.cholesky()?.inverse();
-    let distance = |x: &Vec<f64>| {
-        let off = DVector::from_fn(d, |k, _| x[k] - centre[k]);
-        (off.transpose() * &inverse * off)[0]
-    };
-    let mut order: Vec<(f64, f64)> = pairs().map(|(x, v)| (distance(x), *v)).collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut sum, mut size) = (0.0, None);
-    for (k, (distance, v)) in order.iter().enumerate() {
-        sum += v;
-        if k + 1 >= FEWEST && sum / (k + 1) as f64 >= level {
-            size = Some(*distance);
-        }
-    }
-    let size = size?;
-    let form = Quadric {
-        centre: centre.iter().copied().collect(),
-        shape: (0..d).map(|a| (0..d).map(|b| inverse[(a, b)] / size).collect()).collect(),
-    };
-    Some(Domain::new(form, sample))
 }

@@ -53,7 +53,7 @@ fn table(n: usize) -> PointTable {
 fn the_stated_probability_holds_on_fresh_samples() {
     let r = robustness(&table(300), &sample(20_000, 7), 0.9).unwrap();
     assert!(r.warnings.is_empty(), "{:?}", r.warnings);
-    let (region, ellipsoid) = (r.region.unwrap(), r.ellipsoid.unwrap());
+    let region = r.region.unwrap();
     let fresh = sample(100_000, 99);
     let share = |inside: &dyn Fn(&[f64]) -> bool| {
         let held: Vec<bool> = fresh.iter().filter(|x| inside(x)).map(|x| verified(x)).collect();
@@ -66,11 +66,9 @@ fn the_stated_probability_holds_on_fresh_samples() {
     assert!((size - region.share).abs() < 0.03);
     // The whole verified part is a quarter of the space; a box takes most of it.
     assert!(region.share > 0.12, "{region:?}");
-    let (p, _) = share(&|x| ellipsoid.contains(x));
-    assert!(held(ellipsoid.interval, p), "{p} {ellipsoid:?}");
     assert!(region.confirmed.points > 0 && region.confirmed.verified <= region.confirmed.points);
     // The parameter without influence is not cut.
-    assert!(region.form.limits[2][1] - region.form.limits[2][0] > 3.4, "{region:?}");
+    assert!(region.limits[2][1] - region.limits[2][0] > 3.4, "{region:?}");
 }
 
 #[test]
@@ -103,35 +101,4 @@ fn a_level_that_is_reached_nowhere_is_said() {
     t.criteria[0].upper = 51.0;
     let r = robustness(&t, &region::cloud(&rows(&t), 7), 0.9).unwrap();
     assert!(r.region.is_none() && r.warnings.iter().any(|w| w.contains("no box")));
-}
-
-#[test]
-fn unsafe_ranges_and_corners_are_found_and_others_are_not() {
-    let t = table(2000);
-    let r = robustness(&t, &sample(20_000, 7), 0.9).unwrap();
-    assert!(!r.unsafe_combinations.is_empty());
-    for c in &r.unsafe_combinations {
-        let confirmed = c.confirmed;
-        assert!(confirmed.verified * 50 <= confirmed.points, "{c:?}");
-        assert!(c.bounds.iter().all(|b| b.parameter != 2), "{c:?}");
-    }
-    let fresh = sample(100_000, 99);
-    let listed = |x: &[f64]| r.unsafe_combinations.iter().any(|c| c.contains(x));
-    let inside = fresh.iter().filter(|x| listed(x));
-    let (mut all, mut good) = (0, 0);
-    for x in inside {
-        all += 1;
-        good += usize::from(verified(x));
-    }
-    assert!(all > 0 && good * 100 <= 2 * all, "{good} of {all}");
-    // p1 - 0.2 p0 <= 1 and p0 >= -1 - 0.3 p1^2: beyond p1 = 1.2 nothing is verified.
-    let range = |parameter: usize, below: bool| {
-        let alone = |c: &&combinations::Combination| c.bounds.len() == 1;
-        let mut alone = r.unsafe_combinations.iter().filter(alone);
-        alone.find(|c| c.bounds[0].parameter == parameter && c.bounds[0].below == below)
-    };
-    let high = range(1, false).unwrap();
-    assert!((high.bounds[0].limit - 1.2).abs() < 0.15, "{high:?}");
-    assert_eq!(high.lost, "c1");
-    assert!(r.unsafe_combinations.iter().any(|c| c.bounds.len() == 2));
 }

@@ -6,6 +6,7 @@ use std::path::Path;
 use crate::files::DRAFT;
 use crate::{Error, Finished, Header, Journal, Lock, lines};
 use fmu_points::scratch::{self, Scratch};
+use fmu_points::stop;
 
 /// A folder that is taken for a run.
 #[derive(Debug)]
@@ -45,14 +46,11 @@ impl RunFolder {
     /// When the folder holds something else, and when the system says no.
     pub fn open(lock: Lock, folder: &Path, header: &Header, earlier: Earlier, complete: bool) -> Result<Self, Error> {
         // What killed runs left: nobody else is at work here.
-        scratch::remove_starting_with(folder, &[RUNNING, DRAFT]);
+        scratch::remove_starting_with(folder, &[DRAFT]);
         let (journal, finished) = journal(folder, header, earlier, complete)?;
-        Ok(Self { journal, finished, kept: Kept { scratch: Scratch::within(folder, RUNNING)?, _lock: lock } })
+        Ok(Self { journal, finished, kept: Kept { scratch: stop::scratch()?, _lock: lock } })
     }
 }
-
-/// The names of folders for what is needed while points run begin so.
-const RUNNING: &str = ".running-";
 
 fn journal(
     folder: &Path,

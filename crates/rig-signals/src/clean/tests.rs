@@ -3,6 +3,8 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
 use std::f64::consts::TAU;
 
+const ALL: Drop = Drop { is_stated: true, spikes: true, clipped: false };
+
 fn signal(noise: f64) -> Vec<f64> {
     let mut random = StdRng::seed_from_u64(3);
     let wave = |k: u32| 1.0 + 0.6 * (TAU * f64::from(k) / 40.0).sin();
@@ -13,17 +15,17 @@ fn signal(noise: f64) -> Vec<f64> {
 fn a_clean_signal_stays() {
     for noise in [0.0, 0.001, 0.05, 0.2] {
         let values = signal(noise);
-        let cleaned = clean(&values);
+        let cleaned = clean(&values, ALL);
         assert_eq!((cleaned.spikes, cleaned.clipped_count()), (0, 0), "{noise}");
         assert_eq!(cleaned.values, values);
     }
     // Steps are no spikes, and a constant has neither spikes nor a range.
     let steps: Vec<f64> = (0..400).map(|k| f64::from(k / 20 % 2) + 0.01 * f64::from(k % 7)).collect();
-    assert_eq!(clean(&steps).spikes, 0);
-    assert_eq!(clean(&[3.0; 50]).clipped_count(), 0);
+    assert_eq!(clean(&steps, ALL).spikes, 0);
+    assert_eq!(clean(&[3.0; 50], ALL).clipped_count(), 0);
     // A turn of whole samples repeats its peaks exactly.
     let coarse: Vec<f64> = signal(0.0).iter().map(|v| (v * 50.0).round() / 50.0).collect();
-    assert_eq!(clean(&coarse).clipped_count(), 0);
+    assert_eq!(clean(&coarse, ALL).clipped_count(), 0);
 }
 
 #[test]
@@ -34,11 +36,27 @@ fn spikes_are_left_out() {
     }
     values[700] = -5.0;
     values[800] = f64::NAN;
-    let cleaned = clean(&values);
+    let cleaned = clean(&values, ALL);
     assert_eq!(cleaned.spikes, 7);
     let missing = cleaned.values.iter().filter(|v| v.is_nan()).count();
     assert_eq!(missing, 8);
     assert!(cleaned.values[101].is_nan() && cleaned.values[700].is_nan());
+}
+
+/// A mark in the first rows is no spike for want of neighbours; standstill and plateau stay, too.
+#[test]
+fn nothing_goes_that_was_not_asked_for() {
+    let mut values = signal(0.05);
+    values[0] = -9999.0;
+    values[3999] = -9999.0;
+    values[700] = 9.0;
+    values[2000..2400].fill(2.0);
+    let cleaned = clean(&values, Drop::default());
+    assert_eq!(cleaned.values, values);
+    assert_eq!((cleaned.spikes, cleaned.clipped_count()), (1, 400));
+    assert_eq!(cleaned.marks, [(-9999.0, 2)]);
+    let dropped = clean(&values, Drop { is_stated: true, spikes: true, clipped: true });
+    assert_eq!(dropped.values.iter().filter(|value| value.is_nan()).count(), 401);
 }
 
 /// The fastest of these tones has eight samples a turn: its peaks are far from the median around them.
@@ -53,33 +71,34 @@ fn peaks_of_a_quick_signal_are_no_spikes() {
             tones.iter().map(|[frequency, phase]| (TAU * frequency * time + phase).sin()).sum::<f64>()
         };
         let mut values: Vec<f64> = (0..3000).map(at).collect();
-        assert_eq!(clean(&values).spikes, 0, "seed {seed}");
+        assert_eq!(clean(&values, ALL).spikes, 0, "seed {seed}");
         for place in [500, 1200, 1201, 2500] {
             values[place] += 60.0;
         }
-        let cleaned = clean(&values);
+        let cleaned = clean(&values, ALL);
         assert_eq!(cleaned.spikes, 4, "seed {seed}");
         assert!(cleaned.values[1201].is_nan());
     }
 }
 
 #[test]
-fn a_run_of_marks_is_no_part_of_the_signal() {
+fn a_run_of_marks_is_told() {
     let mut values = signal(0.05);
     values[2000..2040].fill(-9999.0);
-    let cleaned = clean(&values);
-    assert_eq!((cleaned.marks, cleaned.spikes, cleaned.clipped_count()), (40, 0, 0));
-    assert!(cleaned.values[2020].is_nan());
+    let cleaned = clean(&values, ALL);
+    assert_eq!((&cleaned.marks[..], cleaned.spikes, cleaned.clipped_count()), (&[(-9999.0, 40)][..], 0, 0));
+    // It is told, and stays: `missing` says that it is none.
+    assert_eq!(cleaned.values, values);
     // What rests for long is a level of its own.
     values[2000..2900].fill(-9999.0);
-    assert_eq!(clean(&values).marks, 0);
+    assert!(clean(&values, ALL).marks.is_empty());
 }
 
 #[test]
 fn clipped_samples_are_known_at_either_end() {
     for sign in [1.0, -1.0] {
         let values: Vec<f64> = signal(0.05).iter().map(|v| sign * v.min(1.45)).collect();
-        let cleaned = clean(&values);
+        let cleaned = clean(&values, ALL);
         let expected = values.iter().filter(|&&v| v == sign * 1.45).count();
         assert!(expected > 400);
         assert_eq!((cleaned.clipped_count(), cleaned.spikes), (expected, 0));
@@ -211,7 +230,7 @@ const KINDS: [(&str, Kind); 8] = [
 fn signals_of_many_kinds_have_no_spikes() {
     const SEEDS: u64 = 100;
     for (name, kind) in KINDS {
-        let spikes = |seed: &u64| clean(&kind(&mut StdRng::seed_from_u64(*seed))).spikes > 0;
+        let spikes = |seed: &u64| clean(&kind(&mut StdRng::seed_from_u64(*seed)), ALL).spikes > 0;
         let wrong: Vec<u64> = (0..SEEDS).filter(spikes).collect();
         let most = match name {
             "decaying" | "stick-slip" | "heart" => 2,
@@ -249,7 +268,7 @@ fn spikes_are_found_in_noise_sines_and_ramps() {
                     spikes[k] = true;
                 }
             }
-            for (value, spike) in clean(&values).values.iter().zip(spikes) {
+            for (value, spike) in clean(&values, ALL).values.iter().zip(spikes) {
                 all += usize::from(spike);
                 found += usize::from(spike && value.is_nan());
                 others += usize::from(!spike && value.is_nan());

@@ -85,7 +85,7 @@ fn cleaned(signal: &mut Even, size: f64, faults: Faults, random: &mut StdRng) ->
         }
         *value = value.min(faults.cut * size);
     }
-    let cleaned = clean(&signal.values);
+    let cleaned = clean(&signal.values, crate::Drop { is_stated: true, spikes: true, clipped: false });
     let spline = Spline::new("s", &signal.times(), &cleaned.values, 10.0).unwrap();
     signal.values = signal.times().iter().map(|&t| spline.at(t)).collect();
     cleaned.clipped.iter().map(|clipped| !clipped).collect()

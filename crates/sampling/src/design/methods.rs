@@ -30,6 +30,13 @@ macro_rules! methods {
                 }
             }
 
+            /// Whether any count of the points scatters no more than that of independent ones, so that their intervals hold.
+            pub fn is_independent(self) -> bool {
+                match self {
+                    $(Self::$method => <$rule as rule::Registered>::INDEPENDENT,)*
+                }
+            }
+
             /// Whether the points can belong in turn to independent randomisations.
             pub fn has_replicates(self) -> bool {
                 match self {

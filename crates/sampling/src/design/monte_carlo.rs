@@ -11,6 +11,7 @@ pub(crate) struct Independent {
 
 impl Registered for Independent {
     const EXTENSIBLE: bool = true;
+    const INDEPENDENT: bool = true;
 
     fn new(numbers: &Numbers, _: &Inputs) -> Result<Self, String> {
         let seed = numbers.seed;

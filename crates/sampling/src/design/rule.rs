@@ -39,6 +39,9 @@ pub trait Registered: Rule + Sized + 'static {
     /// Whether the points can belong in turn to independent randomisations.
     const REPLICATES: bool = false;
 
+    /// Whether any count of the points scatters no more than that of independent ones, so that their intervals hold.
+    const INDEPENDENT: bool = false;
+
     /// Whether each of N equally probable slices of every input holds one of N points, which correlations must keep.
     const STRATIFIED: bool = false;
 

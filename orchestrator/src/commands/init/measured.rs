@@ -9,7 +9,9 @@ use crate::error::Error;
 use fmu_import::quantity::Scale;
 use fmu_import::{Causality, Description, Variable};
 use fmu_points::names::{did_you_mean, nearest};
-use number_tables::{How, Table};
+use number_tables::recorded::convert;
+use number_tables::{How, Table, is_time_name};
+use study::inputs::in_seconds;
 
 /// The columns of a table of measured values that are outputs of the FMU.
 #[derive(Debug)]
@@ -20,6 +22,8 @@ pub(super) struct Measured<'a> {
     /// The first and the last time, s.
     pub(super) span: Option<[f64; 2]>,
     pub(super) columns: Vec<Column<'a>>,
+    /// The columns that are inputs of the FMU: over time, or one value for each row, which is an operating point then.
+    pub(super) inputs: Vec<Column<'a>>,
     /// Names of the others, each with the reason.
     left: Vec<(String, String)>,
 }
@@ -40,25 +44,32 @@ impl<'a> Measured<'a> {
     /// When it cannot be read, or its times do not grow.
     pub(super) fn read(path: &Path, fmu: &'a Description) -> Result<Self, Error> {
         let how = How { comments: true, gaps: false };
-        let mut rows = number_tables::open(path, how)?;
+        let mut rows = number_tables::open(path, how).map_err(|error| match error.kind {
+            Some(_) => error,
+            None => error.with(format!("; {}", convert(path))),
+        })?;
         let header = rows.names().to_vec();
         let more = rows.advance()?;
         let is_word = |place| !rows.text(place).is_empty() && rows.number(place).is_none();
         if more && (0..header.len()).all(is_word) {
-            let message = "a row of words, such as of units, stands below the names; write the units into the names, `n [rpm]`, and \
-                           remove the row";
+            let message = format!("a row of words, such as of units, stands below the names; {}", convert(path));
             return Err(Error::content(path, message));
         }
-        let time = header.iter().find(|name| is_time(split(name, fmu).0));
+        let time = header.iter().find(|name| {
+            let bare = split(name, fmu).0;
+            is_time_name(bare) && !fmu.variables.contains_key(bare)
+        });
         let mut table = Self {
             file: path.to_owned(),
             time: time.cloned(),
-            span: time.map(|time| span(path, time, fmu)).transpose()?,
+            span: time.map(|time| span(path, time)).transpose()?,
             columns: Vec::new(),
+            inputs: Vec::new(),
             left: Vec::new(),
         };
         for name in header.iter().filter(|name| Some(*name) != time) {
             match table.column(name, fmu) {
+                Ok(column) if column.variable.causality == Causality::Input => table.inputs.push(column),
                 Ok(column) => table.columns.push(column),
                 Err(reason) => table.left.push((name.clone(), reason)),
             }
@@ -70,10 +81,11 @@ impl<'a> Measured<'a> {
     fn column(&self, header: &str, fmu: &'a Description) -> Result<Column<'a>, String> {
         let (name, unit) = split(header, fmu);
         let variable = variable(name, fmu)?;
-        if self.columns.iter().any(|column| column.variable.name == variable.name) {
+        let is_input = variable.causality == Causality::Input;
+        if self.columns.iter().chain(&self.inputs).any(|column| column.variable.name == variable.name) {
             return Err(format!("`{name}` is there twice"));
         }
-        if self.time.is_some() && !is_real(variable) {
+        if self.time.is_some() && !is_input && !is_real(variable) {
             return Err("it is a whole number, and a curve needs real ones".to_owned());
         }
         Scale::new(unit, fmu, variable)?;
@@ -81,7 +93,7 @@ impl<'a> Measured<'a> {
         let table = Table::read(&self.file, &[asked]).map_err(|error| error.to_string())?;
         let values: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
         let first = values.first();
-        if self.time.is_some() && values.iter().all(|value| Some(value) == first) {
+        if self.time.is_some() && !is_input && values.iter().all(|value| Some(value) == first) {
             return Err("it is the same in all rows: write it as `nominal` of a criterion".to_owned());
         }
         if let (None, Some(unit)) = (unit, variable.unit()) {
@@ -123,10 +135,6 @@ impl<'a> Measured<'a> {
     }
 }
 
-fn is_time(name: &str) -> bool {
-    ["time", "t"].contains(&&*name.to_lowercase())
-}
-
 /// The variable that a column measures.
 fn variable<'a>(name: &str, fmu: &'a Description) -> Result<&'a Variable, String> {
     let is_shown = |variable: &&Variable| {
@@ -135,7 +143,8 @@ fn variable<'a>(name: &str, fmu: &'a Description) -> Result<&'a Variable, String
     let known = fmu.variables.get(name);
     match known.map(|variable| (variable, variable.causality)) {
         Some((variable, _)) if is_shown(&variable) => Ok(variable),
-        Some((_, Causality::Input)) => Err("it is an input: [inputs] in the study can feed it to the FMU".to_owned()),
+        Some((variable, Causality::Input)) if is_number(variable) => Ok(variable),
+        Some((_, Causality::Input)) => Err("it is no number".to_owned()),
         Some((_, Causality::Output | Causality::Local)) => Err("it is no number".to_owned()),
         Some(_) => Err("it is no output of the FMU".to_owned()),
         None => {
@@ -147,12 +156,12 @@ fn variable<'a>(name: &str, fmu: &'a Description) -> Result<&'a Variable, String
 }
 
 /// The first and the last time of a table.
-fn span(path: &Path, time: &str, fmu: &Description) -> Result<[f64; 2], Error> {
+fn span(path: &Path, time: &str) -> Result<[f64; 2], Error> {
     let wrong = |message: &str| Err(Error::content(path, format!("column `{time}`: {message}")));
-    if split(time, fmu).1.is_some_and(|unit| unit != "s") {
-        return wrong("times are seconds here; convert them");
+    let mut table = Table::read(path, &[number_tables::column(time, "the time")])?;
+    if let Err(message) = in_seconds(&mut table, time) {
+        return wrong(&message);
     }
-    let table = Table::read(path, &[number_tables::column(time, "the time")])?;
     let times: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
     match times[..] {
         [first, .., last] if times.is_sorted_by(|a, b| a < b) => Ok([first, last]),

@@ -6,6 +6,7 @@ use super::measured::{Column, Measured};
 use super::run::{SMALL, Signal, TOLERANCE};
 use crate::error::Error;
 use crate::results::points::number;
+use conformity::interval::LEAST_SAMPLES;
 use curves::Metric;
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Kind, Variable};
@@ -38,6 +39,8 @@ pub(super) struct Study<'a> {
 #[derive(Debug)]
 pub(super) struct Criteria {
     lines: Vec<String>,
+    /// What drives the model as it was measured.
+    inputs: Vec<String>,
     count: usize,
     /// Whether their values come from the model.
     own: bool,
@@ -145,20 +148,31 @@ impl Criteria {
             lines.extend(own(signal, fmu));
         }
         let count = moving.len().min(CRITERIA);
-        Ok(Self { lines, count, own: true })
+        Ok(Self { lines, inputs: Vec::new(), count, own: true })
     }
 
     /// The columns of a table, as curves where it has a column of the time.
     pub(super) fn of_table(table: &Measured<'_>, path: &Path) -> Self {
         let tolerance = "# The tolerances are a guess: they say how far the model may be from the true values. Add the accuracy \
                          of the";
+        let is_of_points = table.time.is_none() && !table.inputs.is_empty();
         let uncertainty = match table.time {
+            _ if is_of_points => {
+                "# measurement: uncertainty = \"1 %\" (k = 2). Each row is an operating point, a case of its own."
+            }
             Some(_) => "# measurement beside `file`: uncertainty = \"0.3 degC\" (k = 2).",
             None => {
                 "# measurement: uncertainty = \"1 %\" (k = 2). Several rows are taken as repeats of one measurement."
             }
         };
         let mut lines = vec![tolerance.to_owned(), uncertainty.to_owned()];
+        if is_of_points {
+            lines.extend((0..table.columns[0].values.len()).flat_map(|row| operating_point(table, row)));
+            return Self { lines, inputs: Vec::new(), count: table.columns.len(), own: false };
+        }
+        let inputs =
+            table.time.iter().flat_map(|time| table.inputs.iter().map(move |column| input(column, time, path)));
+        let inputs: Vec<String> = inputs.collect();
         for column in &table.columns {
             lines.push(String::new());
             lines.extend(match &table.time {
@@ -166,7 +180,7 @@ impl Criteria {
                 None => reading(column),
             });
         }
-        Self { lines, count: table.columns.len(), own: false }
+        Self { lines, inputs, count: table.columns.len(), own: false }
     }
 }
 
@@ -180,7 +194,7 @@ fn more(names: &[&str], what: &str) -> Option<String> {
 
 fn head(variable: &Variable) -> [String; 2] {
     // Columns of points.csv have these names already.
-    let taken = ["point", "verified", "accepted", "status"].contains(&&*variable.name);
+    let taken = ["point", "verified", "accepted", "conformance", "status"].contains(&&*variable.name);
     let name = one_line(&variable.name) + if taken { "_" } else { "" };
     [format!("[criteria.{}]", quoted(&name)), format!("variable = {}{}", quoted(&variable.name), about(variable))]
 }
@@ -208,9 +222,47 @@ fn tolerance(nominal: f64, range: f64) -> String {
     }
 }
 
+/// An input that follows a column.
+fn input(column: &Column<'_>, time: &str, path: &Path) -> String {
+    format!(
+        "{} = {{ file = {}, time = {}, column = {}{}, extrapolate = \"hold\" }}",
+        quoted(&column.variable.name),
+        file(path),
+        quoted(time),
+        quoted(&column.header),
+        unit_key(column)
+    )
+}
+
+/// A row whose inputs are those of an operating point.
+fn operating_point(table: &Measured<'_>, row: usize) -> Vec<String> {
+    let value = |column: &Column<'_>| {
+        let unit = column.unit.as_ref().filter(|unit| *unit != "1");
+        let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+        quoted(&format!("{}{unit}", number(column.values[row])))
+    };
+    let mut lines = vec![String::new(), "[[cases]]".to_owned(), format!("name = \"row {}\"", row + 1)];
+    lines.extend(
+        table.inputs.iter().map(|column| format!("fixed.{} = {}", quoted(&column.variable.name), value(column))),
+    );
+    for column in &table.columns {
+        let (name, measured) = (quoted(&column.variable.name), column.values[row]);
+        let tolerance = if measured == 0.0 { "0.1" } else { "\"5 %\"" };
+        lines.push(format!(
+            "criteria.{name} = {{ variable = {name}, nominal = {}, tolerance = {tolerance}{} }}",
+            number(measured),
+            unit_key(column)
+        ));
+    }
+    lines
+}
+
+fn unit_key(column: &Column<'_>) -> String {
+    column.unit.as_deref().map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)))
+}
+
 fn curve(column: &Column<'_>, time: &str, path: &Path) -> Vec<String> {
-    let unit = column.unit.as_deref();
-    let unit = unit.map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)));
+    let unit = unit_key(column);
     let [head, variable] = head(column.variable);
     let metrics = Metric::ALL.iter().map(|metric| metric.name());
     let others: Vec<String> = metrics.filter(|name| name != "nrmse").collect();
@@ -268,6 +320,7 @@ impl Study<'_> {
             "[design]".to_owned(),
             format!("method = \"sobol\" # or {}", Method::named(|method| method != Method::Sobol)),
             "points = 64".to_owned(),
+            format!("replicates = {LEAST_SAMPLES} # independent nets: their scatter tells the error of a share"),
             "seed = 1".to_owned(),
             String::new(),
         ]);
@@ -279,6 +332,11 @@ impl Study<'_> {
         lines.push("[parameters]".to_owned());
         lines.extend(self.parameters[..shown].iter().map(|(variable, range)| range.line(variable)));
         lines.push(String::new());
+        if !self.criteria.inputs.is_empty() {
+            lines.push("[inputs]".to_owned());
+            lines.extend(self.criteria.inputs.iter().cloned());
+            lines.push(String::new());
+        }
         lines.extend(self.criteria.lines.iter().cloned());
         lines.join("\n") + "\n"
     }

@@ -56,7 +56,10 @@ fn guard_bands_are_given_or_found() {
     let with = |key: &str| judge(&[("share = \"5 %\"", &format!("share = 0.05\n{key}"))]);
     assert_eq!(with("risk = \"5 %\"").unwrap().guard, Guard::Limiting { risk: 0.05 });
     assert_eq!(with("guard-band = 0.5").unwrap().guard, Guard::Given(0.5));
-    assert!(with("guard-band = 0.5\nrisk = 0.1").unwrap_err().contains("keep"));
+    assert_eq!(with("point-risk = \"5 %\"").unwrap().guard, Guard::EachPoint { risk: 0.05 });
+    for two in ["guard-band = 0.5\nrisk = 0.1", "point-risk = 0.1\nrisk = 0.1", "point-risk = 0.1\nguard-band = 1"] {
+        assert!(with(two).unwrap_err().contains("keep one"), "{two}");
+    }
 }
 
 /// An interval of 2 * 52.5 N is used up by bands of 3.5 times 15 N at both of its ends.

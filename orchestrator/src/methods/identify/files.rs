@@ -3,10 +3,17 @@
 use crate::error::Error;
 use calibration::outcome::IdentificationOutcome;
 use calibration::{cross, text};
+use fmu_import::quantity::Quantity;
+use fmu_import::units::known;
+use fmu_points::names::behind;
 use number_tables::csv_file::{self, CsvFile};
 use point_journal::files::{write_table, write_text, write_texts};
 use std::path::{Path, PathBuf};
+use study::cases::SEPARATOR;
 use study::{Identification, Study};
+
+/// How the name of a recorded input's zero error ends.
+const OFFSET: &str = "/offset";
 
 /// Writes all files.
 pub(super) fn write(
@@ -19,7 +26,7 @@ pub(super) fn write(
     let name = number_tables::files::name(study.path());
     let optima = outcome.optima.len();
     for place in 0..optima {
-        let section = text::fixed_section(&name, place, outcome, others);
+        let section = text::fixed_section(&name, place, outcome, others) + &offsets(study, outcome, place);
         let file = numbered("optimum", "toml", place, optima);
         write_text(&folder.join(file), section)?;
     }
@@ -30,6 +37,53 @@ pub(super) fn write(
         write_cases(folder, study, settings, outcome, place)?;
     }
     write_validation(folder, outcome)
+}
+
+/// The zero errors of recorded inputs that the search found, with what is left of their uncertainty, as keys of these inputs.
+fn offsets(study: &Study, outcome: &IdentificationOutcome, place: usize) -> String {
+    let cases = study.by_case();
+    let mut section = String::new();
+    for free in outcome.optima.get(place).iter().flat_map(|optimum| &optimum.free) {
+        let Some(path) = free.name.strip_suffix(OFFSET) else { continue };
+        // The first case that has the input says what was taken off before the search.
+        let stated = cases.iter().find_map(|(case, of_case)| {
+            let own = case.and_then(|case| path.strip_prefix(case.name.as_ref().as_str())?.strip_prefix(SEPARATOR));
+            let key = own.unwrap_or(path);
+            of_case
+                .inputs
+                .iter()
+                .find(|(name, _)| name.as_ref().as_str() == key)
+                .map(|(_, text)| (key, own.is_some(), text))
+        });
+        let Some((key, of_case, text)) = stated else { continue };
+        let unit = free.unit.as_deref().unwrap_or("1");
+        let in_unit = |stated: &Quantity| match &stated.unit {
+            Some(own) if own != unit => known::between(own, unit).map(|way| way.difference(stated.number)),
+            _ => Some(stated.number),
+        };
+        let before = text.offset.as_ref().map_or(Some(0.0), in_unit);
+        if let (None, Some(stated)) = (before, &text.offset) {
+            section += &format!("# to be added to the stated offset of {stated}:\n");
+        }
+        let before = before.unwrap_or(0.0);
+        let unit = behind(Some(unit).filter(|unit| *unit != "1"));
+        let half = (free.interval[1] - free.interval[0]) / 2.0;
+        if of_case {
+            section += &format!(
+                "# of the case {} alone:\n",
+                path.strip_suffix(key).unwrap_or(path).trim_end_matches(SEPARATOR)
+            );
+        }
+        section += &format!("[inputs.\"{key}\"]  # beside its `file`\n");
+        section += &format!("offset = \"{}{unit}\"\n", text::digits(before + free.value));
+        section += &format!("uncertainty = \"{}{unit}\"\n", text::digits(half));
+    }
+    match section.as_str() {
+        "" => section,
+        _ => format!(
+            "\n# The recorded inputs read too high by `offset`; the values above hold with these alone.\n{section}"
+        ),
+    }
 }
 
 /// The name of a file of one optimum: where there are several, none has the plain name.

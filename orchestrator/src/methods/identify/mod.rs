@@ -332,6 +332,8 @@ fn find(
         if outcome.end != End::Time {
             look_closer(&mut outcome, &searched, &model)?;
         }
+        (outcome.farthest, outcome.influence) =
+            calibration::influence::of_values(&searched.problem, &optima[0], &document::groups(bound));
         outcome.look_along(&document::curves(bound), &bound.problem.estimates);
         if outcome.fit() == fit::Fit::Misses {
             outcome.notes.extend(offsets::held(bound));

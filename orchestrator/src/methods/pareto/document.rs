@@ -20,8 +20,7 @@ pub fn document(result: &Pareto) -> Document {
         return told;
     };
     told.say(format!(
-        "From {}: for {} of {} points no other one is as near in every criterion and nearer in one; {} of these meet all criteria.",
-        result.method,
+        "For {} of the study's {} points no other one is as near in every criterion and nearer in one; {} of these meet all criteria.",
         count(result.unbeaten),
         count(result.points),
         count(result.unbeaten_verified)

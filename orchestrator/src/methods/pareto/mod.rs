@@ -14,8 +14,7 @@ use crate::options::Work;
 use crate::results::origin::Origin;
 use crate::results::table;
 use crate::session::{Request, Session};
-use parameter_regions::pareto::nsga2;
-use parameter_regions::pareto::study::{Member, Pareto, trade_off};
+use parameter_regions::pareto::study::{Member, trade_off};
 use parameter_regions::table::PointTable;
 use point_journal::pipeline::Pipeline;
 use result_document::Document;
@@ -28,24 +27,14 @@ pub const FILE: &str = "pareto.json";
 
 /// Options of `pareto`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples: orchestrator pareto studies/paper-table3.toml --from results/paper-table3\n\
-    \u{20}         orchestrator pareto studies/paper-table3.toml --generations 50")]
+#[command(after_help = "Example: orchestrator pareto studies/paper-table3.toml --from results/paper-table3")]
 pub struct Options {
     /// The study, how its points are run, and where the results go
     #[command(flatten)]
     pub work: Work,
     /// The folder of the finished study [default: results/ and the study's name]
-    #[arg(long, value_name = "DIR", conflicts_with = "generations")]
+    #[arg(long, value_name = "DIR")]
     pub from: Option<PathBuf>,
-    /// Search by new runs (NSGA-II) over G generations, instead of using existing points
-    #[arg(long, value_name = "G")]
-    pub generations: Option<usize>,
-    /// Runs in a generation
-    #[arg(long, value_name = "N", default_value_t = 100, requires = "generations")]
-    pub population: usize,
-    /// The seed of the search
-    #[arg(long, value_name = "S", default_value_t = 1)]
-    pub seed: u64,
 }
 
 /// A result in the folder of a finished study, as its page shows it.
@@ -60,17 +49,14 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 pub fn run(options: &Options) -> Result<Delivery, Error> {
     let Work { study, output, .. } = &options.work;
     let from = known::from(options.from.as_deref(), study);
-    let analysis = match options.generations {
-        Some(generations) => Asked::Search { generations, population: options.population, seed: options.seed },
-        None => Asked::Points { from: known::absolute(&from) },
-    };
+    let analysis = Asked { from: known::absolute(&from) };
     let folder = output.clone().unwrap_or_else(|| from.clone());
     let session = asking::open(&options.work, &analysis);
     let bound = !matches!(session, Err(Error::File(_)));
     let run = |session| asking::run(session, &analysis, &options.work, folder.clone());
     match session.and_then(run) {
         // Without the FMU the front is the same, but the nominal design cannot be run.
-        Err(error) if options.generations.is_none() && (!bound || matches!(error, Error::Fmu(_))) => {
+        Err(error) if !bound || matches!(error, Error::Fmu(_)) => {
             let result = of_points(&from, &Study::read(study)?, |_| Ok(None))?;
             Delivery::without_runs(result, &options.work, folder)
         }
@@ -78,24 +64,11 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
     }
 }
 
-/// Where the points come from of which the front is chosen.
+/// The front of a finished study's points; the nominal design is run to be compared.
 #[derive(Debug, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Asked {
-    /// From a search by runs of its own.
-    Search {
-        /// How many generations.
-        generations: usize,
-        /// Runs in each.
-        population: usize,
-        /// The seed.
-        seed: u64,
-    },
-    /// From a finished study; the nominal design is run to be compared.
-    Points {
-        /// Its folder.
-        from: PathBuf,
-    },
+pub struct Asked {
+    /// The folder of the study.
+    from: PathBuf,
 }
 
 impl Analysis for Asked {
@@ -108,57 +81,23 @@ impl Analysis for Asked {
     }
 
     fn points(&self, _: &Session) -> Result<PointSet, Error> {
-        // A search over more generations begins as one over fewer, so their number is left out.
-        Ok(match self {
-            Self::Search { population, seed, .. } => PointSet {
-                seed: *seed,
-                points: None,
-                method: format!("NSGA-II in generations of {population}"),
-                table: None,
-            },
-            Self::Points { from } => PointSet {
-                seed: 0,
-                points: Some(1),
-                method: "the nominal design".to_owned(),
-                table: Some(known::digest_of(from)?),
-            },
+        Ok(PointSet {
+            seed: 0,
+            points: Some(1),
+            method: "the nominal design".to_owned(),
+            table: Some(known::digest_of(&self.from)?),
         })
     }
 
     fn one_piece(&self) -> Option<&'static str> {
-        Some(match self {
-            Self::Search { .. } => {
-                "each generation depends on the one before, so a search has no parts; --resume goes on with one"
-            }
-            Self::Points { .. } => "a single point is run; there are no parts of it",
-        })
+        Some("a single point is run; there are no parts of it")
     }
 
     fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult, Error> {
-        match *self {
-            Self::Search { generations, population, seed } => {
-                let settings = nsga2::Evolution { population, generations, seed };
-                let table = search(session, pipeline, settings)?;
-                let nominal = nominal(session, pipeline)?;
-                let inputs = &session.plan.inputs;
-                let cut = inputs.iter().filter(|input| input.distribution.reach() != [0.0, 1.0]);
-                let cut: Vec<&str> = cut.map(|input| input.name.as_str()).collect();
-                let within = match cut[..] {
-                    [] => String::new(),
-                    _ => format!(
-                        " (within the quantiles 0.001 and 0.999 where a distribution has no end: {})",
-                        cut.join(", ")
-                    ),
-                };
-                let method = format!("NSGA-II over {generations} generations of {population}{within}");
-                let result = trade_off(&table, false, Some(nominal), method);
-                result_of(result, asking::origin(session)?)
-            }
-            Self::Points { ref from } => of_points(from, &session.study, |table| {
-                let same_count = session.plan.inputs.len() == table.parameters.len();
-                same_count.then(|| nominal(session, pipeline)).transpose()
-            }),
-        }
+        of_points(&self.from, &session.study, |table| {
+            let same_count = session.plan.inputs.len() == table.parameters.len();
+            same_count.then(|| nominal(session, pipeline)).transpose()
+        })
     }
 }
 
@@ -170,13 +109,8 @@ fn of_points(
 ) -> Result<AnalysisResult, Error> {
     let (summary, table) = known::points_of(from, study, table::read)?;
     let nominal = nominal(&table)?;
-    let result = trade_off(&table, true, nominal, "the study's points".to_owned());
-    result_of(result, Origin::of_points(&summary))
-}
-
-fn result_of(result: Option<Pareto>, origin: Origin) -> Result<AnalysisResult, Error> {
-    let result = result.ok_or_else(|| Error::Search("no point has values".to_owned()))?;
-    Ok(AnalysisResult::new(&result, origin, document(&result).as_text(), FILE))
+    let result = trade_off(&table, nominal).ok_or_else(|| Error::Search("no point has values".to_owned()))?;
+    Ok(AnalysisResult::new(&result, Origin::of_points(&summary), document(&result).as_text(), FILE))
 }
 
 /// The parameters at the medians of their distributions.
@@ -185,20 +119,4 @@ fn nominal(session: &Session, pipeline: &mut Pipeline<'_>) -> Result<Member, Err
     let points = [session.plan.from_cube(&middle)];
     let outcomes = pipeline.ask(&points)?;
     Ok(Member::of(&asking::table(session, &points, outcomes), 0))
-}
-
-/// All runs of a search, to the ends of bounded distributions and over the middle of others.
-fn search(session: &Session, pipeline: &mut Pipeline<'_>, settings: nsga2::Evolution) -> Result<PointTable, Error> {
-    let varied = session.plan.varied();
-    let limits: Vec<[f64; 2]> = (varied.iter()).map(|&k| session.plan.inputs[k].distribution.reach()).collect();
-    let (mut points, mut outcomes) = (Vec::new(), Vec::new());
-    nsga2::minimise(&limits, settings, |cube| {
-        let asked: Vec<Vec<f64>> = cube.iter().map(|u| session.plan.from_cube(u)).collect();
-        let answers = pipeline.ask(&asked)?;
-        let table = asking::table(session, &asked, answers.clone());
-        points.extend(asked);
-        outcomes.extend(answers);
-        Ok::<_, Error>((0..cube.len()).map(|i| Member::of(&table, i).deviations).collect())
-    })?;
-    Ok(asking::table(session, &points, outcomes))
 }

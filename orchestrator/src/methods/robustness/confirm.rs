@@ -1,6 +1,4 @@
-//! Fresh runs of the model inside the box and the ellipsoid.
-
-use std::ops::Range;
+//! Fresh runs of the model inside the box.
 
 use super::super::asking;
 use super::joint;
@@ -21,16 +19,15 @@ pub(super) struct Confirmation<'a, 'b> {
     pub(super) pipeline: &'a mut Pipeline<'b>,
     pub(super) table: &'a PointTable,
     pub(super) cloud: &'a [Vec<f64>],
-    /// Fresh points in each region.
+    /// Fresh points in the box.
     pub(super) points: usize,
     pub(super) seed: u64,
 }
 
 impl Confirmation<'_, '_> {
-    /// Runs independent points of the study's distributions inside the box, and as many inside the
-    /// ellipsoid, and notes the outcome. Where a statement does not hold, the surrogates learn
-    /// from these runs, and their new statements are confirmed by new runs: points that judge a
-    /// statement must be independent of the points that it was made from.
+    /// Runs independent points of the study's distributions inside the box, and notes the outcome. Where a statement does
+    /// not hold, the surrogates learn from these runs, and their new statements are confirmed by new runs: points that
+    /// judge a statement must be independent of the points that it was made from.
     pub(super) fn of(&mut self, mut result: Robustness) -> Result<Robustness, Error> {
         let inputs = self.session.plan.inputs.iter().map(|input| &input.name);
         if !inputs.eq(self.table.parameters.iter().map(|p| &p.name)) {
@@ -40,10 +37,7 @@ impl Confirmation<'_, '_> {
         let mut known = self.table.clone();
         for round in 0..ROUNDS {
             let runs = self.judge(&mut result, round)?;
-            let level = result.level;
-            if result.region.as_ref().is_none_or(|region| region.agrees(level))
-                && result.ellipsoid.as_ref().is_none_or(|ellipsoid| ellipsoid.agrees(level))
-            {
+            if result.region.as_ref().is_none_or(|region| region.agrees(result.level)) {
                 break;
             }
             known.extend(&runs);
@@ -58,38 +52,27 @@ impl Confirmation<'_, '_> {
         Ok(result)
     }
 
-    /// Fresh runs inside what is stated, noted there.
+    /// Fresh runs inside the box, noted there.
     fn judge(&mut self, result: &mut Robustness, round: u64) -> Result<PointTable, Error> {
         let parameters = &self.table.parameters;
         let places: Vec<usize> =
             (0..parameters.len()).filter(|&k| result.parameters.contains(&parameters[k].name)).collect();
         let varying = |x: &[f64]| -> Vec<f64> { places.iter().map(|&k| x[k]).collect() };
-        let boxed = result.region.as_ref();
-        let boxed = boxed.map(|region| self.inside(2 * round, |x| region.contains(&varying(x))));
-        let rounded = result.ellipsoid.as_ref();
-        let rounded = rounded.map(|ellipsoid| self.inside(2 * round + 1, |x| ellipsoid.contains(&varying(x))));
-        let [in_box, in_ellipsoid] = [boxed.transpose()?.unwrap_or_default(), rounded.transpose()?.unwrap_or_default()];
-        // Asked for together: neither depends on the other.
-        let boundary = in_box.len();
-        let all = self.run([in_box, in_ellipsoid].concat())?;
-        let part = |range: Range<usize>| all.subset(&range.collect::<Vec<_>>());
-        let inner = |runs: &PointTable| -> Vec<Vec<f64>> { rows(runs).iter().map(|x| varying(x)).collect() };
-        if let Some(region) = &mut result.region {
-            let runs = part(0..boundary);
-            region.fresh = Some(region.confirm(&inner(&runs), &runs.verified));
-        }
-        if let Some(ellipsoid) = &mut result.ellipsoid {
-            let runs = part(boundary..all.len());
-            ellipsoid.fresh = Some(ellipsoid.confirm(&inner(&runs), &runs.verified));
-        }
-        Ok(all)
+        let Some(region) = &mut result.region else {
+            return self.run(Vec::new());
+        };
+        let inside = self.inside(round, |x| region.contains(&varying(x)))?;
+        let runs = self.run(inside)?;
+        let inner: Vec<Vec<f64>> = rows(&runs).iter().map(|x| varying(x)).collect();
+        region.fresh = Some(region.confirm(&inner, &runs.verified));
+        Ok(runs)
     }
 
     /// The first points of a sequence of independent ones that lie inside.
-    fn inside(&self, sequence: u64, inside: impl Fn(&[f64]) -> bool) -> Result<Vec<Vec<f64>>, Error> {
+    fn inside(&self, round: u64, inside: impl Fn(&[f64]) -> bool) -> Result<Vec<Vec<f64>>, Error> {
         let plan = &self.session.plan;
         // Far from the seeds that people give to studies.
-        let seed = !self.seed.wrapping_mul(2 * ROUNDS).wrapping_add(sequence);
+        let seed = !self.seed.wrapping_mul(ROUNDS).wrapping_add(round);
         let points = joint(plan, MOST_DRAWS, seed);
         let points = points.map_err(|message| Error::option("confirm", message))?;
         let draws = (0..MOST_DRAWS).map(|index| points.point(index));

@@ -1,13 +1,12 @@
-//! The document of robustness: the margins, the box, the ellipsoid, and maps over pairs.
+//! The document of robustness: the margins, the box, and maps over pairs.
 
 use std::fmt::Write;
 
 use crate::results::words::capitalised;
 use parameter_regions::robustness::Robustness;
-use parameter_regions::robustness::combinations::{Bound, Combination};
 use parameter_regions::robustness::maps::{CELLS, Map};
 use parameter_regions::robustness::margins::Margin;
-use parameter_regions::robustness::region::Domain;
+use parameter_regions::robustness::region::Region;
 use parameter_regions::robustness::surrogate::Quality;
 use result_document::format::{number, percent, with_unit};
 use result_document::svg::{Axis, picture, text, ticks, upright};
@@ -23,30 +22,12 @@ pub fn document(result: &Robustness) -> Document {
     told.table(margins(result));
     told.hint("Alone: how far one parameter may move from the best point before the criterion in brackets is lost.");
     if let Some(region) = &result.region {
-        told.say(evidence("Largest box found", result.level, region));
-    }
-    if let Some(ellipsoid) = &result.ellipsoid {
-        told.say(evidence("Largest ellipsoid found", result.level, ellipsoid));
-    }
-    if !result.unsafe_combinations.is_empty() {
-        told.heading("Unsafe combinations");
-        told.say(format!(
-            "These {} are chosen by surrogates of one half of the points, which let hardly any be verified there. The other \
-             half, which took no part in the choice, judges them.",
-            result.unsafe_combinations.len()
-        ));
-        told.table(combinations(result));
-        told.hint(
-            "Single parameters from one of their ends, and corners of two parameters beyond that. *Of the space*: the whole \
-             part of the sampled space within these bounds. *New*: what of it lies in no row of one parameter; *Verified \
-             there* and *Lost* are those of this part. Lost is the criterion that is met least. *At most*: so large a part there may be verified \
-             by the judging points, all rows together at a confidence of 95 %; few points show little.",
-        );
+        told.say(evidence(result.level, region));
     }
     told.heading("Surrogates");
     if result.further_runs > 0 {
         let further = result.further_runs;
-        told.say(format!("Refined with {further} further runs in box and ellipsoid."));
+        told.say(format!("Refined with {further} further runs in the box."));
     }
     told.table(surrogates(result));
     told.hint("Polynomials stand for the model. Their errors are by leave-one-out.");
@@ -68,7 +49,7 @@ fn margins(result: &Robustness) -> Table {
         let of_margin = |of: &dyn Fn(&Margin) -> String| margin.map_or_else(|| "–".into(), of);
         let of_box = |side: usize| {
             let region = result.region.as_ref();
-            region.map_or_else(|| "–".into(), |r| number(r.form.limits[k][side], 5))
+            region.map_or_else(|| "–".into(), |r| number(r.limits[k][side], 5))
         };
         vec![
             with_unit(name, &result.units[k]),
@@ -94,12 +75,12 @@ fn margins(result: &Robustness) -> Table {
     }
 }
 
-/// The statement on a region, whether it comes to the level, and how the study's points and fresh runs compare with it.
-fn evidence<S>(name: &str, level: f64, of: &Domain<S>) -> String {
+/// The statement on the box, whether it comes to the level, and how the study's points and fresh runs compare with it.
+fn evidence(level: f64, of: &Region) -> String {
     let [low, high] = of.interval.map(percent);
     let shown = if of.interval[0] >= level { "" } else { "not " };
     let told = format!(
-        "{name}: {} % of the sampled space. Of it {} % are verified (95 % interval {low} .. {high} %), {shown}shown to be {} % \
+        "Largest box found: {} % of the sampled space. Of it {} % are verified (95 % interval {low} .. {high} %), {shown}shown to be {} % \
          or more by the surrogates and the study's own points, of which {} lie inside, {} of them verified.",
         percent(of.share),
         percent(of.probability),
@@ -117,46 +98,6 @@ fn evidence<S>(name: &str, level: f64, of: &Domain<S>) -> String {
         fresh.verified,
         fresh.on(of.interval)
     )
-}
-
-fn combinations(result: &Robustness) -> Table {
-    let row = |c: &Combination| {
-        vec![
-            bounds(result, c),
-            c.whole.map_or_else(|| "–".to_owned(), percent),
-            percent(c.share),
-            percent(c.probability),
-            c.lost.clone(),
-            format!("{} of {}", c.confirmed.verified, c.confirmed.points),
-            c.at_most.map_or_else(|| "–".to_owned(), percent),
-        ]
-    };
-    Table {
-        name: "Unsafe combinations".into(),
-        columns: vec![
-            words("Where"),
-            numbers("Of the space %"),
-            numbers("New %"),
-            numbers("Verified there, by surrogates %"),
-            words("Lost"),
-            numbers("Judging points verified"),
-            numbers("At most %"),
-        ],
-        rows: result.unsafe_combinations.iter().map(row).collect(),
-        ..Table::default()
-    }
-}
-
-/// A region in words.
-fn bounds(result: &Robustness, c: &Combination) -> String {
-    let bound = |b: &Bound| {
-        let side = if b.below { "below" } else { "above" };
-        let unit = &result.units[b.parameter];
-        let limit = number(b.limit, 4);
-        let words = format!("{} {side} {limit} {unit}", result.parameters[b.parameter]);
-        words.trim_end().to_owned()
-    };
-    c.bounds.iter().map(bound).collect::<Vec<_>>().join(" with ")
 }
 
 fn surrogates(result: &Robustness) -> Table {

@@ -40,10 +40,10 @@ pub struct Options {
     /// The folder of the finished study [default: results/ and the study's name]
     #[arg(long, value_name = "DIR")]
     pub from: Option<PathBuf>,
-    /// The share of box and ellipsoid that must be verified [default: the study's, or 0.9]
+    /// The share of the box that must be verified [default: the study's, or 0.9]
     #[arg(long, value_name = "P")]
     pub level: Option<f64>,
-    /// Confirm box and ellipsoid by N new runs in each [default: the study's, or 0]
+    /// Confirm the box by N new runs [default: the study's, or 0]
     #[arg(long, value_name = "N")]
     pub confirm: Option<usize>,
     /// The seed [default: the study's, or 1]
@@ -102,7 +102,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
     Delivery::without_runs(result, work, folder)
 }
 
-/// The probability that box and ellipsoid must hold.
+/// The probability that the box must hold.
 fn level(options: &Options, study: &Study) -> Result<f64, Error> {
     const MESSAGE: &str = "must lie between 0 and 1";
     let inside = |level: f64| level > 0.0 && level < 1.0;
@@ -122,9 +122,9 @@ fn level(options: &Options, study: &Study) -> Result<f64, Error> {
 pub struct Asked {
     /// The folder of the finished study.
     from: PathBuf,
-    /// The verification probability that box and ellipsoid must hold.
+    /// The verification probability that the box must hold.
     level: f64,
-    /// New runs in each.
+    /// New runs in it.
     confirm: usize,
     seed: u64,
 }

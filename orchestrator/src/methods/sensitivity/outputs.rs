@@ -4,6 +4,7 @@ use super::failures;
 use crate::results::words::capitalised;
 use parameter_regions::table::PointTable;
 use sensitivity::method::{FirstOrder, FromRuns, Measure, Settled, Told};
+use sensitivity::sobol::Indices;
 use sensitivity::{Estimate, RUNS, VIEWS, dominant, regional, views};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -151,15 +152,24 @@ pub fn from_runs(method: &dyn FromRuns, design: &[Vec<f64>], rows: &PointTable, 
     };
     let seen = outputs.iter().map(values).collect();
     let mut result = of_points(&rows.subset(&plain), seen, settled.seed);
+    let mut above_total = Vec::new();
     for (output, (_, values)) in result.outputs.iter_mut().zip(&outputs) {
         let told = method.tell(design, values, settled);
         output.dominant = most_important(&method.shown(&told), &result.parameters);
         output.missing = failures::missing(values);
         output.told.extend(told);
+        above_total
+            .extend(first_above_total(&output.told, &result.parameters).into_iter().map(|k| (k, output.name.clone())));
     }
     result.runs = rows.len();
     result.failed = failures::failed(rows);
     result.warnings = failures::warnings(rows, Some(method));
+    result.warnings.extend(above_total.into_iter().map(|(parameter, output)| {
+        format!(
+            "the first-order index of {parameter} in {output} is above its total by more than its error, which no model has: \
+             take more base points"
+        )
+    }));
     let tried = method.facts().tried_size;
     if settled.size < tried {
         result.warnings.push(format!(
@@ -172,6 +182,18 @@ pub fn from_runs(method: &dyn FromRuns, design: &[Vec<f64>], rows: &PointTable, 
         result.method += &format!("; {} of their plain sample", views());
     }
     result
+}
+
+/// The parameters whose first-order index lies above the total one by more than the error of both.
+fn first_above_total(told: &Told, parameters: &[String]) -> Vec<String> {
+    let indices = told.get("sobol").and_then(|told| serde_json::from_value::<Indices>(told.clone()).ok());
+    let pairs = indices.map(|indices| indices.first.into_iter().zip(indices.total).collect::<Vec<_>>());
+    let pairs = pairs.unwrap_or_default().into_iter().zip(parameters);
+    let above = pairs.filter(|((first, total), _)| {
+        let half = |estimate: &Estimate| 0.5 * (estimate.high - estimate.low);
+        first.value - total.value > half(first).hypot(half(total))
+    });
+    above.map(|(_, parameter)| parameter.clone()).collect()
 }
 
 /// The criteria's values; 1 or 0 for verified or not, where a run that failed is not; and 1 or 0 for failed or not, where

@@ -73,7 +73,10 @@ impl<'a> Goal<'a> {
         let Some(values) = values else { return 0.0 };
         let measurement = &self.judge.measurement;
         match self.wanted {
-            Wanted::Accepted => f64::from(u8::from(measurement.margin(values) >= self.guard)),
+            Wanted::Accepted => f64::from(u8::from(match self.judge.guard {
+                Guard::EachPoint { .. } => self.judge.guard.accepts(measurement.assess(values).all, None),
+                _ => measurement.margin(values) >= self.guard,
+            })),
             Wanted::Conforming => {
                 let all = measurement.assess(values).all;
                 all.probability.expect("`new` refuses criteria without an uncertainty")
@@ -85,6 +88,7 @@ impl<'a> Goal<'a> {
 fn guard(study: &Study, judge: &Judge, from: &Path) -> Result<f64, Error> {
     let band = match judge.guard {
         Guard::Given(factor) => Some(factor),
+        Guard::EachPoint { .. } => Some(0.0),
         Guard::Limiting { .. } => {
             let summary = match table::summary(from) {
                 Err(Error::Missing(_)) => None,

@@ -88,18 +88,13 @@ const Judge = (() => {
     Moments.take(place[sample], notConforming);
   };
   const stepsDown = acceptance => [...acceptance.within.keys()].sort((a, b) => b - a);
-  // The least step that keeps the probability of accepted points not to conform at or below a limit, and the least probability.
-  const leastStep = (acceptance, limit) => {
-    const steps = stepsDown(acceptance), accepted = Moments.none();
-    let step = null, risk = 1;
-    steps.forEach((own, k) => {
-      Moments.merge(accepted, Moments.total(acceptance.within.get(own)));
-      const mean = Moments.mean(accepted);
-      risk = Math.min(risk, mean);
-      // Narrower bands accept the same points, down to the next one that accepts another.
-      if (mean <= limit) step = k + 1 < steps.length ? steps[k + 1] + 1 : 0;
-    });
-    return { step, risk };
+  // The least probability of accepted points not to conform that any guard band comes to, over these points.
+  const leastRisk = acceptance => {
+    const accepted = Moments.none();
+    return stepsDown(acceptance).reduce((least, step) => {
+      Moments.merge(accepted, Moments.total(acceptance.within.get(step)));
+      return Math.min(least, Moments.mean(accepted));
+    }, 1);
   };
   const split = (acceptance, from) => {
     const accepted = Array.from({ length: acceptance.samples }, Moments.none);
@@ -153,30 +148,31 @@ const Judge = (() => {
   };
   const setInterval = ({ worst: [most], parts }, confidence) =>
     Moments.ofPart(parts.map(part => Moments.scaled(part, 1 / most)), confidence).map(end => end * most);
-  const allowedBands = (acceptance, criteria, limit, confidence) => {
+  const allowedBands = (acceptance, criteria, limit, confidence, grid) => {
     const sets = bandSets(acceptance, criteria), size = set => Moments.total(set.parts).count;
     let first = sets.length - 1;
-    while (first >= 0 && setInterval(sets[first], confidence)[0] > limit) first--;
+    while (!grid && first >= 0 && setInterval(sets[first], confidence)[0] > limit) first--;
     const fewest = Math.ceil(10 / limit), many = sets.length > 0 && size(sets[sets.length - 1]) >= fewest;
-    let enough = null;
+    let enough = null, widest = null;
     for (const set of sets) {
-      if (set.worst[1] <= limit) enough = set;
+      if (set.worst[1] <= limit) [enough, widest] = [set, set.steps[1]];
       if (set.worst[0] > limit) {
         if (many && size(set) < fewest) continue;
-        if (setInterval(set, confidence)[1] > limit) break;
+        // Points that are no sample show of no band that it is enough.
+        if (grid || setInterval(set, confidence)[1] > limit) break;
       }
-      enough = set;
+      [enough, widest] = [set, set.steps[0]];
     }
     const none = Array(acceptance.samples).fill(0);
-    return { least: enough ? counts(enough.parts) : none, most: first < 0 ? none : counts(sets[first].parts) };
+    return { widest, least: enough ? counts(enough.parts) : none, most: first < 0 ? none : counts(sets[first].parts) };
   };
 
   // ---- the verdict -----------------------------------------------------------------------------------------------
   const decide = (rule, [low, high]) => low >= rule.share ? "verified" : high < rule.share ? "not verified" : "inconclusive";
   const byBands = (rule, bands, points) => {
-    const [low] = Numbers.randomised(bands.least, points, rule.confidence);
-    const [, high] = Numbers.randomised(bands.most, points, rule.confidence);
-    const verdicts = [bands.least, bands.most].map(of => decide(rule, Numbers.randomised(of, points, rule.confidence)));
+    const [low] = Moments.ofCounts(bands.least, points, rule.confidence);
+    const [, high] = Moments.ofCounts(bands.most, points, rule.confidence);
+    const verdicts = [bands.least, bands.most].map(of => decide(rule, Moments.ofCounts(of, points, rule.confidence)));
     const verdict = verdicts[0] === "verified" ? "verified" : verdicts[1] === "not verified" ? "not verified" : "inconclusive";
     return { verdict, interval: [low, high] };
   };
@@ -193,7 +189,7 @@ const Judge = (() => {
   const undecided = ({ verdict, interval }) => ({ verdict: verdict === "inconclusive" ? "not decided" : verdict, interval });
   // Where no point can be accepted, although some are within all tolerances.
   const unfit = (rule, within, points) => {
-    const interval = Numbers.randomised(within, points, rule.confidence);
+    const interval = Moments.ofCounts(within, points, rule.confidence);
     const no = decide(rule, interval) === "not verified";
     return no ? { verdict: "not verified", interval: [0, interval[1]] } : { verdict: "inconclusive", interval: null };
   };
@@ -249,11 +245,12 @@ const Judge = (() => {
     for (let i = 0; i < size; i++) add(acceptance, widest(rule, margins[i]), i % samples, 1 - (chance ? chance[i] : 0));
     return acceptance;
   };
-  // The guard band in expanded uncertainties and the first step that it accepts; null where none limits the risk as required.
-  const guardBand = (rule, all, anyWithin) => {
+  // The guard band in expanded uncertainties and the first step that it accepts; null where the points show of none that it limits
+  // the risk as required.
+  const guardBand = (rule, allowed, anyWithin) => {
     if (rule?.risk === undefined) return { band: rule?.band ?? 0, from: 0 };
     if (!anyWithin) return { band: 0, from: 0 };
-    const step = all.known ? leastStep(all, rule.risk).step : null;
+    const step = allowed?.widest ?? null;
     return step === null ? { band: null, from: Infinity } : { band: step * STEP, from: step };
   };
   const sum = list => list.reduce((a, b) => a + b, 0);
@@ -268,16 +265,18 @@ const Judge = (() => {
   /** Judges all points by a setting. */
   const judge = ({ criteria, correlations, rule }, points) => {
     const { size, completed, samples, grid } = points;
-    const share = list => ({ passed: sum(list), fraction: sum(list) / size, interval: grid ? null : Numbers.randomised(list, size, LEVEL) });
+    const share = list => ({ passed: sum(list), fraction: sum(list) / size, interval: grid ? null : Moments.ofCounts(list, size, LEVEL) });
     const certain = criteria.every(c => c.uncertainty), blocks = certain ? errors(criteria.length, correlations) : null;
     const own = criteria.map((c, k) => assessed(c, points, k)), { margins, probability } = together(criteria, blocks, own, points);
     const all = tallied(rule, margins, probability, points), within = countBy(samples, size, i => margins[i] >= 0);
-    const anyWithin = sum(within) > 0, { band, from } = guardBand(rule, all, anyWithin), limiting = rule?.risk !== undefined;
+    const anyWithin = sum(within) > 0, limiting = rule?.risk !== undefined;
+    const allowed = limiting && all.known && anyWithin ? allowedBands(all, criteria, rule.risk, rule.confidence, grid) : null;
+    const { band, from } = guardBand(rule, allowed, anyWithin);
     const acceptedBySample = counts(split(all, from).accepted), accepted = sum(acceptedBySample);
     const possible = limiting || criteria.every(c => band === 0 || inUncertainties(c, half(c)) > band);
-    const cannot = limiting ? band === null : anyWithin && accepted === 0 && !possible;
+    const cannot = limiting ? anyWithin && (!all.known || leastRisk(all) > rule.risk) : anyWithin && accepted === 0 && !possible;
     const one = { least: acceptedBySample, most: acceptedBySample };
-    const bands = limiting && all.known && anyWithin ? allowedBands(all, criteria, rule.risk, rule.confidence) : one;
+    const bands = allowed ?? one;
     // Where the joint probabilities are not known, the guard band is not known either.
     const unknown = limiting && !all.known && anyWithin, sure = unknown ? sureStep(criteria, rule.risk) : 0;
     const bounds = unknown && { least: countBy(samples, size, i => widest(rule, margins[i]) >= sure), most: within };
@@ -290,7 +289,8 @@ const Judge = (() => {
       points: size,
       failed,
       // Where all points failed, nothing was compared.
-      ...(!result ? { verdict: "inconclusive", interval: null }
+      // Nor do points decide on a share whose error nothing tells.
+      ...(!result || grid && rule ? { verdict: "inconclusive", interval: null }
         : unknown ? undecided(byBands(rule, bounds, size)) : conclude(rule, bands, accepted, within, size, cannot)),
       cannot,
       verified: share(countBy(samples, size, i => own.every(({ ok }) => ok[i]))),

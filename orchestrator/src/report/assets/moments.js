@@ -1,7 +1,6 @@
 "use strict";
 // Sums over numbers from 0 to 1, and the intervals of their means, as `conformity::interval` has them.
 const Moments = (() => {
-  const LEAST_SAMPLES = 8;
   const none = () => ({ count: 0, sum: 0, squares: 0 });
   const take = (moments, number) => {
     moments.count += 1;
@@ -25,14 +24,10 @@ const Moments = (() => {
   const among = (moments, count) => ({ ...moments, count });
 
   const clamp = v => Math.min(Math.max(v, 0), 1);
-  // Draws an interval out by what so many numbers may have missed.
-  const drawnOut = (ends, lowered, numbers, confidence) => {
-    const missed = Numbers.clopperPearson(0, numbers, confidence)[1], [low, high] = ends.map(clamp);
-    return [Math.max(low - missed * lowered, 0), high + missed * (1 - high)];
-  };
-  const nearer = (all, scattering, confidence) => {
-    const [low, high] = Numbers.clopperPearson(all.sum, all.count, confidence);
-    return [Math.max(low, scattering[0]), Math.min(high, scattering[1])];
+  // Draws an interval out by what so many independent numbers may have missed.
+  const drawnOut = (ends, all, confidence) => {
+    const missed = Numbers.clopperPearson(0, all.count, confidence)[1], [low, high] = ends.map(clamp);
+    return [Math.max(low - missed * mean(all), 0), high + missed * (1 - high)];
   };
   const ofNumbers = (all, confidence) => {
     const n = all.count, centre = mean(all);
@@ -40,29 +35,48 @@ const Moments = (() => {
     const half = Numbers.studentLimit(confidence, n - 1) * Math.sqrt(variance / n);
     return [centre - half, centre + half];
   };
+  // How many of the numbers carry their sum.
+  const carriers = numbers => {
+    const sum = numbers.reduce((a, b) => a + b, 0), squares = numbers.reduce((a, b) => a + b * b, 0);
+    return squares > 0 ? sum * sum / squares : 0;
+  };
+  // The wider ends for independent nets, from the value of each about the mean of all.
+  const ofNets = (nets, values, confidence) => {
+    const all = total(nets), centre = mean(all);
+    let ends = Numbers.student(centre, values, 0.5 + 0.5 * confidence);
+    const widen = trials => {
+      const [low, high] = Numbers.clopperPearson(centre * trials, trials, confidence);
+      ends = [Math.min(ends[0], low), Math.max(ends[1], high)];
+    };
+    widen(all.count);
+    const hits = carriers(nets.map(net => net.sum)), misses = carriers(nets.map(net => net.count - net.sum));
+    if (Math.min(hits, misses) < 0.5 * nets.length) widen(nets.filter(net => net.count > 0).length);
+    return ends;
+  };
 
-  /** The interval of the mean of one sample, or of several that are independent of each other. */
+  /** The interval of the mean of independent numbers, or of several nets that are independent of each other. */
   const ofMean = (parts, confidence) => {
     const all = total(parts);
-    let scattering = [0, 1];
-    if (parts.length >= LEAST_SAMPLES && parts.every(part => part.count > 0)) {
-      const ends = Numbers.student(mean(all), parts.map(mean), confidence);
-      scattering = drawnOut(ends, 1, all.count, confidence);
-    } else if (all.count > 1) {
-      scattering = drawnOut(ofNumbers(all, confidence), mean(all), all.count, confidence);
-    }
-    return nearer(all, scattering, confidence);
+    if (parts.length > 1) return parts.every(part => part.count > 0) ? ofNets(parts, parts.map(mean), confidence) : [0, 1];
+    const [low, high] = Numbers.clopperPearson(all.sum, all.count, confidence);
+    if (all.count < 2) return [low, high];
+    const scattering = drawnOut(ofNumbers(all, confidence), all, confidence);
+    return [Math.max(low, scattering[0]), Math.min(high, scattering[1])];
   };
 
   /** The interval of the mean of the numbers of a random part of the sample, such as the accepted points. */
   const ofPart = (parts, confidence) => {
-    const all = total(parts), samples = parts.length;
-    if (samples < LEAST_SAMPLES || all.count < 4 * samples) return ofMean([all], confidence);
-    const ratio = mean(all), usual = all.count / samples;
-    const values = parts.map(part => ratio + (part.sum - ratio * part.count) / usual);
-    const ends = Numbers.student(ratio, values, confidence);
-    return nearer(all, drawnOut(ends, 1, all.count, confidence), confidence);
+    const all = total(parts);
+    if (parts.length < 2 || all.count === 0) return ofMean([all], confidence);
+    const ratio = mean(all), usual = all.count / parts.length;
+    return ofNets(parts, parts.map(part => ratio + (part.sum - ratio * part.count) / usual), confidence);
   };
 
-  return { none, take, merge, total, mean, complement, scaled, among, ofMean, ofPart };
+  /** The interval of a share of points that belong in turn to independent nets, by the count of each. */
+  const ofCounts = (hits, points, confidence) => {
+    const size = k => Math.floor(points / hits.length) + (k < points % hits.length ? 1 : 0);
+    return ofMean(hits.map((count, k) => ({ count: size(k), sum: count, squares: count })), confidence);
+  };
+
+  return { none, take, merge, total, mean, complement, scaled, among, ofMean, ofPart, ofCounts };
 })();

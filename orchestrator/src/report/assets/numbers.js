@@ -202,15 +202,5 @@ const Numbers = (() => {
     return [Math.max(centre - half, 0), Math.min(centre + half, 1)];
   };
 
-  /** The interval of a share of points that belong in turn to randomisations of a design, by the count of each. */
-  const randomised = (counts, points, confidence) => {
-    const n = counts.length, total = counts.reduce((a, b) => a + b, 0);
-    const usual = Math.max(...counts.map(count => counts.filter(other => other === count).length));
-    const few = n < 2 || Math.min(total, points - total) < n || n - usual < Math.min(Math.floor(n / 2), 4);
-    if (few) return clopperPearson(total, points, confidence);
-    const size = k => Math.floor(points / n) + (k < points % n ? 1 : 0);
-    return student(total / points, counts.map((count, k) => count / size(k)), confidence);
-  };
-
-  return { below, between, betweenBoth, errorBelow, errorBetween, score, beta, clopperPearson, student, studentLimit, randomised };
+  return { below, between, betweenBoth, errorBelow, errorBetween, score, beta, clopperPearson, student, studentLimit };
 })();

@@ -30,7 +30,7 @@ uncertainty = 1
 fn said(study: &str, inside: u64, outside: u64) -> String {
     let study = Study::parse(Path::new("s.toml"), study.to_owned()).unwrap();
     let judge = Judge::new(&study, None).unwrap();
-    let mut tally = Tally::new(&judge, Sample::Replicates(1));
+    let mut tally = Tally::new(&judge, Sample::Independent);
     for label in 0..inside + outside {
         let value = if label < inside { 0.0 } else { 100.0 };
         tally.add(label, &[], &Ok(vec![value, value]), None);
@@ -106,7 +106,7 @@ fn guard_bands_are_named() {
 fn a_verdict_whose_points_are_mostly_wrong_has_a_sign_of_its_own() {
     let study = Study::parse(Path::new("s.toml"), STUDY.to_owned()).unwrap();
     let judge = Judge::new(&study, None).unwrap();
-    let mut tally = Tally::new(&judge, Sample::Replicates(1));
+    let mut tally = Tally::new(&judge, Sample::Independent);
     for label in 0..10 {
         tally.add(label, &[], &Ok(vec![1.0, 1.0]), None);
     }
@@ -137,7 +137,7 @@ fn a_verdict_whose_points_are_mostly_wrong_has_a_sign_of_its_own() {
 fn failures_are_told_by_their_kinds() {
     let study = Study::parse(Path::new("s.toml"), STUDY.to_owned()).unwrap();
     let judge = Judge::new(&study, None).unwrap();
-    let mut tally = Tally::new(&judge, Sample::Replicates(1));
+    let mut tally = Tally::new(&judge, Sample::Independent);
     for label in 1..=200 {
         let failure = match label % 4 {
             0 => Failure::Timeout,
@@ -157,7 +157,7 @@ fn failures_are_told_by_their_kinds() {
     assert_eq!(summary.failures["fmi2Error"], 150);
     assert_eq!(summary.failed, 200);
     // Texts of which no two are alike are counted by their class in the end.
-    let mut tally = Tally::new(&judge, Sample::Replicates(1));
+    let mut tally = Tally::new(&judge, Sample::Independent);
     for label in 0..1000 {
         let failure = Failure::Error("x".repeat(label + 1));
         tally.add(label as u64, &[], &Err(failure), None);

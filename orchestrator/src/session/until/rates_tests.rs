@@ -4,7 +4,6 @@ use statrs::distribution::{Binomial, DiscreteCDF};
 
 use super::tests::{STUDY, judge, seen};
 use super::*;
-use conformity::decision::randomised;
 use sampling::design::{Design, Sampling};
 use sampling::distribution::Distribution;
 
@@ -96,14 +95,13 @@ fn of_a_thousand_studies_hardly_any_verdict_is_wrong() {
     }
 }
 
-/// The short form of `cargo run --release --example coverage`: intervals of a share, which are narrower than those of
-/// independent points.
+/// The short form of `cargo run --release --example coverage`: intervals of a share.
 #[test]
 fn intervals_of_replicates_hold_the_share_in_95_per_cent_of_repetitions() {
     const POINTS: u64 = 512;
     const REPETITIONS: u64 = 400;
     let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
-    let (mut held, mut narrower) = (0, 0);
+    let mut held = 0;
     for seed in 0..REPETITIONS {
         let sampling = Sampling { method: Method::Sobol, points: POINTS, seed, replicates: 16 };
         let design = Design::new(&sampling, vec![unit.clone(); 3]).unwrap();
@@ -114,11 +112,29 @@ fn intervals_of_replicates_hold_the_share_in_95_per_cent_of_repetitions() {
         }
         let [low, high] = randomised(&counts, POINTS, 0.95);
         held += u64::from(low <= 0.2 && 0.2 <= high);
-        let hits: u64 = counts.iter().sum();
-        let [from, to] = clopper_pearson(hits as f64, POINTS as f64, 0.95);
-        narrower += u64::from(high - low < to - from);
     }
-    let coverage = held as f64 / REPETITIONS as f64;
-    assert!((coverage - 0.95).abs() <= 0.03, "{coverage}");
-    assert!(narrower > REPETITIONS * 9 / 10, "{narrower}");
+    assert!(100 * held >= 95 * REPETITIONS, "{held} of {REPETITIONS}");
+}
+
+/// The worst pair of coordinates that was looked for in 60 dimensions: the points of a net lie in few of the boxes.
+/// Of one net counted as independent points the interval holds in 1 of 60 studies.
+#[test]
+fn intervals_of_nets_with_a_bad_pair_hold() {
+    const STUDIES: u64 = 60;
+    let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
+    for (points, replicates) in [(64, 16), (512, 16), (512, 32)] {
+        let held = (0..STUDIES).filter(|&seed| {
+            let sampling = Sampling { method: Method::Sobol, points, seed, replicates };
+            let design = Design::new(&sampling, vec![unit.clone(); 24]).unwrap();
+            let mut counts = vec![0; replicates as usize];
+            for index in 0..points {
+                let u = design.point(index);
+                counts[(index % replicates) as usize] += u64::from((u[13] + u[23] - 1.0).abs() <= 0.1);
+            }
+            let [low, high] = randomised(&counts, points, 0.95);
+            low <= 0.19 && 0.19 <= high
+        });
+        let held = held.count();
+        assert!(held >= 53, "{points} {replicates}: {held}");
+    }
 }

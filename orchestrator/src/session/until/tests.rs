@@ -1,6 +1,7 @@
 use std::path::Path;
 
 use super::*;
+use conformity::interval::clopper_pearson;
 use study::Study;
 
 pub(super) const STUDY: &str = r#"
@@ -46,7 +47,7 @@ fn end(ending: &Ending, order: impl Iterator<Item = u64>, counts: impl Fn(u64) -
 #[test]
 fn the_order_in_which_points_finish_does_not_matter() {
     for (until, design) in
-        [("ci 0.2", (Method::Halton, 1)), ("verdict", (Method::MonteCarlo, 1)), ("verdict", (Method::Sobol, 8))]
+        [("ci 0.2", (Method::MonteCarlo, 1)), ("verdict", (Method::MonteCarlo, 1)), ("verdict", (Method::Sobol, 16))]
     {
         let ending = ending(until, Some(design)).unwrap();
         let counts = |index| index % 3 == 0;
@@ -58,7 +59,7 @@ fn the_order_in_which_points_finish_does_not_matter() {
 
 #[test]
 fn a_width_is_looked_at_every_hundred_points() {
-    let ending = ending("ci 0.2", Some((Method::Sobol, 1))).unwrap();
+    let ending = ending("ci 0.2", Some((Method::MonteCarlo, 1))).unwrap();
     let points = end(&ending, 0..10_000, |index| index % 3 == 0);
     assert_eq!(points % 100, 0);
     let [low, high] = clopper_pearson(points.div_ceil(3) as f64, points as f64, 0.95);
@@ -73,9 +74,9 @@ fn a_verdict_ends_a_study_at_the_first_look_that_decides() {
     // Of n points without a hit the share 0.2 has the likelihood 0.8^n, the mixture B(1/2, n + 1/2) / pi, which is about
     // 1 / sqrt(pi n): twenty times as much from 24 points on.
     assert_eq!(end(&chance, 0..100, |_| false), 24);
-    let nets = ending("verdict", Some((Method::Sobol, 8))).unwrap();
+    let nets = ending("verdict", Some((Method::Sobol, 16))).unwrap();
     assert_eq!(nets.looks().unwrap().way, Way::Doublings);
-    assert_eq!(end(&nets, 0..1000, |_| true), 128);
+    assert_eq!(end(&nets, 0..1000, |_| true), 256);
 }
 
 #[test]
@@ -108,8 +109,8 @@ fn failures_alone_end_a_study_late() {
 fn points_that_allow_no_early_verdict_are_refused_with_a_remedy() {
     for (design, remedy) in [
         (Some((Method::LatinHypercube, 1)), "needs all its points"),
-        (Some((Method::Sobol, 1)), "replicates = 8"),
-        (Some((Method::Sobol, 7)), "replicates = 8"),
+        (Some((Method::Sobol, 1)), "replicates = 16"),
+        (Some((Method::Sobol, 15)), "replicates = 16"),
         (Some((Method::Halton, 1)), "sobol with replicates"),
         (None, "sample them"),
     ] {

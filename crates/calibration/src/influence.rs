@@ -1,0 +1,315 @@
+//! Single measured values: whether one is far off, which ones move a parameter most, and what a parameter's uncertainty consists
+//! of.
+//!
+//! Around the optimum the problem is linear. With the shared errors as unknowns, the values' errors are independent, and with
+//! the rows `a` of their derivatives over their accuracies `A = sum a a' + prior` is the inverse of the covariance. A value's
+//! leverage is `h = a' A^-1 a`; its residual over `sqrt(1 - h)` has variance 1 (Cook & Weisberg 1982, "Residuals and influence in
+//! regression", chapter 2). Without the value the unknowns would change by `A^-1 a r / (1 - h)` (there, 3.1). The variance of an
+//! unknown is the sum over all values, shared errors and priors of what each contributes: `(A^-1 a)^2` for a value.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use serde::Serialize;
+use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
+
+use super::errors::Errors;
+use super::next::Group;
+use super::optima::Optimum;
+use super::problem::Problem;
+
+/// The value with the largest studentised residual.
+#[derive(Clone, Debug, Serialize)]
+pub struct Farthest {
+    /// The case.
+    pub case: String,
+    /// The quantity.
+    pub quantity: String,
+    /// The residual over its own standard deviation, which is the smaller the more the value draws the fit to itself.
+    pub studentised: f64,
+    /// How much the value draws the fit to itself: 0 not at all, 1 altogether.
+    pub leverage: f64,
+    /// The probability that the largest of all is as large by chance, at most (Bonferroni).
+    pub probability: f64,
+}
+
+/// What single values and sensors do to a parameter.
+#[derive(Clone, Debug, Serialize)]
+pub struct Influence {
+    /// The parameter.
+    pub parameter: String,
+    /// The values that move it most, the strongest first.
+    pub values: Vec<Moved>,
+    /// What its variance consists of, the largest part first.
+    pub budget: Vec<Part>,
+}
+
+/// By how much a parameter would change without a value.
+#[derive(Clone, Debug, Serialize)]
+pub struct Moved {
+    /// The value's case.
+    pub case: String,
+    /// Its quantity.
+    pub quantity: String,
+    /// The change, in standard deviations of the parameter.
+    pub change: f64,
+}
+
+/// A part of a parameter's variance.
+#[derive(Clone, Debug, Serialize)]
+pub struct Part {
+    /// Where it comes from: `noise of torque`, `a zero error of torque`, `prior`.
+    pub from: String,
+    /// The part of the variance.
+    pub share: f64,
+}
+
+/// The linear problem at an optimum. An unknown at a bound is known.
+struct Rows<'a> {
+    problem: &'a Problem,
+    /// The unknowns that are not at a bound, then the shared errors.
+    open: Vec<usize>,
+    /// The factor of `A`.
+    factor: Cholesky<f64, Dyn>,
+    errors: Errors,
+    optimum: &'a Optimum,
+}
+
+impl<'a> Rows<'a> {
+    fn new(problem: &'a Problem, optimum: &'a Optimum) -> Option<Self> {
+        let errors = Errors::new(problem);
+        let posterior = &optimum.posterior;
+        let full = errors.with_sources(&posterior.precision, &posterior.slopes[1]);
+        let n = problem.unknowns();
+        let inside = |k: &usize| *k >= n || (optimum.minimum.places[*k] > 0.0 && optimum.minimum.places[*k] < 1.0);
+        let open: Vec<usize> = (0..full.nrows()).filter(inside).collect();
+        let factor = Cholesky::new(full.select_rows(&open).select_columns(&open))?;
+        Some(Self { problem, open, factor, errors, optimum })
+    }
+
+    /// `A^-1 a` of a value with its leverage.
+    fn pull(&self, case: usize, quantity: usize) -> (DVector<f64>, f64) {
+        let n = self.problem.unknowns();
+        let value = case * self.problem.quantities.len() + quantity;
+        let slopes = self.optimum.posterior.slopes[0].row(value);
+        let effects = self.errors.effects(case, quantity);
+        let of = |&k: &usize| if k < n { slopes[k] } else { effects[k - n] };
+        let row = DVector::from_iterator(self.open.len(), self.open.iter().map(of));
+        let pull = self.factor.solve(&row);
+        let leverage = pull.dot(&row).clamp(0.0, 1.0);
+        (pull, leverage)
+    }
+
+    /// A value's residual as a normal number, in accuracies.
+    fn residual(&self, case: usize, quantity: usize) -> f64 {
+        let problem = self.problem;
+        let residual = self.optimum.minimum.misfit.residuals[case * problem.quantities.len() + quantity];
+        let own = problem.not_normal.iter().find(|value| (value.case, value.quantity) == (case, quantity));
+        own.map_or(residual, |value| value.law.score(residual * problem.cases[case].measured[quantity].accuracy))
+    }
+
+    /// The probability of a residual as large, of one value.
+    fn chance(&self, studentised: f64, quantity: usize) -> f64 {
+        let estimate = self.problem.estimates.iter().find(|estimate| estimate.quantities.contains(&quantity));
+        let freedom = estimate.map_or(f64::INFINITY, |estimate| estimate.freedom);
+        let tail = match StudentsT::new(0.0, 1.0, freedom) {
+            Ok(law) if freedom.is_finite() => law.sf(studentised.abs()),
+            _ => Normal::standard().sf(studentised.abs()),
+        };
+        2.0 * tail
+    }
+}
+
+/// Looks at single values at an optimum; `groups` are those that have their noise from one sensor.
+pub fn of_values(problem: &Problem, optimum: &Optimum, groups: &[Group]) -> (Option<Farthest>, Vec<Influence>) {
+    /// Of a value that the fit goes through, whatever it is, the residual tells nothing.
+    const THROUGH: f64 = 1.0 - 1e-6;
+    let Some(rows) = Rows::new(problem, optimum) else { return (None, Vec::new()) };
+    let places = (0..problem.cases.len()).flat_map(|case| (0..problem.quantities.len()).map(move |q| (case, q)));
+    let all: Vec<_> = places.map(|(case, quantity)| (case, quantity, rows.pull(case, quantity))).collect();
+    let named =
+        |case: usize, quantity: usize| (problem.cases[case].label.clone(), problem.quantities[quantity].name.clone());
+    let told = all.iter().filter(|(.., (_, leverage))| *leverage < THROUGH);
+    let studentised = told.map(|(case, quantity, (_, leverage))| {
+        let studentised = rows.residual(*case, *quantity) / (1.0 - leverage).sqrt();
+        (rows.chance(studentised, *quantity), *case, *quantity, studentised, *leverage)
+    });
+    let count = all.len() as f64;
+    let farthest = studentised.min_by(|a, b| a.0.total_cmp(&b.0));
+    let farthest = farthest.map(|(chance, number, quantity, studentised, leverage)| {
+        let (case, quantity) = named(number, quantity);
+        Farthest { case, quantity, studentised, leverage, probability: (count * chance).min(1.0) }
+    });
+    let covariance = rows.factor.inverse();
+    let free = (0..problem.free.len()).filter_map(|k| Some((k, rows.open.iter().position(|&open| open == k)?)));
+    let influence = free
+        .map(|(k, place)| {
+            let deviation = covariance[(place, place)].sqrt();
+            let change = |(case, quantity, (pull, leverage)): &(usize, usize, (DVector<f64>, f64))| {
+                let residual = rows.optimum.minimum.misfit.residuals[case * problem.quantities.len() + quantity];
+                let (case, quantity) = named(*case, *quantity);
+                let change = pull[place] * residual / (1.0 - leverage.min(THROUGH)) / deviation;
+                Moved { case, quantity, change }
+            };
+            let mut values: Vec<Moved> = all.iter().map(change).collect();
+            values.sort_by(|a, b| b.change.abs().total_cmp(&a.change.abs()));
+            values.truncate(SHOWN);
+            let budget = budget(&rows, &covariance, place, (groups, &all));
+            Influence { parameter: problem.free[k].name.clone(), values, budget }
+        })
+        .collect();
+    (farthest, influence)
+}
+
+/// Values for people.
+const SHOWN: usize = 3;
+
+/// Each measured value with its pull and its leverage.
+type Pulls = [(usize, usize, (DVector<f64>, f64))];
+
+/// What the variance of an unknown consists of.
+fn budget(rows: &Rows<'_>, covariance: &DMatrix<f64>, place: usize, (groups, all): (&[Group], &Pulls)) -> Vec<Part> {
+    let (problem, variance) = (rows.problem, covariance[(place, place)]);
+    let noise = groups.iter().map(|group| {
+        let own = all.iter().filter(|(case, quantity, _)| group.values.contains(&[*case, *quantity]));
+        (format!("noise of {}", group.name), own.map(|(.., (pull, _))| pull[place].powi(2)).sum())
+    });
+    let n = problem.unknowns();
+    let mut parts: Vec<(String, f64)> = noise.collect();
+    for source in 0..problem.sources.len() {
+        let mut channels = problem.channels.iter();
+        let channel = channels.find(|channel| channel.sources.iter().any(|(number, _)| *number == source));
+        let from = channel.map_or_else(
+            || "errors that values share".to_owned(),
+            |channel| format!("{} of {}", channel.kind.words(), channel.name),
+        );
+        let behind = rows.open.iter().position(|&open| open == n + source);
+        // Before the measurement it had the variance 1.
+        let part = behind.map_or(0.0, |behind| covariance[(place, behind)].powi(2));
+        match parts.iter_mut().find(|(name, _)| *name == from) {
+            Some((_, sum)) => *sum += part,
+            None => parts.push((from, part)),
+        }
+    }
+    // What is left of the sum is that of the priors.
+    let told: f64 = parts.iter().map(|(_, part)| part).sum();
+    parts.push(("what was known before".to_owned(), (variance - told).max(0.0)));
+    let mut parts: Vec<Part> = parts.into_iter().map(|(from, part)| Part { from, share: part / variance }).collect();
+    parts.sort_by(|a, b| b.share.total_cmp(&a.share));
+    parts
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fit::Fit;
+    use super::super::objective::Objective;
+    use super::super::outcome::IdentificationOutcome;
+    use super::super::problem::{Channel, Effect, Measured, SharedKind, Source, Spacing};
+    use super::super::search::search;
+    use super::super::testing::{effort, free, problem, starts};
+    use super::super::text;
+    use super::*;
+    use rand::rngs::StdRng;
+    use rand::{RngExt, SeedableRng};
+    use rand_distr::StandardNormal;
+
+    const TIMES: [f64; 12] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0];
+
+    /// A line through values with the standard uncertainty 1, with or without an offset that all share.
+    fn line(values: &[f64], offset: f64) -> IdentificationOutcome {
+        let rows = values.iter().map(|&value| Measured { value, accuracy: 1.0 }).collect();
+        let unknown = vec![free("a", Spacing::Linear, -100.0, 100.0), free("b", Spacing::Linear, -100.0, 100.0)];
+        let mut problem = problem(unknown, vec![rows]);
+        if offset > 0.0 {
+            let effect = |quantity| Effect { case: 0, quantity, change: offset, part: None };
+            problem.sources = vec![Source { effects: (0..values.len()).map(effect).collect(), rectangular: false }];
+            problem.channels = vec![Channel {
+                name: "y".to_owned(),
+                kind: SharedKind::Offset,
+                unit: None,
+                limit: 2.0 * offset,
+                sources: vec![(0, offset)],
+            }];
+        }
+        let model = |_: usize, p: &[f64], _: &[f64]| {
+            Ok(TIMES.iter().take(values.len()).map(|t| p[0] + p[1] * t).collect::<Vec<f64>>())
+        };
+        let objective = Objective::new(&problem, &model, 1e-4);
+        let (optima, progress) = search(&objective, &starts(2, 4), &effort(2, 40), &|_| ()).unwrap();
+        let mut outcome = IdentificationOutcome::new(&problem, &optima, &progress);
+        let group = Group { name: "y".to_owned(), values: (0..values.len()).map(|k| [0, k]).collect() };
+        (outcome.farthest, outcome.influence) = of_values(&problem, &optima[0], std::slice::from_ref(&group));
+        outcome.look_along(&[group], &problem.estimates);
+        outcome
+    }
+
+    fn noise(random: &mut StdRng) -> Vec<f64> {
+        TIMES.iter().map(|t| 1.0 + 0.5 * t + random.sample::<f64, _>(StandardNormal)).collect()
+    }
+
+    /// numpy: leverage and studentised residual of the first of twelve values 5 off, and how far the line's ends move without it.
+    #[test]
+    fn a_value_that_is_off_is_told_with_its_leverage() {
+        let mut values: Vec<f64> = TIMES.iter().map(|t| 1.0 + 0.5 * t).collect();
+        values[0] += 5.0;
+        let outcome = line(&values, 0.0);
+        let told = outcome.farthest.as_ref().unwrap();
+        assert_eq!(told.quantity, "y0");
+        assert!((told.leverage - 0.294_872).abs() < 1e-4, "{told:?}");
+        assert!((told.studentised + 5.0 * (1.0_f64 - 0.294_872).sqrt()).abs() < 1e-3, "{told:?}");
+        assert_eq!(outcome.fit(), Fit::Misses);
+        let text = text::summary(&outcome);
+        assert!(text.contains("y0") && text.contains("nothing was left out"), "{text}");
+        // By least squares a falls by 5 times its weight of the first value, 0.294872, of a standard deviation of 0.543022.
+        let a = &outcome.influence[0];
+        assert_eq!((a.parameter.as_str(), a.values[0].quantity.as_str()), ("a", "y0"));
+        assert!((a.values[0].change + 5.0 * 0.294_872 / 0.543_022).abs() < 1e-3, "{a:?}");
+    }
+
+    /// An offset of u = 2 that all values share is all of the line's height but for its noise: variance 0.294872 of `a` by noise,
+    /// 4 by the offset.
+    #[test]
+    fn the_budget_adds_up_and_names_its_sources() {
+        let values: Vec<f64> = TIMES.iter().map(|t| 1.0 + 0.5 * t).collect();
+        let outcome = line(&values, 2.0);
+        let budget = |k: usize| &outcome.influence[k].budget;
+        let share = |k: usize, from: &str| budget(k).iter().find(|part| part.from == from).unwrap().share;
+        let sum: f64 = budget(0).iter().map(|part| part.share).sum();
+        assert!((sum - 1.0).abs() < 1e-9, "{:?}", budget(0));
+        // The bounds are a prior that takes next to nothing.
+        assert!((share(0, "a zero error of y") - 4.0 / 4.294_872).abs() < 2e-3, "{:?}", budget(0));
+        assert!((share(0, "noise of y") - 0.294_872 / 4.294_872).abs() < 2e-3, "{:?}", budget(0));
+        assert!(share(1, "noise of y") > 0.999 && share(1, "a zero error of y") < 1e-3, "{:?}", budget(1));
+    }
+
+    fn found(place: usize, records: u64) -> u64 {
+        let mut random = StdRng::seed_from_u64(11 + place as u64);
+        let told = (0..records).filter(|_| {
+            let mut values = noise(&mut random);
+            values[place] += 5.0;
+            let outcome = line(&values, 0.0);
+            let farthest = outcome.farthest.as_ref().unwrap();
+            outcome.is_farthest_doubtful() && farthest.quantity == format!("y{place}")
+        });
+        told.count() as u64
+    }
+
+    #[test]
+    fn an_outlier_at_an_edge_is_told() {
+        assert!(found(0, 40) >= 30);
+    }
+
+    #[test]
+    #[ignore = "takes a minute; run by scripts/test --long"]
+    fn an_outlier_is_told_wherever_it_is() {
+        let all: Vec<u64> = (0..12).map(|place| found(place, 200)).collect();
+        println!("{all:?} of 200");
+        assert!(all.iter().all(|&found| found >= 150), "{all:?}");
+    }
+
+    /// Of 200 right records, few are doubted for any reason.
+    #[test]
+    fn clean_records_are_hardly_ever_doubted() {
+        let mut random = StdRng::seed_from_u64(5);
+        let doubted = (0..200).filter(|_| line(&noise(&mut random), 0.0).fit() != Fit::Good).count();
+        assert!(doubted <= 16, "{doubted}");
+    }
+}

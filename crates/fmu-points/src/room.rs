@@ -1,0 +1,85 @@
+//! The folders that a worker's points have for themselves.
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use crate::locked::locked;
+
+/// A working directory and a folder for temporary files, both empty for each point. Their paths are the same in every run.
+#[derive(Debug)]
+pub(crate) struct Room(PathBuf);
+
+/// The rooms that are in use.
+static TAKEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+impl Room {
+    /// The first room within a folder that nobody has.
+    pub(crate) fn take(within: &Path) -> io::Result<Self> {
+        let within = std::path::absolute(within)?;
+        let path =
+            (1..).map(|number| within.join(format!("room-{number}"))).find(|path| locked(&TAKEN).insert(path.clone()));
+        let room = Self(path.expect("numbers do not end"));
+        for folder in room.folders() {
+            fs::create_dir_all(folder)?;
+        }
+        Ok(room)
+    }
+
+    pub(crate) fn work(&self) -> PathBuf {
+        self.0.join("work")
+    }
+
+    pub(crate) fn temporary(&self) -> PathBuf {
+        self.0.join("tmp")
+    }
+
+    pub(crate) fn folders(&self) -> [PathBuf; 2] {
+        [self.work(), self.temporary()]
+    }
+}
+
+impl Drop for Room {
+    fn drop(&mut self) {
+        let _ = fs::remove_dir_all(&self.0);
+        locked(&TAKEN).remove(&self.0);
+    }
+}
+
+/// Empties a folder, whatever a point has left there. What cannot be removed stays.
+pub(crate) fn clear(folder: &Path) -> io::Result<()> {
+    let Ok(entries) = fs::read_dir(folder) else {
+        let _ = fs::remove_file(folder);
+        return fs::create_dir_all(folder);
+    };
+    for entry in entries.flatten() {
+        let path = entry.path();
+        match entry.file_type().is_ok_and(|kind| kind.is_dir()) {
+            true => drop(fs::remove_dir_all(path)),
+            false => drop(fs::remove_file(path)),
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn rooms_are_numbered_from_the_first_free_one() {
+        let place = tempfile::tempdir().unwrap();
+        let [one, two] = [(); 2].map(|()| Room::take(place.path()).unwrap());
+        let first = one.work();
+        assert_ne!(first, two.work());
+        fs::write(first.join("left"), "x").unwrap();
+        fs::create_dir(first.join("folder")).unwrap();
+        clear(&first).unwrap();
+        assert_eq!(fs::read_dir(&first).unwrap().count(), 0);
+        drop(one);
+        assert!(!first.exists());
+        assert_eq!(Room::take(place.path()).unwrap().work(), first);
+    }
+}

@@ -1,0 +1,238 @@
+//! Points that run a second time, at the end, and are compared with what is recorded.
+//!
+//! An FMU may take something from the clock, from its address, or from what other points have left outside of its process.
+//! Points that run twice right after each other would not show it. So some of the first points run again as late as the run
+//! allows, and some drawn from all: in a new process whose unwritten memory holds other bytes, from another path, and on another host
+//! where there is one.
+
+use std::collections::BTreeMap;
+use std::ops::ControlFlow;
+use std::sync::atomic::Ordering;
+use std::time::{Duration, Instant};
+
+use rand::rngs::StdRng;
+use rand::{RngExt, SeedableRng};
+
+use crate::{Error, Outcome, pipeline::Model};
+use fmu_points::crew::Crew;
+use fmu_points::task::Case;
+use fmu_points::{Conduct, Event, Job, Post, stop};
+
+/// A point of an index that is known.
+pub(super) type Known<'a> = &'a dyn Fn(u64) -> Job;
+
+/// So many of the first points run again, of an earlier part of the run and of this one.
+pub(super) const EARLIER: usize = 3;
+const FIRST: usize = 4;
+/// They run again while that takes less than this together, or than this part of the time of the run; one runs in any case.
+const LITTLE: Duration = Duration::from_secs(2);
+const PART: u32 = 50;
+/// So many points drawn from all that each host has answered run again, while all that takes less than this together, or than this
+/// part of the time of the run: what spoils one point in twenty shows among them.
+const DRAWN: usize = 60;
+const LITTLE_OF_DRAWN: Duration = Duration::from_millis(200);
+const PART_OF_DRAWN: u32 = 20;
+
+/// A point with what is recorded of it.
+#[derive(Debug)]
+struct Recorded {
+    job: Job,
+    outcome: Outcome,
+    /// When this run recorded it; none where an earlier one did.
+    when: Option<Instant>,
+    /// The host that answered it, where there are several.
+    host: Option<String>,
+}
+
+/// Points drawn from all that a host has answered, each with the same probability.
+#[derive(Debug, Default)]
+struct Draw {
+    answered: u64,
+    points: Vec<Recorded>,
+}
+
+/// Points that will run again, and what came of those that did.
+#[derive(Debug)]
+pub(super) struct Again {
+    cases: Vec<Case>,
+    begun: Instant,
+    points: Vec<Recorded>,
+    /// How many came from an earlier part of the run.
+    earlier: usize,
+    drawn: BTreeMap<Option<String>, Draw>,
+    random: StdRng,
+    found: Option<(bool, String)>,
+}
+
+impl Again {
+    pub(super) fn new(cases: &[Case]) -> Self {
+        Self {
+            cases: cases.to_vec(),
+            begun: Instant::now(),
+            points: Vec::new(),
+            earlier: 0,
+            drawn: BTreeMap::new(),
+            random: StdRng::seed_from_u64(0),
+            found: None,
+        }
+    }
+
+    /// Takes a point that an earlier part of the run has recorded.
+    pub(super) fn recall(&mut self, job: Job, outcome: Outcome) {
+        if self.earlier < EARLIER && outcome.is_ok() && self.points.iter().all(|point| point.job.index != job.index) {
+            self.earlier += 1;
+            self.points.push(Recorded { job, outcome, when: None, host: None });
+        }
+    }
+
+    /// Takes a point that was just recorded, if it is one of the first, or drawn.
+    pub(super) fn note(&mut self, crew: &Crew, index: u64, outcome: &Outcome, job: Known<'_>) {
+        let host = crew.take_host(index);
+        if outcome.is_err() {
+            return;
+        }
+        let when = Some(Instant::now());
+        let recorded = |host| Recorded { job: job(index), outcome: outcome.clone(), when, host };
+        if self.points.len() - self.earlier < FIRST {
+            self.points.push(recorded(host));
+            return;
+        }
+        let draw = self.drawn.entry(host.clone()).or_default();
+        draw.answered += 1;
+        // Reservoir sampling, algorithm R (Vitter, ACM Transactions on Mathematical Software 11 (1985) 37).
+        match draw.points.len() {
+            fewer if fewer < DRAWN => draw.points.push(recorded(host)),
+            _ => {
+                let place = self.random.random_range(0..draw.answered);
+                if let Some(place) = usize::try_from(place).ok().and_then(|place| draw.points.get_mut(place)) {
+                    *place = recorded(host);
+                }
+            }
+        }
+    }
+
+    /// Runs the points again and compares. Those of a run that is to end at once do not.
+    pub(super) fn run(&mut self, crew: &Crew, model: &dyn Model) -> Result<(), Error> {
+        let stopped = || stop::flag().load(Ordering::Relaxed);
+        let (begun, whole) = (Instant::now(), self.begun.elapsed());
+        let first = std::mem::take(&mut self.points);
+        let drawn = in_turn(std::mem::take(&mut self.drawn));
+        let is_first = std::iter::repeat_n(true, first.len()).chain(std::iter::repeat(false));
+        let (mut count, mut differences, mut latest) = (0, Vec::new(), Some(Duration::MAX));
+        let mut others: BTreeMap<String, u64> = BTreeMap::new();
+        let mut workers = BTreeMap::new();
+        for (point, is_first) in first.into_iter().chain(drawn).zip(is_first) {
+            let spent = begun.elapsed();
+            let room = match is_first {
+                true => LITTLE.max(whole / PART),
+                false => LITTLE_OF_DRAWN.max(whole / PART_OF_DRAWN),
+            };
+            if stopped() || count > 0 && spent > room {
+                break;
+            }
+            let Recorded { job, outcome, when, host } = point;
+            if !workers.contains_key(&host) {
+                let Some(worker) = crew.again(&self.cases, host.as_deref()) else { return Ok(()) };
+                workers.insert(host.clone(), worker);
+            }
+            let worker = workers.get_mut(&host).expect("it was just put there");
+            let later = when.map(|when| when.elapsed());
+            let mut answer = None;
+            let mut take = |event| {
+                if let Event::Answer(_, result) = event {
+                    answer = Some(result);
+                }
+                ControlFlow::Continue(())
+            };
+            worker.run(std::slice::from_ref(&job), &mut Post::new(&mut take, &stopped))?;
+            let Some(answer) = answer else { break };
+            let there = crew.take_host(job.index);
+            let now = model.outcome(answer.map(|result| result.values));
+            count += 1;
+            latest = later.zip(latest).map(|(later, latest)| later.min(latest));
+            if let Some(text) = difference(&outcome, &now) {
+                let hosts = match (&host, &there) {
+                    (Some(here), Some(there)) if here != there => format!(" ({here}, then {there})"),
+                    (Some(here), _) => format!(" ({here})"),
+                    _ => String::new(),
+                };
+                let involved = [host, there].into_iter().flatten().collect::<std::collections::BTreeSet<_>>();
+                involved.into_iter().for_each(|host| *others.entry(host).or_default() += 1);
+                differences.push(format!("point {}{hosts}: {text}", job.index + 1));
+            }
+        }
+        if count == 0 {
+            return Ok(());
+        }
+        let which = match self.earlier {
+            0 => format!("{count} points"),
+            _ => format!("{count} points of this run and of an earlier one"),
+        };
+        let later = match latest {
+            Some(least) if least < Duration::from_secs(1) => format!("at least {} ms later", least.as_millis()),
+            Some(least) => format!("at least {:.0} s later", least.as_secs_f64()),
+            None => "after an earlier run".to_owned(),
+        };
+        self.found = Some(match differences.first() {
+            None => (true, format!("{which} ran again, {later}, in new processes: identical to the last bit")),
+            Some(first) => {
+                let all = differences.len() as u64;
+                let mut hosts = others.iter().filter(|(_, count)| **count == all).map(|(host, _)| host.as_str());
+                let cause = match (hosts.next(), hosts.next()) {
+                    (Some(host), None) if all > 1 => format!("all differences involve {host}: leave that host out"),
+                    _ => "they depend on something beside the parameters: the clock, unwritten memory, random numbers, the \
+                          path, the host, files or ports outside of the FMU"
+                        .to_owned(),
+                };
+                let text = format!(
+                    "not reproducible: {which} ran again, {later}, and {all} gave other results ({first}); {cause}"
+                );
+                (false, text)
+            }
+        });
+        Ok(())
+    }
+
+    /// How points were computed, with what was found.
+    pub(super) fn told(&self, conduct: Conduct) -> Conduct {
+        match &self.found {
+            None => conduct,
+            Some((same, text)) => Conduct { reproducible: Some(*same), reproducibility: text.clone(), ..conduct },
+        }
+    }
+}
+
+/// The points of all hosts, one of each in turn, so that the first ones are of all.
+fn in_turn(drawn: BTreeMap<Option<String>, Draw>) -> impl Iterator<Item = Recorded> {
+    let mut all: Vec<(usize, Recorded)> =
+        drawn.into_values().flat_map(|draw| draw.points.into_iter().enumerate()).collect();
+    all.sort_by_key(|(place, _)| *place);
+    all.into_iter().map(|(_, point)| point)
+}
+
+/// The first value in which two outcomes differ, if they do.
+pub fn difference(recorded: &Outcome, now: &Outcome) -> Option<String> {
+    match (recorded, now) {
+        (Ok(recorded), Ok(now)) => {
+            let mut pairs = recorded.iter().zip(now);
+            let (then, now) = pairs.find(|(then, now)| then.to_bits() != now.to_bits())?;
+            Some(format!("{then} recorded, {now} now"))
+        }
+        (_, Err(failure)) => Some(format!("it failed now: {failure}")),
+        (Err(_), Ok(_)) => Some("it gave results now".to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_bit_is_a_difference() {
+        let outcome = |value: f64| Ok(vec![1.0, value]);
+        assert_eq!(difference(&outcome(0.1), &outcome(0.1)), None);
+        let text = difference(&outcome(0.1), &outcome(0.1_f64.next_up())).unwrap();
+        assert_eq!(text, "0.1 recorded, 0.10000000000000002 now");
+        assert_eq!(difference(&outcome(0.0), &outcome(-0.0)).as_deref(), Some("0 recorded, -0 now"));
+    }
+}

@@ -1,0 +1,736 @@
+"""Rows of text as a logger or a spreadsheet wrote them, as columns of numbers.
+
+What has two possible readings is refused with both and the option that decides; what is left out is told. That is why stamps, numbers
+and encodings are read here: dateutil takes 03/11 for March, pandas takes 1.234 for a number below 2, charset-normalizer ranks
+encodings by likeliness, and none of them says that there was a choice.
+"""
+
+import csv
+import datetime
+import io
+import re
+from collections import Counter
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from ._errors import OrchestratorError
+
+SEPARATORS = {"tab": "\t", ";": ";", "|": "|", ",": ",", "space": " "}
+SAMPLE = 2000
+# Cells that say that there is no value, whoever wrote them.
+NOTHING = {"", "-", "--", "---", "nan", "n/a", "#n/a", "na", "null", "none", "<na>", "#n/v"}
+NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)*|[.,]\d+)([eE][+-]?\d+)?")
+# One to three digits, then groups of three: thousands, or a number with three decimals.
+GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+")
+BLANKS = re.compile(r"(?<=\d)['\u2019\u00a0\u202f\u2009 ](?=\d{3}(?!\d))")
+DAY = re.compile(r"(?:[A-Za-z]{2,3}[.,]? )?(\d{1,4})([-./ ])(\d{1,2}|[^\W\d_]{3,9})\.?\2 ?(\d{2,4})")
+COMPACT = re.compile(r"((?:19|20)\d{6})(?:[T :_]?(\d{4}(?:\d\d)?(?:[.,]\d+)?))?(Z|[+-]\d\d:?\d\d)?")
+HOURS = re.compile(r"(?:(\d+) ?d(?:ays?)?,? ?)?(\d{1,6}):(\d\d)(?::(\d\d)(?:[.,:](\d{1,12}))?)?(?: ?([AaPp])\.?[Mm]\.?)?(?: ?(Z|[+-]\d\d:?\d\d))?")
+MONTHS = {name: k // 3 + 1 for k, name in enumerate(
+    "jan jan jan feb feb feb mar mrz mär apr apr apr may mai mai jun jun jun jul jul jul aug aug aug sep sep sep oct okt okt "
+    "nov nov nov dec dez dez".split())}
+PARTS = {"year": "year yr yyyy jahr", "month": "month mo mon mm monat", "day": "day dy dd tag", "hour": "hour hr hh stunde",
+         "minute": "minute min mi minuten", "second": "second sec ss sekunde"}
+UNITS = {
+    "deg c": "degC", "°c": "degC", "℃": "degC", "degc": "degC", "grad c": "degC", "c°": "degC", "celsius": "degC", "deg f": "degF",
+    "°f": "degF", "℉": "degF", "degf": "degF", "fahrenheit": "degF", "kelvin": "K", "min⁻¹": "1/min", "min-1": "1/min",
+    "1/min": "1/min", "u/min": "rpm", "rpm": "rpm", "n m": "N.m", "n·m": "N.m", "n*m": "N.m", "nm": "Nm", "volt": "V", "volts": "V",
+    "ampere": "A", "amps": "A", "second": "s", "seconds": "s", "sekunden": "s", "sec": "s", "minutes": "min", "hours": "h",
+    "psi": "psi", "newton": "N", "watt": "W", "meter": "m", "metre": "m", "percent": "%", "°": "deg", "m/s²": "m/s2", "m³/h": "m3/h",
+    "µm": "um", "μm": "um", "µs": "us", "μs": "us",
+}
+# Spellings that are right as they stand; only their case tells some of them apart (mN, MN).
+KNOWN = set("1 % s ms us ns min h d Hz kHz MHz GHz m cm mm um km N kN mN MN N.m Nm N.mm Nmm kNm Pa hPa mbar kPa bar MPa psi W kW MW "
+            "K degC degF deg rad rad/s deg/s rpm 1/min 1/s m/s mm/s km/h m/s2 g kg kg/s g/s kg/h m3/s m3/h l/min V mV kV A mA uA J kJ kWh MWh "
+            "Wh Ohm - W/m2 W/m^2 mg/m3 ppm".split())
+
+
+@dataclass
+class Options:
+    """What the user says of a file."""
+
+    delimiter: str | None = None
+    decimal: str | None = None
+    encoding: str | None = None
+    header: int | None = None
+    format: str | None = None
+    time: str | None = None
+    units: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass
+class Columns:
+    """A table as it was understood."""
+
+    time: list[float | None] | None
+    channels: list[tuple[str, str, Sequence[Any]]]
+    start: datetime.datetime | None = None
+    told: list[str] = field(default_factory=list)
+
+
+def unit(text: str) -> str:
+    """A unit in the letters that the program knows; an unknown one stays."""
+    bare = text.strip().strip("[]()").strip()
+    if bare in KNOWN:
+        return bare
+    return UNITS.get(bare.lower()) or bare.replace("°", "deg").replace("·", ".").replace("²", "2").replace("³", "3")
+
+
+def _is_unit(text: str) -> bool:
+    bare = text.strip().strip("[]()").strip()
+    enclosed = len(text) > 2 and text[0] + text[-1] in ("[]", "()")
+    return enclosed or bare in KNOWN or bare.lower() in UNITS
+
+
+def _named(name: str) -> tuple[str, str]:
+    """The name without its unit, and that."""
+    name = " ".join(name.split())
+    if found := re.fullmatch(r"(.*\S) ?\[([^][]+)\]", name):
+        return (name, "") if re.fullmatch(r"[\d, ]+", found[2]) and " [" not in name else (found[1], unit(found[2]))
+    # `G(h)` is a name, and `t (h)` a time in hours.
+    for form in (r"(.*\S) \(([^()]+)\)", r"(.*\S) in (\S+)", r"(.*\S) / (\S+)", r"(\S+)/\((.+)\)"):
+        if (found := re.fullmatch(form, name)) and _is_unit(found[2]):
+            return found[1].rstrip("/ "), unit(found[2])
+    return name, ""
+
+
+def text(path: Path, encoding: str | None) -> tuple[str, str]:
+    """The text of a file and its encoding."""
+    content = path.read_bytes()
+    marks = [(b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16")]
+    known = encoding or next((name for mark, name in marks if content.startswith(mark)), None)
+    if known is None and content[1:8:2] == bytes(len(content[1:8:2])) and len(content) > 8 and 0 not in content[:8:2]:
+        known = "utf-16-le"
+    for name in [known] if known else ["utf-8", "cp1252"]:
+        try:
+            decoded = content.decode(name)
+        except (UnicodeDecodeError, LookupError):
+            continue
+        if "\0" in decoded[:100_000]:
+            break
+        return decoded, name
+    raise OrchestratorError(f"{path}: no text in {known or 'UTF-8 or Windows-1252'}; say --encoding, or export it as csv")
+
+
+def read(path: Path, options: Options) -> Columns:
+    """A file of text."""
+    content, encoding = text(path, options.encoding)
+    told = [] if encoding.startswith("utf-8") else [f"encoding: {encoding}"]
+    lines = content.replace("\r\n", "\n").replace("\r", "\n").split("\n")
+    if lines[0].startswith("LabVIEW Measurement"):
+        return _labview(path, lines)
+    delimiter = SEPARATORS.get(options.delimiter or "", options.delimiter)
+    if lines[0].lower().startswith("sep=") and len(lines[0].strip()) == 5:
+        delimiter, lines[0] = delimiter or lines[0][4], ""
+    if delimiter is None:
+        delimiter = _separator(path, lines)
+    rows = _split(path, lines, delimiter)
+    shown = next((name for name, letter in SEPARATORS.items() if letter == delimiter), delimiter)
+    columns = table(path, rows, options, "." if delimiter == "," and not any('"' in line for line in lines[:SAMPLE]) else None, delimiter == " ")
+    columns.told = [*told, f"between cells: {shown}", *columns.told]
+    return columns
+
+
+def _split(path: Path, lines: Sequence[str], delimiter: str) -> list[list[str]]:
+    """The cells of all lines; a blank line has none."""
+    if delimiter == " ":
+        return [_words(line) for line in lines]
+    try:
+        # A quote that nobody closes would swallow the rest: each line is read alone.
+        return [[cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])] if line.strip() else [] for line in lines]
+    except (csv.Error, TypeError) as error:
+        raise OrchestratorError(f"{path}: {error}; say --delimiter") from error
+
+
+def _words(line: str) -> list[str]:
+    """Words of a line; a unit belongs to the name before it."""
+    row: list[str] = []
+    for word in line.removeprefix("#").split():
+        if row and word[0] in "[(":
+            row[-1] += f" {word}"
+        else:
+            row.append(word)
+    return row
+
+
+def _is_number(cell: str) -> bool:
+    if cell.isdigit():
+        return True
+    return NUMBER.fullmatch(_plain(cell)) is not None
+
+
+def _plain(cell: str) -> str:
+    cell = cell.strip()
+    return cell if cell.isascii() and "'" not in cell and " " not in cell else BLANKS.sub("", cell.replace("\u2212", "-"))
+
+
+def _is_stamp(cell: str) -> bool:
+    cell = cell.strip()
+    return bool(cell) and cell[0].isalnum() and (_moment(cell, None) is not None)
+
+
+def _is_value(cell: str) -> bool:
+    return _is_number(cell) or _is_stamp(cell)
+
+
+def _separator(path: Path, lines: Sequence[str]) -> str:
+    """The one with which most lines have the same number of cells and these are values."""
+    sample = [line for line in lines if line.strip()][:SAMPLE]
+    best: list[tuple[float, str]] = []
+    for letter in SEPARATORS.values():
+        rows = [row for row in _split(path, sample, letter) if len(row) > 1]
+        widths = Counter(len(row) for row in rows if any(_is_value(cell) for cell in row))
+        if not widths:
+            continue
+        width, count = widths.most_common(1)[0]
+        cells = [cell for row in rows if len(row) == width for cell in row if cell]
+        sound = sum(_is_value(cell) for cell in cells) / max(len(cells), 1)
+        best.append((count / len(sample) * (0.5 + sound), letter))
+    # Blanks stand within cells, too: they separate where nothing else does.
+    best = [pair for pair in best if pair[1] != " "] or best
+    if not best:
+        return ","
+    best.sort(key=lambda pair: -pair[0])
+    return best[0][1]
+
+
+def table(path: Path, rows: list[list[str]], options: Options, decimal: str | None = None, exact: bool = False) -> Columns:
+    """The columns of a table of texts; with ``exact``, an empty cell is none."""
+    told: list[str] = []
+    decimal = options.decimal or decimal
+    while rows and not any(rows[-1]):
+        rows.pop()
+    body = [k for k, row in enumerate(rows) if any(map(_is_value, row))]
+    if options.header:
+        body = [k for k in body if k >= options.header]
+    if len(body) < 2:
+        raise OrchestratorError(f"{path}: no rows of numbers; say --delimiter or --header, or export it as csv")
+    # Rows of the recording have one width, or lack empty cells at their ends.
+    filled = {k: max(j for j, cell in enumerate(rows[k]) if cell) + 1 for k in body}
+    width = Counter(len(rows[k]) for k in body).most_common(1)[0][0]
+    kinds = [_kind([rows[k][j] for k in body if len(rows[k]) == width]) for j in range(width)]
+    typed = [j for j, kind in enumerate(kinds) if kind != "text"]
+    if not typed:
+        raise OrchestratorError(f"{path}: no column of numbers; say --delimiter")
+
+    def known(k: int) -> tuple[int, int]:
+        """How many cells of a row are what their columns are, and how many there are."""
+        row = rows[k]
+        there = [j for j in typed if j < len(row) and row[j].lower() not in NOTHING]
+        return sum(_is_number(row[j]) or bool(_suffix(row[j])) if kinds[j] == "number" else _is_value(row[j]) for j in there), len(there)
+
+    def fits(k: int) -> bool:
+        row = rows[k]
+        sound, there = known(k)
+        fitting = len(row) == width if exact else filled[k] <= width
+        return fitting and sound > 0 and 2 * sound >= there
+
+    good = [k for k in body if fits(k)]
+    # The recording begins with a row that has no doubt, and with rows with marks right above it.
+    first = next((k for k in good if known(k)[0] == known(k)[1]), None)
+    while first is not None and first - 1 in good[: good.index(first)]:
+        first -= 1
+    good = [k for k in good if first is not None and k >= first]
+    if first is None or not good:
+        raise OrchestratorError(f"{path}: no rows of numbers of one width; say --delimiter or --header")
+    long = next((k for k in body if filled[k] > width and k > good[0]), None)
+    if long is not None:
+        raise OrchestratorError(
+            f"{path}: line {long + 1} has {filled[long]} cells and most rows have {width}; a decimal comma needs another letter between "
+            "cells: say --delimiter, or correct the line")
+    names, units, header = _header(path, rows, first, width, options)
+    columns_named = max((j + 1 for j, name in enumerate(names) if name), default=0)
+    if columns_named > width:
+        raise OrchestratorError(f"{path}: {columns_named} names on line {header} and {width} cells in most rows; say --delimiter or --header")
+    if not header:
+        told.append("no row of names: the columns are numbered")
+    most = max(filled[k] for k in good)
+    if header and len(names) < most:
+        raise OrchestratorError(
+            f"{path}: {len(names)} names on line {header} and {most} cells below; a decimal comma needs another letter between cells: say "
+            "--delimiter or --header, or correct the names")
+    last = len(rows) - 1
+    if len(rows[last]) < width and last == good[-1] and len(good) > 2 and len(rows[good[-2]]) == width:
+        good.pop()
+        told.append(f"line {last + 1}, the last one, is cut off and was left out")
+    others = [k for k in range(first, len(rows)) if any(rows[k]) and k not in set(good) and not (told and k == last)]
+    if others:
+        shown = " ".join(rows[others[0]])[:60]
+        told.append(f"{len(others)} lines hold no row of the recording and were left out, line {others[0] + 1} first: `{shown}`")
+    cells = [[rows[k][j] if j < len(rows[k]) else "" for k in good] for j in range(width)]
+    number = _numbers(path, [cells[j] for j in typed if kinds[j] == "number"], decimal, told)
+    return _columns(path, names, units, kinds, cells, number, options, told)
+
+
+def _kind(cells: Sequence[str]) -> str:
+    there = [cell for cell in cells[:SAMPLE] if cell.lower() not in NOTHING]
+    numbers, stamps = sum(map(_is_number, there)), sum(map(_is_stamp, there))
+    with_unit = sum(bool(_suffix(cell)) for cell in there)
+    if stamps > len(there) / 2:
+        return "stamp"
+    return "number" if max(numbers, with_unit) >= len(there) / 2 and there and numbers + with_unit else "text"
+
+
+def _suffix(cell: str) -> str:
+    """The unit behind a number."""
+    found = re.fullmatch(NUMBER.pattern + r"\s*([^\d\s.,;][^\d]*)", _plain(cell))
+    return found[found.re.groups] if found and _is_unit(found[found.re.groups]) else ""
+
+
+def _header(path: Path, rows: list[list[str]], first: int, width: int, options: Options) -> tuple[list[str], list[str], int]:
+    """Names and units above the first row, and the line of the names."""
+    def cleaned(k: int) -> list[str]:
+        row = list(rows[k])
+        row[0] = row[0].lstrip("#%! ")
+        if not row[0] and len(row) > width:
+            row = row[1:]
+        return [cell.strip("\"' ") for cell in row]
+
+    if rows[0][:1] == ["TOA5"] and first >= 4:
+        # Campbell Scientific: a line about the station, names, units, how each was processed.
+        return rows[1], [unit(cell) if cell else "" for cell in rows[2]], 2
+    if options.header:
+        above = [k for k in range(options.header - 1, first) if any(rows[k])]
+    else:
+        above = []
+        for k in range(first - 1, -1, -1):
+            if not any(rows[k]) and above:
+                break
+            if any(rows[k]):
+                if len(rows[k]) < max(width - 1, 2) and width > 1:
+                    break
+                above.insert(0, k)
+    if not above:
+        return [str(j + 1) for j in range(width)], [""] * width, 0
+    heads = [cleaned(k) for k in above]
+
+    def are_units(row: list[str]) -> bool:
+        said = [cell for cell in row if cell]
+        return bool(said) and 2 * sum(map(_is_unit, said)) >= len(said)
+
+    # Units stand right below the names, with at most two rows of remarks behind them.
+    below = [j for j in range(max(1, len(heads) - 3), len(heads)) if are_units(heads[j])][-1:]
+    if options.header:
+        place, units = 0, heads[below[0]] if below else []
+    elif below:
+        place, units = below[0] - 1, heads[below[0]]
+    elif len(heads) == 1:
+        place, units = 0, []
+    else:
+        lines = " or ".join(f"line {k + 1} (`{' '.join(rows[k])[:30]}`)" for k in above[-3:])
+        raise OrchestratorError(f"{path}: the names may be {lines}; say --header LINE")
+    names = heads[place][:]
+    units = [unit(cell) if cell else "" for cell in units]
+    return names, units, above[place] + 1
+
+
+def _numbers(path: Path, columns: Sequence[Sequence[str]], decimal: str | None, told: list[str]) -> Callable[[str], float | None]:
+    """How a cell becomes a number: which of point and comma is the decimal mark, and which stands between thousands."""
+    cells = [plain for cells in columns for cell in cells if (plain := re.sub(r"[^\d.,+\-eE].*$", "", _plain(cell))) and NUMBER.fullmatch(plain)]
+    evidence: dict[str, str] = {}
+    thousands: dict[str, str] = {}
+    unclear: dict[str, str] = {}
+    long = False
+    for cell in cells:
+        points, commas = cell.count("."), cell.count(",")
+        long = long or bool(re.match(r"[+-]?\d{4}", cell))
+        if points and commas:
+            last = max(".,", key=cell.rfind)
+            evidence.setdefault(last, cell)
+            thousands.setdefault("," if last == "." else ".", cell)
+        elif points + commas:
+            mark = "." if points else ","
+            if points + commas > 1:
+                thousands.setdefault(mark, cell)
+            elif GROUPED.fullmatch(cell):
+                unclear.setdefault(mark, cell)
+            else:
+                evidence.setdefault(mark, cell)
+
+    def refuse(mark: str, cell: str, why: str) -> None:
+        other = "," if mark == "." else "."
+        raise OrchestratorError(
+            f"{path}: `{cell}` may be {cell.replace(mark, '')} or {cell.replace(mark, '.')}{why}; say --decimal \"{mark}\" where `{mark}` is the "
+            f"decimal mark, or --decimal \"{other}\" where it stands between thousands")
+
+    if decimal is None:
+        if len(evidence) == 2:
+            raise OrchestratorError(f"{path}: `{evidence['.']}` has a decimal point and `{evidence[',']}` a decimal comma; say --decimal, or correct one")
+        if evidence:
+            [decimal] = evidence
+            other = "," if decimal == "." else "."
+            if other in unclear and other not in thousands:
+                refuse(other, unclear[other], f" beside `{evidence[decimal]}`")
+        elif len(thousands) == 1:
+            [other] = thousands
+            decimal = "," if other == "." else "."
+        elif unclear:
+            mark, cell = next(iter(unclear.items()))
+            if len(unclear) > 1 or not long:
+                refuse(mark, cell, "")
+            decimal = mark
+        else:
+            decimal = "."
+    if decimal in thousands:
+        raise OrchestratorError(f"{path}: `{thousands[decimal]}` has several `{decimal}`, which is the decimal mark elsewhere; say --decimal")
+    between = "," if decimal == "." else "."
+    if decimal == "," or between in thousands or between in unclear:
+        told.append(f"decimal mark: {decimal}" + (f"; `{between}` stands between thousands" if between in thousands or between in unclear else ""))
+    group = re.compile(rf"[+-]?[1-9]\d{{0,2}}(\{between}\d{{3}})+(\{decimal}\d*)?([eE][+-]?\d+)?")
+
+    def number(cell: str) -> float | None:
+        plain = _plain(cell)
+        if not NUMBER.fullmatch(plain):
+            return None
+        if between in plain:
+            if not group.fullmatch(plain):
+                return None
+            plain = plain.replace(between, "")
+        return float(plain.replace(",", "."))
+
+    return number
+
+
+@dataclass
+class Moment:
+    """A stamp: the day in the order that it is written, and the time."""
+
+    day: tuple[int, int, int] | None  # as written
+    order: str  # "ymd", "dmy" or "?" where day and month may be either way round
+    seconds: float | None
+    zone: float  # s
+    is_short: bool = False  # hours and minutes alone
+
+
+def _moment(cell: str, form: str | None) -> Moment | None:
+    if form:
+        try:
+            at = datetime.datetime.strptime(cell, form)
+        except ValueError:
+            return None
+        zone = at.utcoffset()
+        has_day = any(letter in form for letter in ("%d", "%j", "%x", "%c"))
+        seconds = at.hour * 3600 + at.minute * 60 + at.second + at.microsecond * 1e-6
+        return Moment((at.year, at.month, at.day) if has_day else None, "ymd", seconds, zone.total_seconds() if zone else 0.0)
+    if found := COMPACT.fullmatch(cell):
+        day, rest = found[1], (found[2] or "").replace(",", ".")
+        if not (1 <= int(day[4:6]) <= 12 and 1 <= int(day[6:]) <= 31) or (not rest):
+            return None
+        seconds = int(rest[:2]) * 3600 + int(rest[2:4]) * 60 + float(rest[4:] or 0)
+        return Moment((int(day[:4]), int(day[4:6]), int(day[6:])), "ymd", seconds, _zone(found[3]))
+    found = DAY.match(cell)
+    rest = cell
+    ordered: tuple[int, int, int] | None = None
+    order = ""
+    if found:
+        one, mark, two, three = found[1], found[2], found[3], found[4]
+        rest = cell[found.end():].lstrip(" T,")
+        month = MONTHS.get(two[:3].lower()) if not two.isdigit() else int(two)
+        if month is None:
+            return None
+        if len(one) == 4:
+            ordered, order = (int(one), month, int(three)), "ymd"
+            if len(three) > 2:
+                return None
+        elif len(three) in (2, 4) and len(one) <= 2:
+            year = int(three) + (2000 if len(three) == 2 else 0)
+            ordered = (year, month, int(one))
+            order = "?" if two.isdigit() and mark in "/-" else "dmy"
+        else:
+            return None
+        most = max(ordered[1:])
+        if not (1 <= min(ordered[1:]) and most <= 31 and (order == "?" or ordered[1] <= 12) and min(ordered[1:]) <= (12 if order == "?" else 31)):
+            return None
+        if not rest:
+            return Moment(ordered, order, None, 0.0)
+    clock = HOURS.fullmatch(rest)
+    if clock is None:
+        return None
+    hours, minutes = int(clock[2]), int(clock[3])
+    if (minutes > 59) or (clock[4] and int(clock[4]) > 60):
+        return None
+    if clock[6]:
+        hours = hours % 12 + (12 if clock[6] in "pP" else 0)
+    seconds = int(clock[1] or 0) * 86400 + hours * 3600 + minutes * 60 + int(clock[4] or 0) + (float(f"0.{clock[5]}") if clock[5] else 0.0)
+    return Moment(ordered, order, seconds, _zone(clock[7]), clock[4] is None and ordered is None and not clock[6])
+
+
+def _zone(zone: str | None) -> float:
+    if not zone or zone == "Z":
+        return 0.0
+    digits = zone[1:].replace(":", "")
+    return (int(digits[:2]) * 3600 + int(digits[2:]) * 60) * (-1.0 if zone[0] == "-" else 1.0)
+
+
+def _columns(
+    path: Path, names: list[str], units: list[str], kinds: list[str], cells: list[list[str]], number: Callable[[str], float | None],
+    options: Options, told: list[str],
+) -> Columns:
+    width = len(cells)
+    names = [names[j] if j < len(names) and names[j] else str(j + 1) for j in range(width)]
+    parts = [_named(name) for name in names]
+    labels = [bare for bare, _ in parts]
+    said = [units[j] if j < len(units) and units[j] not in ("", "-") else parts[j][1] for j in range(width)]
+    for column, given in options.units.items():
+        if column not in labels and column not in names:
+            raise OrchestratorError(f"{path}: --unit {column}: there is no such column; it has {', '.join(labels)}")
+        said[labels.index(column) if column in labels else names.index(column)] = given
+    taken: set[int] = set()
+    time, start = _time(path, labels, names, kinds, cells, number, options, told, taken)
+    channels: list[tuple[str, str, Sequence[Any]]] = []
+    for j in range(width):
+        if j in taken or not any(cell for cell in cells[j]):
+            continue
+        if kinds[j] != "number":
+            sample = next(cell for cell in cells[j] if cell)
+            told.append(f"column `{labels[j]}` holds no numbers (`{sample[:40]}`) and was left out")
+            continue
+        suffixes = {_suffix(cell) for cell in cells[j] if cell.lower() not in NOTHING} - {""}
+        strip: Callable[[str], str] = str
+        if len(suffixes) == 1:
+            own = unit(next(iter(suffixes)))
+            if said[j] and said[j] != own:
+                raise OrchestratorError(f"{path}: column `{labels[j]}` is in `{said[j]}` and its cells in `{own}`; say --unit \"{labels[j]}={own}\" or correct one")
+            said[j] = own
+
+            def strip(cell: str) -> str:
+                return cell[: -len(_suffix(cell))].strip() if _suffix(cell) else cell
+
+        values: list[Any] = []
+        marks = 0
+        for cell in cells[j]:
+            if cell.lower() in NOTHING:
+                marks += bool(cell)
+                values.append(None)
+            else:
+                value = number(strip(cell))
+                # What is no number stays for the reader to ask.
+                values.append(cell if value is None else value)
+        if marks:
+            told.append(f"column `{labels[j]}`: {marks} cells such as `{next(c for c in cells[j] if c and c.lower() in NOTHING)}` became empty")
+        texts = [value for value in values if isinstance(value, str)]
+        if texts:
+            told.append(f"column `{labels[j]}`: {len(texts)} cells are no numbers, such as `{texts[0][:40]}`, and stay as they are")
+        channels.append((labels[j], said[j], values))
+    if not channels:
+        raise OrchestratorError(f"{path}: no column of numbers beside the time; say --delimiter or --header")
+    return Columns(time, channels, start, told)
+
+
+def _time(
+    path: Path, labels: list[str], names: list[str], kinds: list[str], cells: list[list[str]], number: Callable[[str], float | None],
+    options: Options, told: list[str], taken: set[int],
+) -> tuple[list[float | None] | None, datetime.datetime | None]:
+    """Seconds since the first stamp, and that, where there are stamps."""
+    def parsed(j: int) -> list[Moment | None]:
+        return [_moment(cell.strip(), options.format) if cell else None for cell in cells[j]]
+
+    if options.time and options.time not in [*labels, *names]:
+        raise OrchestratorError(f"{path}: --time {options.time}: there is no such column; it has {', '.join(labels)}")
+    wanted = None if options.time is None else labels.index(options.time) if options.time in labels else names.index(options.time)
+    stamps = [j for j, kind in enumerate(kinds) if kind == "stamp" or (options.format and wanted == j)]
+    if options.format and not stamps:
+        stamps = [j for j in range(len(kinds)) if any(_moment(cell, options.format) for cell in cells[j][:20])]
+    moments = {j: parsed(j) for j in stamps}
+
+    def first(j: int) -> Moment | None:
+        return next((moment for moment in moments[j] if moment), None)
+
+    heads = {j: first(j) for j in stamps}
+    days = [j for j, head in heads.items() if head and head.day and head.seconds is None]
+    clocks = [j for j, head in heads.items() if head and head.day is None]
+    whole = [j for j, head in heads.items() if head and head.day and head.seconds is not None]
+    if wanted is not None:
+        if wanted not in stamps:
+            return None, None
+        days, clocks, whole = ([j for j in group if j == wanted or (group is not whole and wanted in days + clocks)] for group in (days, clocks, whole))
+    at = _calendar(labels, kinds, cells, number, taken) if not stamps else None
+    if at is not None:
+        return _seconds(path, at, "year, month, day", told)
+    if not stamps:
+        return None, None
+    if len(whole) == 1 and not (days and clocks):
+        chosen = whole
+    elif not whole and len(days) == 1 and len(clocks) == 1:
+        chosen = [days[0], clocks[0]]
+    elif not whole and len(clocks) + len(days) == 1:
+        chosen = clocks or days
+    else:
+        several = " or ".join(f"`{labels[j]}`" for j in stamps)
+        raise OrchestratorError(f"{path}: the time may be {several}; say --time NAME")
+    taken.update(chosen)
+    name = " and ".join(f"`{labels[j]}`" for j in chosen)
+    joined = [_join([moments[j][k] for j in chosen]) for k in range(len(cells[0]))]
+    head = next(moment for moment in joined if moment)
+    if head.is_short and len(chosen) == 1 and not options.format:
+        raise OrchestratorError(f"{path}: times such as `{cells[chosen[0]][0]}` may be hours and minutes or minutes and seconds; say --format \"%H:%M\" or \"%M:%S\"")
+    bad = next((k for k, moment in enumerate(joined) if moment is None), None)
+    if bad is not None and any(cells[j][bad] for j in chosen):
+        raise OrchestratorError(f"{path}: `{' '.join(cells[j][bad] for j in chosen)}` of the time {name} (row {bad + 1}) is no time like the others; say --format")
+    if head.day is None:
+        return _of_day(joined, name, told)
+    both = [moment for moment in joined if moment and moment.day]
+    readings = {"day first": False, "month first": True}
+    if all(moment.order != "?" for moment in both):
+        readings = {"": False}
+    else:
+        if any(moment.day[2] > 12 for moment in both if moment.day):
+            readings.pop("month first")
+        if any(moment.day[1] > 12 for moment in both if moment.day):
+            readings.pop("day first", None)
+    answers = []
+    for word, swapped in readings.items():
+        try:
+            answers.append((word, _dated(joined, swapped)))
+        except ValueError:
+            continue
+    if not answers:
+        raise OrchestratorError(f"{path}: the dates of {name} are none; say --format")
+    origin = [(word, moments_of, min(m for m in moments_of if m is not None)) for word, moments_of in answers]
+    if len(origin) == 2:
+        differences = [[None if m is None else (m - zero).total_seconds() for m in row] for _, row, zero in origin]
+        if differences[0] != differences[1]:
+            rising = [k for k, row in enumerate(differences) if _rises(row)]
+            if len(rising) != 1:
+                sample = cells[chosen[0]][0]
+                raise OrchestratorError(f"{path}: dates such as `{sample}` may have the day or the month first; say --format \"%d/%m/%Y %H:%M:%S\" or \"%m/%d/%Y %H:%M:%S\"")
+            origin = [origin[rising[0]]]
+        else:
+            told.append(f"`{cells[chosen[0]][0]}` may have the day or the month first: the same seconds either way, so time 0 is known but for its date")
+    word, row, _ = origin[0]
+    return _seconds(path, row, name + (f" ({word})" if word and len(origin) == 1 else ""), told)
+
+
+def _rises(row: Sequence[float | None]) -> bool:
+    there = [value for value in row if value is not None]
+    return all(after >= before for before, after in zip(there, there[1:], strict=False))
+
+
+def _join(parts: list[Moment | None]) -> Moment | None:
+    if any(part is None for part in parts):
+        return None
+    if len(parts) == 1:
+        return parts[0]
+    day, clock = parts
+    assert day and clock
+    return Moment(day.day, day.order, clock.seconds, clock.zone)
+
+
+def _dated(moments: Sequence[Moment | None], swapped: bool) -> list[datetime.datetime | None]:
+    def at(moment: Moment) -> datetime.datetime:
+        assert moment.day
+        year, month, day = moment.day
+        if swapped and moment.order == "?":
+            month, day = day, month
+        return datetime.datetime(year, month, day) + datetime.timedelta(seconds=(moment.seconds or 0.0) - moment.zone)
+
+    return [None if moment is None or moment.day is None else at(moment) for moment in moments]
+
+
+def _of_day(moments: Sequence[Moment | None], name: str, told: list[str]) -> tuple[list[float | None], None]:
+    """Times of day; after midnight they begin anew."""
+    seconds: list[float | None] = []
+    days, last, zero = 0, None, None
+    for moment in moments:
+        if moment is None or moment.seconds is None:
+            seconds.append(None)
+            continue
+        value = moment.seconds
+        if last is not None and value < last - 43200:
+            days += 1
+        last = value
+        zero = value if zero is None else zero
+        seconds.append(round(value + 86400 * days - zero, 9))
+    most = max((value for value in seconds if value is not None), default=0.0)
+    told.append(f"time: {name}, 0 .. {most:.12g} s" + (f", over midnight {days} times" if days else ""))
+    return seconds, None
+
+
+def _seconds(
+    path: Path, row: Sequence[datetime.datetime | None], name: str, told: list[str]
+) -> tuple[list[float | None], datetime.datetime]:
+    zero = next(at for at in row if at is not None)
+    seconds = [None if at is None else (at - zero).total_seconds() for at in row]
+    there = [value for value in seconds if value is not None]
+    falls = sum(after < before for before, after in zip(there, there[1:], strict=False))
+    told.append(f"time: {name}, {min(there):.12g} .. {max(there):.12g} s" + (f"; it falls {falls} times (a clock that was set back)" if falls else ""))
+    return seconds, zero
+
+
+def _calendar(
+    labels: list[str], kinds: list[str], cells: list[list[str]], number: Callable[[str], float | None], taken: set[int]
+) -> list[datetime.datetime | None] | None:
+    """Year, month, day, hour and minute in columns."""
+    places = {}
+    for part, words in PARTS.items():
+        found = [j for j, label in enumerate(labels) if label.lower() in words.split() and kinds[j] == "number"]
+        if len(found) == 1:
+            places[part] = found[0]
+    if not {"year", "month", "day"} <= places.keys():
+        return None
+    row: list[datetime.datetime | None] = []
+    for k in range(len(cells[0])):
+        values = {part: number(cells[j][k]) for part, j in places.items()}
+        if any(value is None for value in values.values()):
+            row.append(None)
+            continue
+        try:
+            day = datetime.datetime(int(values["year"] or 0), int(values["month"] or 0), int(values["day"] or 0))
+        except ValueError:
+            return None
+        # Weather data count the hours from 1 to 24 and write the end of each.
+        row.append(day + datetime.timedelta(hours=values.get("hour") or 0, minutes=values.get("minute") or 0, seconds=values.get("second") or 0))
+    taken.update(places.values())
+    return row
+
+
+def _labview(path: Path, lines: Sequence[str]) -> Columns:
+    """LabVIEW's measurement files say how they are written."""
+    marks = [k for k, line in enumerate(lines) if line.startswith("***End_of_Header***")]
+    if len(marks) < 2:
+        raise OrchestratorError(f"{path}: LabVIEW's header has no end; export it as csv")
+    if len(marks) > 2:
+        raise OrchestratorError(f"{path}: {len(marks) - 1} segments, each a recording of its own; save them as files of their own")
+    known = {parts[0]: parts[1] for line in lines[: marks[0]] if len(parts := line.split("\t" if "\t" in line else ",")) > 1}
+    delimiter = "," if known.get("Separator") == "Comma" else "\t"
+    decimal = known.get("Decimal_Separator", ".")
+    rows = _split(path, lines, delimiter)
+    about = {row[0]: row[1:] for row in rows[marks[0] + 1 : marks[1]] if row}
+    names, body = rows[marks[1] + 1], [row for row in rows[marks[1] + 2 :] if any(row)]
+
+    def number(cell: str) -> float | None:
+        try:
+            return float(cell.replace(decimal, "."))
+        except ValueError:
+            return None
+
+    def channel(j: int) -> list[Any]:
+        cells = [row[j] if j < len(row) else "" for row in body]
+        return [None if not cell else value if (value := number(cell)) is not None else cell for cell in cells]
+
+    columns, told = known.get("X_Columns", "One"), []
+    units = about.get("Y_Unit_Label", [])
+    channels: list[tuple[str, str, Sequence[Any]]] = []
+    count = int(number(about.get("Channels", ["0"])[0]) or 0)
+    step = 2 if columns == "Multi" else 1
+    time: list[float | None] | None = None
+    for c in range(count):
+        place = step * c + (1 if columns != "Multi" else 1)
+        if columns == "Multi":
+            channels.append((f"{names[place - 1]} {c + 1}", "s", channel(place - 1)))
+        label = names[place] if place < len(names) else str(c + 1)
+        channels.append((label, unit(units[c]) if c < len(units) and units[c] else "", channel(place)))
+    if columns == "One":
+        time = channel(0)
+    elif columns == "No":
+        begins = {number(cell) for cell in about.get("X0", [])[:count]}
+        steps = {number(cell) for cell in about.get("Delta_X", [])[:count]}
+        if len(begins) != 1 or len(steps) != 1 or None in begins | steps:
+            raise OrchestratorError(f"{path}: its channels have clocks of their own (X0, Delta_X); save it with X columns")
+        [begin], [delta] = begins, steps
+        time = [round((begin or 0.0) + k * (delta or 0.0), 12) for k in range(len(body))]
+    if time:
+        told.append(f"time: by LabVIEW's header, {time[0]} .. {time[-1]} s")
+    return Columns(time, channels, None, told)

@@ -1,0 +1,177 @@
+"""Text as loggers write it: read back exactly, or asked about with the option that decides; never anything else."""
+
+import csv
+import datetime
+import random
+import sys
+
+import pytest
+from test_acceptance import ROOT
+
+sys.path.insert(0, str(ROOT / "python"))
+from fmu_orchestrator import OrchestratorError
+from fmu_orchestrator._convert import convert_here
+from fmu_orchestrator._rows import Options
+
+
+def converted(tmp_path, content, name="m.csv", encoding="utf-8", **said):
+    """The header and the rows of numbers of a file with this content."""
+    path = tmp_path / name
+    path.write_bytes(content if isinstance(content, bytes) else content.encode(encoding))
+    [out] = convert_here(path, tmp_path / "out", options=Options(**said))
+    with out.open(newline="") as file:
+        header, *rows = list(csv.reader(file))
+    out.unlink()
+    return header, [[float(cell) if cell.replace(".", "").replace("-", "").replace("e", "").isdigit() else cell for cell in row] for row in rows]
+
+
+def rows(*lines):
+    return "\n".join(lines) + "\n"
+
+
+def stamps(form, count=4, step=60):
+    at = datetime.datetime(2026, 11, 3, 13, 15)
+    return [f"{(at + datetime.timedelta(seconds=step * k)).strftime(form)};{k}.5" for k in range(count)]
+
+
+@pytest.mark.parametrize("form", [
+    "%Y-%m-%d %H:%M:%S", "%Y-%m-%dT%H:%MZ", "%Y/%m/%d %H:%M", "%d.%m.%y %H:%M", "%d.%m.%Y %H:%M:%S.%f", "%d-%b-%Y %H:%M:%S",
+    "%m/%d/%Y %I:%M:%S %p", "%Y%m%d%H%M%S", "%Y%m%d:%H%M", "%Y-%m-%dT%H:%M:%S+01:00",
+])
+def test_stamps_become_seconds(tmp_path, form):
+    header, table = converted(tmp_path, rows("when;F [N]", *stamps(form)))
+    assert header == ["time [s]", "F [N]"]
+    assert table == [[60.0 * k, k + 0.5] for k in range(4)]
+
+
+@pytest.mark.parametrize(("cells", "seconds"), [
+    (["23:59:30", "24:00:00", "24:00:30"], [0, 30, 60]),
+    (["0d 23:59:30", "1d 00:00:00"], [0, 30]),
+    (["23:59:30", "00:00:00"], [0, 30]),
+    (["13:15:07,25", "13:15:07,75"], [0, 0.5]),
+])
+def test_hours_beyond_a_day_and_over_midnight(tmp_path, cells, seconds):
+    _, table = converted(tmp_path, rows("Zeit;F [N]", *(f"{cell};1,5" for cell in cells)))
+    assert [row[0] for row in table] == seconds
+
+
+def test_date_and_time_in_several_columns_join(tmp_path):
+    lines = ["Datum;Uhrzeit;T [°C]", "20.11.2026;23:59:00;20,0", "23.11.2026;00:01:00;21,0"]
+    header, table = converted(tmp_path, rows(*lines), encoding="cp1252")
+    assert header == ["time [s]", "T [degC]"] and table == [[0.0, 20.0], [2 * 86400 + 120.0, 21.0]]
+    _, table = converted(tmp_path, rows("Year,Month,Day,Hour,Minute,T (°C)", "2026,12,31,23,30,1.5", "2027,1,1,0,0,2.5"))
+    assert table == [[0.0, 1.5], [1800.0, 2.5]]
+
+
+def test_headers_of_loggers(tmp_path):
+    toa5 = rows('"TOA5","st","CR1000","1","x","p","2","Table"', '"TIMESTAMP","RECORD","T_Avg"', '"TS","RN","Deg C"', '"","","Avg"',
+                '"2026-11-03 13:15:00",1,20.5', '"2026-11-03 13:16:00",2,21.5')
+    assert converted(tmp_path, toa5) == (["time [s]", "RECORD [RN]", "T_Avg [degC]"], [[0.0, 1.0, 20.5], [60.0, 2.0, 21.5]])
+    preamble = rows("Prüfstand 7", "Bediener;Meier", "", "Zeit;T_oel;T_wasser", "s;°C;°C", "0;80,5;OVR", "1;81,5;90,25")
+    header, table = converted(tmp_path, preamble, encoding="cp1252")
+    assert header == ["Zeit [s]", "T_oel [degC]", "T_wasser [degC]"]
+    # What is no number stays for the program to ask.
+    assert table == [[0.0, 80.5, "OVR"], [1.0, 81.5, 90.25]]
+    assert converted(tmp_path, rows("sep=;", "t [s];n [min⁻¹]", "0;1500", "1;1501"))[0] == ["t [s]", "n [1/min]"]
+    tabs = rows("time\tT [degC]\tState", "2026-11-22 10:00:00\t20.0\ton", "2026-11-22 10:00:01\t20.1\ton")
+    assert converted(tmp_path, tabs) == (["time [s]", "T [degC]"], [[0.0, 20.0], [1.0, 20.1]])
+
+
+def test_what_stands_in_a_name_need_not_be_a_unit(tmp_path):
+    header, _ = converted(tmp_path, rows("t (s),G(h),T in °C,n / rpm,x[2],Dev0/A", "0,1,2,3,4,5", "1,2,3,4,5,6"))
+    assert header == ["t [s]", "G(h)", "T [degC]", "n [rpm]", "x[2]", "Dev0/A"]
+
+
+def test_a_line_above_that_begins_with_numbers_is_no_row(tmp_path):
+    lines = ["35.04 -106.6 1617 m version 1", "2019 56 2 25 0.5 79.9 102.6 1.5", "2019 56 2 25 1.5 79.8 102.5 1.5"]
+    header, table = converted(tmp_path, rows("Albuquerque", *lines))
+    assert header == [str(k) for k in range(1, 9)] and len(table) == 2
+
+
+def test_thousands_and_signs(tmp_path):
+    lines = ["t [s];P [MWh]", "0;4.300,00", "1;900,50", "2;\u22121'200,25".replace("'", ".")]
+    assert [row[1] for row in converted(tmp_path, rows(*lines))[1]] == [4300.0, 900.5, -1200.25]
+    lines = ["t [s];P [kN]", "0;1'200.5", "1;12.25"]
+    assert [row[1] for row in converted(tmp_path, rows(*lines))[1]] == [1200.5, 12.25]
+    assert converted(tmp_path, rows("t [s];T", "0;23.5 °C", "1;24.5 °C")) == (["t [s]", "T [degC]"], [[0.0, 23.5], [1.0, 24.5]])
+
+
+@pytest.mark.parametrize(("lines", "words", "said"), [
+    (["t [s];P", "0;1.500", "1;2.500"], ['--decimal "."', '--decimal ","'], {"decimal": "."}),
+    (["t [s];P", "0;0,5", "1;2.500"], ["2500", "2.500"], {"decimal": ","}),
+    (["when;P", "03/11/2026 12:00;1.5", "04/11/2026 12:00;2.5", "05/11/2026 12:00;2.5"], ["%d/%m/%Y", "%m/%d/%Y"], {"format": "%d/%m/%Y %H:%M"}),
+    (["when;P", "12:00;1.5", "12:01;2.5"], ["%H:%M", "%M:%S"], {"format": "%M:%S"}),
+    (["von;bis;P", "02.06.2025 13:45;02.06.2025 14:45;1,5", "02.06.2025 14:45;02.06.2025 15:45;2,5"], ["--time", "von"], {"time": "von"}),
+    (["a;b", "foo;baz", "0;1.5", "1;2.5"], ["--header"], {"header": 1}),
+    (["t,F", "0,1,5", "1,2,5"], ["--delimiter", "decimal comma"], None),
+])
+def test_two_readings_are_asked_about(tmp_path, lines, words, said):
+    with pytest.raises(OrchestratorError) as error:
+        converted(tmp_path, rows(*lines))
+    assert all(word in str(error.value) for word in words) and len(str(error.value).splitlines()) == 1, error.value
+    if said:
+        converted(tmp_path, rows(*lines), **said)
+
+
+def test_what_is_left_out_is_told(tmp_path, capsys):
+    lines = ["t [s],T [degC],State", *(f"{k},{k}.5,R" for k in range(20)), "Total,,", "20,20"]
+    assert len(converted(tmp_path, rows(*lines))[1]) == 20
+    told = capsys.readouterr().out
+    assert "the last one, is cut off" in told and "`State` holds no numbers" in told and "`Total" in told
+
+
+def generated(tmp_path, seed):
+    """A table drawn at random, written by hand; whether it is read back or asked about."""
+    draw = random.Random(seed)
+    decimal = draw.choice(".,")
+    delimiter = draw.choice([";", "\t", "|", *([","] if decimal == "." else [])])
+    count, width = draw.randint(3, 40), draw.randint(1, 5)
+    encoding = draw.choice(["utf-8", "utf-8-sig", "cp1252", "utf-16"])
+    names = [f"{draw.choice(['F', 'Öl', 'n', 'p_1'])}{k}" for k in range(width)]
+    units, known = zip(*(draw.choice([("N", "N"), ("°C", "degC"), ("bar", "bar"), ("1/min", "1/min"), ("", "")]) for _ in names), strict=True)
+    step = draw.choice([0.01, 0.5, 1.0, 60.0, 3600.0])
+    grouping = draw.choice(["", "", "." if decimal == "," else "'"])
+    values = [[round(draw.uniform(-1, 1) * 10 ** draw.randint(0, 6), draw.randint(0, 4)) for _ in names] for _ in range(count)]
+
+    def written(value):
+        return (f"{value:,}" if grouping else f"{value}").replace(",", "_").replace(".", decimal).replace("_", grouping)
+
+    kind = draw.choice(["seconds", "iso", "german", "two"])
+    start = datetime.datetime(2026, draw.randint(1, 12), draw.randint(1, 28), draw.randint(0, 23))
+    times = [start + datetime.timedelta(seconds=step * k) for k in range(count)]
+    first = {"seconds": lambda k: [written(round(step * k, 6))], "iso": lambda k: [times[k].isoformat(" ")],
+             "german": lambda k: [times[k].strftime("%d.%m.%Y %H:%M:%S.%f").replace(".", ".")],
+             "two": lambda k: [times[k].strftime("%d.%m.%Y"), times[k].strftime("%H:%M:%S.%f")]}[kind]
+    heads = {"seconds": ["t"], "two": ["Datum", "Uhrzeit"]}.get(kind, ["Zeit"])
+    head_units = ["s"] if kind == "seconds" else [""] * len(heads)
+    empty = {(draw.randrange(count), draw.randrange(width)) for _ in range(draw.choice([0, 0, 2]))}
+    lines = ["Rig 7", "", ] if draw.random() < 0.3 else []
+    if draw.random() < 0.3 and all([*units, *(["s"] if kind == "seconds" else [])]):
+        lines += [delimiter.join([*heads, *names]), delimiter.join([*head_units, *units])]
+    else:
+        lines += [delimiter.join(name + (f" [{unit}]" if unit else "") for name, unit in zip([*heads, *names], [*head_units, *units], strict=True))]
+    lines += [delimiter.join([*first(k), *("" if (k, j) in empty else written(value) for j, value in enumerate(values[k]))]) for k in range(count)]
+    newline = draw.choice(["\n", "\r\n"])
+    try:
+        header, table = converted(tmp_path, newline.join([*lines, ""]), name=f"g{seed}.csv", encoding=encoding)
+    except OrchestratorError as error:
+        assert "; say --" in str(error), (seed, str(error))
+        return False
+    expected = [("t" if kind == "seconds" else "time") + " [s]", *(name + (f" [{unit}]" if unit else "") for name, unit in zip(names, known, strict=True))]
+    there = [j for j in range(width) if any((k, j) not in empty for k in range(count))]
+    assert header == [expected[0], *(expected[j + 1] for j in there)], seed
+    for k, row in enumerate(table):
+        assert row[0] == pytest.approx(step * k, abs=2e-6), (seed, k)
+        assert row[1:] == ["" if (k, j) in empty else values[k][j] for j in there], (seed, k)
+    assert len(table) == count, seed
+    return True
+
+
+def test_generated_tables_come_back_or_are_asked_about(tmp_path):
+    read = sum(generated(tmp_path, seed) for seed in range(60))
+    assert read > 40
+
+
+@pytest.mark.long
+def test_300_generated_tables(tmp_path):
+    assert sum(generated(tmp_path, seed) for seed in range(1000, 1300)) > 200
