@@ -29,11 +29,11 @@ type Model = fn(&[f64]) -> f64;
 
 /// Root mean square error over the output's deviation, and the part of new points that the 95 % band holds.
 fn tried(model: Model, dimensions: usize, runs: u64, seed: u64) -> [f64; 2] {
-    let points = cube(dimensions, runs, seed, 1).unwrap();
+    let points = cube(dimensions, runs, seed, 1).expect("the function has such a net and such runs");
     let run = |point: Vec<f64>| Run { values: Some(vec![model(&point)]), point };
     let runs: Vec<Run> = points.into_iter().map(run).collect();
-    let others = cube(dimensions, 1024, seed + 1000, 1).unwrap();
-    let surrogate = Surrogate::fit(&runs, &others, None, seed).unwrap();
+    let others = cube(dimensions, 1024, seed + 1000, 1).expect("the function has such a net and such runs");
+    let surrogate = Surrogate::fit(&runs, &others, None, seed).expect("the function has such a net and such runs");
     let truth: Vec<f64> = others.iter().map(|point| model(point)).collect();
     let mean = truth.iter().sum::<f64>() / truth.len() as f64;
     let spread = truth.iter().map(|v| (v - mean).powi(2)).sum::<f64>();
@@ -52,7 +52,7 @@ fn a_smooth_function_is_followed_within_its_band() {
 
 /// Prints error and coverage: `cargo test -p run-budget --release --test bands -- --ignored --nocapture`.
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "takes 15 s of CPU"]
 fn bands_hold_on_published_functions() {
     let models: [(&str, Model, usize); 3] = [("circuit", circuit, 6), ("ishigami", ishigami, 3), ("jump", jump, 3)];
     for (name, model, dimensions) in models {
