@@ -135,7 +135,7 @@ fn what_the_fmu_said_comes_back_with_the_point() {
     };
     let points = [
         (Ok(vec![1.0, -0.5]), Some(notices.clone())),
-        (Ok(vec![]), Some(notices.clone())),
+        (Ok(vec![f64::MIN_POSITIVE, 0.0]), Some(notices.clone())),
         (Ok(vec![2.0, 3.0]), None),
         (Err(Failure::Timeout), Some(notices.clone())),
         (Err(Failure::Error("it broke {".to_owned())), Some(notices)),
@@ -149,6 +149,21 @@ fn what_the_fmu_said_comes_back_with_the_point() {
     for (index, expected) in (0..).zip(points) {
         assert_eq!(outcomes.get_noted(index).unwrap(), Some(expected));
     }
+}
+
+/// A line may have a right checksum and be none that the program wrote.
+#[test]
+fn points_of_one_journal_have_as_many_values() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut journal = Journal::create(folder.path(), &header()).unwrap();
+    for (index, values) in [vec![1.0, 2.0], vec![1.0, 2.0, 3.0]].into_iter().enumerate() {
+        journal.append(index as u64, &Ok(values), None).unwrap();
+    }
+    journal.flush().unwrap();
+    let finished = Finished::read(folder.path()).unwrap();
+    let mut outcomes = finished.outcomes().unwrap();
+    assert!(outcomes.get(0).is_ok());
+    assert!(outcomes.get(1).unwrap_err().to_string().contains("the line of point 2 is damaged"));
 }
 
 /// A journal of 300 points with sets, as an analysis writes it, and the value of each point.
