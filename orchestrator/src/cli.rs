@@ -65,6 +65,10 @@ fn elsewhere(fault: &str) -> Option<String> {
     if fault.starts_with("unexpected argument '--in-process' found") {
         return Some("unexpected argument '--in-process' found; it is called `--isolation none` now".to_owned());
     }
+    let words: Vec<String> = std::env::args().collect();
+    if let Some(word) = words.iter().find(|word| one_hyphen(fault, word)) {
+        return Some(format!("unexpected argument '{word}' found; a name of several letters has two hyphens: '-{word}'"));
+    }
     const SCHEMA: &str = include_str!("../../studies/study.schema.json");
     let option = fault.strip_prefix("unexpected argument '--")?;
     let key = option.split_once("' found")?.0;
@@ -76,6 +80,14 @@ fn elsewhere(fault: &str) -> Option<String> {
     };
     let sections: Vec<String> = sections.filter(has).map(|(name, _)| format!("[{name}]")).collect();
     (!sections.is_empty()).then(|| format!("{fault}; `{key}` is set in the study, under {}", sections.join(" or ")))
+}
+
+/// Whether clap's fault is about the first letter of this word.
+fn one_hyphen(fault: &str, word: &str) -> bool {
+    let letter = word.strip_prefix('-').and_then(|rest| rest.chars().next());
+    letter.is_some_and(|letter| {
+        letter.is_alphabetic() && word.len() > 2 && fault.starts_with(&format!("unexpected argument '-{letter}' found"))
+    })
 }
 
 const EXIT: &str = "Exit codes: 0 done (verify, judge, merge: verified), 1 not verified, 2 a mistake in the call or a file, \

@@ -132,6 +132,9 @@ impl Criterion {
     pub fn wanted(&self) -> String {
         let Limits { about, minus, plus } = self.limits;
         let (stated, unit) = (&self.stated_tolerance, self.unit_behind());
+        // Written out, 1e300 takes 300 digits.
+        let is_short = about == 0.0 || (1e-5..1e16).contains(&about.abs());
+        let about = if is_short { about.to_string() } else { format!("{about:e}") };
         match self.metric {
             None if minus == plus => format!("{about}{unit} +-{stated}"),
             None if !self.limits.is_one_sided() => format!("{about}{unit} {stated}"),

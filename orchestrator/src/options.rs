@@ -114,6 +114,9 @@ impl Afar {
         };
         let launcher = Launcher::new(command, jobs);
         let mut launcher = launcher.map_err(|message| Error::option("launcher", message))?;
+        if self.hosts.is_none() && launcher.wants_hosts() {
+            return Err(Error::option("launcher", "{host} stands for a name of a file of hosts: add --hosts FILE"));
+        }
         if let Some(path) = &self.hosts {
             let hosts = std::fs::read_to_string(path).map_err(Error::io(path))?;
             let on = launcher.on(&hosts);
@@ -186,7 +189,7 @@ impl Means {
         let time = time("point-timeout", self.point_timeout)?;
         let memory = match &self.memory_limit {
             Some(text) => size(text).ok_or_else(|| {
-                let message = format!("`{text}` is not a size such as 500MB or 2GB");
+                let message = format!("`{text}` is not a size of at least 1 MB, such as 500MB or 2GB");
                 Error::option("memory-limit", message)
             })?,
             None => system::share_of_memory(jobs),
@@ -249,7 +252,8 @@ fn size(text: &str) -> Option<u64> {
         _ => return None,
     };
     let bytes = number * factor;
-    (bytes >= 1.0).then_some(bytes as u64)
+    // Without a unit it is bytes: `10` cannot be meant.
+    (bytes >= 1e6).then_some(bytes as u64)
 }
 
 /// A time that an option gives, s.
@@ -269,7 +273,8 @@ mod tests {
     fn sizes() {
         assert_eq!(size("500MB"), Some(500 << 20));
         assert_eq!(size("1.5 G"), Some(3 << 29));
-        assert_eq!(size("4096"), Some(4096));
+        assert_eq!(size("4194304"), Some(4 << 20));
+        assert_eq!(size("10"), None);
         assert_eq!(size("many"), None);
         assert_eq!(size("0"), None);
     }

@@ -73,6 +73,10 @@ pub enum ArchiveError {
     /// There is no model description.
     #[error("not an FMU: it holds no modelDescription.xml")]
     NoDescription,
+    /// It is a system of FMUs by the standard SSP.
+    #[error("a system of FMUs (SSP), where one FMU is needed: unpack it and name one, or make one FMU of it by a tool such as \
+             fmu-manipulation-toolbox")]
+    System,
     /// The model description has another name.
     #[error("{0}: call it {DESCRIPTION}, as names differ by upper and lower case")]
     Misnamed(String),
@@ -199,8 +203,12 @@ impl Archive {
     }
 
     fn no_description(&self) -> ArchiveError {
-        let entries = self.entries().into_iter();
+        let entries = self.entries();
+        if entries.iter().any(|entry| entry == "SystemStructure.ssd") {
+            return ArchiveError::System;
+        }
         entries
+            .into_iter()
             .filter(|entry| entry.eq_ignore_ascii_case(DESCRIPTION))
             .map(ArchiveError::Misnamed)
             .next()

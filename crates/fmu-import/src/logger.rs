@@ -324,7 +324,7 @@ mod tests {
         say(ticket_of(&other), 77, c"of the other");
         assert_eq!(one.last().as_deref(), Some("of one"));
         assert_eq!(other.last().as_deref(), Some("of the other"));
-        // Between two, nobody knows whose a foreign ticket is.
+        // With two instances alive, an unknown ticket cannot be attributed.
         for foreign in [0, 1, 2, usize::MAX] {
             say(ptr::without_provenance(foreign), 3, c"lost");
         }

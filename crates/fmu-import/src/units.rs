@@ -54,9 +54,10 @@ pub struct Conversion {
 
 /// Why a unit does not fit.
 #[derive(Clone, Debug, Error, PartialEq)]
-#[error("unit `{from}` does not fit: the value is in {to}; use {}{remedy}", known.join(", "))]
+#[error("unit `{from}` {fault}: the value is in {to}; use {}{remedy}", known.join(", "))]
 pub struct UnitError {
     from: String,
+    fault: &'static str,
     to: String,
     known: Vec<String>,
     remedy: &'static str,
@@ -117,8 +118,11 @@ impl Units {
             Some(_) => "",
             None => ", of a recording `unit = \"1\"` and its `scale` in the settings of synchronise",
         };
+        // A unit that nobody defines, and one of another quantity, are two mistakes.
+        let fault = if self.meanings(&from).is_empty() && !self.0.contains_key(&from) { "is not known" } else { "does not fit" };
         Err(UnitError {
             from,
+            fault,
             remedy,
             to: to.filter(|unit| *unit != "1").unwrap_or("no unit").to_owned(),
             known: ways.into_iter().map(|(name, _)| name).collect(),
@@ -247,6 +251,9 @@ fn plain(name: &str) -> String {
 /// Says what is wrong when the text does not start with a number.
 pub fn split(text: &str) -> Result<(f64, Option<&str>), String> {
     let text = text.trim();
+    if let Some(rest) = text.strip_prefix('±').or_else(|| text.strip_prefix("+-")) {
+        return Err(format!("`{text}`: write it without the sign, `{}`", rest.trim()));
+    }
     let numeric = |start: &str| start.chars().all(|c| c.is_ascii_digit() || "+-.eE".contains(c));
     // The longest start that is a number: `1e-5 m`, `3 eV`, `5%`.
     let end = (1..=text.len())

@@ -62,7 +62,7 @@ impl Launcher {
     /// # Errors
     /// The line that cannot be understood, and why.
     pub fn on(self, hosts: &str) -> Result<Self, String> {
-        if !self.words.iter().any(|word| word.contains(HOST)) {
+        if !self.wants_hosts() {
             return Err(format!("the command of --launcher says nowhere {HOST}, which becomes the host's name"));
         }
         let mut all = Vec::new();
@@ -82,6 +82,11 @@ impl Launcher {
             true => Err("it names no host".to_owned()),
             false => Ok(Self { hosts: all, ..self }),
         }
+    }
+
+    /// Whether the command names a host.
+    pub fn wants_hosts(&self) -> bool {
+        self.words.iter().any(|word| word.contains(HOST))
     }
 
     /// How many workers there are to be.

@@ -108,6 +108,8 @@ fn remedy(text: &str) -> &'static str {
         "; a decimal comma needs cells that no commas separate, and no points in other cells, as in 1.000"
     } else if text.is_empty() {
         "; fill it, or remove the row"
+    } else if text.starts_with('#') {
+        "; a spreadsheet's error: leave the cell empty where a value may be missing, or mend the formula"
     } else if text.chars().any(char::is_alphabetic) {
         "; a table has one line of names and then numbers: units belong in the study"
     } else {

@@ -94,8 +94,12 @@ impl Study {
     /// # Errors
     /// When it cannot be read, with line and column when it is not understood.
     pub fn read(path: &Path) -> Result<Self, FileError> {
-        let is_fmu = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("fmu"));
-        let message = if is_fmu {
+        let ends = |name: &str| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(name));
+        let message = if ends("ssp") {
+            "is a system of FMUs (SSP), where a study (a TOML file) is needed: make one FMU of it by a tool such as \
+             fmu-manipulation-toolbox, and write a study of that by `init`"
+                .to_owned()
+        } else if ends("fmu") {
             let path = path.display();
             format!("is an FMU, where a study is needed: `orchestrator init {path}` writes one")
         } else if number_tables::is_table(path) {

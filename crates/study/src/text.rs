@@ -75,16 +75,21 @@ impl LagText {
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Simulation {
     /// Start time, s; the FMU's default experiment otherwise.
+    #[serde(default, deserialize_with = "window::time")]
     pub start: Option<f64>,
     /// Stop time, s; the FMU's default experiment otherwise.
+    #[serde(default, deserialize_with = "window::time")]
     pub stop: Option<f64>,
     /// Communication step, s; the FMU's default experiment otherwise.
+    #[serde(default, deserialize_with = "window::time")]
     pub step: Option<f64>,
     /// Relative tolerance passed to the FMU.
     pub tolerance: Option<f64>,
     /// Statistics leave out this long at the start, s.
+    #[serde(default, deserialize_with = "window::time")]
     pub warm_up: Option<f64>,
     /// Statistics take this long at the end, s.
+    #[serde(default, deserialize_with = "window::time")]
     pub window: Option<f64>,
     /// Cover the time before the window of the statistics in a single communication step; no otherwise.
     pub leap: Option<bool>,

@@ -23,8 +23,8 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
     let source = &verification.source;
     let index = source.index_of(options.point).ok_or_else(|| {
         let (point, all) = (options.point, source.len());
-        let message = format!("the study has no point {point}; points.csv lists its {all}");
-        Error::option("point", message)
+        let folder = options.folder.display();
+        Error::Refused(format!("{folder}: the study has no point {point}; points.csv lists its {all}"))
     })?;
     let job = verification.job(index);
     let parameters = verification.source.parameters(index);

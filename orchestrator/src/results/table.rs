@@ -71,7 +71,10 @@ pub fn summary(folder: &Path) -> Result<Summary, Error> {
         std::io::ErrorKind::NotFound => Error::Missing(folder.to_owned()),
         _ => Error::io(&path)(error),
     })?;
-    serde_json::from_str(&text).map_err(|error| Error::content(&path, error))
+    serde_json::from_str(&text).map_err(|error| {
+        let message = format!("damaged, or of another version ({error}): `verify STUDY --resume` writes it again from the journal");
+        Error::content(&path, message)
+    })
 }
 
 /// A criterion's value of a run; not a number where it has none. Other criteria of the run may have values all the same.

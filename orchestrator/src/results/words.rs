@@ -68,6 +68,10 @@ fn other_verdict([least, most]: [f64; 2], method: &str) -> Option<String> {
     };
     let other =
         |probability: String| format!("be the other one with a probability of {probability} (at a confidence of 95 %)");
+    if most - least > 0.9 {
+        let few = "too few points are accepted to say how probable that is";
+        return Some(format!("If the study were repeated with {points}, the verdict could be the other one; {few}."));
+    }
     let verdict = match (least, most) {
         (_, most) if most < LITTLE => "almost surely (more than 99.9 %) be the same".to_owned(),
         (least, most) if least < LITTLE => other(format!("at most {} %", above(most))),
@@ -127,10 +131,11 @@ fn bands(conclusion: &Conclusion) -> String {
 pub(super) fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String {
     let Some(share) = risk.not_conforming_given_accepted else {
         let expected = summary.expected_verified.unwrap_or(0.0);
-        return format!(
-            "Of all points {} are expected to be within the tolerances of the true values.",
-            counted(expected)
-        );
+        let expected = counted(expected);
+        return match &*expected {
+            "0.0" => "No point is likely to agree with the true values.".to_owned(),
+            some => format!("Of all points {some} are expected to agree with the true values."),
+        };
     };
     let interval = risk.intervals.map_or_else(String::new, |intervals| {
         let [low, high] = intervals.not_conforming_given_accepted.map(|limit| short(100.0 * limit));

@@ -60,6 +60,11 @@ fn one_file_in_the_place_of_another() {
         .run(&["judge", "table.csv", "study.toml"])
         .is_mistake(&["table.csv: is a table, where a study (a TOML file) is needed"]);
     bench.run(&["judge", "study.toml", "lag.fmu"]).is_mistake(&["lag.fmu: a zip archive", "save the table as csv"]);
+    bench.run(&["simulate", "study.toml"]).is_mistake(&["study.toml: a study, where an FMU is needed"]);
+    bench.zip("two.ssp", &[("SystemStructure.ssd", b"<x/>")]);
+    for command in ["simulate", "verify", "init"] {
+        bench.run(&[command, "two.ssp"]).is_mistake(&["two.ssp", "a system of FMUs (SSP)", "one FMU"]);
+    }
     bench.run(&["simulate", "lag.fmu", "--set-from", "study.toml"]).is_mistake(&["study.toml: no SSP parameter set"]);
     for folder in ["study.toml", "study.toml/below"] {
         bench
@@ -288,6 +293,41 @@ fn no_key_of_a_study_is_unread() {
         let place = format!("study.toml:{}:", 18 + section.lines().count());
         verify("tolerance = 0.02", &format!("tolerance = 0.02\n{section}")).is_mistake(&[&place, message]);
     }
+}
+
+#[test]
+fn options_of_a_run() {
+    let bench = Bench::new();
+    bench.write("study.toml", STUDY);
+    for (options, parts) in [
+        (["-points", "5"], ["'-points'", "'--points'"]),
+        (["--memory-limit", "10"], ["`10` is not a size", "500MB"]),
+        (["--launcher", "ssh {host}"], ["{host}", "--hosts FILE"]),
+    ] {
+        bench.run(&[&["verify", "study.toml"][..], &options].concat()).is_mistake(&parts);
+    }
+}
+
+#[test]
+fn what_a_folder_does_not_hold() {
+    let bench = Bench::new();
+    bench.write("study.toml", STUDY);
+    assert_eq!(bench.run(&["verify", "study.toml", "--output", "r"]).code, 0);
+    bench.run(&["replay", "r", "99"]).is_mistake(&["r: the study has no point 99; points.csv lists its 8"]);
+    bench.write("r/summary.json", "{\"title\":");
+    bench.run(&["report", "r"]).is_mistake(&["r/summary.json: damaged", "`verify STUDY --resume` writes it again"]);
+    assert_eq!(bench.run(&["verify", "study.toml", "--output", "r", "--resume"]).code, 0);
+    assert_eq!(bench.run(&["report", "r"]).code, 0);
+}
+
+#[test]
+fn times_take_units_and_numbers_no_signs() {
+    assert_eq!(verify("stop = 2", "stop = \"2000 ms\"").code, 0);
+    verify("stop = 2", "stop = \"2 m\"").is_mistake(&["study.toml:5:", "unit `m` does not fit: the value is in s"]);
+    verify("stop = 2", "stop = \"2 sec.\"").is_mistake(&["study.toml:5:", "unit `sec.` is not known: the value is in s"]);
+    verify("tolerance = 0.02", "tolerance = \"±2 %\"").is_mistake(&["write it without the sign, `2 %`"]);
+    let far = verify("nominal = 0.86", "nominal = 1e300");
+    assert!(far.code == 1 && !far.out.contains("00000000000000000000"), "{}", far.out);
 }
 
 #[test]
