@@ -180,7 +180,6 @@ fn values_that_make_no_sense() {
     verify("points = 8", "seed = 1\nmethod = \"full-factorial\"")
         .is_mistake(&["study.toml:7:2: [design] a full factorial needs"]);
     verify("nominal = 0.86", "nominal = nan").is_mistake(&["study.toml:15", "not a finite number"]);
-    verify("stop = 2", "stop = \"2 s\"").is_mistake(&["study.toml:5:8", "expected a number"]);
     for (option, value, remedy) in [
         ("--jobs", "0", "at least 1 is needed"),
         ("--points", "-1", "a whole number is needed, not negative"),
