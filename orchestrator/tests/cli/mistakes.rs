@@ -322,8 +322,8 @@ fn what_a_folder_does_not_hold() {
 #[test]
 fn times_take_units_and_numbers_no_signs() {
     assert_eq!(verify("stop = 2", "stop = \"2000 ms\"").code, 0);
-    verify("stop = 2", "stop = \"2 m\"").is_mistake(&["study.toml:5:", "unit `m` does not fit: the value is in s"]);
-    verify("stop = 2", "stop = \"2 sec.\"").is_mistake(&["study.toml:5:", "unit `sec.` is not known: the value is in s"]);
+    verify("stop = 2", "stop = \"2 m\"").is_mistake(&["study.toml:5:", "`m` is no unit of time: use s, ms"]);
+    verify("stop = 2", "stop = \"2 sec.\"").is_mistake(&["study.toml:5:", "`sec.` is no unit of time"]);
     verify("tolerance = 0.02", "tolerance = \"±2 %\"").is_mistake(&["write it without the sign, `2 %`"]);
     let far = verify("nominal = 0.86", "nominal = 1e300");
     assert!(far.code == 1 && !far.out.contains("00000000000000000000"), "{}", far.out);
