@@ -72,7 +72,7 @@ pub fn limits(iterations: usize, decrease: f64) -> Limits {
     Limits { iterations, decrease, deadline: None }
 }
 
-/// A sample without a time limit and without discrepancies.
-pub fn settings(particles: u64, seed: u64) -> Settings<'static> {
-    Settings { particles, seed, deadline: None, discrepancies: &[] }
+/// A sample without a time limit.
+pub fn settings(particles: u64, seed: u64) -> Settings {
+    Settings { particles, seed, deadline: None }
 }

@@ -13,7 +13,6 @@ use super::numerical::NumericalError;
 use super::optima::Approximation;
 use super::outcome::{CaseOutcome, DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual};
 use super::problem::{SharedKind, Spacing};
-use super::rounds::ROUNDS;
 use super::shared::SharedOutcome;
 use super::surrogate;
 
@@ -69,7 +68,6 @@ pub fn summary(outcome: &IdentificationOutcome) -> String {
         notes(outcome),
         excluded(outcome),
         told.map(surrogate::text::summary).unwrap_or_default(),
-        discrepancies(outcome),
         residuals(outcome),
         influence(outcome),
         outcome.next.as_ref().map(next::summary).unwrap_or_default(),
@@ -354,39 +352,6 @@ fn excluded(outcome: &IdentificationOutcome) -> String {
     text
 }
 
-/// The lines on the model's discrepancies.
-fn discrepancies(outcome: &IdentificationOutcome) -> String {
-    let mut text = String::new();
-    for discrepancy in &outcome.discrepancies {
-        let unit = match shown(&discrepancy.unit) {
-            "" => String::new(),
-            unit => format!(" {unit}"),
-        };
-        let (name, deviation) = (&discrepancy.quantity, rounded(discrepancy.deviation, 3));
-        let sampled = discrepancy.sampled.map_or_else(String::new, |(_, ends)| {
-            let [low, high] = ends.map(|end| rounded(end, 3));
-            format!("; 95 %: {low} .. {high}{unit}")
-        });
-        text += &match discrepancy.told {
-            _ if !discrepancy.settled => format!(
-                "\nthe discrepancy of the model in {name} is NOT determined: it still changed in the last of {ROUNDS} searches, to \
-                 {deviation}{unit}{sampled}\n"
-            ),
-            true => format!(
-                "\nthe model misses {name} by a discrepancy of its own: {deviation}{unit}, one standard deviation{sampled}\n"
-            ),
-            false => format!(
-                "\nthe data cannot tell a discrepancy of the model in {name} from the accuracy of the measurement; most \
-                 probable {deviation}{unit}{sampled}\n"
-            ),
-        };
-    }
-    if !outcome.discrepancies.is_empty() && outcome.posterior.is_none() {
-        text += "the intervals take it as known; --posterior 1000 counts how uncertain it is\n";
-    }
-    text
-}
-
 /// The measured value that is missed most, where there are too many for a table.
 fn largest(outcome: &IdentificationOutcome) -> String {
     let all = outcome.cases.iter().flat_map(|case| &case.residuals);
@@ -527,9 +492,6 @@ fn goodness(outcome: &IdentificationOutcome, doubts: &str) -> String {
         ends(outcome),
         match outcome.end {
             End::Converged => "",
-            End::Rounds =>
-                "the searches ended before they converged, and the values above would change further: state the model's \
-                 discrepancy as a number, or give more cases\n",
             End::Iterations => "the search ended before it converged: give it more `iterations` in [identify]\n",
             End::Time => "the search ended before it converged; --resume goes on\n",
         }

@@ -1,7 +1,6 @@
 //! A sample of the posterior as text and as a table.
 
 use super::super::digits::{digits, rounded, shown};
-use super::super::discrepancy::Unknown;
 use super::super::problem::Problem;
 use super::outcome::{Evidence, Marginal, PosteriorOutcome, Ratio};
 use super::{GROUPS, Sample};
@@ -118,17 +117,12 @@ fn marginals(free: &[Marginal]) -> String {
     text
 }
 
-/// The head of the table of particles: free parameters, latent ones as `CASE/NAME`, discrepancies as `NAME.discrepancy`, means and spreads of
-/// populations as `NAME.mean` and `NAME.spread`, and the logarithm of the likelihood.
-pub fn head(problem: &Problem, unknown: &[Unknown]) -> Vec<String> {
+/// The head of the table of particles: free parameters, latent ones as `CASE/NAME`, means and spreads of populations as `NAME.mean` and `NAME.spread`, and the logarithm of the likelihood.
+pub fn head(problem: &Problem) -> Vec<String> {
     let free = problem.free.iter().map(|free| free.name.clone());
     let latents = problem.cases.iter().flat_map(|case| {
         let latents = problem.latents.iter();
         latents.map(|latent| format!("{}/{}", case.label, latent.name))
-    });
-    let discrepancies = unknown.iter().map(|unknown| {
-        let name = &problem.quantities[unknown.quantity].name;
-        format!("{name}.discrepancy")
     });
     let populations = problem.populations.iter();
     let populations = populations.flat_map(|each| ["mean", "spread"].map(|what| format!("{}.{what}", each.name)));
@@ -136,7 +130,6 @@ pub fn head(problem: &Problem, unknown: &[Unknown]) -> Vec<String> {
         .into_iter()
         .chain(free)
         .chain(latents)
-        .chain(discrepancies)
         .chain(populations)
         .chain(["log_likelihood".to_owned()])
         .collect()
@@ -154,25 +147,18 @@ pub fn units(problem: &Problem) -> String {
 }
 
 /// The rows of the table: all of equal weight.
-pub fn rows<'a>(
-    problem: &'a Problem,
-    unknown: &'a [Unknown],
-    sample: &'a Sample,
-) -> impl Iterator<Item = Vec<String>> + 'a {
+pub fn rows<'a>(problem: &'a Problem, sample: &'a Sample) -> impl Iterator<Item = Vec<String>> + 'a {
     sample.particles.iter().enumerate().map(move |(index, particle)| {
         let free = problem.free_values(&particle.places).into_iter();
         let latents = (0..problem.cases.len()).flat_map(|case| problem.latent_values(case, &particle.places));
-        let places = particle.places.iter().skip(problem.unknowns());
-        let deviations = unknown.iter().zip(places);
-        let deviations = deviations.map(|(unknown, &place)| unknown.deviation(place));
-        let first = problem.unknowns() + unknown.len();
+        let first = problem.unknowns();
         let common = problem.populations.iter().enumerate();
         let common = common.flat_map(|(number, population)| {
             let free = &problem.free[population.members[0]];
             let at = first + 2 * number;
             [free.value(particle.places[at]), free.spread(particle.places[at + 1])]
         });
-        let numbers = free.chain(latents).chain(deviations).chain(common).chain([particle.log_likelihood]);
+        let numbers = free.chain(latents).chain(common).chain([particle.log_likelihood]);
         let label = (index + 1).to_string();
         [label].into_iter().chain(numbers.map(|value| value.to_string())).collect()
     })

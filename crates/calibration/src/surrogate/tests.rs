@@ -23,7 +23,7 @@ fn made(problem: &Problem, model: &dyn Simulate, runs: usize, seed: u64) -> Resu
 }
 
 fn search<'a>(problem: &'a Problem, starts: &'a [Vec<f64>]) -> rounds::Task<'a> {
-    rounds::Task { problem, unknown: &[], difference: 1e-3, starts, effort: effort(8, 40) }
+    rounds::Task { problem, difference: 1e-3, starts, effort: effort(8, 40) }
 }
 
 /// A model with unknowns, whose values are measured.
