@@ -10,8 +10,7 @@ use super::problem::{Channel, Effect, Prior, Problem, SharedKind, Simulate, Sour
 use super::sample::outcome::PosteriorOutcome;
 use super::sample::sample;
 use super::search::search;
-use super::testing::{effort, free, measured, problem, settings};
-use super::text;
+use super::testing::{self, effort, free, measured, problem, settings};
 
 /// Adds an offset of all values of the given cases, with a channel that tells of it.
 fn with_offset(problem: &mut Problem, name: &str, cases: &[usize], standard: f64) {
@@ -171,9 +170,9 @@ fn shared_errors_are_unknowns_with_a_prior() {
     // Without them the line would be missed by far: a slope cannot mend an offset.
     assert!(shared.probability.unwrap() > 0.01);
     assert!(shared.probability_without_shared.unwrap() < 1e-6);
-    let said = text::summary(&shared);
+    let said = testing::said(&shared);
     assert!(said.contains("The sensor of M most likely reads"), "{said}");
-    assert!(said.contains("the fit is good only with these shared errors"), "{said}");
+    assert!(said.contains("The fit is good only with these shared errors"), "{said}");
 }
 
 /// Means, deviations and quantiles (2.5, 50 and 97.5 %) of the marginals of a density on a grid of places.

@@ -32,10 +32,9 @@ use calibration::outcome::IdentificationOutcome;
 use calibration::problem::{NoPrediction, Simulate};
 use calibration::remembered::Remembered;
 use calibration::rounds::{self, Searched};
+use calibration::sample::Sample;
 use calibration::sample::outcome::Evidence;
-use calibration::sample::{self, Sample};
 use calibration::search::{self, Progress, SearchError};
-use calibration::text;
 use fmu_import::Package;
 use fmu_points::names::{did_you_mean, nearest};
 use point_journal::pipeline::Pipeline;
@@ -202,9 +201,6 @@ impl Analysis for Asked {
         let others = fit.bound.others();
         files::write(folder, &fit.study, &fit.settings, &outcome, &others)?;
         posterior::write(folder, &fit.bound, sample.as_ref())?;
-        let sampled = outcome.posterior.as_ref().zip(outcome.evidence.as_ref());
-        let sampled = sampled.map(|(sample, evidence)| sample::text::summary(sample, evidence));
-        let text = text::summary(&outcome) + &sampled.unwrap_or_default();
         let code = match outcome.end {
             End::Time | End::Iterations => ExitCode::FAILURE,
             End::Converged => ExitCode::SUCCESS,
@@ -215,10 +211,9 @@ impl Analysis for Asked {
             bound: &fit.bound,
             outcome: &outcome,
             sample: sample.as_ref(),
-            text: &text,
         };
         page.write(folder)?;
-        let mut result = AnalysisResult::new(&outcome, None, text, FILE);
+        let mut result = AnalysisResult::new(&outcome, None, page.as_text(), FILE);
         result.add("fit", &outcome.fit());
         result.add("concerns", &concerns(&outcome));
         result.code = code;
