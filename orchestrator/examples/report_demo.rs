@@ -2,7 +2,7 @@
 
 use conformity::uncertainty::Uncertainty;
 use orchestrator::judge::Criterion;
-use orchestrator::methods::{pareto, robustness as robust, sensitivity};
+use orchestrator::methods::{pareto, robustness as robust};
 use orchestrator::report::{Report, figures::Series, judgement::Judgement};
 use orchestrator::results::Summary;
 use orchestrator::results::summary::{Count, CriterionCount, Provenance};
@@ -92,16 +92,11 @@ fn summary(table: &PointTable) -> Summary {
 /// The methods' documents on the points; of many points they would take long.
 fn documents(table: &PointTable) -> Vec<Document> {
     let few = table.len() <= 5000;
-    let matters = few.then(|| sensitivity::from_points(table, 1));
     let cloud = || region::cloud(&rows(table), 1);
     let room = if few { robustness(table, &cloud(), 0.8) } else { None };
     let nominal = Some(Member::of(table, 0));
     let costs = trade_off(table, nominal);
-    let told = [
-        matters.map(|result| sensitivity::document(&result, table)),
-        room.map(|result| robust::document(&result)),
-        costs.map(|result| pareto::document(&result)),
-    ];
+    let told = [room.map(|result| robust::document(&result)), costs.map(|result| pareto::document(&result))];
     told.into_iter().flatten().collect()
 }
 

@@ -250,22 +250,16 @@ def _effects(output: Mapping[str, Any], unit: str) -> tuple[str, list[tuple[str,
         return "Shapley effect", [("", output["shapley"]["effects"])]
     if output.get("morris"):
         return f"Morris' mean effect{unit}", [("", [one["mu_star"] for one in output["morris"]])]
-    if output.get("pawn"):
-        return "PAWN index", [("", output["pawn"]["median"])]
-    if output.get("ranks"):
-        return "partial rank correlation", [("", output["ranks"]["partial"])]
     return None
 
 
 def effects(parameters: Sequence[str], outputs: Iterable[Mapping[str, Any]], units: Mapping[str, str]) -> "Figure":
     """For each output the parameters that matter most, with 95 % intervals."""
-    found, chances = [], {}
+    found = []
     for output in outputs:
         unit = units.get(output["name"])
         if effect := _effects(output, f" [{unit}]" if unit else ""):
             found.append((output["name"], effect))
-            # What a parameter without influence reaches on so few points.
-            chances[output["name"]] = output["pawn"]["threshold"] if effect[0] == "PAWN index" else None
     found = found[:MOST_PANELS]
     if not found:
         raise OrchestratorError("the analysis has found no index of any parameter, so there is nothing to draw")
@@ -284,11 +278,9 @@ def effects(parameters: Sequence[str], outputs: Iterable[Mapping[str, Any]], uni
                         fontsize="small")
         axes.invert_yaxis()
         axes.axvline(0, color="black", lw=0.5)
-        if chance := chances.get(name):
-            axes.axvline(chance, color=POOR, lw=1, ls="--", label="chance: smaller ones tell nothing")
         axes.set(xlabel=f"{what} (95 % intervals)")
         axes.set_title(name, fontsize="small")
-        if len(series) > 1 or chance:
+        if len(series) > 1:
             axes.legend(fontsize="x-small")
     left = len(parameters) - bars
     if left:

@@ -248,10 +248,9 @@ class Verification:
         return _plot.curves(self.curves, nearest, self.summary, units_of_curves(self.folder))
 
     def sensitivity(self) -> "Sensitivity":
-        """Tells from the points which parameter matters: rank correlations and PAWN indices. `Study.sensitivity` runs designs
-        that tell more."""
+        """Which parameter matters, as `Study.sensitivity` has found and written into this folder."""
         if not (self.folder / Sensitivity.file).exists():
-            run("sensitivity", self.folder / "study.toml", f"--from={self.folder}", f"--output={self.folder}", "--force")
+            raise OrchestratorError(f"{self.folder} holds no indices: Study.sensitivity(output={str(self.folder)!r}) finds them")
         return Sensitivity(self.folder)
 
     def plot_sensitivity(self) -> "Figure":

@@ -187,20 +187,17 @@ class Study:
         shapley: int | None = None,
         estimator: Literal["combined", "jansen", "saltelli"] | None = None,
         seed: int | None = None,
-        points_of: Points | None = None,
         output: StrPath | None = None,
         **running: Unpack[Running],
     ) -> Sensitivity:
         """Tells which parameter matters: ``method="sobol"`` or another one, with a design of so large a ``size``.
 
         ``base``, ``morris`` and ``shapley`` are short for Sobol indices of N base points, Morris screening, and Shapley
-        effects of N base points, which take correlated parameters, too. ``points_of`` uses the points of a finished study
-        instead of new runs.
+        effects of N base points, which take correlated parameters, too.
         """
-        source, folder = self._folders(points_of, output)
-        options: dict[str, Value] = {"method": method, "size": size}
-        options |= {"base": base, "morris": morris, "shapley": shapley}
-        options |= {"estimator": estimator, "seed": seed, "from": source}
+        folder = self._folder(output)
+        options: dict[str, Value] = {"method": method, "size": size, "base": base, "morris": morris, "shapley": shapley}
+        options |= {"estimator": estimator, "seed": seed}
         done = self._run("sensitivity", folder, options, running, state="sensitivity")
         return Sensitivity(folder, done.text)
 
@@ -208,7 +205,6 @@ class Study:
         self,
         *,
         starts: int | None = None,
-        cross_validate: bool = False,
         posterior: int | None = None,
         surrogate: int | None = None,
         narrow: str | None = None,
@@ -220,14 +216,14 @@ class Study:
     ) -> Identification:
         """Finds the parameters that make the measured values most probable; the study needs a section ``[identify]``.
 
-        ``cross_validate`` also predicts each case from the others. ``posterior`` draws so many sets of parameters from the
+        ``posterior`` draws so many sets of parameters from the
         posterior into ``posterior.csv``. ``surrogate`` searches and samples on polynomials from at most so many runs of each
         case. ``narrow`` names the parameter for which the next measurement is chosen. ``against`` weighs the model against
         that of another result on the same data. ``time_limit``, s, ends the search and takes the best so far.
         """
         folder = self._folder(output)
-        options: dict[str, Value] = {"starts": starts, "cross_validate": cross_validate, "posterior": posterior}
-        options |= {"surrogate": surrogate, "narrow": narrow, "seed": seed, "time_limit": time_limit}
+        options: dict[str, Value] = {"starts": starts, "posterior": posterior, "surrogate": surrogate}
+        options |= {"narrow": narrow, "seed": seed, "time_limit": time_limit}
         options["against"] = None if against is None else os.path.abspath(against)
         done = self._run("identify", folder, options, running, state="identify")
         found = Identification(folder, done.text)

@@ -68,11 +68,11 @@ def test_many_points_are_thinned():
 
 def test_sensitivities(verified, tmp_path):
     study = Study.load(PAPER)
-    ranks = verified.plot_sensitivity()
-    assert {name for name, _ in labels(ranks)} == {"PAWN index (95 % intervals)"}
-    assert [axes.get_title() for axes in ranks.axes] == [*study.criteria, "verified"]
+    with pytest.raises(OrchestratorError, match="holds no indices"):
+        verified.plot_sensitivity()
     sobol = study.sensitivity(base=8, output=tmp_path / "sobol")
     assert {name for name, _ in labels(sobol.plot())} == {"Sobol index (95 % intervals)"}
+    assert [axes.get_title() for axes in sobol.plot().axes] == [*study.criteria, "verified"]
     units = sobol.runs.units
     assert units["bearing.radialClearance"] == "mm" and units == {name: verified.points.units[name] for name in units}
     morris = study.sensitivity(morris=4, output=tmp_path / "morris")

@@ -91,7 +91,7 @@ def test_what_is_changed_runs(tmp_path, monkeypatch):
     assert json.loads((again.folder / "request.json").read_text())["study"] == str(PAPER)
     assert dict(again.points) == dict(first.points)
     # The points of a changed study serve its other analyses.
-    assert other.sensitivity(points_of=second).folder == second.folder
+    assert other.robustness(points_of=second).folder == second.folder
 
 
 def test_a_table_stands_for_a_file(fmu, tmp_path, monkeypatch):

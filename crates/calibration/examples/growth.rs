@@ -38,6 +38,10 @@ fn main() -> Result<(), SearchError> {
     let effort = Effort { descents: 4, iterations: 60, deadline: None };
     let (optima, progress) = search(&objective, &starts, &effort, &|_| ())?;
     let outcome = IdentificationOutcome::new(&problem, &optima, &progress);
-    println!("{}", text::summary(&outcome));
+    for free in &outcome.free {
+        let [low, high] = free.interval;
+        println!("{}: {:.3} ({low:.3} .. {high:.3}, 95 %)", free.name, free.value);
+    }
+    println!("{}", text::open(&outcome).join("\n"));
     Ok(())
 }

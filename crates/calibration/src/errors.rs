@@ -40,21 +40,10 @@ impl Errors {
 
     /// The errors of a problem.
     pub fn new(problem: &Problem) -> Self {
-        Self::with(problem, |_, _| 0.0)
-    }
-
-    /// The same with further independent standard uncertainties of the values, by case and quantity.
-    pub fn with(problem: &Problem, more: impl Fn(usize, usize) -> f64) -> Self {
         let sources = problem.sources.len();
-        let cases = problem.cases.iter().enumerate();
-        let accuracy: Vec<Vec<f64>> = cases
-            .map(|(case, text)| {
-                let measured = text.measured.iter().enumerate();
-                let of =
-                    |(quantity, value): (usize, &super::problem::Measured)| value.accuracy.hypot(more(case, quantity));
-                measured.map(of).collect()
-            })
-            .collect();
+        let cases = problem.cases.iter();
+        let accuracy: Vec<Vec<f64>> =
+            cases.map(|case| case.measured.iter().map(|value| value.accuracy).collect()).collect();
         let mut effects = vec![vec![Vec::new(); sources]; accuracy.len()];
         for (number, source) in problem.sources.iter().enumerate() {
             for effect in &source.effects {

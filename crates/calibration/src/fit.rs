@@ -139,7 +139,7 @@ fn times(probability: f64) -> String {
 mod tests {
     use super::super::problem::{Measured, Spacing};
     use super::super::search::search;
-    use super::super::testing::{effort, free, measured, problem, starts};
+    use super::super::testing::{effort, free, measured, problem, said, starts};
     use super::super::{objective::Objective, text};
     use super::*;
     use rand::rngs::StdRng;
@@ -164,7 +164,7 @@ mod tests {
         let outcome = fitted(measured(&[0.0, 3.72], 1.0), &|p, _| p);
         assert!((outcome.probability.unwrap() - 0.0085).abs() < 1e-4);
         assert_eq!(outcome.fit(), Fit::Misses);
-        let text = text::summary(&outcome);
+        let text = said(&outcome);
         assert!(text.contains("A right model would miss by this much in fewer than 1 of 100 tests"), "{text}");
         let outcome = fitted(measured(&[0.0, 2.0], 1.0), &|p, _| p);
         assert_eq!(outcome.fit(), Fit::Good);
@@ -174,7 +174,7 @@ mod tests {
     fn a_fit_that_was_certain_shows_nothing() {
         let outcome = fitted(measured(&[1.0], 1.0), &|p, _| p);
         assert_eq!(outcome.fit(), Fit::Untested);
-        let text = text::summary(&outcome);
+        let text = said(&outcome);
         assert!(text.contains("As many unknowns as measured values: a fit was certain and shows nothing."), "{text}");
     }
 
@@ -183,7 +183,7 @@ mod tests {
         let words = "fits so well in fewer than 1 of 1,000 tests";
         for (size, told) in [(1e-3, true), (1.0, false)] {
             let values: Vec<f64> = (0..20).map(|k| size * f64::from(k % 2)).collect();
-            let text = text::summary(&fitted(measured(&values, 0.5), &|p, _| p));
+            let text = said(&fitted(measured(&values, 0.5), &|p, _| p));
             assert_eq!(text.contains(words), told, "{text}");
         }
     }
@@ -193,7 +193,7 @@ mod tests {
     fn what_the_model_cannot_reach_is_no_certain_fit() {
         let outcome = fitted(measured(&[-5.0], 1.0), &|p, _| p * p);
         assert_eq!(outcome.fit(), Fit::Misses);
-        let text = text::summary(&outcome);
+        let text = said(&outcome);
         assert!(text.starts_with("The model cannot reach the measured values"), "{text}");
     }
 
@@ -204,7 +204,7 @@ mod tests {
         assert!(outcome.has_several() && !outcome.ambiguous && outcome.fit() == Fit::Misses);
         let section = text::fixed_section("s.toml", 0, &outcome, &[]);
         assert!(section.contains(": all miss the measured values."), "{section}");
-        let text = text::summary(&outcome);
+        let text = said(&outcome);
         assert!(text.starts_with("The model cannot reach the measured values"), "{text}");
         assert!(text.contains("None of the "), "{text}");
         assert!(!text.contains("fit the measured values"), "{text}");
@@ -228,7 +228,7 @@ mod tests {
         let outcome = fitted(measured(&values, 1.0), &|p, _| p);
         assert!(outcome.probability.unwrap() > 0.05);
         assert_eq!(outcome.fit(), Fit::Misses);
-        let text = text::summary(&outcome);
+        let text = said(&outcome);
         assert!(text.contains("The residuals of curve are no noise"), "{text}");
     }
 }

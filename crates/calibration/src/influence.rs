@@ -204,8 +204,7 @@ mod tests {
     use super::super::outcome::IdentificationOutcome;
     use super::super::problem::{Channel, Effect, Measured, SharedKind, Source, Spacing};
     use super::super::search::search;
-    use super::super::testing::{effort, free, problem, starts};
-    use super::super::text;
+    use super::super::testing::{effort, free, problem, said, starts};
     use super::*;
     use rand::rngs::StdRng;
     use rand::{RngExt, SeedableRng};
@@ -256,7 +255,7 @@ mod tests {
         assert!((told.leverage - 0.294_872).abs() < 1e-4, "{told:?}");
         assert!((told.studentised + 5.0 * (1.0_f64 - 0.294_872).sqrt()).abs() < 1e-3, "{told:?}");
         assert_eq!(outcome.fit(), Fit::Misses);
-        let text = text::summary(&outcome);
+        let text = said(&outcome);
         assert!(text.contains("y0") && text.contains("nothing was left out"), "{text}");
         // By least squares a falls by 5 times its weight of the first value, 0.294872, of a standard deviation of 0.543022.
         let a = &outcome.influence[0];

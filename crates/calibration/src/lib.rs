@@ -1,8 +1,6 @@
 #![doc = include_str!("../README.md")]
 
-pub mod cross;
 pub mod digits;
-pub mod discrepancy;
 pub mod errors;
 mod expected;
 pub mod failures;

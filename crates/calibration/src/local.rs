@@ -31,8 +31,6 @@ pub enum End {
     Iterations,
     /// When time was up.
     Time,
-    /// After the last of the rounds that look for unknown discrepancies of the model, while these still changed.
-    Rounds,
 }
 
 /// A minimum.

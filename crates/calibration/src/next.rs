@@ -154,20 +154,6 @@ fn covariance(sample: &Sample, unknowns: usize) -> DMatrix<f64> {
     })
 }
 
-/// The lines for people.
-pub fn summary(next: &NextOutcome) -> String {
-    let now = next.words(next.deviation);
-    let mut text =
-        format!("\nto measure next for {}, which is known to {now} (one standard deviation):\n", next.parameter);
-    for measurement in next.worthwhile() {
-        text += &format!("  {:>12}  {}\n", next.words(measurement.deviation), measurement.work);
-    }
-    if next.worthwhile().next().is_none() {
-        text += &format!("  {NOTHING}\n");
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::local::minimise;

@@ -7,8 +7,7 @@ use super::optima::Optimum;
 use super::outcome::IdentificationOutcome;
 use super::problem::{Problem, Simulate};
 use super::search::search;
-use super::testing::{effort, one_case, starts};
-use super::text;
+use super::testing::{effort, one_case, said, starts};
 
 /// The optima in the order of the first parameter, and the outcome.
 fn solved(problem: &Problem, model: &dyn Simulate) -> (Vec<Optimum>, IdentificationOutcome) {
@@ -73,7 +72,7 @@ fn all_six_solutions_of_a_wave_are_found_with_their_parts() {
     assert!((optima.iter().map(|optimum| optimum.weight).sum::<f64>() - 1.0).abs() < 1e-12);
     assert!(outcome.ambiguous);
     assert!(outcome.optima.windows(2).all(|two| two[0].weight >= two[1].weight));
-    let text = text::summary(&outcome);
+    let text = said(&outcome);
     assert!(text.contains("6 distinct sets of parameters fit"), "{text}");
     assert!(!text.contains("determine every parameter"), "{text}");
 }
@@ -122,7 +121,7 @@ fn a_minimum_that_is_too_improbable_is_no_solution() {
     let (optima, outcome) = solved(&one, &model);
     assert_eq!(optima.len(), 1);
     assert!((outcome.free[0].value - 1.01).abs() < 0.01 && !outcome.ambiguous);
-    assert!(text::summary(&outcome).contains("these intervals hold; they are normal approximations"));
+    assert!(said(&outcome).contains("these intervals hold; they are normal approximations"));
     // Without it both are.
     let both = one_case(&[(-2.0, 2.0)], &[(1.0, 0.01)]);
     let (optima, _) = solved(&both, &|_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] * p[0] - 0.02 * p[0]]));
@@ -147,7 +146,7 @@ fn an_optimum_amid_failing_runs_is_no_minimum_and_no_error() {
     // The second parameter is found as usual; of the first one the prior is left.
     assert!((second.value - 0.5).abs() < 0.01 && !second.surrounded && second.left < 0.5);
     assert!(first.surrounded && (first.left - 1.0).abs() < 1e-9, "{first:?}");
-    let text = text::summary(&outcome);
+    let text = said(&outcome);
     for words in ["no minimum is known", "the interval is that of the prior", "Runs failed at"] {
         assert!(text.contains(words), "{text}");
     }

@@ -3,8 +3,6 @@
 use sampling::statistics::moments::sorted;
 use serde::Serialize;
 
-use super::cross::outcome::CrossValidation;
-use super::discrepancy::Discrepancy;
 use super::expected::Expected;
 use super::failures::{Edge, Excluded};
 use super::influence::{Farthest, Influence};
@@ -80,18 +78,12 @@ pub struct IdentificationOutcome {
     /// The region that was avoided because runs failed there.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub excluded: Option<Excluded>,
-    /// The model's unknown discrepancies.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    pub discrepancies: Vec<Discrepancy>,
     /// The model's numerical error at the first optimum, where half the steps were tried.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub numerical_error: Option<NumericalError>,
     /// What would narrow the parameters most.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub next: Option<NextOutcome>,
-    /// Each case predicted from the others, where that was asked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub cross_validation: Option<CrossValidation>,
     /// The surrogates in place of the model, where they were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surrogate: Option<SurrogateOutcome>,
@@ -213,7 +205,7 @@ pub struct Residual {
     /// What the shared errors that the data prefer have added to the measured value.
     #[serde(skip_serializing_if = "is_zero")]
     pub shared: f64,
-    /// The accuracy of the measurement but for shared errors; a discrepancy of the model is part of it.
+    /// The accuracy of the measurement but for shared errors.
     pub accuracy: f64,
 }
 
@@ -293,10 +285,8 @@ impl IdentificationOutcome {
             cases,
             search: searches(progress),
             excluded: Excluded::new(problem, &progress.failures, progress.screened.iter().map(Option::is_some)),
-            discrepancies: Vec::new(),
             numerical_error: None,
             next: None,
-            cross_validation: None,
             surrogate: None,
             posterior: None,
             evidence: None,

@@ -162,8 +162,8 @@ impl Interval {
 pub struct Measured {
     /// The value.
     pub value: f64,
-    /// The standard uncertainty of its independent error, in the same unit: one standard deviation. A known discrepancy of the
-    /// model is part of it; what it shares with other values is not.
+    /// The standard uncertainty of its independent error, in the same unit: one standard deviation, without what it
+    /// shares with other values.
     pub accuracy: f64,
 }
 

@@ -2,18 +2,15 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::cross::{Whole, cross_validate};
-use super::discrepancy::Unknown;
 use super::errors::Errors;
-use super::local::{Minimum, minimise};
+
 use super::objective::{Differences, Objective};
 use super::outcome::IdentificationOutcome;
 use super::problem::{Channel, Effect, Prior, Problem, SharedKind, Simulate, Source, Spacing};
 use super::sample::outcome::PosteriorOutcome;
 use super::sample::sample;
 use super::search::search;
-use super::testing::{effort, free, limits, measured, problem, settings};
-use super::text;
+use super::testing::{self, effort, free, measured, problem, settings};
 
 /// Adds an offset of all values of the given cases, with a channel that tells of it.
 fn with_offset(problem: &mut Problem, name: &str, cases: &[usize], standard: f64) {
@@ -108,13 +105,6 @@ fn the_density_is_that_of_the_whole_covariance() {
     let residuals = errors.residuals(&problem, &predicted);
     let density = errors.log_density(residuals.norm_squared());
     assert!((density - expected).abs() < 1e-10, "{density} {expected}");
-    // Further independent errors of one quantity.
-    let more = |_: usize, quantity: usize| if quantity == 1 { 0.7 } else { 0.0 };
-    let errors = Errors::with(&problem, more);
-    let residuals = errors.residuals(&problem, &predicted);
-    let density = errors.log_density(residuals.norm_squared());
-    let expected = log_density(&problem.widened(more), &predicted);
-    assert!((density - expected).abs() < 1e-10, "{density} {expected}");
 }
 
 #[test]
@@ -180,55 +170,9 @@ fn shared_errors_are_unknowns_with_a_prior() {
     // Without them the line would be missed by far: a slope cannot mend an offset.
     assert!(shared.probability.unwrap() > 0.01);
     assert!(shared.probability_without_shared.unwrap() < 1e-6);
-    let said = text::summary(&shared);
+    let said = testing::said(&shared);
     assert!(said.contains("The sensor of M most likely reads"), "{said}");
-    assert!(said.contains("the fit is good only with these shared errors"), "{said}");
-}
-
-/// Where nothing but an offset is left to explain, it is the mean of what the other cases miss, drawn to 0 by its prior.
-#[test]
-fn a_case_left_out_is_predicted_with_what_the_others_say_of_the_offset() {
-    let values = [5.3, 5.1, 5.25, 5.45, 5.2];
-    let cases = values.iter().map(|&value| measured(&[value], 0.1));
-    let mut problem = problem(vec![free("nothing", Spacing::Linear, 0.0, 1.0)], cases.collect());
-    with_offset(&mut problem, "y0", &[0, 1, 2, 3, 4], 0.2);
-    let model = |_: usize, _: &[f64], _: &[f64]| Ok(vec![5.0]);
-    let objective = Objective::new(&problem, &model, 1e-3);
-    let minimum: Minimum = minimise(&objective, vec![0.5], &[], Differences::Central, &limits(20, 1e-9)).unwrap();
-    let known = vec![Vec::new(); 5];
-    let whole = Whole {
-        problem: &problem,
-        model: &model,
-        difference: 1e-3,
-        minimum: &minimum,
-        known: &known,
-        iterations: 20,
-        deadline: None,
-    };
-    let told = cross_validate(&whole, &|_| ()).unwrap();
-    for (k, case) in told.cases.iter().enumerate() {
-        let others = values.iter().enumerate().filter(|(other, _)| *other != k);
-        let sum: f64 = others.map(|(_, value)| value - 5.0).sum();
-        // Precisions: 4 values of 0.1, and the prior's of 0.2.
-        let offset = sum / 0.01 / (4.0 / 0.01 + 1.0 / 0.04);
-        let predicted = case.results[0].predicted.unwrap();
-        assert!((predicted - 5.0 - offset).abs() < 1e-9, "{k}: {predicted} {offset}");
-    }
-}
-
-/// An offset of all cases is no discrepancy of the model; scatter from case to case is.
-#[test]
-fn an_offset_is_told_from_a_discrepancy() {
-    let scatter = [0.1, -0.08, 0.03, -0.12, 0.09, -0.02, 0.11, -0.1, 0.05, -0.06];
-    let at = |scale: f64| {
-        let cases = scatter.iter().map(|s| measured(&[1.0 + scale * s], 0.1));
-        let mut problem = problem(Vec::new(), cases.collect());
-        with_offset(&mut problem, "y0", &(0..10).collect::<Vec<_>>(), 1.0);
-        let unknown = Unknown::of(&problem, 0);
-        super::discrepancy::Discrepancy::estimate(&unknown, &problem, &vec![vec![0.0]; 10], 0)
-    };
-    assert!(!at(1.0).told, "{:?}", at(1.0));
-    assert!(at(5.0).told && at(5.0).deviation > 0.3, "{:?}", at(5.0));
+    assert!(said.contains("The fit is good only with these shared errors"), "{said}");
 }
 
 /// Means, deviations and quantiles (2.5, 50 and 97.5 %) of the marginals of a density on a grid of places.
@@ -447,8 +391,7 @@ fn a_gain_does_not_pull_a_fit_to_zero() {
     let unknowns = vec![free("a", Spacing::Linear, 0.0, 5.0), free("b", Spacing::Linear, 0.0, 1.0)];
     let mut problem = problem(unknowns, vec![measured(&values, 0.5)]);
     with_gain_of_the_model(&mut problem, "y", 0.01);
-    let task =
-        Task { problem: &problem, unknown: &[], difference: 1e-4, starts: &[vec![0.3, 0.4]], effort: effort(1, 40) };
+    let task = Task { problem: &problem, difference: 1e-4, starts: &[vec![0.3, 0.4]], effort: effort(1, 40) };
     let model = move |_: usize, p: &[f64], _: &[f64]| Ok((0..1001).map(|k| line(p, k)).collect());
     let outcome = searched(&task, &model, &|_| ()).unwrap().outcome();
     // Least squares tell a to 0.032, b to 0.0055; with the gain a is known to 0.037 and b to 0.0063.

@@ -42,12 +42,8 @@ impl Stated {
         let means = problem.not_normal.iter();
         let means = means.filter(|value| value.law.student > 0.0).count();
         let values = problem.not_normal.iter().filter(alone).map(|value| {
-            let measured = problem.cases[value.case].measured[value.quantity].accuracy;
-            // What is added to the accuracy, such as a discrepancy of the model, is normal.
-            let more = errors.accuracy(value.case, value.quantity).powi(2) - measured.powi(2);
             let mut law = value.law.among(means);
             law.normal = law.normal.hypot(ROUNDED * law.half_width);
-            law.normal = law.normal.hypot(more.max(0.0).sqrt());
             NotNormal { law, ..*value }
         });
         Self { values: values.collect(), rectangles: rectangles(problem, errors) }

@@ -1,9 +1,11 @@
 //! Problems, starts and settings that several tests use.
 
 use super::local::Limits;
+use super::outcome::IdentificationOutcome;
 use super::problem::{Case, Free, Measured, Named, Problem, Spacing};
 use super::sample::Settings;
 use super::search::Effort;
+use super::text;
 
 /// When the values of [`decay`] are measured.
 pub const TIMES: [f64; 6] = [0.3, 0.6, 1.0, 1.5, 2.2, 3.0];
@@ -72,7 +74,23 @@ pub fn limits(iterations: usize, decrease: f64) -> Limits {
     Limits { iterations, decrease, deadline: None }
 }
 
-/// A sample without a time limit and without discrepancies.
-pub fn settings(particles: u64, seed: u64) -> Settings<'static> {
-    Settings { particles, seed, deadline: None, discrepancies: &[] }
+/// A sample without a time limit.
+pub fn settings(particles: u64, seed: u64) -> Settings {
+    Settings { particles, seed, deadline: None }
+}
+
+/// All sentences on a result.
+pub fn said(outcome: &IdentificationOutcome) -> String {
+    let several = text::several(outcome).into_iter().collect();
+    let parts = [
+        text::doubts(outcome),
+        several,
+        text::remarks(outcome),
+        text::open(outcome),
+        text::shared(outcome),
+        text::excluded(outcome),
+        text::influence(outcome),
+        text::searches(outcome),
+    ];
+    parts.concat().join("\n")
 }

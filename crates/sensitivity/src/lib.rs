@@ -1,15 +1,11 @@
 #![doc = include_str!("../README.md")]
 
 pub mod functions;
-pub mod lost;
 pub mod method;
 pub mod morris;
 pub mod pairs;
-pub mod pawn;
-pub mod rank;
 mod rare;
 pub mod ratio;
-pub mod regional;
 pub mod shapley;
 pub mod sobol;
 #[cfg(test)]
@@ -17,22 +13,13 @@ mod testing;
 
 pub use sampling::statistics::estimate::Estimate;
 
-use method::{FromPoints, FromRuns};
+use method::FromRuns;
 
-// A new method is a file with a type that implements one of these traits, its `mod` line above and its line in a list below. The
-// command, the terminal and the page show its results.
+// A new method is a file with a type that implements this trait, its `mod` line above and its place in the list below. The command,
+// the terminal and the page show its results.
 
-/// Methods that need runs of their own; the first one is the usual one.
+/// The methods; the first one is the usual one.
 pub const RUNS: &[&dyn FromRuns] = &[&sobol::Sobol, &morris::Morris, &shapley::Shapley];
-
-/// Methods for any points.
-pub const VIEWS: &[&dyn FromPoints] = &[&rank::Ranks, &pawn::Slices];
-
-/// The methods for any points in words: `rank correlations and PAWN`.
-pub fn views() -> String {
-    let names: Vec<&str> = VIEWS.iter().map(|view| view.name()).collect();
-    names.join(" and ")
-}
 
 /// The method of this name.
 ///
@@ -125,10 +112,6 @@ mod tests {
         let shapley = "Shapley effects from 7 base points";
         let done = format!("{shapley} (35 runs)");
         assert_eq!(words("shapley"), ("shapley", 256, 35, shapley.to_owned(), done));
-        assert_eq!(views(), "rank correlations and PAWN");
-        // Trajectories are no sample of the parameters.
-        let sample = named("morris").unwrap().plain_sample(35, &settled(7, 1));
-        assert!(sample.is_empty());
         let unknown = named("Sobol").map(|method| method.facts().name);
         let message = "unknown method `Sobol`; there are sobol, morris, shapley";
         assert!(unknown.is_err_and(|error| error.starts_with(message)));

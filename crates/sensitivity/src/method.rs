@@ -102,10 +102,6 @@ pub trait FromRuns: Sync {
     /// When there is no design of this size for these parameters.
     fn design(&self, space: &Space, settled: &Settled) -> Result<Vec<Vec<f64>>, String>;
 
-    /// The rows of the design that are a plain sample of the parameters, for the methods for any points. Empty where
-    /// there are none.
-    fn plain_sample(&self, rows: usize, settled: &Settled) -> Vec<usize>;
-
     /// Method and cost in words, after `runs` runs.
     fn done(&self, runs: usize, settled: &Settled) -> String {
         format!("{} ({runs} runs)", self.title(settled.size))
@@ -119,18 +115,6 @@ pub trait FromRuns: Sync {
     fn shown(&self, told: &Told) -> Vec<Measure>;
 }
 
-/// A method for any points.
-pub trait FromPoints: Sync {
-    /// Its name in a sentence.
-    fn name(&self) -> &'static str;
-
-    /// Analyses the values of one output, given the columns of the parameters.
-    fn tell(&self, columns: &[&[f64]], values: &[f64], seed: u64) -> Told;
-
-    /// The measures to show to people.
-    fn shown(&self, told: &Told) -> Vec<Measure>;
-}
-
 /// A number per parameter, as it is shown.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measure {
@@ -140,37 +124,12 @@ pub struct Measure {
     pub estimates: Vec<Estimate>,
     /// Whether it is drawn as bars, and so tells importance.
     pub drawn: bool,
-    /// The value that a parameter without influence may reach by chance.
-    pub chance: Option<f64>,
-    /// Where runs failed: the least and the largest numbers of the model with values everywhere, if those of the failed runs
-    /// lie within the range of the others.
-    pub bounds: Option<Vec<[f64; 2]>>,
 }
 
 impl Measure {
     /// A measure that is drawn.
     pub fn drawn(name: &'static str, estimates: Vec<Estimate>) -> Self {
-        Self { name, estimates, drawn: true, chance: None, bounds: None }
-    }
-
-    /// With such bounds.
-    pub fn within(self, bounds: Option<Vec<[f64; 2]>>) -> Self {
-        Self { bounds, ..self }
-    }
-
-    /// The estimates with the intervals that an order of importance has to rest on.
-    pub fn surest(&self) -> Vec<Estimate> {
-        let Some(bounds) = &self.bounds else {
-            return self.estimates.clone();
-        };
-        let pairs = self.estimates.iter().zip(bounds);
-        pairs
-            .map(|(estimate, &[low, high])| Estimate {
-                low: low.min(estimate.low),
-                high: high.max(estimate.high),
-                ..*estimate
-            })
-            .collect()
+        Self { name, estimates, drawn: true }
     }
 
     /// A measure that stands in the table only.
@@ -182,23 +141,4 @@ impl Measure {
 /// The result under a key, if there is one.
 pub(crate) fn read<T: serde::de::DeserializeOwned>(told: &Told, key: &str) -> Option<T> {
     serde_json::from_value(told.get(key)?.clone()).ok()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::testing::holds;
-
-    /// An order of importance has to hold for failed runs, too, whatever their values are.
-    #[test]
-    fn the_surest_interval_reaches_as_far_as_the_bounds() {
-        let estimates = vec![Estimate::around(0.5, 0.1), Estimate::around(0.3, 0.1)];
-        let plain = Measure::drawn("total", estimates.clone());
-        assert_eq!(plain.surest(), estimates);
-        let lost = plain.within(Some(vec![[0.3, 0.55], [0.25, 0.7]]));
-        assert_eq!(lost.estimates, estimates);
-        let surest = lost.surest();
-        holds(surest[0], [0.5, 0.3, 0.6]);
-        holds(surest[1], [0.3, 0.2, 0.7]);
-    }
 }

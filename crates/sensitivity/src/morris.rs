@@ -45,10 +45,6 @@ impl FromRuns for Morris {
         Ok(cube.iter().map(middle).collect())
     }
 
-    fn plain_sample(&self, _: usize, _: &Settled) -> Vec<usize> {
-        Vec::new()
-    }
-
     fn done(&self, runs: usize, _: &Settled) -> String {
         format!("Morris screening, {runs} runs")
     }
@@ -66,12 +62,8 @@ impl FromRuns for Morris {
         let effects: Option<Vec<Effect>> = read(told, "morris");
         effects.map_or_else(Vec::new, |effects| {
             let alone = |value| Estimate::around(value, f64::NAN);
-            // A parameter whose effects are all there has its interval.
-            let ends = |e: &Effect| e.mu_star_bounds.unwrap_or([e.mu_star.low, e.mu_star.high]);
-            let lost = effects.iter().any(|e| e.mu_star_bounds.is_some());
-            let bounds = lost.then(|| effects.iter().map(ends).collect());
             vec![
-                Measure::drawn("mu*", effects.iter().map(|e| e.mu_star).collect()).within(bounds),
+                Measure::drawn("mu*", effects.iter().map(|e| e.mu_star).collect()),
                 Measure::listed("sigma", effects.iter().map(|e| alone(e.sigma)).collect()),
             ]
         })
@@ -108,22 +100,11 @@ pub struct Effect {
     pub mu: f64,
     /// Mean of the effects' magnitudes: importance, with its interval.
     pub mu_star: Estimate,
-    /// Where runs failed: the least and the largest mu* if the failed runs had values between the smallest and the largest
-    /// that were seen. Null without failed runs.
-    pub mu_star_bounds: Option<[f64; 2]>,
     /// Standard deviation of the effects: large where the parameter interacts or acts non-linearly.
     #[serde(deserialize_with = "sampling::statistics::estimate::or_not_a_number")]
     pub sigma: f64,
     /// The number of effects; steps from or to a failed run have none.
     pub used: usize,
-}
-
-/// Magnitudes of the effects of one parameter.
-#[derive(Clone, Debug, Default)]
-struct Seen {
-    effects: Vec<f64>,
-    /// The largest magnitudes that effects of failed runs could have.
-    lost: Vec<f64>,
 }
 
 /// Computes the effects from the rows of [`design`] and their outputs.
@@ -136,26 +117,22 @@ pub fn effects(rows: &[Vec<f64>], outputs: &[f64]) -> Option<Vec<Effect>> {
     if parameters == 0 || !fits {
         return None;
     }
-    let [low, high] = crate::lost::range(outputs)?;
-    let mut all = vec![Seen::default(); parameters];
+    let mut all = vec![Vec::new(); parameters];
     for k in (1..rows.len()).filter(|k| k % (parameters + 1) != 0) {
         let changed = (0..parameters).find(|&i| rows[k][i] != rows[k - 1][i])?;
         let step = rows[k][changed] - rows[k - 1][changed];
         let effect = (outputs[k] - outputs[k - 1]) / step;
         if effect.is_finite() {
-            all[changed].effects.push(effect);
-            continue;
+            all[changed].push(effect);
         }
-        let ends = [outputs[k - 1], outputs[k]].into_iter();
-        let widest = ends.filter(|v| v.is_finite()).fold(high - low, |_, end| (high - end).max(end - low));
-        all[changed].lost.push((widest / step).abs());
     }
     // The size of every effect that is not 0, of an output that is pass or fail.
-    let mut known = outputs.iter().filter(|v| v.is_finite());
-    let pass_or_fail = known.all(|v| *v == low || *v == high);
+    let known = || outputs.iter().copied().filter(|v| v.is_finite());
+    let (low, high) = (known().fold(f64::INFINITY, f64::min), known().fold(f64::NEG_INFINITY, f64::max));
+    let pass_or_fail = known().all(|v| v == low || v == high);
     let step = rows[1].iter().zip(&rows[0]).map(|(to, from)| to - from);
     let jump = pass_or_fail.then(|| (high - low) / step.sum::<f64>().abs());
-    let effects: Vec<Effect> = all.iter().map(|seen| summary(seen, jump)).collect();
+    let effects: Vec<Effect> = all.iter().map(|effects| summary(effects, jump)).collect();
     let any = effects.iter().any(|effect| effect.used >= FEWEST);
     any.then_some(effects)
 }
@@ -163,28 +140,19 @@ pub fn effects(rows: &[Vec<f64>], outputs: &[f64]) -> Option<Vec<Effect>> {
 /// Fewer effects have no mean with an interval.
 const FEWEST: usize = 2;
 
-fn summary(Seen { effects, lost }: &Seen, jump: Option<f64>) -> Effect {
-    let unknown = Effect {
-        mu: f64::NAN,
-        mu_star: Estimate::around(f64::NAN, f64::NAN),
-        mu_star_bounds: None,
-        sigma: f64::NAN,
-        used: effects.len(),
-    };
+fn summary(effects: &[f64], jump: Option<f64>) -> Effect {
+    let unknown =
+        Effect { mu: f64::NAN, mu_star: Estimate::around(f64::NAN, f64::NAN), sigma: f64::NAN, used: effects.len() };
     if effects.len() < FEWEST {
         return unknown;
     }
     let sizes: Vec<f64> = effects.iter().map(|e| e.abs()).collect();
-    let interval = |sizes: &[f64]| match jump {
-        Some(jump) => of_jumps(sizes, jump),
-        None => with_interval(sizes),
-    };
-    let with = |others: Vec<f64>| interval(&[sizes.clone(), others].concat());
-    let ends = || [with(vec![0.0; lost.len()]).low, with(lost.clone()).high];
     Effect {
         mu: mean(effects),
-        mu_star: interval(&sizes),
-        mu_star_bounds: (!lost.is_empty()).then(ends),
+        mu_star: match jump {
+            Some(jump) => of_jumps(&sizes, jump),
+            None => with_interval(&sizes),
+        },
         sigma: deviation(effects, 1),
         ..unknown
     }
@@ -300,10 +268,6 @@ mod tests {
         let e = effects(&rows, &y).unwrap();
         assert_eq!(e.iter().map(|e| e.used).sum::<usize>(), 28);
         assert!((e[0].mu - 1.0).abs() < 1e-12);
-        // The output lies between 0 and 1, so that no effect is larger than 1.5, and mu* may be less than 1.
-        let bounds: Vec<_> = e.iter().filter_map(|e| e.mu_star_bounds).collect();
-        assert!(!bounds.is_empty());
-        assert!(bounds.iter().all(|[low, high]| *low >= 0.0 && *high < 1.5));
     }
 
     #[test]
@@ -344,45 +308,33 @@ mod tests {
         let [least, most] =
             [f64::min as fn(f64, f64) -> f64, f64::max].map(|end| rows.iter().flatten().copied().fold(0.5, end));
         near([least, most], [0.01, 0.99]);
-        let mut outputs: Vec<f64> = rows.iter().map(|u| 0.98 * (4.0 * u[0] - u[1])).collect();
+        let outputs: Vec<f64> = rows.iter().map(|u| 0.98 * (4.0 * u[0] - u[1])).collect();
         let told = Morris.tell(&rows, &outputs, &settled(10, 3));
         let [importance, spread] = &Morris.shown(&told)[..] else { panic!("two measures") };
         assert_eq!((importance.name, importance.drawn), ("mu*", true));
         let exact = 0.98 * 0.98;
         holds(importance.estimates[0], [4.0 * exact; 3]);
         holds(importance.estimates[1], [exact; 3]);
-        assert_eq!(importance.bounds, None);
         assert_eq!((spread.name, spread.drawn), ("sigma", false));
         near([0, 1].map(|i| spread.estimates[i].value), [0.0; 2]);
         assert!(spread.estimates.iter().all(|e| e.low.is_nan() && e.high.is_nan()));
-        // With a failed run, a parameter that has all its effects is as sure as before.
-        outputs[0] = f64::NAN;
-        let shown = Morris.shown(&Morris.tell(&rows, &outputs, &settled(10, 3)));
-        let bounds = shown[0].bounds.as_ref().unwrap();
-        let moved = (0..2).find(|&i| rows[0][i] != rows[1][i]).unwrap();
-        let whole = shown[0].estimates[1 - moved];
-        assert_eq!(bounds[1 - moved], [whole.low, whole.high]);
-        let part = shown[0].estimates[moved];
-        assert!(bounds[moved][0] < part.low && part.high <= bounds[moved][1]);
         assert_eq!(Morris.shown(&Morris.tell(&rows, &[], &settled(10, 3))), []);
     }
 
-    /// Seven steps of 2/3, three from or to a failed run. With values between 1 and 5, the effects of these could be 0, or at
-    /// most 4.5, 6 and 3.75. Hall's intervals by scipy's `brentq`, of the four effects, and with the three others.
+    /// Seven steps of 2/3, three from or to a failed run: Hall's interval of the four effects, by scipy's `brentq`.
     #[test]
-    fn failed_runs_leave_bounds_of_their_effects() {
+    fn effects_are_those_of_the_runs_that_have_values() {
         const LOST: f64 = f64::NAN;
         let outputs = [[1.0, 2.0], [2.0, 5.0], [LOST, 2.0], [3.0, 3.5], [4.0, 3.0], [LOST, LOST], [3.5, LOST]].concat();
         let rows = vec![vec![vec![0.0], vec![2.0 / 3.0]]; 7].concat();
         let [effect] = effects(&rows, &outputs).unwrap()[..] else { panic!("one parameter") };
         near([effect.mu, effect.sigma], [1.3125, 2.478_028_450_2]);
         holds(effect.mu_star, [2.0625, 0.0, 13.354_350_913_7]);
-        near(effect.mu_star_bounds.unwrap(), [0.0, 6.007_306_813_4]);
         assert_eq!(effect.used, 4);
     }
 
-    /// An output of two values, 2 and 5: the size of an effect is 3 over the step. One of three effects is not 0, and a
-    /// fourth may be one or not: Clopper and Pearson's intervals, scipy.
+    /// An output of two values, 2 and 5: the size of an effect is 3 over the step. One of three effects is not 0:
+    /// Clopper and Pearson's interval, scipy.
     #[test]
     fn a_verdict_has_effects_of_one_size() {
         let [third, two_thirds] = [1.0 / 3.0, 2.0 / 3.0];
@@ -394,9 +346,6 @@ mod tests {
         outputs[9] = f64::NAN;
         let effect = effects(&rows, &outputs).unwrap()[1];
         holds(effect.mu_star, [1.5, 4.5 * 0.008_403_758_66, 4.5 * 0.905_700_675_95]);
-        let least = 4.5 * 0.006_309_463_2;
-        let most = 4.5 * 0.932_414_013_7;
-        near(effect.mu_star_bounds.unwrap(), [least, most]);
         // One that is the same everywhere has none.
         let none = effects(&rows, &[5.0; 12]).unwrap();
         none.iter().for_each(|effect| holds(effect.mu_star, [0.0; 3]));

@@ -51,12 +51,6 @@ impl FromRuns for Shapley {
         design(&pairs, space.correlation.as_ref(), settled.seed)
     }
 
-    /// The rows of A and B.
-    fn plain_sample(&self, rows: usize, settled: &Settled) -> Vec<usize> {
-        let width = rows / settled.size.max(1) as usize;
-        (0..rows).filter(|k| k % width < 2).collect()
-    }
-
     fn tell(&self, design: &[Vec<f64>], values: &[f64], settled: &Settled) -> Told {
         let parameters = design.first().map_or(0, Vec::len);
         let effects = effects(values, parameters, settled);
@@ -65,9 +59,7 @@ impl FromRuns for Shapley {
 
     fn shown(&self, told: &Told) -> Vec<Measure> {
         let effects: Option<Effects> = read(told, "shapley");
-        let measure =
-            effects.map(|effects| Measure::drawn("Shapley effect", effects.effects).within(effects.effects_bounds));
-        measure.into_iter().collect()
+        effects.map(|effects| Measure::drawn("Shapley effect", effects.effects)).into_iter().collect()
     }
 }
 
@@ -189,9 +181,6 @@ fn conditional(a: &DVector<f64>, b: &DVector<f64>, set: &[usize], matrix: &DMatr
 pub struct Effects {
     /// Each parameter's part of the variance. Without failed runs they sum to 1.
     pub effects: Vec<Estimate>,
-    /// Where runs failed: bounds of the effects of the model with values everywhere, if those of the failed runs lie between
-    /// the smallest and the largest that were seen. Null without failed runs.
-    pub effects_bounds: Option<Vec<[f64; 2]>>,
     /// Base points of which all runs that the parameter's effect needs have values.
     pub used: Vec<usize>,
     /// Runs without a finite value.
@@ -227,15 +216,11 @@ pub fn effects(outputs: &[f64], parameters: usize, settled: &Settled) -> Option<
     let mean = |steps: &Vec<Step>| steps.iter().map(explained).sum::<f64>() / steps.len() as f64;
     let variance = ratio::paired_variance(&ends);
     let failed = outputs.iter().filter(|v| !v.is_finite()).count();
-    let mut result = Effects { effects: vec![], effects_bounds: None, used: vec![], failed };
+    let mut result = Effects { effects: vec![], used: vec![], failed };
     for steps in &terms {
         let part = Parts::of(steps.iter().map(mean));
         result.used.push(part.used());
         result.effects.push(ratio::estimate(&part, &variance, 0.0)?);
-    }
-    if failed > 0 {
-        let bounds = terms.iter().map(|steps| bounds(steps, &ends, correlated, outputs));
-        result.effects_bounds = bounds.collect();
     }
     Some(result)
 }
@@ -259,56 +244,6 @@ fn steps(values: &[f64], orders: &[Vec<usize>]) -> Vec<Vec<Step>> {
         }
     }
     steps
-}
-
-/// The least and the largest of some numbers.
-type Range = [f64; 2];
-
-fn minus(a: Range, b: Range) -> Range {
-    [a[0] - b[1], a[1] - b[0]]
-}
-
-fn times(a: Range, b: Range) -> Range {
-    let products = [a[0] * b[0], a[0] * b[1], a[1] * b[0], a[1] * b[1]];
-    [products.into_iter().fold(f64::INFINITY, f64::min), products.into_iter().fold(f64::NEG_INFINITY, f64::max)]
-}
-
-/// Bounds of an effect, by interval arithmetic: wider than necessary.
-fn bounds(steps: &[Vec<Step>], ends: &[[f64; 2]], correlated: bool, outputs: &[f64]) -> Option<[f64; 2]> {
-    let any = crate::lost::range(outputs)?;
-    let range = |value: f64| if value.is_finite() { [value; 2] } else { any };
-    let term = |step: &Step| {
-        let [before, after, a, b] = step.map(range);
-        let (x, y) = (minus(a, after), minus(a, before));
-        let other = match correlated {
-            true => [x[0] + y[0], x[1] + y[1]],
-            false => minus(a, b),
-        };
-        times(minus(after, before), other.map(|end| end / 2.0))
-    };
-    let explained = |end: usize| -> Parts {
-        let mean = |steps: &Vec<Step>| steps.iter().map(|step| term(step)[end]).sum::<f64>() / steps.len() as f64;
-        Parts::of(steps.iter().map(mean))
-    };
-    let variance = |end: fn(f64, f64) -> f64| -> Parts {
-        Parts::of(ends.iter().map(|values| {
-            let [a, b] = values.map(range);
-            let [least, most] = minus(a, b);
-            end(least, most).powi(2) / 2.0
-        }))
-    };
-    let least = variance(|low, high| low.max(-high).max(0.0));
-    let most = variance(|low, high| low.abs().max(high.abs()));
-    let (below, above) = (explained(0), explained(1));
-    let end = |over: &Parts, under: &Parts, sign: f64| {
-        let ratio = ratio::ratio(over, under, |_| true);
-        let half = ratio::half_width(over, under, ratio)?;
-        // Nothing explains an output without variance.
-        let known = if ratio.is_nan() { 0.0 } else { ratio };
-        Some((known + sign * half).clamp(0.0, 1.0))
-    };
-    // No effect is negative, and a positive number is least over the largest.
-    Some([end(&below, &most, -1.0)?, end(&above, &least, 1.0)?])
 }
 
 #[cfg(test)]
@@ -414,22 +349,6 @@ mod tests {
     }
 
     #[test]
-    fn failed_runs_leave_bounds_that_hold_the_effects() {
-        let exact = [1.0, 4.0, 9.0].map(|v| v / 14.0);
-        let hole = |u: &[f64]| match u[0] > 0.9 && u[1] > 0.8 {
-            true => f64::NAN,
-            false => u[0] + 2.0 * u[1] + 3.0 * u[2],
-        };
-        let shapley = run(3, None, &settled(512, 4), hole);
-        assert!(shapley.failed > 10 && shapley.used.iter().all(|&used| used < 512));
-        let bounds = shapley.effects_bounds.unwrap();
-        for (bounds, exact) in bounds.iter().zip(exact) {
-            assert!(bounds[0] <= exact && exact <= bounds[1], "{bounds:?} {exact}");
-            assert!(bounds[1] - bounds[0] < 0.9, "{bounds:?}");
-        }
-    }
-
-    #[test]
     fn a_constant_output_depends_on_nothing() {
         let shapley = run(3, None, &settled(64, 1), |_| 7.1);
         assert!(shapley.effects.iter().all(|e| e.value == 0.0 && e.low == 0.0));
@@ -444,16 +363,13 @@ mod tests {
         let settled = settled(32, 5);
         let rows = Shapley.design(&space, &settled).unwrap();
         assert_eq!(rows.len() as u64, Shapley.runs(&space, 32));
-        let plain = Shapley.plain_sample(rows.len(), &settled);
-        assert_eq!(plain[..4], [0, 1, 4, 5]);
-        assert_eq!(plain.len(), 64);
         for (pair, rows) in pairs(3, 32, 5).unwrap().iter().zip(rows.chunks(4)) {
             assert_eq!(*pair, rows[..2].concat());
         }
         let outputs: Vec<f64> = rows.iter().map(|u| ishigami(u)).collect();
         let told = Shapley.tell(&rows, &outputs, &settled);
         let shapley = effects(&outputs, 3, &settled).unwrap();
-        assert_eq!((shapley.failed, &shapley.effects_bounds), (0, &None));
+        assert_eq!(shapley.failed, 0);
         let shown = Measure::drawn("Shapley effect", shapley.effects);
         assert_eq!(Shapley.shown(&told), [shown]);
         let failed = Shapley.tell(&rows, &[f64::NAN; 128], &settled);
@@ -465,9 +381,9 @@ mod tests {
         assert!(Shapley.facts().takes_correlations);
     }
 
-    /// Two correlated parameters, with failed runs: effects, their intervals, and bounds by interval arithmetic, in numpy.
+    /// Two correlated parameters, with failed runs: effects and their intervals, in numpy.
     #[test]
-    fn effects_and_bounds_are_those_of_interval_arithmetic() {
+    fn effects_and_their_intervals_are_those_of_numpy() {
         let mut outputs = Vec::new();
         for u in lattice(64, 4) {
             let mixed = [0.7 * u[0] + 0.3 * u[1] + 0.02 * u[2], 0.4 * u[0] + 0.6 * u[1] - 0.03 * u[3]];
@@ -485,20 +401,16 @@ mod tests {
         assert_eq!((shapley.failed, &shapley.used), (3, &vec![61, 61]));
         holds(shapley.effects[0], wider([0.638_470_768_5, 0.624_475_505_1, 0.652_466_032_0]));
         holds(shapley.effects[1], wider([0.370_226_265_5, 0.359_609_159_2, 0.380_843_371_8]));
-        let bounds = shapley.effects_bounds.unwrap();
-        for (bounds, whole) in bounds.iter().zip(&whole.effects) {
-            assert!(bounds[0] < whole.low && whole.high < bounds[1], "{bounds:?} {whole:?}");
-        }
     }
 
-    /// A verdict that is the same wherever there is one: no effect, and none that a failed run could have.
+    /// A verdict that is the same wherever there is one.
     #[test]
-    fn a_constant_output_with_failed_runs_has_bounds_all_the_same() {
+    fn a_constant_output_with_failed_runs_has_no_effects() {
         let settled = settled(32, 1);
         let mut outputs = vec![1.0; 32 * 4];
         outputs[6] = f64::NAN;
         let shapley = effects(&outputs, 3, &settled).unwrap();
-        assert_eq!(shapley.effects_bounds, Some(vec![[0.0; 2]; 3]));
+        shapley.effects.iter().for_each(|effect| holds(*effect, [0.0; 3]));
         let told = Shapley.tell(&[vec![0.5; 3]], &outputs, &settled);
         assert_eq!(Shapley.shown(&told)[0].estimates, shapley.effects);
     }

@@ -5,7 +5,6 @@
 //! Computer Physics Communications 181, 259-270: two independent samples A and B, and for every
 //! parameter i the sample A_B^(i), which is A with column i from B.
 
-use crate::lost::{self, Triple};
 use crate::method::{Facts, FirstOrder, FromRuns, Measure, Settled, Space, Told, read};
 use crate::pairs::pairs;
 use crate::rare;
@@ -40,13 +39,6 @@ impl FromRuns for Sobol {
         Ok(design(&pairs))
     }
 
-    /// The rows of A and B.
-    fn plain_sample(&self, rows: usize, settled: &Settled) -> Vec<usize> {
-        let width = rows / settled.size.max(1) as usize;
-        let is_plain = |k: &usize| k.is_multiple_of(width) || k % width == width - 1;
-        (0..rows).filter(is_plain).collect()
-    }
-
     fn tell(&self, design: &[Vec<f64>], values: &[f64], settled: &Settled) -> Told {
         let parameters = design.first().map_or(0, Vec::len);
         let indices = indices(values, parameters, settled.estimator);
@@ -59,10 +51,7 @@ impl FromRuns for Sobol {
     fn shown(&self, told: &Told) -> Vec<Measure> {
         let indices: Option<Indices> = read(told, "sobol");
         indices.map_or_else(Vec::new, |indices| {
-            vec![
-                Measure::drawn("total", indices.total).within(indices.total_bounds),
-                Measure::drawn("first order", indices.first).within(indices.first_bounds),
-            ]
+            vec![Measure::drawn("total", indices.total), Measure::drawn("first order", indices.first)]
         })
     }
 }
@@ -92,11 +81,6 @@ pub struct Indices {
     pub first: Vec<Estimate>,
     /// Total index of every parameter.
     pub total: Vec<Estimate>,
-    /// Where runs failed: the least and the largest first-order index of the model with values everywhere, if those of the
-    /// failed runs lie between the smallest and the largest that were seen. Null without failed runs.
-    pub first_bounds: Option<Vec<[f64; 2]>>,
-    /// The same of the total indices.
-    pub total_bounds: Option<Vec<[f64; 2]>>,
     /// Base points of which both runs of the parameter's total index have values.
     pub used: Vec<usize>,
     /// Runs without a finite value.
@@ -130,8 +114,7 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
         0 => estimator,
         _ => FirstOrder::Jansen,
     };
-    let mut result =
-        Indices { first: vec![], total: vec![], first_bounds: None, total_bounds: None, used: vec![], failed };
+    let mut result = Indices { first: vec![], total: vec![], used: vec![], failed };
     for i in 1..=parameters {
         let of = |term: fn(f64, f64, f64) -> f64| -> Vec<f64> {
             let terms = rows.iter().map(|row| term(row[0], row[i], row[width - 1]));
@@ -156,34 +139,7 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
         result.total.push(ratio::estimate(&total, &variance, 0.0)?);
         result.used.push(total.used());
     }
-    if failed > 0 {
-        let range = lost::range(outputs)?;
-        result.bound(&rows, range.map(|end| end - shift));
-    }
     Some(result)
-}
-
-impl Indices {
-    /// Finds what the indices could be with values of the failed runs within a range.
-    fn bound(&mut self, rows: &[Vec<f64>], range: [f64; 2]) {
-        let last = self.first.len() + 1;
-        // With the one value that was seen the output would be constant, and no parameter would change it.
-        if range[0] == range[1] {
-            let zeros = || Some(vec![[0.0; 2]; last - 1]);
-            (self.total_bounds, self.first_bounds) = (zeros(), zeros());
-            return;
-        }
-        let share = |compared: usize, i: usize| {
-            let triple = |row: &Vec<f64>| [row[compared], row[i], row[last - compared]];
-            let rows: Vec<Triple> = rows.iter().map(triple).collect();
-            lost::bounds(&rows, range)
-        };
-        let within = |ends: [f64; 2]| ends.map(|end| end.clamp(0.0, 1.0));
-        let total = (1..last).map(|i| share(0, i).map(within));
-        self.total_bounds = total.collect();
-        let first = (1..last).map(|i| share(last, i).map(|[low, high]| [1.0 - high, 1.0 - low]));
-        self.first_bounds = first.map(|ends| ends.map(within)).collect();
-    }
 }
 
 /// Indices from growing parts of the design, to show convergence: base points, indices.
@@ -383,11 +339,6 @@ mod tests {
     }
 
     /// The design has the rows A, A_B of each parameter, B: those of A and B are a sample of the parameters.
-    #[test]
-    fn the_plain_sample_is_a_and_b() {
-        assert_eq!(Sobol.plain_sample(10, &settled(2, 1)), [0, 4, 5, 9]);
-    }
-
     /// The way of a study: the design has A, A_B of each parameter, and B; what is told comes back when it is shown.
     #[test]
     fn a_study_shows_the_indices_of_its_design() {
@@ -401,7 +352,6 @@ mod tests {
         let outputs: Vec<f64> = rows.iter().map(|u| u[0] + 3.0 * u[1]).collect();
         let told = Sobol.tell(&rows, &outputs, &settled(64, 5));
         let indices = indices(&outputs, 2, FirstOrder::Combined).unwrap();
-        assert_eq!((&indices.first_bounds, &indices.total_bounds), (&None, &None));
         let [total, first] = &Sobol.shown(&told)[..] else { panic!("two measures") };
         assert_eq!((total.name, total.drawn), ("total", true));
         assert_eq!((first.name, first.drawn), ("first order", true));
@@ -410,43 +360,6 @@ mod tests {
         assert_eq!(growing.iter().map(|(n, _)| *n).collect::<Vec<_>>(), [32, 64]);
         near(growing[1].1.clone().try_into().unwrap(), [0, 1].map(|i| indices.total[i].value));
         assert_eq!(Sobol.shown(&Sobol.tell(&rows, &[f64::NAN; 256], &settled(64, 5))), []);
-    }
-
-    /// A failed run of A_B has the value at worst that is farthest from the run it is compared with, and at best the same. The
-    /// bounds are the intervals of the study with these values.
-    #[test]
-    fn bounds_of_an_output_that_never_varied_are_0() {
-        let mut outputs = vec![300.0; 32 * 4];
-        outputs[5] = f64::NAN;
-        let indices = indices(&outputs, 2, FirstOrder::Combined).unwrap();
-        let zeros = Some(vec![[0.0; 2]; 2]);
-        assert_eq!((&indices.first_bounds, &indices.total_bounds), (&zeros, &zeros));
-    }
-
-    #[test]
-    fn bounds_are_those_of_the_worst_values_of_a_failed_run() {
-        let mut outputs = evaluate(&lattice(256, 4), |u| 5.0 + u[0] + u[1] * u[1]);
-        let (row, width) = (20 * 4, 4);
-        let [a, lost, b] = [row, row + 1, row + width - 1];
-        outputs[lost] = f64::NAN;
-        let holed = indices(&outputs, 2, FirstOrder::Combined).unwrap();
-        assert_eq!((holed.failed, &holed.used), (1, &vec![255, 256]));
-        let known = || outputs.iter().copied().filter(|v| v.is_finite());
-        let [low, high] = [f64::min as fn(f64, f64) -> f64, f64::max].map(|end| known().fold(outputs[0], end));
-        let with = |value: f64| {
-            let mut outputs = outputs.clone();
-            outputs[lost] = value;
-            indices(&outputs, 2, FirstOrder::Jansen).unwrap()
-        };
-        let farthest = |from: f64| if high - from > from - low { high } else { low };
-        let [total, first] = [&holed.total_bounds, &holed.first_bounds].map(|b| b.as_ref().unwrap());
-        near(total[0], [with(outputs[a]).total[0].low, with(farthest(outputs[a])).total[0].high]);
-        near(first[0], [with(farthest(outputs[b])).first[0].low, with(outputs[b]).first[0].high]);
-        // The other parameter's runs are all there.
-        near(total[1], [holed.total[1].low, holed.total[1].high]);
-        near(first[1], [holed.first[1].low, holed.first[1].high]);
-        let ends = [total[0], first[0], total[1], first[1]].concat();
-        assert!(ends.iter().all(|end| 0.0 < *end && *end < 1.0), "{ends:?}");
     }
 
     /// numpy, scipy: Jansen's interval of pass or fail, of which one in ten is rare. Four pairs of B and A_B show their

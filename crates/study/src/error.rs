@@ -215,6 +215,11 @@ fn suggest(message: &str) -> String {
             let start = message.split(',').next().unwrap_or_default();
             format!("{start}; {BOTH_SIDES}")
         }
+        Some("discrepancy") if unknown => {
+            "`discrepancy` is gone: how far the model itself may be off is part of `accuracy` (of a criterion's `noise`), as the root of \
+             the sum of squares"
+                .to_owned()
+        }
         Some(wrong) if unknown => match nearest(wrong, names) {
             Some(right) => {
                 let start = message.split(',').next().unwrap_or_default();

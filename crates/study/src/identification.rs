@@ -147,24 +147,6 @@ pub struct Exception {
     pub about: Option<String>,
 }
 
-/// How far the model may be from the truth by itself.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(untagged, expecting = "a number, a text such as \"0.5 degC\" or \"2 %\", or \"unknown\"")]
-pub enum DiscrepancyText {
-    /// To be found, too.
-    Unknown(UnknownText),
-    /// One standard deviation.
-    Known(Quantity),
-}
-
-/// The word for a number that is to be found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum UnknownText {
-    /// To be found.
-    Unknown,
-}
-
 /// Measured values.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
@@ -184,9 +166,6 @@ pub struct MeasuredText {
     pub uncertainty: Option<Quantity>,
     /// That of a gain that they share, as a part of the value.
     pub gain_uncertainty: Option<Quantity>,
-    /// How far the model may be from the truth by itself, independently in each case: one standard deviation, percents of
-    /// the value, or `unknown`.
-    pub discrepancy: Option<DiscrepancyText>,
     /// The unit of the numbers and the column.
     pub unit: Option<String>,
     /// A remark for people.

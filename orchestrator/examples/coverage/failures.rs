@@ -1,13 +1,12 @@
-//! Sobol indices where runs fail: how often the conditional intervals hold the conditional indices, and the bounds hold the
-//! indices of the function with values everywhere.
+//! Sobol indices where runs fail: how often the conditional intervals hold the conditional indices.
 
 use rayon::prelude::*;
 use sensitivity::Estimate;
 use sensitivity::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
 use sensitivity::method::{FirstOrder, Settled};
 use sensitivity::pairs::pairs;
-use sensitivity::sobol::{Indices, design, indices};
-use sensitivity::{morris, shapley};
+use sensitivity::shapley;
+use sensitivity::sobol::{design, indices};
 
 use crate::{Case, G, percent};
 
@@ -23,7 +22,6 @@ const PLACES: [Place; 5] = [
     Place { name: "slab", fails: |u, _, share| u[2] < share },
     Place { name: "middle", fails: |u, _, share| u[..2].iter().all(|v| (v - 0.5).abs() < share.sqrt() / 2.0) },
     Place { name: "anywhere", fails: |u, _, share| (1e4 * u.iter().sum::<f64>()).fract() < share },
-    // The values of the failed runs lie outside of the range of the others, which the bounds do not allow for.
     Place { name: "largest", fails: |_, y, _| y > LARGE },
 ];
 
@@ -50,9 +48,6 @@ pub fn print(repetitions: u64) -> Result<(), String> {
                 }
             }
         }
-    }
-    for case in [&ishigami, &linear] {
-        screening(case, repetitions)?;
     }
     Ok(())
 }
@@ -98,45 +93,30 @@ fn held(case: &Case, base: u64, place: Place, part: f64, repetitions: u64) -> Re
     let d = case.dimensions;
     let conditional = conditional(case, place, part)?;
     let exact: Vec<f64> = case.first.iter().chain(&case.total).copied().collect();
-    let one = |seed: u64| -> Result<[f64; 5], String> {
+    let one = |seed: u64| -> Result<[f64; 3], String> {
         let pairs = pairs(d, base, 3000 + seed)?;
         let rows = design(&pairs);
         let outputs = values(case, place, part, &rows);
         let found = indices(&outputs, d, FirstOrder::default()).ok_or("too few points")?;
-        let Indices { first_bounds, total_bounds, .. } = &found;
-        let bounds = first_bounds.iter().chain(total_bounds).flatten();
-        let bounds: Vec<[f64; 2]> = bounds.copied().collect();
         let all: Vec<_> = found.first.iter().chain(&found.total).collect();
         let share = |hits: usize| hits as f64 / (2 * d) as f64;
         let of_conditional = all.iter().zip(&conditional);
         let of_exact = all.iter().zip(&exact);
-        let in_bounds = bounds.iter().zip(&exact);
         Ok([
             share(of_conditional.filter(|(e, x)| e.contains(**x)).count()),
             share(of_exact.filter(|(e, x)| e.contains(**x)).count()),
-            match bounds.len() {
-                0 => 1.0,
-                _ => share(in_bounds.filter(|([l, h], x)| l <= *x && *x <= h).count()),
-            },
-            match bounds.len() {
-                0 => 0.0,
-                n => bounds.iter().map(|[l, h]| h - l).sum::<f64>() / n as f64,
-            },
             all.iter().map(|e| e.high - e.low).sum::<f64>() / all.len() as f64,
         ])
     };
-    let all: Vec<[f64; 5]> = (0..repetitions).into_par_iter().map(one).collect::<Result<_, _>>()?;
+    let all: Vec<[f64; 3]> = (0..repetitions).into_par_iter().map(one).collect::<Result<_, _>>()?;
     let mean = |k: usize| all.iter().map(|r| r[k]).sum::<f64>() / repetitions as f64;
     println!(
-        "  {:<10} {base:>4} base points, {:>2.0} % fail {:<9}: conditional {:>5.1} ({:.3}), bounds of all {:>5.1} ({:.3}); the \
-         conditional one holds the index of all in {:>5.1}",
+        "  {:<10} {base:>4} base points, {:>2.0} % fail {:<9}: conditional {:>5.1} ({:.3}); it holds the index of all in {:>5.1}",
         case.name,
         percent(part),
         place.name,
         percent(mean(0)),
-        mean(4),
-        percent(mean(2)),
-        mean(3),
+        mean(2),
         percent(mean(1)),
     );
     Ok(())
@@ -182,33 +162,6 @@ fn failing(base: u64, share: f64, repetitions: u64) -> Result<(), String> {
         mean(2),
         mean(3),
         mean(4),
-    );
-    Ok(())
-}
-
-/// Morris's mu* where runs fail in a corner of the grid.
-fn screening(case: &Case, repetitions: u64) -> Result<(), String> {
-    let d = case.dimensions;
-    let exact = crate::screening::exact(case);
-    let one = |seed: u64| -> Result<f64, String> {
-        let rows = morris::design(d, 20, 4, seed);
-        let value = |u: &Vec<f64>| match u[0] > 0.9 && u[1] > 0.9 {
-            true => f64::NAN,
-            false => (case.function)(u),
-        };
-        let outputs: Vec<f64> = rows.iter().map(value).collect();
-        let found = morris::effects(&rows, &outputs).ok_or("too few")?;
-        let held = found
-            .iter()
-            .zip(&exact)
-            .filter(|(e, x)| e.mu_star_bounds.map_or(e.mu_star.contains(**x), |[low, high]| low <= **x && **x <= high));
-        Ok(held.count() as f64 / d as f64)
-    };
-    let all: Vec<f64> = (0..repetitions).into_par_iter().map(one).collect::<Result<_, _>>()?;
-    println!(
-        "  {:<10} Morris, 20 trajectories, 1/16 of the grid fails: bounds hold mu* in {:.1}",
-        case.name,
-        percent(all.iter().sum::<f64>() / repetitions as f64)
     );
     Ok(())
 }

@@ -1,10 +1,9 @@
 //! How often the stated 95 % intervals hold the exact value:
 //! `cargo run --release --example coverage -- 200` (repetitions), with `-- 200 shapley` one part of it: `sobol`, `errors`,
-//! `share`, `failures`, `morris`, `ranks`, `shapley`, `regions`.
+//! `share`, `failures`, `morris`, `shapley`, `regions`.
 
 mod errors;
 mod failures;
-mod ranks;
 mod regions;
 mod screening;
 mod shapley;
@@ -101,7 +100,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("share", shares_hold),
         ("failures", failures::print),
         ("morris", screening::print),
-        ("ranks", ranks::print),
         ("shapley", shapley::print),
         ("regions", regions::print),
     ];

@@ -19,8 +19,7 @@ use conformity::decision::Decision;
 use pairs::Pairs;
 use parameter_regions::table::PointTable;
 use result_document::format::number;
-use sampling::statistics::moments::{mean, quantile, sorted};
-use sensitivity::regional;
+use sampling::statistics::moments::{ks_distance, ks_probability, mean, quantile, sorted};
 
 pub use document::write;
 
@@ -409,24 +408,24 @@ fn regions(
         .iter()
         .map(|parameter| both.iter().map(|&pair| parameter.values[pairs.both[pair][0]]).collect())
         .collect();
-    let borrowed: Vec<&[f64]> = columns.iter().map(Vec::as_slice).collect();
-    let splits = regional::split(&borrowed, &chosen).unwrap_or_default();
-    let inner = |values: &[f64], wanted: bool| {
-        let of_side = values.iter().zip(&chosen).filter(|(_, chosen)| **chosen == wanted);
-        let of_side = sorted(of_side.map(|(value, _)| *value).collect());
-        [0.05, 0.95].map(|part| quantile(&of_side, part))
+    let side = |values: &[f64], wanted: bool| {
+        let of_side = values.iter().zip(&chosen).filter(|(value, chosen)| **chosen == wanted && value.is_finite());
+        sorted(of_side.map(|(value, _)| *value).collect())
     };
-    let telling = splits.iter().zip(&table.parameters).zip(&columns);
-    let telling = telling.filter(|((split, _), _)| split.chance * splits.len() as f64 <= CHANCE);
-    let mut regions: Vec<Region> = telling
-        .map(|((split, parameter), values)| Region {
+    let inner = |values: &[f64]| [0.05, 0.95].map(|part| quantile(values, part));
+    let regions = table.parameters.iter().zip(&columns).filter_map(|(parameter, values)| {
+        let [changed, others] = [true, false].map(|wanted| side(values, wanted));
+        let distance = ks_distance(&changed, &others);
+        let chance = ks_probability(distance, changed.len(), others.len());
+        (chance * columns.len() as f64 <= CHANCE).then(|| Region {
             parameter: parameter.name.clone(),
             unit: parameter.unit.clone(),
-            most_changed: inner(values, true),
-            others: inner(values, false),
-            distance: split.distance,
+            most_changed: inner(&changed),
+            others: inner(&others),
+            distance,
         })
-        .collect();
+    });
+    let mut regions: Vec<Region> = regions.collect();
     regions.sort_by(|a, b| b.distance.total_cmp(&a.distance));
     regions
 }

@@ -3,7 +3,6 @@
 use super::cases::Columns;
 use super::late::Reading;
 use crate::judge::sense;
-use calibration::discrepancy::Unknown;
 use calibration::problem::{
     Case, Channel, Effect, Free, Interval, Latent, Measured, Prior, Problem, Quantity, SharedKind, Source, Spacing,
 };
@@ -15,7 +14,7 @@ use fmu_import::units::Conversion;
 use fmu_points::task::{Case as Simulation, Probe, Slot};
 use number_tables::files::FileError;
 use sampling::statistics::Statistic;
-use study::identification::{DiscrepancyText, Exception, FreeText, Identification, LatentText, MeasuredText};
+use study::identification::{Exception, FreeText, Identification, LatentText, MeasuredText};
 use study::limit::gain;
 use study::plan::{Plan, find, slot_of};
 use study::{Name, Study};
@@ -38,8 +37,6 @@ pub struct Bound {
     pub outputs: Vec<Conversion>,
     /// The measured curves, whose rows are quantities.
     pub curves: Vec<BoundCurve>,
-    /// The quantities whose model discrepancy is unknown.
-    pub discrepancies: Vec<Unknown>,
     /// How readings become the measured quantities' predictions.
     pub readings: Vec<Reading>,
     /// The free parameters that are lags of curves, and none of the FMU's.
@@ -273,20 +270,11 @@ impl Binder<'_> {
             let values = self.values(text.column.as_deref(), text.value.as_ref(), (&scale, sense));
             let values = values.map_err(self.at(name))?;
             for (case, value) in bound.problem.cases.iter_mut().zip(values) {
-                let deviation = |what, number| deviation(what, number, text, value, &scale).map_err(self.at(name));
-                let mut accuracy = deviation("accuracy", &text.accuracy)?;
-                if let Some(DiscrepancyText::Known(known)) = &text.discrepancy {
-                    accuracy = accuracy.hypot(deviation("discrepancy", known)?);
-                }
+                let accuracy = deviation(text, value, &scale).map_err(self.at(name))?;
                 case.measured.push(Measured { value, accuracy });
             }
             bound.problem.quantities.push(Quantity { name: name.as_ref().clone(), unit: scale.unit.clone() });
             self.bind_shared(bound, name, text, &scale)?;
-            if matches!(text.discrepancy, Some(DiscrepancyText::Unknown(_))) {
-                let quantity = bound.problem.quantities.len() - 1;
-                let unknown = Unknown::of(&bound.problem, quantity);
-                bound.discrepancies.push(unknown);
-            }
             let back = scale.conversion.inverse();
             bound.outputs.push(if text.statistic.is_difference() { back.of_differences() } else { back });
             bound.readings.push(Reading::Value(bound.readings.len()));
@@ -431,8 +419,9 @@ fn interval(
     })
 }
 
-/// A standard deviation of measured values: the `what` of the study's text.
-fn deviation(what: &str, number: &Text, text: &MeasuredText, value: f64, scale: &Scale<'_>) -> Result<f64, String> {
+/// The standard deviation of measured values.
+fn deviation(text: &MeasuredText, value: f64, scale: &Scale<'_>) -> Result<f64, String> {
+    let number = &text.accuracy;
     let deviation = match number.unit.as_deref() {
         Some("%") => {
             let written = text.value.clone().unwrap_or(value.into());
@@ -442,6 +431,6 @@ fn deviation(what: &str, number: &Text, text: &MeasuredText, value: f64, scale: 
     };
     match deviation > 0.0 && deviation.is_finite() {
         true => Ok(deviation),
-        false => Err(format!("the {what} {number} of {value} must be positive")),
+        false => Err(format!("the accuracy {number} of {value} must be positive")),
     }
 }

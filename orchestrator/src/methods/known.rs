@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use crate::error::Error;
 use crate::options::folder_of;
-use crate::results::Summary;
 use crate::results::origin::Origin;
+use crate::results::{Summary, table};
 use number_tables::files;
 use parameter_regions::table::PointTable;
 use serde::Deserialize;
@@ -22,13 +22,9 @@ pub(super) fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
-/// The points of a finished study, for an analysis of `study`, as `read` reads them.
-pub(super) fn points_of(
-    folder: &Path,
-    study: &Study,
-    read: fn(&Path) -> Result<(Summary, PointTable), Error>,
-) -> Result<(Summary, PointTable), Error> {
-    let (summary, table) = read(folder)?;
+/// The points of a finished study, for an analysis of `study`.
+pub(super) fn points_of(folder: &Path, study: &Study) -> Result<(Summary, PointTable), Error> {
+    let (summary, table) = table::read(folder)?;
     if study.digest() != summary.provenance.study_sha256 {
         let message = format!(
             "the points in {} are not of {} as it is now; verify it again, or name the folder of its points",
@@ -70,8 +66,6 @@ pub struct Finished<'a> {
     pub folder: &'a Path,
     /// The results.
     pub summary: &'a Summary,
-    /// The points.
-    pub table: &'a PointTable,
 }
 
 impl Finished<'_> {

@@ -65,7 +65,7 @@ methods! {
     Identify = identify;
     /// Finds the widest tolerances of the parameters at which the wanted share of points is still accepted, or conforms
     Tolerances = tolerances;
-    /// Tells which parameter matters: Sobol indices, Shapley effects, Morris screening, ranks, PAWN
+    /// Tells which parameter matters: Sobol indices, Shapley effects, Morris screening
     Sensitivity = sensitivity;
     /// Tells how far parameters may move: maps, largest box, margins
     Robustness = robustness;

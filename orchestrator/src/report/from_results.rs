@@ -15,7 +15,6 @@ use crate::results::settled::Settled;
 use crate::results::table;
 use crate::results::words::capitalised;
 use fmu_points::Conduct;
-use parameter_regions::table::PointTable;
 use result_document::Document;
 use result_document::format::count;
 use std::path::Path;
@@ -35,7 +34,7 @@ impl Report {
             command: again::command(folder, &summary),
             judgement: Judgement::new(&summary).map_err(damaged)?,
             history: history::read(folder, &table, study.as_ref()),
-            documents: documents(folder, &summary, &table),
+            documents: documents(folder, &summary),
             study_text,
             table,
             summary,
@@ -50,9 +49,9 @@ impl Report {
 }
 
 /// The study's documents beside its verdict.
-fn documents(folder: &Path, summary: &Summary, table: &PointTable) -> Vec<Document> {
+fn documents(folder: &Path, summary: &Summary) -> Vec<Document> {
     let general = [comparison(summary), improvements(summary)];
-    let study = Finished { folder, summary, table };
+    let study = Finished { folder, summary };
     general.into_iter().flatten().chain(methods::shown(&study)).collect()
 }
 

@@ -51,16 +51,6 @@ pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable), Erro
     Ok((summary, table))
 }
 
-/// The same with all values that failed points have.
-///
-/// # Errors
-/// As [`read`].
-pub fn read_every_value(folder: &Path) -> Result<(Summary, PointTable), Error> {
-    let summary = summary(folder)?;
-    let table = points::read(&folder.join("points.csv"), &summary, u64::MAX)?;
-    Ok((summary, table))
-}
-
 /// Reads `summary.json` alone.
 ///
 /// # Errors

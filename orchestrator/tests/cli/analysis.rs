@@ -106,13 +106,8 @@ fn sensitivity_finds_the_only_parameter_that_matters() {
 }
 
 #[test]
-fn sensitivity_from_existing_points_and_by_screening() {
+fn sensitivity_by_screening() {
     let bench = bench();
-    bench.run(&["verify", "study.toml", "--output", "out"]);
-    let said = bench.run(&["sensitivity", "study.toml", "--from", "out"]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    assert_eq!(json(&bench, "out/sensitivity.json")["outputs"][0]["dominant"], "lag.rate");
-    assert!(bench.read("out/report.html").contains("id=\"sensitivity\""));
     let said = bench.run(&["sensitivity", "study.toml", "--morris", "8", "--output", "m"]);
     assert_eq!(said.code, 0, "{}", said.err);
     assert_eq!(json(&bench, "m/sensitivity.json")["outputs"][0]["dominant"], "lag.rate");
@@ -121,15 +116,16 @@ fn sensitivity_from_existing_points_and_by_screening() {
 #[test]
 fn findings_of_another_study_are_not_shown() {
     let bench = bench();
-    let shown = || bench.read("out/report.html").contains("id=\"sensitivity\"");
+    let has = |id: &str| bench.read("out/report.html").contains(&format!("id=\"{id}\""));
+    let shown = || has("sensitivity");
     let verify = || bench.run(&["verify", "study.toml", "--output", "out"]).code;
     assert_eq!(verify(), 0);
-    let from = ["sensitivity", "study.toml", "--from", "out"];
+    let from = ["robustness", "study.toml", "--from", "out"];
     assert_eq!(bench.run(&from).code, 0);
-    assert!(shown());
+    assert!(has("robustness"));
     // Other points of the same study: what was found from the old ones is gone from the page.
     bench.run(&["verify", "study.toml", "--output", "out", "--seed", "9"]);
-    assert!(!shown());
+    assert!(!has("robustness"));
     // Results from runs of its own hold for all points of the study, but not for another study.
     let runs = ["sensitivity", "study.toml", "--base", "16", "--output", "out"];
     assert_eq!(bench.run(&runs).code, 0);

@@ -112,7 +112,6 @@ fn another_study_file_or_fmu_needs_force() {
     for command in [
         &["judge", "other.toml", "table.csv"][..],
         &["sensitivity", "other.toml", "--base", "4"],
-        &["sensitivity", "other.toml", "--from", "out"],
         &["robustness", "other.toml", "--from", "out"],
         &["identify", "fit.toml"],
     ] {

@@ -81,8 +81,8 @@ fn specimens_have_a_common_mean_and_a_spread() {
     let page = bench.read("out/report.html");
     for words in [
         "Fit and residuals",
-        "From case to case",
-        "Spread from case to case",
+        "Sample of the posterior",
+        "lag.rate, spread from case to case",
         "ln evidence",
         "sample of the posterior",
         "prior: anything within",
@@ -232,7 +232,6 @@ lag = { min = "-60 ms", max = "60 ms" }
     for words in [
         "Fit and residuals",
         "What the data say of the sensors",
-        "zero error",
         "posterior, by its normal approximation",
         "What to measure next",
     ] {

@@ -68,12 +68,6 @@ const IDENTIFICATION: Analysis = Analysis {
     files: &["identification.json", "optimum.toml"],
 };
 
-const CROSS_VALIDATION: Analysis = Analysis {
-    command: &["identify", "cases.toml", "--cross-validate"],
-    state: "identify",
-    files: &["identification.json", "cross-validation.csv"],
-};
-
 const POSTERIOR: Analysis = Analysis {
     command: &["identify", "identify.toml", "--posterior", "200"],
     state: "identify",
@@ -274,39 +268,9 @@ fn a_search_goes_on() {
 }
 
 #[test]
-fn cross_validation_goes_on_from_a_fit_and_predicts_each_case_from_the_others() {
-    let bench = bench();
-    let (whole, text) = CROSS_VALIDATION.undisturbed(&bench);
-    let plain = ["identify", "cases.toml", "--output", "later"];
-    assert_eq!(bench.run(&plain).code, 0);
-    let before = CROSS_VALIDATION.noted(&bench, "later");
-    let said = CROSS_VALIDATION.run(&bench, "later", &["--resume"]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    assert_eq!(said.out, text.replace("in whole", "in later"));
-    assert!(CROSS_VALIDATION.results(&bench, "later") == whole);
-    let all = CROSS_VALIDATION.noted(&bench, "later");
-    assert!(before > 0 && all == CROSS_VALIDATION.noted(&bench, "whole"));
-    // A lag is proportional to its input: with one case left out, y = u q with q from the others by least squares.
-    let rows = [(0.5, 0.434), (1.0, 0.866), (1.5, 1.29), (2.0, 1.73)];
-    let mut table = csv::Reader::from_reader(whole[1].as_bytes());
-    for (left_out, record) in table.records().enumerate() {
-        let record = record.unwrap();
-        let others = rows.iter().enumerate().filter(|(row, _)| *row != left_out);
-        let (uy, uu) = others.fold((0.0, 0.0), |(uy, uu), (_, (u, y))| (uy + u * y, uu + u * u));
-        let expected = rows[left_out].0 * uy / uu;
-        let predicted: f64 = record[6].parse().unwrap();
-        assert!((predicted - expected).abs() < 1e-6, "{record:?}: {expected}");
-    }
-    // Without the option there is no such file, not even an earlier run's.
-    assert_eq!(bench.run(&plain).code, 0);
-    assert!(!bench.path("later/cross-validation.csv").exists());
-    bench.run(&["identify", "identify.toml", "--cross-validate"]).is_mistake(&["--cross-validate", "one case only"]);
-}
-
-#[test]
 #[ignore = "takes minutes: cargo test --workspace --test cli interrupted -- --ignored --nocapture"]
 fn every_analysis_goes_on_from_twenty_moments() {
-    for analysis in [SENSITIVITY, SCREENING, ROBUSTNESS, RARE, IDENTIFICATION, POSTERIOR, CROSS_VALIDATION] {
+    for analysis in [SENSITIVITY, SCREENING, ROBUSTNESS, RARE, IDENTIFICATION, POSTERIOR] {
         for signal in BOTH {
             analysis.stop_and_resume(20, &[signal]);
         }

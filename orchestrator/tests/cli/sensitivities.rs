@@ -45,17 +45,11 @@ fn number(value: &Value) -> f64 {
     value.as_f64().unwrap()
 }
 
-/// One design of a few points scatters, so bounds are asked of the mean over several.
 #[test]
 fn a_failure_of_one_output_costs_that_output_only() {
     let seeds = ["1", "2", "3", "4"];
     let results = seeds.map(|seed| holed(&["--base", "128", "--seed", seed]));
     let mean = |of: &dyn Fn(&Value) -> f64| results.iter().map(of).sum::<f64>() / 4.0;
-    // Without failures both are 0.5.
-    for k in [0, 2] {
-        let end = |side: usize| mean(&|both| number(&output(both, "holed")["sobol"]["total_bounds"][k][side]));
-        assert!(end(0) < 0.5 && end(1) > 0.5, "{} {}", end(0), end(1));
-    }
     // The corner is one of x1 and x2.
     let total = |both: &Value, k: usize, of: &str| number(&output(both, "failed")["sobol"]["total"][k][of]);
     for k in [0, 1] {
@@ -81,7 +75,7 @@ fn holed(options: &[&str]) -> Value {
     assert_eq!(linear["sobol"], output(&alone, "linear")["sobol"]);
     let missing = number(&output(&both, "holed")["missing"]);
     assert!(missing > 20.0 && both["failed"] == missing, "{both}");
-    for words in ["holed: ", " of 768 runs have no value of it", "lie between", "{"] {
+    for words in ["holed: ", " of 768 runs have no value of it", "would be others if"] {
         assert!(said.out.contains(words), "no `{words}` in {}", said.out);
     }
     // The runs' table has the values that there are.
@@ -93,44 +87,18 @@ fn holed(options: &[&str]) -> Value {
 }
 
 #[test]
-fn points_of_a_study_keep_the_values_that_a_failed_run_has() {
+fn points_of_a_study_tell_no_indices() {
     let bench = Bench::functions();
     bench.write("study.toml", &format!("{HEAD}{}", criteria(&["linear", "holed"])));
     assert!(bench.run(&["verify", "study.toml", "--output", "out"]).code < 2);
-    let said = bench.run(&["sensitivity", "study.toml", "--from", "out"]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    let found = result(&bench, "out");
-    assert_eq!(output(&found, "linear")["missing"], 0);
-    assert_eq!(output(&found, "linear")["ranks"]["used"], 512);
-    let missing = number(&output(&found, "holed")["missing"]);
-    assert!(missing > 20.0, "{missing}");
-    assert_eq!(output(&found, "holed")["ranks"]["used"], 512.0 - missing);
-    // Most important for whether a run fails: x1 or x2, of which none is told from the other.
-    let median = |k: usize| number(&output(&found, "failed")["ranks"]["spearman"][k]["value"]);
-    assert!(median(0).min(median(1)) > 0.2 && median(2).abs().max(median(3).abs()) < 0.15);
-    assert!(bench.read("out/report.html").contains("runs have no value of it"));
-    // Surrogates are told of, too.
+    bench.run(&["sensitivity", "study.toml", "--from", "out"]).is_mistake(&[
+        "--from",
+        "a design of its own",
+        "--morris 20",
+    ]);
+    // Surrogates are told of failed runs.
     let said = bench.run(&["robustness", "study.toml", "--from", "out"]);
     assert!(said.out.contains("of 512 points failed"), "{}{}", said.out, said.err);
-}
-
-#[test]
-fn numbers_of_correlated_parameters_are_told_apart() {
-    let bench = Bench::functions();
-    let correlated = "[[correlations]]\nbetween = [\"x1\", \"x4\"]\ncoefficient = 0.9\n";
-    let study = format!("{HEAD}{}", criteria(&["first"]));
-    for (section, told) in [("", false), (correlated, true)] {
-        bench.write("study.toml", &format!("{study}{section}"));
-        let folder = if told { "correlated" } else { "free" };
-        assert!(bench.run(&["verify", "study.toml", "--output", folder]).code < 2);
-        let said = bench.run(&["sensitivity", "study.toml", "--from", folder]);
-        assert_eq!(said.out.contains("warning: the parameters are correlated"), told, "{}", said.out);
-        let found = result(&bench, folder);
-        assert_eq!(found["warnings"].as_array().unwrap().len(), usize::from(told));
-        // The model does not know x4.
-        let ranks = &output(&found, "first")["ranks"]["spearman"][3]["value"];
-        assert_eq!(number(ranks) > 0.8, told);
-    }
 }
 
 #[test]
@@ -167,17 +135,4 @@ fn shapley_effects_divide_the_variance_among_correlated_parameters() {
     let said = bench.run(&parts);
     assert_eq!(said.code, 0, "{}", said.err);
     assert_eq!(result(&bench, "whole")["outputs"], found["outputs"]);
-}
-
-#[test]
-fn screening_bounds_what_failed_runs_hide() {
-    let bench = Bench::functions();
-    let study = format!("{HEAD}{}", criteria(&["holed"]));
-    let (_, found) = sensitive(&bench, &study, &["--morris", "30"]);
-    let effects = &output(&found, "holed")["morris"];
-    // mu* is the slope times the width: 0.98, and no more than what the range allows.
-    for k in [0, 2] {
-        let bounds = &effects[k]["mu_star_bounds"];
-        assert!(number(&bounds[0]) < 0.98 && number(&bounds[1]) > 0.98, "{effects}");
-    }
 }

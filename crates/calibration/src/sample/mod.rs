@@ -17,8 +17,6 @@
 #[cfg(test)]
 mod coverage_tests;
 #[cfg(test)]
-mod discrepancy_tests;
-#[cfg(test)]
 mod evidence_tests;
 mod mixture;
 mod moves;
@@ -34,11 +32,10 @@ pub mod text;
 
 use std::time::Instant;
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 use sampling::distribution::ln_sum;
 use sampling::random::{Purpose, Random};
 
-use super::discrepancy::Unknown;
 use super::failures::Failures;
 use super::local::is_over;
 use super::objective::Objective;
@@ -78,15 +75,13 @@ const MOST_STAGES: usize = 300;
 
 /// How a sample is made.
 #[derive(Clone, Copy, Debug)]
-pub struct Settings<'a> {
+pub struct Settings {
     /// How many particles there are, about.
     pub particles: u64,
     /// Seed of all random numbers.
     pub seed: u64,
     /// When time is up.
     pub deadline: Option<Instant>,
-    /// Unknown discrepancies of the model, each with the standard deviation that the search has found.
-    pub discrepancies: &'a [(Unknown, f64)],
 }
 
 /// Why there is no sample.
@@ -193,11 +188,10 @@ impl Sample {
 pub fn sample(
     objective: &Objective<'_>,
     optima: &[Optimum],
-    settings: &Settings<'_>,
+    settings: &Settings,
     observe: &dyn Fn(f64, usize),
 ) -> Result<Sample, SampleError> {
-    let unknown = settings.discrepancies.iter().map(|(unknown, _)| *unknown);
-    let target = Target::new(objective, unknown.collect());
+    let target = Target::new(objective);
     // The search takes each case by itself, so its optima are no start for what has a common mean and spread.
     let alone = objective.problem.populations.is_empty();
     let optima = if alone { optima } else { &[] };
@@ -250,12 +244,12 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    fn begin(target: &'a Target<'a>, optima: &[Optimum], settings: &Settings<'_>) -> Result<Self, SampleError> {
+    fn begin(target: &'a Target<'a>, optima: &[Optimum], settings: &Settings) -> Result<Self, SampleError> {
         let mut random = Random::new(settings.seed, Purpose::Posterior, 0);
         let size = (settings.particles.max(FEWEST) as usize).div_ceil(GROUPS);
         let seeded = (size as f64 * (1.0 - DEFENCE)).round() as usize;
         let part = seeded as f64 / size as f64;
-        let seeds = seeds(optima, settings.discrepancies).map(|mixture| (mixture, part));
+        let seeds = seeds(optima).map(|mixture| (mixture, part));
         let mut places = Vec::with_capacity(GROUPS * size);
         for _ in 0..GROUPS {
             let shift = random.unit();
@@ -480,22 +474,13 @@ impl<'a> Walk<'a> {
     }
 }
 
-/// The normal approximations at the optima, and about the discrepancies found.
-fn seeds(optima: &[Optimum], discrepancies: &[(Unknown, f64)]) -> Option<Mixture> {
-    // Few values tell a standard deviation roughly, and its place runs from 0 to 1.
-    const ROUGH: f64 = 0.2;
+/// The normal approximations at the optima.
+fn seeds(optima: &[Optimum]) -> Option<Mixture> {
     // Their weights are estimates: none should start with next to nothing.
     const LEAST: f64 = 0.05;
     let parts = optima.iter().map(|optimum| {
-        let known = optimum.minimum.places.len();
-        let mut mean = optimum.minimum.places.clone();
-        mean.extend(discrepancies.iter().map(|(unknown, deviation)| unknown.place(*deviation)));
-        let covariance = DMatrix::from_fn(mean.len(), mean.len(), |i, j| match (i, j) {
-            (i, j) if i < known && j < known => optimum.posterior.covariance[(i, j)] * WIDER,
-            (i, j) if i == j => ROUGH * ROUGH,
-            _ => 0.0,
-        });
-        (optimum.weight.max(LEAST), DVector::from_vec(mean), covariance)
+        let mean = DVector::from_vec(optimum.minimum.places.clone());
+        (optimum.weight.max(LEAST), mean, &optimum.posterior.covariance * WIDER)
     });
     Mixture::new(parts.collect())
 }

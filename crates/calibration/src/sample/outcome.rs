@@ -5,11 +5,9 @@ use sampling::statistics::moments::{deviation, mean, pearson, sorted};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-use super::super::discrepancy::Unknown;
 use super::super::failures;
 use super::super::objective::Objective;
 use super::super::optima::Optimum;
-use super::super::posterior::interval;
 use super::super::problem::{Free, Problem, Spacing};
 use super::super::shared::SharedOutcome;
 use super::region::{quantile, regions};
@@ -120,7 +118,7 @@ impl Evidence {
         let log = ln_sum(&sample.weights) - count.ln();
         let error = (effective_draws(&sample.weights).recip() - count.recip()).max(0.0);
         let error = error.sqrt();
-        let target = Target::new(objective, Vec::new());
+        let target = Target::new(objective);
         let fits = optima.iter().map(|optimum| target.log_likelihood(&optimum.minimum));
         let particles = sample.particles.iter();
         let best = particles.map(|particle| particle.log_likelihood).chain(fits);
@@ -374,12 +372,12 @@ impl PosteriorOutcome {
         let problem = objective.problem;
         let rectangular = problem.sources.iter().any(|source| source.rectangular);
         if sample.unknowns() > problem.unknowns() || rectangular || !problem.not_normal.is_empty() {
-            // The search took the discrepancies as known, and all errors as normal, so its densities are others.
+            // The search took each case by itself, and all errors as normal, so its densities are others.
             return notes;
         }
         // A place of so much higher density is no place that the search was at.
         const HIGHER: f64 = 0.5;
-        let target = Target::new(objective, Vec::new());
+        let target = Target::new(objective);
         let known = optima.iter().map(|optimum| target.log_density(&optimum.minimum));
         let known = known.fold(f64::NEG_INFINITY, f64::max);
         let particles = sample.particles.iter();
@@ -392,16 +390,6 @@ impl PosteriorOutcome {
             ));
         }
         notes
-    }
-
-    /// The median of an unknown discrepancy, and the interval that holds it with 95 % probability; it is that of number
-    /// `index`.
-    pub fn discrepancy(problem: &Problem, sample: &Sample, unknown: &Unknown, index: usize) -> (f64, [f64; 2]) {
-        let place = problem.unknowns() + index;
-        let places = sorted(sample.places(place).collect());
-        let at = |part| unknown.deviation(quantile(&places, part));
-        let ends = interval([0.0, 1.0], |part| quantile(&places, part));
-        (at(0.5), ends.map(|place| unknown.deviation(place)))
     }
 
     /// How many particles are asked for where there are doubts.

@@ -3,8 +3,6 @@
 use sampling::distribution::Distribution;
 use sampling::random::Random;
 
-use super::super::discrepancy::{Unknown, of_quantity};
-use super::super::errors::Errors;
 use super::super::local::Minimum;
 use super::super::objective::{Misfit, Objective};
 use super::super::problem::NoPrediction;
@@ -18,9 +16,7 @@ pub(super) struct Target<'a> {
     pub(super) before: Vec<Distribution>,
     /// Parameters that vary from case to case, each with the coordinates of its mean and spread behind all others.
     populations: Vec<Common>,
-    /// Quantities with an unknown discrepancy, whose places stand behind all others.
-    discrepancies: Vec<Unknown>,
-    /// What is beyond normal errors; with unknown discrepancies it hangs on them.
+    /// What is beyond normal errors.
     stated: Stated,
 }
 
@@ -41,22 +37,16 @@ impl Likelihood {
 }
 
 impl<'a> Target<'a> {
-    pub(super) fn new(objective: &'a Objective<'a>, discrepancies: Vec<Unknown>) -> Self {
+    pub(super) fn new(objective: &'a Objective<'a>) -> Self {
         let problem = objective.problem;
         let free = problem.free.iter().map(|free| before(free.prior_place()));
         let populations = problem.populations.iter().enumerate();
-        let first = problem.unknowns() + discrepancies.len();
+        let first = problem.unknowns();
         let populations = populations.map(|(number, each)| Common::new(problem, each, first + 2 * number));
         let populations: Vec<Common> = populations.collect();
         let others = first - problem.free.len() + 2 * populations.len();
         let before = free.chain(std::iter::repeat_n(before(None), others));
-        Self {
-            objective,
-            before: before.collect(),
-            populations,
-            discrepancies,
-            stated: Stated::new(problem, &objective.errors),
-        }
+        Self { objective, before: before.collect(), populations, stated: Stated::new(problem, &objective.errors) }
     }
 
     /// The coordinates that have a prior of their own.
@@ -117,7 +107,7 @@ impl<'a> Target<'a> {
         let mut likelihoods = vec![Likelihood::none(); sets.len()];
         for (&index, misfit) in inside.iter().zip(misfits) {
             if let Ok(misfit) = misfit {
-                likelihoods[index] = self.likelihood(&sets[index], &misfit);
+                likelihoods[index] = self.likelihood(&misfit);
             }
         }
         Ok(likelihoods)
@@ -130,31 +120,16 @@ impl<'a> Target<'a> {
 
     /// The logarithm of the likelihood at a minimum.
     pub(super) fn log_likelihood(&self, minimum: &Minimum) -> f64 {
-        self.likelihood(&minimum.places, &minimum.misfit).log
+        self.likelihood(&minimum.misfit).log
     }
 
-    fn likelihood(&self, places: &[f64], misfit: &Misfit) -> Likelihood {
-        let problem = self.objective.problem;
-        let at = |errors: &Errors, stated: &Stated, squares: f64, sources: &[f64]| Likelihood {
-            log: errors.log_density(squares) + stated.ln_beyond(problem, errors, &misfit.predicted, sources),
+    fn likelihood(&self, misfit: &Misfit) -> Likelihood {
+        let Self { objective: Objective { problem, errors, .. }, stated, .. } = self;
+        let sources = misfit.sources(problem);
+        let beyond = stated.ln_beyond(problem, errors, &misfit.predicted, sources);
+        let likelihood = Likelihood {
+            log: errors.log_density(misfit.data_cost(problem)) + beyond,
             shared: stated.channels(problem, errors.channels(problem, sources), sources),
-        };
-        let likelihood = match self.discrepancies.is_empty() {
-            true => {
-                let (errors, squares) = (&self.objective.errors, misfit.data_cost(problem));
-                at(errors, &self.stated, squares, misfit.sources(problem))
-            }
-            false => {
-                let places = places.iter().skip(problem.unknowns());
-                let pairs = self.discrepancies.iter().zip(places);
-                let deviations: Vec<f64> = pairs.map(|(unknown, &place)| unknown.deviation(place)).collect();
-                let errors =
-                    Errors::with(problem, |_, quantity| of_quantity(&self.discrepancies, &deviations, quantity));
-                let residuals = errors.residuals(problem, &misfit.predicted);
-                let sources = &residuals.as_slice()[problem.values()..];
-                let stated = Stated::new(problem, &errors);
-                at(&errors, &stated, residuals.norm_squared(), sources)
-            }
         };
         match likelihood.log.is_nan() {
             true => Likelihood::none(),

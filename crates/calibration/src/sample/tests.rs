@@ -3,12 +3,11 @@
 use nalgebra::{DMatrix, DVector};
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::super::discrepancy::{Discrepancy, Unknown};
 use super::super::local::minimise;
 use super::super::objective::{Differences, Objective};
 use super::super::optima::{Optima, Optimum};
-use super::super::problem::{Case, Interval, Prediction, Prior, Problem, Simulate};
-use super::super::testing::{limits, measured, named, one_case, settings};
+use super::super::problem::{Interval, Prediction, Prior, Problem, Simulate};
+use super::super::testing::{limits, named, one_case, settings};
 use super::outcome::{Evidence, PosteriorOutcome};
 use super::{Sample, SampleError, Settings, sample};
 
@@ -224,7 +223,7 @@ fn failed_runs_count_as_impossible_and_are_counted() {
     assert_eq!(none, Err(SampleError::NoStart(200)));
 }
 
-fn sample_of(objective: &Objective<'_>, settings: &Settings<'_>) -> Result<usize, SampleError> {
+fn sample_of(objective: &Objective<'_>, settings: &Settings) -> Result<usize, SampleError> {
     sample(objective, &[], settings, &|_, _| ()).map(|sample| sample.particles.len())
 }
 
@@ -261,61 +260,6 @@ fn a_sample_without_a_known_optimum_says_so_and_one_that_starts_there_has_it() {
         assert_eq!(outcome.trusted, from_optima, "{share} {outcome:?}");
         assert!(!from_optima || (share - part).abs() < 0.1, "{share} {part}");
     }
-}
-
-/// Twelve values of one number with a discrepancy that is unknown, too, against an integral on a grid.
-#[test]
-fn an_unknown_discrepancy_is_sampled_with_the_parameters() {
-    let values = [4.1, 5.3, 4.8, 5.9, 4.4, 5.2, 5.6, 4.0, 5.1, 4.7, 5.5, 4.9];
-    let mut problem = one_case(&[(0.0, 10.0)], &[(0.0, 0.2)]);
-    problem.cases =
-        values.iter().map(|&value| Case { measured: measured(&[value], 0.2), ..problem.cases[0].clone() }).collect();
-    let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0]]);
-    let objective = Objective::new(&problem, &model, 1e-5);
-    let optima = optima(&objective, &[vec![0.5]]);
-    let unknown = Unknown::of(&problem, 0);
-    let predicted = vec![vec![4.96]; 12];
-    let discrepancy = Discrepancy::estimate(&unknown, &problem, &predicted, 1);
-    assert!(discrepancy.told);
-    let discrepancies = [(unknown, discrepancy.deviation)];
-    let settings = Settings { discrepancies: &discrepancies, ..settings(2000, 6) };
-    let sample = sample(&objective, &optima, &settings, &|_, _| ()).unwrap();
-    let outcome = PosteriorOutcome::new(&objective, &optima, &sample);
-    assert!(outcome.trusted, "{:?}", outcome.doubts);
-    // Half-Cauchy prior of the deviation, uniform prior of the number.
-    let (mut sums, mut below) = ([0.0; 3], Vec::new());
-    for i in 1..2000 {
-        let deviation = f64::from(i) * 0.002;
-        let mut integral = 0.0;
-        for j in 0..400 {
-            let x = 3.0 + 0.01 * f64::from(j);
-            let variance: f64 = 0.04 + deviation * deviation;
-            let logs = values.map(|v| -0.5 * ((v - x).powi(2) / variance + variance.ln()));
-            let density = logs.iter().sum::<f64>().exp() / (1.0 + (deviation / 0.2).powi(2));
-            integral += density;
-            for (sum, f) in sums.iter_mut().zip([1.0, x, x * x]) {
-                *sum += density * f;
-            }
-        }
-        below.push((deviation, integral));
-    }
-    let mean = sums[1] / sums[0];
-    let deviation = (sums[2] / sums[0] - mean * mean).sqrt();
-    let quantile = |part: f64| {
-        let mut sum = 0.0;
-        let median = below.iter().find(|(_, integral)| {
-            sum += integral / sums[0];
-            sum >= part
-        });
-        median.unwrap().0
-    };
-    let marginal = &outcome.free[0];
-    assert!((marginal.mean - mean).abs() < 4.0 * deviation / outcome.effective.sqrt());
-    assert!((marginal.deviation / deviation - 1.0).abs() < 0.1, "{marginal:?} {deviation}");
-    let (median, [low, high]) = PosteriorOutcome::discrepancy(&problem, &sample, &unknown, 0);
-    assert!((median / quantile(0.5) - 1.0).abs() < 0.05, "{median} {}", quantile(0.5));
-    assert!((low / quantile(0.025) - 1.0).abs() < 0.15, "{low} {}", quantile(0.025));
-    assert!((high / quantile(0.975) - 1.0).abs() < 0.15, "{high} {}", quantile(0.975));
 }
 
 #[test]

@@ -1,7 +1,6 @@
 //! A sample of the posterior as text and as a table.
 
 use super::super::digits::{digits, rounded, shown};
-use super::super::discrepancy::Unknown;
 use super::super::problem::Problem;
 use super::outcome::{Evidence, Marginal, PosteriorOutcome, Ratio};
 use super::{GROUPS, Sample};
@@ -9,48 +8,62 @@ use super::{GROUPS, Sample};
 /// Intervals that are named one by one.
 const NAMED: usize = 8;
 
-/// A summary for people.
-pub fn summary(outcome: &PosteriorOutcome, of_data: &Evidence) -> String {
+/// How far the sample is to be relied on, and what it says beside its marginals.
+pub fn sentences(outcome: &PosteriorOutcome, of_data: &Evidence) -> Vec<String> {
     let PosteriorOutcome { particles, effective, evaluated, .. } = outcome;
     let judged = match outcome.trusted {
         true => format!("{GROUPS} independent groups agree; worth about {effective:.0} independent draws"),
         false => "NOT to be relied on, see below".to_owned(),
     };
-    let mut text = format!("\nposterior sample: {particles} particles ({judged}), from {evaluated} evaluations\n");
-    let mut all = outcome.free.clone();
-    for population in &outcome.populations {
-        let named = |what: &str, marginal: &Marginal| Marginal {
-            name: format!("{}, {what}", population.name),
-            ..marginal.clone()
-        };
-        all.push(named("mean of all cases", &population.mean));
-        all.push(named("spread from case to case", &population.spread));
-    }
-    text += &marginals(&all);
+    let mut said = vec![format!("posterior sample: {particles} particles ({judged}), from {evaluated} evaluations")];
     // A single optimum has all.
     for optimum in outcome.optima.iter().filter(|_| outcome.optima.len() > 1) {
         let [share, error, approximation] =
             [optimum.share, optimum.error, optimum.approximation].map(|part| 100.0 * part);
-        text += &format!(
-            "near optimum {}: {share:.1} +- {error:.1} % of the sample ({approximation:.1} % by its normal approximation)\n",
+        said.push(format!(
+            "near optimum {}: {share:.1} +- {error:.1} % of the sample ({approximation:.1} % by its normal approximation)",
             optimum.optimum
-        );
+        ));
     }
-    text += &format!(
-        "{} % of the particles are different\n",
+    said.push(format!(
+        "{} % of the particles are different",
         rounded(100.0 * outcome.distinct as f64 / *particles as f64, 3),
-    );
-    text += &format!("{}\n", of_data.words());
-    for note in &outcome.notes {
-        text += &format!("{note}\n");
-    }
-    for doubt in &outcome.doubts {
-        text += &format!("do not rely on this sample: {doubt}\n");
-    }
+    ));
+    said.push(of_data.words());
+    said.extend(outcome.notes.iter().cloned());
+    said.extend(outcome.doubts.iter().map(|doubt| format!("do not rely on this sample: {doubt}")));
     if !outcome.trusted {
-        text += &format!("--posterior {} may do\n", outcome.more());
+        said.push(format!("--posterior {} may do", outcome.more()));
     }
-    text
+    said
+}
+
+/// The marginals of the free parameters, and of means and spreads from case to case: name, mean, deviation, median, intervals.
+pub fn marginals(outcome: &PosteriorOutcome) -> Vec<Vec<String>> {
+    let populations = outcome.populations.iter().flat_map(|population| {
+        let named = |what: &str, marginal: &Marginal| Marginal {
+            name: format!("{}, {what}", population.name),
+            ..marginal.clone()
+        };
+        [named("mean of all cases", &population.mean), named("spread from case to case", &population.spread)]
+    });
+    let row = |marginal: Marginal| {
+        let parts = marginal.intervals.iter().take(NAMED);
+        let parts: Vec<String> = parts.map(|ends| ends.map(digits).join(" .. ")).collect();
+        let more = match marginal.intervals.len().saturating_sub(NAMED) {
+            0 => String::new(),
+            more => format!(" or {more} more"),
+        };
+        let intervals = format!("{} {}{more}", parts.join(" or "), shown(&marginal.unit));
+        vec![
+            marginal.name,
+            digits(marginal.mean),
+            rounded(marginal.deviation, 3),
+            digits(marginal.median),
+            intervals.trim_end().to_owned(),
+        ]
+    };
+    outcome.free.iter().cloned().chain(populations).map(row).collect()
 }
 
 impl Evidence {
@@ -94,41 +107,12 @@ impl Evidence {
     }
 }
 
-fn marginals(free: &[Marginal]) -> String {
-    let width = free.iter().map(|marginal| marginal.name.len()).max().unwrap_or(0);
-    let mut text = format!("{:width$}  {:>11} {:>11} {:>11}  95 % of it\n", "parameter", "mean", "deviation", "median");
-    for marginal in free {
-        let parts = marginal.intervals.iter().take(NAMED);
-        let parts = parts.map(|ends| ends.map(digits).join(" .. "));
-        let parts: Vec<String> = parts.collect();
-        let more = match marginal.intervals.len().saturating_sub(NAMED) {
-            0 => String::new(),
-            more => format!(" or {more} more"),
-        };
-        text += &format!(
-            "{:width$}  {:>11} {:>11} {:>11}  {} {}{more}\n",
-            marginal.name,
-            digits(marginal.mean),
-            rounded(marginal.deviation, 3),
-            digits(marginal.median),
-            parts.join(" or "),
-            shown(&marginal.unit)
-        );
-    }
-    text
-}
-
-/// The head of the table of particles: free parameters, latent ones as `CASE/NAME`, discrepancies as `NAME.discrepancy`, means and spreads of
-/// populations as `NAME.mean` and `NAME.spread`, and the logarithm of the likelihood.
-pub fn head(problem: &Problem, unknown: &[Unknown]) -> Vec<String> {
+/// The head of the table of particles: free parameters, latent ones as `CASE/NAME`, means and spreads of populations as `NAME.mean` and `NAME.spread`, and the logarithm of the likelihood.
+pub fn head(problem: &Problem) -> Vec<String> {
     let free = problem.free.iter().map(|free| free.name.clone());
     let latents = problem.cases.iter().flat_map(|case| {
         let latents = problem.latents.iter();
         latents.map(|latent| format!("{}/{}", case.label, latent.name))
-    });
-    let discrepancies = unknown.iter().map(|unknown| {
-        let name = &problem.quantities[unknown.quantity].name;
-        format!("{name}.discrepancy")
     });
     let populations = problem.populations.iter();
     let populations = populations.flat_map(|each| ["mean", "spread"].map(|what| format!("{}.{what}", each.name)));
@@ -136,7 +120,6 @@ pub fn head(problem: &Problem, unknown: &[Unknown]) -> Vec<String> {
         .into_iter()
         .chain(free)
         .chain(latents)
-        .chain(discrepancies)
         .chain(populations)
         .chain(["log_likelihood".to_owned()])
         .collect()
@@ -154,25 +137,18 @@ pub fn units(problem: &Problem) -> String {
 }
 
 /// The rows of the table: all of equal weight.
-pub fn rows<'a>(
-    problem: &'a Problem,
-    unknown: &'a [Unknown],
-    sample: &'a Sample,
-) -> impl Iterator<Item = Vec<String>> + 'a {
+pub fn rows<'a>(problem: &'a Problem, sample: &'a Sample) -> impl Iterator<Item = Vec<String>> + 'a {
     sample.particles.iter().enumerate().map(move |(index, particle)| {
         let free = problem.free_values(&particle.places).into_iter();
         let latents = (0..problem.cases.len()).flat_map(|case| problem.latent_values(case, &particle.places));
-        let places = particle.places.iter().skip(problem.unknowns());
-        let deviations = unknown.iter().zip(places);
-        let deviations = deviations.map(|(unknown, &place)| unknown.deviation(place));
-        let first = problem.unknowns() + unknown.len();
+        let first = problem.unknowns();
         let common = problem.populations.iter().enumerate();
         let common = common.flat_map(|(number, population)| {
             let free = &problem.free[population.members[0]];
             let at = first + 2 * number;
             [free.value(particle.places[at]), free.spread(particle.places[at + 1])]
         });
-        let numbers = free.chain(latents).chain(deviations).chain(common).chain([particle.log_likelihood]);
+        let numbers = free.chain(latents).chain(common).chain([particle.log_likelihood]);
         let label = (index + 1).to_string();
         [label].into_iter().chain(numbers.map(|value| value.to_string())).collect()
     })

@@ -19,7 +19,6 @@ pub mod outcome;
 mod tests;
 pub mod text;
 
-use super::discrepancy::Unknown;
 use super::failures::Failures;
 use super::local::is_over;
 use super::objective::Objective;
@@ -188,14 +187,11 @@ impl Work<'_> {
         let problem = self.widened(which);
         let search = rounds::Task { problem: &problem, ..self.task.search };
         let searched = searched(&search, &self.surrogates, &|_| ())?;
-        let deviations = searched.discrepancies.iter().map(|discrepancy| discrepancy.deviation);
-        let discrepancies: Vec<(Unknown, f64)> = search.unknown.iter().copied().zip(deviations).collect();
-        let unknowns = (problem.unknowns() + search.unknown.len()) as u64;
+        let unknowns = problem.unknowns() as u64;
         let settings = Settings {
             particles: FEWEST.max(20 * unknowns),
             seed: self.task.seed.wrapping_add(round),
             deadline: search.effort.deadline,
-            discrepancies: &discrepancies,
         };
         let objective = Objective::new(&problem, &self.surrogates, search.difference);
         let sample = sample(&objective, &searched.optima, &settings, &|_, _| ())?;

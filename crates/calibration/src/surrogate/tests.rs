@@ -23,7 +23,7 @@ fn made(problem: &Problem, model: &dyn Simulate, runs: usize, seed: u64) -> Resu
 }
 
 fn search<'a>(problem: &'a Problem, starts: &'a [Vec<f64>]) -> rounds::Task<'a> {
-    rounds::Task { problem, unknown: &[], difference: 1e-3, starts, effort: effort(8, 40) }
+    rounds::Task { problem, difference: 1e-3, starts, effort: effort(8, 40) }
 }
 
 /// A model with unknowns, whose values are measured.
@@ -164,7 +164,7 @@ fn what_cannot_be_followed_is_said() {
     let problem = problem(unknown, vec![measured(&[0.3], 0.02)]);
     let replaced = made(&problem, &wave, 24, 1).unwrap();
     assert!(replaced.told.largest > 5.0, "{:?}", replaced.told);
-    assert!(text::summary(&replaced.told).contains("--surrogate 48"));
+    assert!(text::sentences(&replaced.told).concat().contains("--surrogate 48"));
 }
 
 #[test]
@@ -217,7 +217,7 @@ fn a_sample_at_which_the_model_fails_is_told() {
     let problem = problem(unknown, vec![measured(&[0.4], 0.1)]);
     let told = made(&problem, &stripes, 60, 1).unwrap().told;
     assert!(told.check_failed > 0, "{told:?}");
-    let text = text::summary(&told);
+    let text = text::sentences(&told).join("\n");
     assert!(text.contains("intervals of the sample do not hold"), "{text}");
 }
 

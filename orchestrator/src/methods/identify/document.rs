@@ -1,4 +1,4 @@
-//! The page of an identification: fit and residuals, shared errors, parameters, and what to measure next.
+//! What an identification says, for the terminal and its page: parameters, sensors, fit and residuals, and what to measure next.
 
 use std::path::Path;
 
@@ -6,10 +6,11 @@ use calibration::digits::{cleared, enough};
 use calibration::fit::Fit;
 use calibration::local::End;
 use calibration::next::Group;
-use calibration::outcome::{FreeOutcome, IdentificationOutcome, Residual};
-use calibration::problem::{Free, Problem, SharedKind, Spacing};
-use calibration::sample::Sample;
-use calibration::sample::outcome::{Marginal, PopulationOutcome};
+use calibration::outcome::{FreeOutcome, IdentificationOutcome, OptimumOutcome, Residual};
+use calibration::problem::{Free, Problem, Spacing};
+use calibration::sample::{self, Sample};
+use calibration::surrogate::text::sentences;
+use calibration::text;
 use minijinja::{Environment, context};
 use sampling::distribution::Distribution;
 use sampling::statistics::moments::{deviation, mean};
@@ -28,8 +29,6 @@ const MOST_PAIRS: usize = 6;
 const MOST_POINTS: usize = 600;
 /// With so many cases the residuals are drawn.
 const MANY_CASES: usize = 6;
-/// A right model misses by less with this probability: then uncertainties are stated too large.
-const TOO_LITTLE: f64 = 0.001;
 
 /// An identification for its page.
 pub(super) struct Page<'a> {
@@ -37,8 +36,6 @@ pub(super) struct Page<'a> {
     pub(super) bound: &'a Bound,
     pub(super) outcome: &'a IdentificationOutcome,
     pub(super) sample: Option<&'a Sample>,
-    /// The words of the terminal.
-    pub(super) text: &'a str,
 }
 
 /// The measured curves.
@@ -70,13 +67,32 @@ fn singles(bound: &Bound) -> impl Iterator<Item = usize> {
 }
 
 impl Page<'_> {
+    /// The result, in the order in which it is read.
+    fn documents(&self) -> Vec<Document> {
+        let documents = [Some(self.parameters()), self.pairs(), self.sensors(), Some(self.fit()), self.next()];
+        documents.into_iter().flatten().collect()
+    }
+
+    /// The result for the terminal.
+    pub(super) fn as_text(&self) -> String {
+        let (_, headline, told) = self.headline();
+        let mut text: String = self.warnings().iter().map(|warning| format!("warning: {warning}\n")).collect();
+        text += &format!("{headline}.\n{told}\n");
+        for document in self.documents() {
+            let content = document.as_text();
+            if !content.is_empty() {
+                text += &format!("\n{}\n{content}", document.title);
+            }
+        }
+        text
+    }
+
     /// Writes the page into a folder.
     ///
     /// # Errors
     /// When the system says no.
     pub(super) fn write(&self, folder: &Path) -> Result<(), Error> {
-        let documents = [Some(self.fit()), self.shared(), Some(self.parameters()), self.pairs(), self.next()];
-        let documents: Vec<Document> = documents.into_iter().flatten().collect();
+        let documents = self.documents();
         let links: Vec<[&str; 2]> = documents.iter().map(|d| [d.id, d.link]).collect();
         let (good, headline, told) = self.headline();
         let page = context! {
@@ -90,7 +106,6 @@ impl Page<'_> {
             warnings => self.warnings(),
             count => self.outcome.free.len(),
             sections => documents.iter().map(Document::as_html).collect::<String>(),
-            text => self.text,
             program => concat!("orchestrator ", env!("CARGO_PKG_VERSION")),
         };
         let template = include_str!("page.html");
@@ -104,28 +119,25 @@ impl Page<'_> {
         let values = count(self.bound.problem.values());
         let fit = outcome.fit();
         let headline = match (outcome.end, outcome.has_several(), fit) {
-            (End::Converged, true, Fit::Misses) => "No set of parameters fits the measured values".to_owned(),
-            (End::Converged, true, _) => format!("{} sets of parameters fit", outcome.optima.len()),
+            (End::Converged, true, _) => text::several(outcome).unwrap_or_default(),
             (End::Converged, false, Fit::Good) => "The model fits the measured values".to_owned(),
             (End::Converged, false, Fit::Untested) => "Nothing is left to test the model by".to_owned(),
             (End::Converged, false, Fit::Misses) => "The model misses the measured values".to_owned(),
             _ => "The search ended before it converged".to_owned(),
         };
-        let agreement = match outcome.probability.filter(|_| fit == Fit::Good) {
-            Some(p) if p > 1.0 - TOO_LITTLE => {
-                "Less than the stated uncertainties leave: some are stated too large, and the intervals are wider than need be.".to_owned()
-            }
-            Some(p) => format!(
-                "A right model misses by more in {} % of such tests.",
-                number(100.0 * p, 2)
-            ),
-            None => outcome.doubts().join(" "),
-        };
+        let mut agreement = text::doubts(outcome);
+        if outcome.has_several() && fit != Fit::Misses {
+            agreement.push("None of them is \"the\" value: further measurements must decide.".to_owned());
+        }
+        if let (Some(p), true) = (outcome.probability.filter(|_| fit == Fit::Good), agreement.is_empty()) {
+            agreement.push(format!("A right model misses by more in {} % of such tests.", number(100.0 * p, 2)));
+        }
         let told = format!(
-            "{values} measured value{}; sum of squares {} with {} degrees of freedom. {agreement}",
+            "{values} measured value{}; sum of squares {} with {} degrees of freedom. {}",
             if self.bound.problem.values() == 1 { "" } else { "s" },
             number(outcome.cost, 4),
-            outcome.degrees_of_freedom
+            outcome.degrees_of_freedom,
+            agreement.join(" ")
         );
         let good =
             outcome.end == End::Converged && !outcome.has_several() && fit == Fit::Good && self.warnings().is_empty();
@@ -179,14 +191,20 @@ impl Page<'_> {
                  and steps are what the model, or the stated noise, does not explain.",
             );
         }
-        let mut rows = Vec::new();
+        let (mut rows, mut all) = (Vec::new(), Vec::new());
         let mut figures = Vec::new();
         for quantity in singles(self.bound) {
             let of_this = self.rows(quantity);
             match self.outcome.cases.len() < MANY_CASES {
                 true => rows.extend(of_this),
-                false => figures.extend(self.by_case(quantity, of_this)),
+                false => {
+                    figures.extend(self.by_case(quantity));
+                    all.extend(of_this);
+                }
             }
+        }
+        if rows.is_empty() {
+            text::largest(self.outcome).into_iter().for_each(|sentence| told.say(sentence));
         }
         told.table(values(rows));
         if !figures.is_empty() {
@@ -194,7 +212,12 @@ impl Page<'_> {
             told.hint(
                 "Model less measurement of each case, in standard uncertainties; the band reaches to two of them.",
             );
+            told.blocks.push(Block::Folded("All values".into(), false, vec![Block::Table(values(all))]));
         }
+        list(&mut told, text::excluded(self.outcome));
+        list(&mut told, self.outcome.surrogate.as_ref().map(sentences).unwrap_or_default());
+        items(&mut told, text::influence(self.outcome));
+        text::searches(self.outcome).into_iter().for_each(|sentence| told.say(sentence));
         told
     }
 
@@ -223,7 +246,7 @@ impl Page<'_> {
     }
 
     /// A quantity's residuals, case by case.
-    fn by_case(&self, quantity: usize, rows: Vec<Vec<String>>) -> Option<Figure> {
+    fn by_case(&self, quantity: usize) -> Option<Figure> {
         let name = &self.bound.problem.quantities[quantity].name;
         let missed: Vec<f64> =
             (0..self.outcome.cases.len()).map(|case| self.residual(case, quantity).missed()).collect();
@@ -238,50 +261,18 @@ impl Page<'_> {
             file: format!("residuals-{quantity}"),
             caption: name.clone(),
             svg: frame.wrap(&format!("{name}: residuals by case"), &out),
-            numbers: Some(values(rows)),
             ..Figure::default()
         })
     }
 
-    fn shared(&self) -> Option<Document> {
-        let sample = self.outcome.posterior.as_ref().filter(|sample| sample.trusted);
-        let all = sample.map_or(&self.outcome.shared, |sample| &sample.shared);
+    fn sensors(&self) -> Option<Document> {
+        let said = text::shared(self.outcome);
         let mut told = Document::new("errors", "Sensors", "What the data say of the sensors");
-        let rows = all.iter().map(|error| {
-            let (factor, unit) = match error.kind {
-                SharedKind::Offset => (1.0, error.unit.as_deref().unwrap_or("")),
-                SharedKind::Gain => (100.0, "%"),
-                SharedKind::Scaled => (1.0, "of the stated uncertainty"),
-            };
-            let [value, low, high, limit] =
-                [error.value, error.interval[0], error.interval[1], error.limit].map(|v| number(factor * v, 3));
-            vec![
-                error.name.clone(),
-                error.kind.words().trim_start_matches("a ").to_owned(),
-                format!("{value} {unit}").trim_end().to_owned(),
-                format!("{low} .. {high}"),
-                format!("± {limit}"),
-                format!("{} %", number(100.0 * error.left, 2)),
-            ]
-        });
-        told.table(Table {
-            name: "Shared errors".into(),
-            columns: vec![
-                words("Channel"),
-                words("Error"),
-                numbers("Best explained by"),
-                numbers("95 %"),
-                numbers("Stated limits"),
-                numbers("Left of its uncertainty"),
-            ],
-            rows: rows.collect(),
-            ..Table::default()
-        });
         told.hint(
-            "The parameters and these errors are estimated together, so an interval that holds 0 says that no error is needed. Where \
-             all of the uncertainty is left, the data say nothing of that error.",
+            "The parameters and these errors are estimated together, so an interval that holds 0 says that no error is needed.",
         );
-        (!all.is_empty()).then_some(told)
+        told.blocks.insert(0, Block::List(said.clone()));
+        (!said.is_empty()).then_some(told)
     }
 
     /// The values of a parameter in the sample, as drawn.
@@ -322,9 +313,36 @@ impl Page<'_> {
             rows: rows.collect(),
             ..Table::default()
         });
-        told.table(self.populations());
-        if let Some(evidence) = &self.outcome.evidence {
-            told.say(evidence.words());
+        if self.outcome.has_several() {
+            let optimum = |(place, optimum): (usize, &OptimumOutcome)| {
+                format!(
+                    "optimum {}: {} % of the posterior, sum of squares {}, reached by {} searches",
+                    place + 1,
+                    number(100.0 * optimum.weight, 4),
+                    number(optimum.cost, 6),
+                    optimum.reached
+                )
+            };
+            items(&mut told, self.outcome.optima.iter().enumerate().map(optimum).collect());
+        }
+        items(&mut told, text::remarks(self.outcome));
+        list(&mut told, text::open(self.outcome));
+        self.outcome.notes.iter().for_each(|note| told.say(note));
+        if let (Some(sample), Some(evidence)) = (&self.outcome.posterior, &self.outcome.evidence) {
+            told.heading("Sample of the posterior");
+            told.table(Table {
+                name: "Sample of the posterior".into(),
+                columns: vec![
+                    words("Parameter"),
+                    numbers("Mean"),
+                    numbers("Deviation"),
+                    numbers("Median"),
+                    words("95 % of it"),
+                ],
+                rows: sample::text::marginals(sample),
+                ..Table::default()
+            });
+            list(&mut told, sample::text::sentences(sample, evidence));
         }
         let posterior = match self.sample {
             Some(_) => Key::new("bar in", "M1,13v-6h4v6zM5,13v-10h4v10zM9,13v-4h4v4z", "sample of the posterior"),
@@ -336,37 +354,6 @@ impl Page<'_> {
         let figures = all.filter_map(|k| self.density(k)).chain(self.common());
         told.blocks.push(Block::Figures("thirds", figures.collect()));
         told
-    }
-
-    /// Mean and spread of the parameters that vary from case to case.
-    fn populations(&self) -> Table {
-        let sample = self.outcome.posterior.iter();
-        let populations = sample.flat_map(|sample| &sample.populations);
-        let cells = |marginal: &Marginal| {
-            let unit = unit(&marginal.unit);
-            let ends = marginal.intervals.iter();
-            let ends = ends.map(|ends| ends.map(|v| number(v, 4)).join(" .. "));
-            [
-                format!("{} {unit}", number(marginal.mean, 4)).trim_end().to_owned(),
-                ends.collect::<Vec<String>>().join(" or "),
-            ]
-        };
-        let row = |each: &PopulationOutcome| {
-            let numbers = [cells(&each.mean), cells(&each.spread)].concat();
-            [vec![each.name.clone()], numbers].concat()
-        };
-        Table {
-            name: "From case to case".into(),
-            columns: vec![
-                words("Parameter"),
-                numbers("Mean of all cases"),
-                numbers("95 %"),
-                numbers("Spread from case to case"),
-                numbers("95 %"),
-            ],
-            rows: populations.map(row).collect(),
-            ..Table::default()
-        }
     }
 
     /// Prior and posterior density of a parameter.
@@ -543,6 +530,20 @@ impl Page<'_> {
              is what the sample says.",
         );
         Some(told)
+    }
+}
+
+/// Adds a sentence, and what follows from it as a list.
+fn list(told: &mut Document, sentences: Vec<String>) {
+    let mut sentences = sentences.into_iter();
+    sentences.next().into_iter().for_each(|first| told.say(first));
+    items(told, sentences.collect());
+}
+
+/// Adds a list, unless it is empty.
+fn items(told: &mut Document, sentences: Vec<String>) {
+    if !sentences.is_empty() {
+        told.blocks.push(Block::List(sentences));
     }
 }
 

@@ -2,7 +2,7 @@
 
 use crate::error::Error;
 use calibration::outcome::IdentificationOutcome;
-use calibration::{cross, text};
+use calibration::text;
 use fmu_import::quantity::Quantity;
 use fmu_import::units::known;
 use fmu_points::names::behind;
@@ -36,7 +36,7 @@ pub(super) fn write(
     for place in 0..optima {
         write_cases(folder, study, settings, outcome, place)?;
     }
-    write_validation(folder, outcome)
+    Ok(())
 }
 
 /// The zero errors of recorded inputs that the search found, with what is left of their uncertainty, as keys of these inputs.
@@ -112,16 +112,6 @@ pub(super) fn remove(path: &Path) -> Result<(), Error> {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(Error::io(path)(error)),
         _ => Ok(()),
     }
-}
-
-fn write_validation(folder: &Path, outcome: &IdentificationOutcome) -> Result<(), Error> {
-    let path = folder.join("cross-validation.csv");
-    let Some(validation) = &outcome.cross_validation else {
-        // One of an earlier run would be taken for this one's.
-        return remove(&path);
-    };
-    let mut rows = cross::text::rows(validation).into_iter();
-    Ok(write_table(&path, cross::text::HEAD, |table| rows.try_for_each(|row| write_texts(table, &row)))?)
 }
 
 /// The table of cases with the latent parameters' most probable values in place of what it had.

@@ -22,22 +22,19 @@ use crate::identify::model::{Finer, FmuModel};
 use crate::identify::offsets;
 use crate::options::Work;
 use crate::session::Request;
-use calibration::cross::outcome::CrossValidation;
-use calibration::cross::{self, Whole, cross_validate};
 use calibration::failures::Excluded;
 use calibration::fit;
-use calibration::local::{End, Minimum};
+use calibration::local::End;
 use calibration::next::NextOutcome;
 use calibration::numerical::NumericalError;
 use calibration::objective::Objective;
 use calibration::outcome::IdentificationOutcome;
-use calibration::problem::{NoPrediction, Problem, Simulate};
+use calibration::problem::{NoPrediction, Simulate};
 use calibration::remembered::Remembered;
 use calibration::rounds::{self, Searched};
+use calibration::sample::Sample;
 use calibration::sample::outcome::Evidence;
-use calibration::sample::{self, Sample};
 use calibration::search::{self, Progress, SearchError};
-use calibration::text;
 use fmu_import::Package;
 use fmu_points::names::{did_you_mean, nearest};
 use point_journal::pipeline::Pipeline;
@@ -84,9 +81,6 @@ pub struct Asked {
     /// How many starts are screened, instead of the study's number
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub starts: Option<u64>,
-    /// Also predict each case from the others (leave one out), beside the fit and a plain regression
-    #[arg(long)]
-    pub cross_validate: bool,
     /// Also draw N sets of parameters from the posterior, of any shape
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub posterior: Option<u64>,
@@ -181,15 +175,6 @@ impl Analysis for Asked {
 
     fn check(&self, fit: &Fit) -> Result<(), Error> {
         let Fit { study, settings, bound, .. } = fit;
-        if self.cross_validate && bound.problem.cases.len() < 2 {
-            let message = match study.cases.is_empty() {
-                true => "there is one case only, and nothing to predict it from; give more under `cases` in [identify]",
-                false => {
-                    "the cases of a study are fitted together; to predict one from the others, set `held-out = true` in it"
-                }
-            };
-            return Err(Error::option("cross-validate", message));
-        }
         if let Some(name) = &self.narrow {
             let free = bound.problem.free.iter().map(|free| free.name.as_str());
             if !free.clone().any(|free| free == name) {
@@ -216,19 +201,9 @@ impl Analysis for Asked {
         let others = fit.bound.others();
         files::write(folder, &fit.study, &fit.settings, &outcome, &others)?;
         posterior::write(folder, &fit.bound, sample.as_ref())?;
-        let [posterior, validation] = [
-            outcome
-                .posterior
-                .as_ref()
-                .zip(outcome.evidence.as_ref())
-                .map(|(sample, evidence)| sample::text::summary(sample, evidence)),
-            outcome.cross_validation.as_ref().map(cross::text::summary),
-        ]
-        .map(Option::unwrap_or_default);
-        let text = format!("{}{posterior}{validation}", text::summary(&outcome));
         let code = match outcome.end {
             End::Time | End::Iterations => ExitCode::FAILURE,
-            End::Converged | End::Rounds => ExitCode::SUCCESS,
+            End::Converged => ExitCode::SUCCESS,
         };
         let title = fit.study.title.as_deref();
         let page = document::Page {
@@ -236,10 +211,9 @@ impl Analysis for Asked {
             bound: &fit.bound,
             outcome: &outcome,
             sample: sample.as_ref(),
-            text: &text,
         };
         page.write(folder)?;
-        let mut result = AnalysisResult::new(&outcome, None, text, FILE);
+        let mut result = AnalysisResult::new(&outcome, None, page.as_text(), FILE);
         result.add("fit", &outcome.fit());
         result.add("concerns", &concerns(&outcome));
         result.code = code;
@@ -291,13 +265,8 @@ fn find(
     };
     let model = FmuModel::new(bound, pipeline);
     let remembered = Remembered::new(&model);
-    let task = rounds::Task {
-        problem: &bound.problem,
-        unknown: &bound.discrepancies,
-        difference: settings.difference,
-        starts: &starts,
-        effort: limits,
-    };
+    let task =
+        rounds::Task { problem: &bound.problem, difference: settings.difference, starts: &starts, effort: limits };
     let search = || {
         let replaced = surrogate::replaced(study, settings, &task, &remembered, &|text| {
             model.say(text);
@@ -319,15 +288,7 @@ fn find(
         });
         let again = again.transpose()?;
         let optima = &searched.optima;
-        let cross_validation = options.cross_validate.then(|| {
-            validate((bound, &searched.problem), &remembered, &model, settings, &optima[0].minimum, limits.deadline)
-        });
-        let mut outcome = IdentificationOutcome {
-            cross_validation: cross_validation.transpose()?,
-            surrogate: again,
-            notes: bound.notes.clone(),
-            ..searched.outcome()
-        };
+        let mut outcome = IdentificationOutcome { surrogate: again, notes: bound.notes.clone(), ..searched.outcome() };
         // A search that was cut short has no time for it, and its end is told.
         if outcome.end != End::Time {
             look_closer(&mut outcome, &searched, &model)?;
@@ -343,16 +304,9 @@ fn find(
             let ended = replaced.screened.iter().copied();
             outcome.excluded = Excluded::new(&bound.problem, &replaced.failures, ended);
         }
-        let objective = Objective::new(&searched.without, sampled, settings.difference);
-        let sample = posterior::sampled(
-            &objective,
-            optima,
-            settings,
-            limits.deadline,
-            &bound.discrepancies,
-            &mut outcome,
-            &|text| model.say(text),
-        )?;
+        let objective = Objective::new(&searched.problem, sampled, settings.difference);
+        let sample =
+            posterior::sampled(&objective, optima, settings, limits.deadline, &mut outcome, &|text| model.say(text))?;
         let problem = &searched.problem;
         let narrow = document::to_narrow(problem, &outcome, options.narrow.as_deref());
         outcome.next = narrow.map(|parameter| {
@@ -401,30 +355,6 @@ fn concerns(outcome: &IdentificationOutcome) -> Vec<Concern> {
     let coarse = outcome.numerical_error.as_ref().and_then(NumericalError::doubt);
     let coarse = coarse.map(|text| Concern::new(Code::CoarseStep, text).remedied(NumericalError::REMEDY));
     coarse.into_iter().collect()
-}
-
-/// Predicts each case from the others.
-fn validate(
-    (bound, problem): (&Bound, &Problem),
-    remembered: &Remembered<'_>,
-    model: &FmuModel<'_, '_>,
-    settings: &Identification,
-    minimum: &Minimum,
-    deadline: Option<Instant>,
-) -> Result<CrossValidation, SearchError> {
-    let whole = Whole {
-        problem,
-        model: remembered,
-        difference: settings.difference,
-        minimum,
-        known: &bound.known,
-        iterations: settings.iterations.max(1),
-        deadline,
-    };
-    let of = problem.cases.len();
-    Ok(cross_validate(&whole, &|case| {
-        model.say(format!("case {} of {of} left out", case + 1));
-    })?)
 }
 
 /// How far a search has got, for people.

@@ -8,7 +8,6 @@ use serde::Deserialize;
 use super::files::remove;
 use crate::error::Error;
 use crate::identify::bind::Bound;
-use calibration::discrepancy::Unknown;
 use calibration::local::End;
 use calibration::objective::Objective;
 use calibration::optima::Optimum;
@@ -38,7 +37,7 @@ pub(super) fn check(study: &Study, settings: &Identification, bound: &Bound, by_
         return Ok(());
     };
     let common = 2 * bound.problem.populations.len();
-    let unknowns = (bound.problem.unknowns() + bound.discrepancies.len() + common) as u64;
+    let unknowns = (bound.problem.unknowns() + common) as u64;
     let fewest = FEWEST.max(EACH * unknowns);
     let number = *particles.as_ref();
     if (fewest..=MOST).contains(&number) {
@@ -78,7 +77,6 @@ pub(super) fn sampled(
     optima: &[Optimum],
     settings: &Identification,
     deadline: Option<Instant>,
-    unknown: &[Unknown],
     outcome: &mut IdentificationOutcome,
     say: &dyn Fn(String),
 ) -> Result<Option<Sample>, SearchError> {
@@ -89,25 +87,15 @@ pub(super) fn sampled(
         PosteriorStart::Optima => optima,
         PosteriorStart::Prior => &[],
     };
-    let deviations = outcome.discrepancies.iter().map(|discrepancy| discrepancy.deviation);
-    let discrepancies: Vec<(Unknown, f64)> = unknown.iter().copied().zip(deviations).collect();
-    let settings =
-        Settings { particles: *particles.as_ref(), seed: settings.seed, deadline, discrepancies: &discrepancies };
+    let settings = Settings { particles: *particles.as_ref(), seed: settings.seed, deadline };
     let observe = |exponent: f64, step: usize| {
         say(format!("posterior with exponent {exponent:.2e}, step {step}"));
     };
     match sample(objective, seeds, &settings, &observe) {
         Ok(sample) => {
             let posterior = PosteriorOutcome::new(objective, optima, &sample);
-            // With unknown discrepancies the optima were found with other errors.
-            let fits = if unknown.is_empty() { optima } else { &[] };
-            outcome.evidence = Some(Evidence::new(objective, fits, &sample, posterior.trusted));
+            outcome.evidence = Some(Evidence::new(objective, optima, &sample, posterior.trusted));
             outcome.posterior = Some(posterior);
-            let pairs = outcome.discrepancies.iter_mut().zip(unknown).enumerate();
-            for (index, (discrepancy, unknown)) in pairs {
-                let sampled = PosteriorOutcome::discrepancy(objective.problem, &sample, unknown, index);
-                discrepancy.sampled = Some(sampled);
-            }
             Ok(Some(sample))
         }
         Err(SampleError::Time) => {
@@ -125,12 +113,12 @@ pub(super) fn write(folder: &Path, bound: &Bound, sample: Option<&Sample>) -> Re
         return remove(&path);
     };
     write_atomically(&path, |out| {
-        let (problem, unknown) = (&bound.problem, &bound.discrepancies);
+        let problem = &bound.problem;
         writeln!(out, "# {}", text::units(problem))?;
         let mut table = csv::Writer::from_writer(out);
-        let head = text::head(problem, unknown);
+        let head = text::head(problem);
         table.write_record(head.iter().map(|name| csv_file::cell(name).into_owned()))?;
-        for row in text::rows(problem, unknown, sample) {
+        for row in text::rows(problem, sample) {
             table.write_record(row)?;
         }
         table.flush()

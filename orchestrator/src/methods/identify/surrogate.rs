@@ -16,20 +16,16 @@ use study::{Identification, Study};
 /// The most runs that the fit of a polynomial uses.
 const MOST: u64 = 4000;
 
-/// Refuses numbers of runs from which no surrogate can be made, and what a surrogate cannot serve.
+/// Refuses numbers of runs from which no surrogate can be made.
 pub(super) fn check(study: &Study, settings: &Identification, bound: &Bound, options: &Asked) -> Result<(), Error> {
     let Some(runs) = &settings.surrogate else {
         return Ok(());
     };
     let (number, fewest) = (*runs.as_ref(), fewest(&bound.problem));
-    let message = if options.cross_validate {
-        "a surrogate is made near the fit to all cases, and --cross-validate leaves cases out; run one after the other"
-            .to_owned()
-    } else if (fewest..=MOST).contains(&number) {
+    if (fewest..=MOST).contains(&number) {
         return Ok(());
-    } else {
-        format!("{number} runs: give {fewest} or more for these unknowns, and at most {MOST}")
-    };
+    }
+    let message = format!("{number} runs: give {fewest} or more for these unknowns, and at most {MOST}");
     Err(match options.surrogate.is_some() {
         true => Error::option("surrogate", message),
         false => study.error_at(runs, message).into(),

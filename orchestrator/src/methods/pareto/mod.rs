@@ -12,7 +12,6 @@ use super::known::{self, Finished};
 use crate::error::Error;
 use crate::options::Work;
 use crate::results::origin::Origin;
-use crate::results::table;
 use crate::session::{Request, Session};
 use parameter_regions::pareto::study::{Member, trade_off};
 use parameter_regions::table::PointTable;
@@ -107,7 +106,7 @@ fn of_points(
     study: &Study,
     nominal: impl FnOnce(&PointTable) -> Result<Option<Member>, Error>,
 ) -> Result<AnalysisResult, Error> {
-    let (summary, table) = known::points_of(from, study, table::read)?;
+    let (summary, table) = known::points_of(from, study)?;
     let nominal = nominal(&table)?;
     let result = trade_off(&table, nominal).ok_or_else(|| Error::Search("no point has values".to_owned()))?;
     Ok(AnalysisResult::new(&result, Origin::of_points(&summary), document(&result).as_text(), FILE))

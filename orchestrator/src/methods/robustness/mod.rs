@@ -13,7 +13,6 @@ use super::known::{self, Finished};
 use crate::error::Error;
 use crate::options::Work;
 use crate::results::origin::Origin;
-use crate::results::table;
 use crate::session::{Request, Session};
 use confirm::Confirmation;
 use parameter_regions::robustness::{Robustness, region, robustness, rows};
@@ -132,7 +131,7 @@ pub struct Asked {
 impl Asked {
     /// The points of the finished study, to which results they belong, and a large sample of its distributions.
     fn known(&self, study: &Study, plan: Option<&Plan>) -> Result<(Origin, PointTable, Vec<Vec<f64>>), Error> {
-        let (summary, table) = known::points_of(&self.from, study, table::read)?;
+        let (summary, table) = known::points_of(&self.from, study)?;
         let cloud = cloud(plan, &table, self.seed)?;
         Ok((Origin::of_points(&summary), table, cloud))
     }

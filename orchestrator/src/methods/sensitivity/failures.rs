@@ -1,7 +1,6 @@
 //! Runs without values: how many there are of each output, and what the numbers mean without them.
 
 use parameter_regions::table::{CriterionColumn, PointTable};
-use sensitivity::method::FromRuns;
 
 /// The output that tells whether a run failed.
 pub(super) const OUTPUT: &str = "failed";
@@ -17,12 +16,12 @@ pub(super) fn missing(values: &[f64]) -> usize {
 }
 
 /// Warns of failed runs: a sentence for each output that misses values, and one that says where to look.
-pub(super) fn warnings(table: &PointTable, method: Option<&dyn FromRuns>) -> Vec<String> {
+pub(super) fn warnings(table: &PointTable) -> Vec<String> {
     if failed(table) == 0 {
         return Vec::new();
     }
     let affected = table.criteria.iter().filter(|c| missing(&c.values) > 0);
-    let warnings = affected.map(|criterion| warning(criterion, method));
+    let warnings = affected.map(warning);
     let share = |count: usize| 100.0 * count as f64 / table.len() as f64;
     let all = format!(
         "{} of {} runs failed ({:.2} %): `{OUTPUT}` tells which parameters make them fail, and `verified` counts them as not \
@@ -34,28 +33,19 @@ pub(super) fn warnings(table: &PointTable, method: Option<&dyn FromRuns>) -> Vec
     warnings.chain([all]).collect()
 }
 
-fn warning(criterion: &CriterionColumn, method: Option<&dyn FromRuns>) -> String {
+fn warning(criterion: &CriterionColumn) -> String {
     let (name, values) = (&criterion.name, &criterion.values);
-    let known = || values.iter().copied().filter(|value| value.is_finite());
     let count = format!(
         "{name}: {} of {} runs have no value of it ({:.2} %)",
         missing(values),
         values.len(),
         100.0 * missing(values) as f64 / values.len() as f64,
     );
-    if known().next().is_none() {
+    if missing(values) == values.len() {
         return format!("{count}, so nothing can be said of it");
     }
-    let meaning = format!(
+    format!(
         "{count}; its numbers and intervals are those of the runs that have one, and would be others if the model had values \
          everywhere"
-    );
-    if method.is_none() {
-        return meaning;
-    }
-    format!(
-        "{meaning}: the bounds in braces hold if those values lie between {:.4} and {:.4}, as all others do",
-        known().fold(f64::INFINITY, f64::min),
-        known().fold(f64::NEG_INFINITY, f64::max),
     )
 }

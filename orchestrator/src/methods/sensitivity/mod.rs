@@ -12,10 +12,9 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
-use super::known::{self, Finished};
+use super::known::Finished;
 use crate::error::Error;
 use crate::options::Work;
-use crate::results::origin::Origin;
 use crate::results::{points, table};
 use crate::session::{Request, Session};
 use ::sensitivity::method::{self, FirstOrder, Settled, Space};
@@ -29,24 +28,15 @@ use study::Study;
 use study::plan::Plan;
 
 pub use document::document;
-pub use outputs::{Sensitivity, from_points};
+pub use outputs::Sensitivity;
 use point_journal::files::{make_folder, write_table};
 
 /// The result's file in a folder of results.
 pub const FILE: &str = "sensitivity.json";
 
-/// The meaning of the numbers from points of correlated parameters.
-const CORRELATED: &str = "the parameters are correlated, so PAWN, rank correlations and the distance of verified points tell \
-    how much the value of a parameter says of the output, with all that it says of the parameters that it is correlated with: \
-    one without any influence may be called the most important. Partial correlations (PRCC) take the others' linear relation \
-    between ranks away, and no other. Shapley effects (`sensitivity STUDY --shapley N`) divide the variance among correlated \
-    parameters";
-
-/// The same where parameters come together from a sample.
-const SAMPLED: &str = "parameters are drawn together from a sample, so PAWN, rank correlations and the distance of verified \
-    points tell how much the value of a parameter says of the output, with all that it says of the others in its row: one \
-    without any influence may be called the most important. Partial correlations (PRCC) take the others' linear relation \
-    between ranks away, and no other";
+/// The meaning of the numbers where parameters are correlated.
+const CORRELATED: &str = "the parameters are correlated, so Shapley effects divide among them what they explain together: one \
+    without any influence on the model has a part of what its partners explain";
 
 fn estimator() -> impl TypedValueParser<Value = FirstOrder> {
     let names = PossibleValuesParser::new(FirstOrder::ALL.map(FirstOrder::name));
@@ -56,14 +46,13 @@ fn estimator() -> impl TypedValueParser<Value = FirstOrder> {
 
 /// Options of `sensitivity`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples: orchestrator sensitivity studies/paper-table3.toml --base 256\n\
-    \u{20}         orchestrator sensitivity studies/paper-table3.toml --from results/paper-table3")]
+#[command(after_help = "Example: orchestrator sensitivity studies/paper-table3.toml --base 256")]
 pub struct Options {
     /// The study, how its points are run, and where the results go
     #[command(flatten)]
     pub work: Work,
-    /// Use the points of a finished study instead of new runs
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["method", "size", "base", "morris", "shapley", "fmu", "jobs", "resume", "shard"])]
+    /// The folder of a finished study, whose points cannot serve
+    #[arg(long, value_name = "DIR", hide = true)]
     pub from: Option<PathBuf>,
     /// The method, such as sobol, morris or shapley [default: the study's, or sobol]
     #[arg(long, value_name = "NAME", conflicts_with_all = ["base", "morris", "shapley"])]
@@ -91,7 +80,7 @@ pub struct Options {
 /// A result in the folder of a finished study, as its page shows it.
 pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
     let result = study.result(FILE)?;
-    Some(document(&result, study.table))
+    Some(document(&result))
 }
 
 /// Runs the command.
@@ -101,19 +90,10 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 pub fn run(options: &Options) -> Result<Delivery, Error> {
     let study = Study::read(&options.work.study)?;
     let analysis = Asked::new(options, &study)?;
-    if let Some(from) = &options.from {
-        let (summary, table) = known::points_of(from, &study, table::read_every_value)?;
-        let mut result = from_points(&table, analysis.seed);
-        if !study.correlations.is_empty() {
-            result.warnings.insert(0, CORRELATED.to_owned());
-        }
-        if study.binds_by_samples() {
-            result.warnings.insert(0, SAMPLED.to_owned());
-        }
-        let origin = Origin::of_points(&summary);
-        let result = AnalysisResult::new(&result, origin, document(&result, &table).as_text(), FILE);
-        let folder = options.work.output.as_ref().unwrap_or(from).clone();
-        return Delivery::without_runs(result, &options.work, folder);
+    if options.from.is_some() {
+        let message = "the points of a study tell no indices: `sensitivity STUDY` runs a design of its own, \
+                       `--morris 20` the smallest one";
+        return Err(Error::option("from", message));
     }
     let session = asking::open(&options.work, &analysis)?;
     let folder = options.work.folder(Some(Asked::NAME))?;
@@ -229,7 +209,7 @@ impl Analysis for Asked {
             result.warnings.insert(0, CORRELATED.to_owned());
         }
         let origin = asking::origin(session)?;
-        Ok(AnalysisResult::new(&result, origin, document(&result, &rows).as_text(), FILE))
+        Ok(AnalysisResult::new(&result, origin, document(&result).as_text(), FILE))
     }
 }
 

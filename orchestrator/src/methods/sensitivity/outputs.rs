@@ -1,11 +1,10 @@
 //! The sensitivity of all outputs of a study in one result: of every criterion, and of "is verified".
 
 use super::failures;
-use crate::results::words::capitalised;
 use parameter_regions::table::PointTable;
 use sensitivity::method::{FirstOrder, FromRuns, Measure, Settled, Told};
 use sensitivity::sobol::Indices;
-use sensitivity::{Estimate, RUNS, VIEWS, dominant, regional, views};
+use sensitivity::{Estimate, RUNS, dominant};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -28,8 +27,6 @@ pub struct Sensitivity {
     pub warnings: Vec<String>,
     /// The criteria, then `verified`, and where runs failed `failed`: whether a run failed.
     pub outputs: Vec<Output>,
-    /// Regional sensitivity of pass or fail, for each parameter. Empty where all points pass or none does.
-    pub verdict: Vec<regional::Split>,
 }
 
 /// The sensitivity of one output.
@@ -48,33 +45,18 @@ pub struct Output {
 }
 
 impl Output {
-    /// The measures to show: first those to draw, of one method only, then those that stand in the table.
+    /// The measures to show, of the method that was used.
     pub fn shown(&self) -> Vec<Measure> {
-        let runs = RUNS.iter().map(|method| method.shown(&self.told));
-        let views = VIEWS.iter().map(|view| view.shown(&self.told));
-        let mut principal: Option<usize> = None;
-        let mut shown = Vec::new();
-        for (number, measures) in runs.chain(views).enumerate() {
-            for measure in measures {
-                if !measure.drawn || *principal.get_or_insert(number) == number {
-                    shown.push(measure);
-                }
-            }
-        }
-        // Stable: what is drawn keeps its order.
-        shown.sort_by_key(|measure| !measure.drawn);
-        shown
+        RUNS.iter().flat_map(|method| method.shown(&self.told)).collect()
     }
-}
 
-impl Output {
     /// Why no parameter is called the most important.
     pub fn undecided(&self) -> &'static str {
         let shown = self.shown();
         let Some(first) = shown.iter().find(|measure| measure.drawn) else {
             return "too few runs have values for a number by which the parameters could be compared";
         };
-        let surest = first.surest();
+        let surest = &first.estimates;
         let all = |holds: fn(&Estimate) -> bool| surest.iter().all(holds);
         if all(|e| e.value == 0.0 && e.low == 0.0 && e.high == 0.0) {
             "all numbers are 0: the output is the same in all runs that have a value, so no parameter matters to it"
@@ -82,8 +64,6 @@ impl Output {
             "a parameter has no number, as too few runs have values, so none can be called the most important"
         } else if surest.iter().any(|estimate| estimate.low.is_nan() || estimate.high.is_nan()) {
             "without intervals no parameter can be called the most important"
-        } else if first.bounds.is_some() {
-            "the bounds overlap: with other values of the failed runs another parameter could be the most important"
         } else {
             "the intervals overlap: no parameter can be called the most important"
         }
@@ -93,46 +73,13 @@ impl Output {
 /// The parameter whose first measure is largest, where the intervals leave no doubt.
 fn most_important(shown: &[Measure], parameters: &[String]) -> Option<String> {
     let first = shown.iter().find(|measure| measure.drawn)?;
-    let surest = first.surest();
+    let surest = &first.estimates;
     // A parameter without a number could be the most important.
     if surest.iter().any(|estimate| estimate.value.is_nan()) {
         return None;
     }
-    let index = dominant(&surest)?;
+    let index = dominant(surest)?;
     (surest[index].value != 0.0).then(|| parameters[index].clone())
-}
-
-/// Analyses existing points, whatever their design.
-pub fn from_points(table: &PointTable, seed: u64) -> Sensitivity {
-    let mut result = of_points(table, outputs(table), seed);
-    result.warnings = failures::warnings(table, None);
-    result
-}
-
-fn of_points(table: &PointTable, outputs: Vec<(String, Vec<f64>)>, seed: u64) -> Sensitivity {
-    let columns: Vec<&[f64]> = table.parameters.iter().map(|p| p.values.as_slice()).collect();
-    let parameters: Vec<String> = table.parameters.iter().map(|p| p.name.clone()).collect();
-    let output = |(name, values): (String, Vec<f64>)| {
-        let views = VIEWS.iter().map(|view| view.tell(&columns, &values, seed));
-        let mut output = Output { name, missing: failures::missing(&values), told: unused(seed), dominant: None };
-        output.told.extend(views.flatten());
-        output.dominant = most_important(&output.shown(), &parameters);
-        output
-    };
-    let of_parameters = table.parameters.iter().map(|p| (&p.name, &p.unit));
-    let of_criteria = table.criteria.iter().map(|c| (&c.name, &c.unit));
-    let units = of_parameters.chain(of_criteria);
-    let units = units.filter(|(_, unit)| !unit.is_empty());
-    Sensitivity {
-        units: units.map(|(k, unit)| (k.clone(), unit.clone())).collect(),
-        outputs: outputs.into_iter().map(output).collect(),
-        method: format!("{} of existing points", capitalised(&views())),
-        runs: table.len(),
-        failed: failures::failed(table),
-        warnings: Vec::new(),
-        verdict: regional::split(&columns, &table.verified).unwrap_or_default(),
-        parameters,
-    }
 }
 
 /// The keys of the methods that were not used, without values.
@@ -142,46 +89,43 @@ fn unused(seed: u64) -> Told {
     keys.flatten().collect()
 }
 
-/// Analyses the runs of a method's own design, and its plain sample by the methods for any points.
+/// Analyses the runs of a method's own design.
 pub fn from_runs(method: &dyn FromRuns, design: &[Vec<f64>], rows: &PointTable, settled: &Settled) -> Sensitivity {
-    let plain = method.plain_sample(rows.len(), settled);
-    let outputs = outputs(rows);
-    let values = |(name, values): &(String, Vec<f64>)| {
-        let plain = plain.iter().map(|&k| values[k]);
-        (name.clone(), plain.collect())
+    let parameters: Vec<String> = rows.parameters.iter().map(|p| p.name.clone()).collect();
+    let mut warnings = failures::warnings(rows);
+    let output = |(name, values): (String, Vec<f64>)| {
+        let mut told = unused(settled.seed);
+        told.extend(method.tell(design, &values, settled));
+        let above = first_above_total(&told, &parameters).into_iter().map(|parameter| {
+            format!(
+                "the first-order index of {parameter} in {name} is above its total by more than its error, which no model has: \
+                 take more base points"
+            )
+        });
+        warnings.extend(above);
+        let dominant = most_important(&method.shown(&told), &parameters);
+        Output { missing: failures::missing(&values), name, told, dominant }
     };
-    let seen = outputs.iter().map(values).collect();
-    let mut result = of_points(&rows.subset(&plain), seen, settled.seed);
-    let mut above_total = Vec::new();
-    for (output, (_, values)) in result.outputs.iter_mut().zip(&outputs) {
-        let told = method.tell(design, values, settled);
-        output.dominant = most_important(&method.shown(&told), &result.parameters);
-        output.missing = failures::missing(values);
-        output.told.extend(told);
-        above_total
-            .extend(first_above_total(&output.told, &result.parameters).into_iter().map(|k| (k, output.name.clone())));
-    }
-    result.runs = rows.len();
-    result.failed = failures::failed(rows);
-    result.warnings = failures::warnings(rows, Some(method));
-    result.warnings.extend(above_total.into_iter().map(|(parameter, output)| {
-        format!(
-            "the first-order index of {parameter} in {output} is above its total by more than its error, which no model has: \
-             take more base points"
-        )
-    }));
+    let outputs = outputs(rows).into_iter().map(output).collect();
     let tried = method.facts().tried_size;
     if settled.size < tried {
-        result.warnings.push(format!(
+        warnings.push(format!(
             "{}: the intervals were tried from {tried} on; with so few they may be too narrow",
             method.title(settled.size)
         ));
     }
-    result.method = method.done(rows.len(), settled);
-    if !plain.is_empty() {
-        result.method += &format!("; {} of their plain sample", views());
+    let of_parameters = rows.parameters.iter().map(|p| (&p.name, &p.unit));
+    let of_criteria = rows.criteria.iter().map(|c| (&c.name, &c.unit));
+    let units = of_parameters.chain(of_criteria).filter(|(_, unit)| !unit.is_empty());
+    Sensitivity {
+        units: units.map(|(name, unit)| (name.clone(), unit.clone())).collect(),
+        outputs,
+        method: method.done(rows.len(), settled),
+        runs: rows.len(),
+        failed: failures::failed(rows),
+        warnings,
+        parameters,
     }
-    result
 }
 
 /// The parameters whose first-order index lies above the total one by more than the error of both.
@@ -216,15 +160,15 @@ fn outputs(table: &PointTable) -> Vec<(String, Vec<f64>)> {
 
 #[cfg(test)]
 mod tests {
-    use sensitivity::pawn::Pawn;
+    use sensitivity::shapley::Effects;
     use serde_json::json;
 
     use super::*;
 
     /// An output with these two indices.
-    fn output(median: [Estimate; 2]) -> Output {
-        let pawn = Pawn { median: median.to_vec(), max: vec![1.0; 2], threshold: 0.1, used: 8 };
-        Output { told: Told::from_iter([("pawn".to_owned(), json!(pawn))]), ..Output::default() }
+    fn output(effects: [Estimate; 2]) -> Output {
+        let effects = Effects { effects: effects.to_vec(), used: vec![8; 2], failed: 0 };
+        Output { told: Told::from_iter([("shapley".to_owned(), json!(effects))]), ..Output::default() }
     }
 
     #[test]
