@@ -488,6 +488,12 @@ impl Model for Stand {
     fn restore(&mut self, bytes: &[u8]) -> Result<(), Fault> {
         let mut saved: Self = postcard::from_bytes(bytes)
             .map_err(|error| Fault::Invalid(format!("the saved state cannot be read: {error}")))?;
+        if saved.film.is_running() {
+            model::check_fixed(&saved)?;
+        }
+        if !unknowns(&saved.state).iter().all(|unknown| unknown.is_finite()) {
+            return Err(Fault::Invalid("the saved state has values that are no finite numbers".to_owned()));
+        }
         saved.film.prepare(&saved.bearing)?;
         *self = saved;
         Ok(())

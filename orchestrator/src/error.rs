@@ -100,6 +100,6 @@ impl From<OpenError> for Error {
 
 impl From<ScratchError> for Error {
     fn from(ScratchError { path, source }: ScratchError) -> Self {
-        FileError::read(&path, source).into()
+        FileError::new(&path, format!("{source}; set TMPDIR to another folder")).into()
     }
 }

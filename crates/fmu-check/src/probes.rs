@@ -3,7 +3,8 @@
 
 use std::io;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 use crate::child::{self, Outcome};
 use crate::compare::{Change, changes, difference};
@@ -93,9 +94,13 @@ impl<'a> Probes<'a> {
         if self.changed_file().is_none() {
             return Ok(None);
         }
+        self.another_folder().map(Some)
+    }
+
+    fn another_folder(&self) -> io::Result<TempDir> {
         let package = Package::open(self.original);
         let fresh = package.and_then(|mut package| package.unpack_anew(self.scratch));
-        fresh.map(Some).map_err(io::Error::other)
+        fresh.map_err(io::Error::other)
     }
 
     /// The first file of its own folder that the FMU has changed.
@@ -110,6 +115,7 @@ impl<'a> Probes<'a> {
     /// All that the probes find. `described_well` says that the start values of the description count.
     pub(crate) fn findings(&mut self, described_well: bool) -> io::Result<Vec<Breach>> {
         let (alone, refused) = self.alone()?;
+        let (since, setup) = (Instant::now(), self.setup.clone());
         let mut breaches = simulated::remarks(self.fmu, alone.report.as_ref());
         breaches.extend(refused);
         let whole = match sound(&alone, 1) {
@@ -144,6 +150,8 @@ impl<'a> Probes<'a> {
         }
         breaches.extend(self.lives(whole)?);
         breaches.extend(self.halved(whole)?);
+        self.setup = setup;
+        breaches.extend(self.late(whole, since)?);
         Ok(breaches)
     }
 
@@ -192,6 +200,23 @@ impl<'a> Probes<'a> {
         Ok(text.map(|text| {
             let text = format!("it reads memory that it never wrote: with fresh memory filled otherwise, {text}");
             ("memory-written", Hit::plain(text))
+        }))
+    }
+
+    /// Whether the values depend on the second at which they are computed, or on the path: those of another copy of the FMU,
+    /// more than a second later.
+    fn late(&mut self, whole: &Run, since: Instant) -> io::Result<Option<Breach>> {
+        const LATER: Duration = Duration::from_millis(1100);
+        sleep(LATER.saturating_sub(since.elapsed()));
+        let copy = self.another_folder()?;
+        copy.path().clone_into(&mut self.setup.fmu);
+        let late = child::run(&self.setup, self.scratch, 3 * self.patience, None)?;
+        let text = sound(&late, 1).map_or_else(Some, |runs| difference(&self.columns, whole, &runs[0]));
+        Ok(text.map(|text| {
+            let text = format!(
+                "the same simulation, a second later and from another copy of the FMU, differs (clock, path): {text}"
+            );
+            ("reproducible", Hit::plain(text))
         }))
     }
 

@@ -86,6 +86,9 @@ pub enum ArchiveError {
     /// The model description is unreasonably large.
     #[error("modelDescription.xml is larger than {} MiB", MAX_DESCRIPTION >> 20)]
     LargeDescription,
+    /// The folder for the unpacked files takes no more.
+    #[error("{0}: FMUs are unpacked here; set TMPDIR to a folder with room")]
+    NoRoom(io::Error),
     /// There is no binary for this platform.
     #[error("no binary for this platform ({platform}); the FMU holds {}", available(held))]
     NoBinary {
@@ -111,7 +114,20 @@ pub enum ArchiveError {
 impl ArchiveError {
     /// Whether the fault lies in the FMU rather than in the request.
     pub fn is_a_fault(&self) -> bool {
-        !matches!(self, Self::Missing | Self::Io(_) | Self::NotZip | Self::NoFile(_) | Self::Folder(_))
+        !matches!(self, Self::Missing | Self::Io(_) | Self::NoRoom(_) | Self::NotZip | Self::NoFile(_) | Self::Folder(_))
+    }
+
+    /// An error of unpacking, where the folder may be at fault.
+    fn of_room(self) -> Self {
+        use io::ErrorKind::{FileTooLarge, QuotaExceeded, ReadOnlyFilesystem, StorageFull};
+        match self {
+            Self::Io(error)
+                if matches!(error.kind(), FileTooLarge | QuotaExceeded | ReadOnlyFilesystem | StorageFull) =>
+            {
+                Self::NoRoom(error)
+            }
+            other => other,
+        }
     }
 
     /// The problem with an entry.
@@ -314,12 +330,12 @@ impl Archive {
             let misnamed = self.misnamed(identifier, platform);
             return Err(misnamed.unwrap_or_else(otherwise));
         }
-        let target = numbered(parent)?;
-        match self {
-            Self::Zip { zip, .. } => unpack::unpack(zip, platform, target.path())?,
-            Self::Folder(folder) => unpack::Copy::default().needed(folder, platform, target.path())?,
-        }
-        Ok(target)
+        let target = numbered(parent).map_err(ArchiveError::NoRoom)?;
+        let unpacked = match self {
+            Self::Zip { zip, .. } => unpack::unpack(zip, platform, target.path()),
+            Self::Folder(folder) => unpack::Copy::default().needed(folder, platform, target.path()),
+        };
+        unpacked.map(|()| target).map_err(ArchiveError::of_room)
     }
 }
 

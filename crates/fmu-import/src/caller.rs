@@ -4,7 +4,7 @@ use std::ffi::c_int;
 
 use crate::call::{Call, Status};
 use crate::floating_point::{Mode, within};
-use crate::logger::{Log, complain};
+use crate::logger::Log;
 
 /// Makes the calls of one instance and judges what they return.
 #[derive(Debug)]
@@ -34,7 +34,6 @@ impl Caller {
         match status {
             0 => Ok(()),
             1 => {
-                complain();
                 self.log.returned_warning(function);
                 Ok(())
             }
@@ -44,7 +43,6 @@ impl Caller {
 
     #[cold]
     pub(crate) fn failed(&mut self, function: &'static str, status: Status) -> Call {
-        complain();
         self.dead |= status == Status::Fatal;
         Call { function, status, message: self.log.last(), ended: None }
     }

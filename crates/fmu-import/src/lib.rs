@@ -32,7 +32,6 @@ pub use call::{Call, End, Status, Warnings};
 pub use description::{Causality, Description, Interface, Kind, Place, Remark, Variability, Variable};
 pub use instance::Instance;
 pub use library::{Library, LibraryError, percent_encoded};
-pub use logger::complaints;
 pub use package::{FmuError, FmuFault, Package, digest, sha256};
 pub use parse::DescriptionError;
 pub use state::{State, StateError};

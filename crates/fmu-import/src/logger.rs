@@ -9,7 +9,7 @@ use std::collections::VecDeque;
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::panic::catch_unwind;
 use std::ptr;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use crate::call::Warnings;
@@ -25,19 +25,6 @@ const WARNING: i32 = 1;
 
 /// How many seats stay empty before one is taken again, so that a late message finds nobody rather than the next.
 const RESTING: usize = 32;
-
-/// How often the FMUs of this process have said or returned anything but OK.
-static COMPLAINTS: AtomicU64 = AtomicU64::new(0);
-
-/// How often the FMUs of this process have said or returned anything but OK, in whatever call, thread or instance.
-pub fn complaints() -> u64 {
-    COMPLAINTS.load(Ordering::Relaxed)
-}
-
-/// Counts a complaint.
-pub(crate) fn complain() {
-    COMPLAINTS.fetch_add(1, Ordering::Relaxed);
-}
 
 /// The struct `fmi2CallbackFunctions`.
 #[repr(C)]
@@ -268,9 +255,6 @@ pub(crate) extern "C" fn fmu_import_log(
         } else {
             status
         };
-        if status != 0 {
-            complain();
-        }
         // The address is a number to look up; it is never followed.
         let Some((seat, stray)) = seat_of(environment.addr()) else {
             return;

@@ -210,7 +210,11 @@ impl Package {
     pub fn unpack_anew(&mut self, parent: &Path) -> Result<TempDir, FmuError> {
         let Description { model_identifier, standard, .. } = &self.description;
         let unpacked = self.archive.unpack(model_identifier, *standard, parent);
-        unpacked.map_err(|fault| self.unusable(fault))
+        unpacked.map_err(|fault| match fault {
+            // The FMU is not to blame.
+            ArchiveError::NoRoom(_) => FmuError { path: parent.to_owned(), fault: fault.into() },
+            fault => self.unusable(fault),
+        })
     }
 
     /// The binary for this platform in the folder into which the FMU was unpacked; none where there is none.

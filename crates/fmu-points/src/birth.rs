@@ -19,7 +19,11 @@ pub(crate) unsafe fn child(keeper: &mut Keeper, estate: &mut Estate<'_>, order: 
     // SAFETY: the caller promises that this process has a single thread.
     unsafe {
         keeper.fork(&mut |place| {
-            let estate = Estate { package: estate.package.as_deref_mut(), library: estate.library.clone(), ..*estate };
+            let estate = Estate {
+                setup: &mut *estate.setup,
+                package: estate.package.as_deref_mut(),
+                library: estate.library.clone(),
+            };
             crate::child::Child { place, estate }.obey(order);
         })
     }
@@ -32,9 +36,9 @@ pub(crate) unsafe fn child(keeper: &mut Keeper, estate: &mut Estate<'_>, order: 
 #[cfg(windows)]
 pub(crate) unsafe fn child(keeper: &mut Keeper, estate: &mut Estate<'_>, order: &Order) -> io::Result<Child> {
     let mut command = std::process::Command::new(crate::system::program()?);
-    command.arg(CHILD).arg(estate.progress.name());
+    command.arg(CHILD);
     let mut child = keeper.start(&mut command)?;
-    child.send(&serde_json::to_vec(estate.setup)?)?;
+    child.send(&serde_json::to_vec(&*estate.setup)?)?;
     child.send(&crate::wire::bytes(order))?;
     Ok(child)
 }
@@ -48,23 +52,21 @@ pub(crate) const CHILD: &str = "fmu-points-child";
 /// # Errors
 /// When the worker cannot be understood or reached.
 #[cfg(windows)]
-pub(crate) fn serve(progress: &str) -> io::Result<()> {
+pub(crate) fn serve() -> io::Result<()> {
     use std::panic::{AssertUnwindSafe, catch_unwind};
 
     use fmu_import::isolation::Place;
     use fmu_import::isolation::keeper::leave;
 
-    use crate::system::Shared;
     use crate::wire::Setup;
 
     let mut place = Place::take()?;
     let missing = || io::Error::other("the worker has gone");
-    let setup: Setup = serde_json::from_slice(&place.receive().ok_or_else(missing)?)?;
+    let mut setup: Setup = serde_json::from_slice(&place.receive().ok_or_else(missing)?)?;
     let order = crate::wire::read(&place.receive().ok_or_else(missing)?);
     let order: Order = order.ok_or_else(|| io::Error::other("an order is damaged"))?;
-    let progress = Shared::open(progress.to_owned())?;
     let mut package = setup.open().map_err(io::Error::other)?;
-    let estate = Estate { setup: &setup, package: Some(&mut package), library: None, progress: &progress };
+    let estate = Estate { setup: &mut setup, package: Some(&mut package), library: None };
     let child = crate::child::Child { place, estate };
     // A panic ends this process as it would end a fork.
     if catch_unwind(AssertUnwindSafe(|| child.obey(&order))).is_err() {

@@ -12,22 +12,19 @@ use crate::points::{Job, Simulated};
 use crate::runner::Runner;
 use crate::single::ERRAND;
 use crate::system;
-use crate::system::Shared;
 use crate::wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read};
-use fmu_import::isolation::{Place, Traces};
-use fmu_import::{Handle, Library, Package, Value, complaints};
+use fmu_import::isolation::Place;
+use fmu_import::{Handle, Library, Package, Value};
 
 /// Replies of many points are held back for this time at most, when the next point is done.
 const HOLD: Duration = Duration::from_millis(1);
 
 /// All that a worker gives its children.
 pub(crate) struct Estate<'a> {
-    pub(crate) setup: &'a Setup,
+    pub(crate) setup: &'a mut Setup,
     pub(crate) package: Option<&'a mut Package>,
     /// The FMU, where the worker has loaded it for them: only forks inherit it.
     pub(crate) library: Option<Arc<Library>>,
-    /// How many points of its present message a child has begun.
-    pub(crate) progress: &'a Shared,
 }
 
 /// A worker's child.
@@ -52,13 +49,15 @@ impl Child<'_> {
         let Some(library) = self.loaded() else {
             return;
         };
-        let all = &self.estate.setup.cases;
-        let first = alone.map_or(0, |job| join::case_of(job.index, all.len()));
-        let mut tasks = all.iter().skip(first).map(|case| case.task.clone());
+        // A fork has a copy of its own.
+        let cases = std::mem::take(&mut self.estate.setup.cases);
+        let count = cases.len();
+        let first = alone.map_or(0, |job| join::case_of(job.index, count));
+        let mut tasks = cases.into_iter().skip(first).map(|case| case.task);
         let Some(task) = tasks.next() else { return };
         let runner = Runner::new(library, task);
         match (order, alone) {
-            (Order::Used(_), _) => self.serve(runner.with_further(tasks)),
+            (Order::Used(_), _) => self.serve(runner.with_further(tasks), count),
             (Order::Recorded(values, columns), _) => self.record(runner, values, columns),
             (_, Some(job)) => self.alone(runner, job),
             (_, None) => {}
@@ -90,27 +89,22 @@ impl Child<'_> {
         drop(instance);
     }
 
-    /// Runs points until there are no further ones, or until one does not end plainly.
-    fn serve(&mut self, mut runner: Runner) {
-        let before = Before::now();
+    /// Runs points until there are no further ones, or until one fails.
+    fn serve(&mut self, mut runner: Runner, cases: usize) {
         let mut replies = Vec::new();
         while let Some(jobs) = self.place.receive().and_then(|jobs| read::<Vec<Job>>(&jobs)) {
             let mut sent = Instant::now();
             let last = jobs.len();
             for (job, begun) in jobs.iter().zip(1..) {
-                self.estate.progress.set(begun as u64);
-                runner.turn_to(join::case_of(job.index, self.estate.setup.cases.len()));
+                runner.turn_to(join::case_of(job.index, cases));
                 let failure = runner.run(&job.values).err();
                 let answer = failure.as_ref().map_or(Ok(runner.results()), Err);
-                let mut reply = reply(job.index, &runner, answer);
-                reply.odd = before.is_odd(&runner, failure.as_ref());
-                let odd = reply.odd;
-                replies.push(reply);
-                if !odd && begun < last && sent.elapsed() <= HOLD {
+                replies.push(reply(job.index, &runner, answer));
+                if failure.is_none() && begun < last && sent.elapsed() <= HOLD {
                     continue;
                 }
                 self.say(&Said::Replies(std::mem::take(&mut replies)));
-                if odd {
+                if failure.is_some() {
                     return;
                 }
                 sent = Instant::now();
@@ -186,30 +180,6 @@ fn reply(index: u64, runner: &Runner, answer: Result<&[f64], &Failure>) -> Reply
         passing: false,
     });
     Reply::new(index, answer)
-}
-
-/// The state of this process before a point.
-struct Before {
-    traces: Traces,
-    complaints: u64,
-}
-
-impl Before {
-    fn now() -> Self {
-        Self { traces: Traces::now(), complaints: complaints() }
-    }
-
-    /// Whether a point that ended so has left what no other point should meet.
-    fn is_odd(&self, runner: &Runner, failure: Option<&Failure>) -> bool {
-        let notices = &runner.notices;
-        let complained = match failure {
-            // The FMU was not even asked.
-            Some(Failure::OutOfRange(_)) => false,
-            Some(_) => true,
-            None => notices.ended.is_some() || notices.unfinished.is_some() || notices.warnings > 0,
-        };
-        complained || complaints() != self.complaints || self.traces.has_further_threads()
-    }
 }
 
 /// Tells whoever watches what a trajectory does not show. Standard error is shown to the user.

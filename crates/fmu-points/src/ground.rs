@@ -61,17 +61,9 @@ impl Ground {
         state.changed.get_or_insert_with(|| changed.to_owned());
     }
 
-    /// Another path to the same files: an FMU whose results depend on where it lies shows it there.
-    pub(crate) fn elsewhere(&self) -> PathBuf {
-        #[cfg(unix)]
-        {
-            let path = self.scratch.join("again");
-            let made = std::os::unix::fs::symlink(&self.shared, &path);
-            if made.is_ok() || path.exists() {
-                return path;
-            }
-        }
-        self.shared.clone()
+    /// A copy of the files that points share: an FMU whose results depend on where or when it was unpacked shows it there.
+    pub(crate) fn copy(&self) -> Option<TempDir> {
+        Package::open(&self.shared).ok()?.unpack_anew(&self.scratch).ok()
     }
 
     /// A new folder with the FMU as it came, for one process.

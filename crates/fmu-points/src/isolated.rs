@@ -10,6 +10,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
+use tempfile::TempDir;
+
 use crate::failure::Failure;
 use crate::ground::Ground;
 use crate::licences::{Licences, Wait};
@@ -88,15 +90,17 @@ pub(crate) struct Isolated {
     /// The worker of points whose processes load the FMU themselves, and how many points it has had.
     loading: Process,
     count: u32,
+    /// Another unpacked FMU, for points that run again.
+    copy: Option<TempDir>,
 }
 
 impl Isolated {
-    /// A worker; with `again`, its points run in new processes whose unwritten memory holds other bytes, from another path.
+    /// A worker; with `again`, its points run in new processes whose unwritten memory holds other bytes, from another
+    /// copy of the unpacked FMU.
     pub(crate) fn new(common: &Arc<Common>, here: bool, cases: &[Case], limits: Limits, again: bool) -> Self {
         let ground = &common.ground;
-        let fmu = if again { ground.elsewhere() } else { ground.shared.clone() };
         let worker = |lasting| {
-            let mut worker = Process::new(&fmu, &ground.name, cases, limits);
+            let mut worker = Process::new(&ground.shared, &ground.name, cases, limits);
             worker.setup.fill = again.then_some(FILL);
             worker.lasting = lasting;
             worker
@@ -109,6 +113,7 @@ impl Isolated {
             using: worker(true),
             loading: worker(false),
             count: 0,
+            copy: None,
             common: Arc::clone(common),
         }
     }
@@ -119,6 +124,11 @@ impl Isolated {
 
     /// Gives all processes their folders.
     fn settle_in(&mut self) -> Result<(), Gone> {
+        if self.again && self.copy.is_none() {
+            self.copy = self.common.ground.copy();
+            // Without room for it, the same files serve.
+            self.copy.iter().for_each(|copy| copy.path().clone_into(&mut self.loading.setup.fmu));
+        }
         if self.room.is_none() {
             let room = Room::take(&self.common.ground.scratch).map_err(|error| Gone::Start(error.to_string()))?;
             let room = self.room.insert(Arc::new(room));

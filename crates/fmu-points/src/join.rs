@@ -65,11 +65,10 @@ impl Join {
             return None;
         }
         let replies: Vec<Reply> = self.open.remove(&point)?.into_iter().flatten().collect();
-        let odd = replies.iter().any(|reply| reply.odd);
         let forkable = replies.iter().map(|reply| reply.forkable);
         let forkable = forkable.reduce(|one, other| Some(one? && other?));
         let answers = replies.into_iter().map(|reply| reply.answer).collect();
-        Some(Reply { index: point, answer: joined(&self.cases, answers), odd, forkable: forkable.flatten() })
+        Some(Reply { index: point, answer: joined(&self.cases, answers), forkable: forkable.flatten() })
     }
 }
 

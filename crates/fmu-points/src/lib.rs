@@ -112,7 +112,7 @@ pub fn serve_if_worker_with(errand: single::Errand) {
         Some(process::WORKER) => worker::end(worker::serve()),
         Some(link::REMOTE) => worker::end(station::serve()),
         #[cfg(windows)]
-        Some(birth::CHILD) => worker::end(birth::serve(arguments.next().unwrap_or_default())),
+        Some(birth::CHILD) => worker::end(birth::serve()),
         _ => {}
     }
 }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use crate::locked::locked;
+use crate::scratch::ScratchError;
 
 /// A working directory and a folder for temporary files, both empty for each point. Their paths are the same in every run.
 #[derive(Debug)]
@@ -17,13 +18,13 @@ static TAKEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 impl Room {
     /// The first room within a folder that nobody has.
-    pub(crate) fn take(within: &Path) -> io::Result<Self> {
-        let within = std::path::absolute(within)?;
+    pub(crate) fn take(within: &Path) -> Result<Self, ScratchError> {
+        let within = std::path::absolute(within).map_err(ScratchError::at(within))?;
         let path =
             (1..).map(|number| within.join(format!("room-{number}"))).find(|path| locked(&TAKEN).insert(path.clone()));
         let room = Self(path.expect("numbers do not end"));
         for folder in room.folders() {
-            fs::create_dir_all(folder)?;
+            fs::create_dir_all(&folder).map_err(ScratchError::at(&folder))?;
         }
         Ok(room)
     }

@@ -17,7 +17,7 @@ use crate::system;
 
 /// Why there is no folder.
 #[derive(Debug, Error)]
-#[error("{path}: {source}")]
+#[error("{path}: {source}; set TMPDIR to another folder")]
 pub struct ScratchError {
     /// The folder in which it was to be, or its lock.
     pub path: PathBuf,
@@ -26,7 +26,7 @@ pub struct ScratchError {
 }
 
 impl ScratchError {
-    fn at(path: &Path) -> impl FnOnce(io::Error) -> Self {
+    pub(crate) fn at(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
         move |source| Self { path, source }
     }

@@ -92,8 +92,6 @@ pub(crate) struct Reply {
     pub(crate) index: u64,
     /// Its results in the FMU's units, or why there are none.
     pub(crate) answer: Outcome,
-    /// Whether no other point may use its process, because this one did not end plainly.
-    pub(crate) odd: bool,
     /// Whether the process that has loaded the FMU may be forked, where that has been looked at.
     pub(crate) forkable: Option<bool>,
 }
@@ -101,7 +99,7 @@ pub(crate) struct Reply {
 impl Reply {
     /// An outcome of which no more is known.
     pub(crate) fn new(index: u64, answer: Outcome) -> Self {
-        Self { index, answer, odd: false, forkable: None }
+        Self { index, answer, forkable: None }
     }
 }
 
@@ -191,7 +189,7 @@ mod tests {
             let failure = Failure::Error(text);
             let trouble = Trouble { notices: notices.clone().unwrap(), ..Trouble::lost(failure.clone()) };
             let good = Reply::new(index, Ok(Simulated { values: values.clone(), notices: notices.clone() }));
-            let bad = Reply { odd: true, forkable: Some(flag), ..Reply::new(index, Err(trouble)) };
+            let bad = Reply { forkable: Some(flag), ..Reply::new(index, Err(trouble)) };
             match read(&bytes(&Said::Replies(vec![good, bad.clone()]))) {
                 Some(Said::Replies(replies)) => {
                     let simulated = replies[0].answer.as_ref().unwrap();

@@ -16,7 +16,7 @@ use crate::child::Estate;
 use crate::failure::Failure;
 use crate::points::{Job, Limits};
 use crate::room;
-use crate::system::{self, Shared, Streams};
+use crate::system::{self, Streams};
 use crate::wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read};
 use fmu_import::isolation::keeper::signal_name;
 use fmu_import::isolation::{Bounds, Child, Keeper, Loss, Parting, frame};
@@ -56,7 +56,6 @@ pub(crate) fn serve() -> io::Result<()> {
         package: None,
         library: None,
         used: None,
-        progress: Shared::new()?,
         setup,
     };
     while let Some(order) = orders.wait()? {
@@ -77,8 +76,6 @@ struct Service {
     library: Option<Arc<Library>>,
     /// The child that runs many points.
     used: Option<Child>,
-    /// How many points of its present message that child has begun.
-    progress: Shared,
 }
 
 impl Service {
@@ -178,6 +175,7 @@ impl Service {
             // Its initialisers may have changed what this process does about its children.
             system::adopt_orphans();
             self.library = Some(library.map_err(named)?);
+            system::keep_code_mapped();
         }
         Ok(())
     }
@@ -192,29 +190,17 @@ impl Service {
         }
     }
 
-    /// Runs points in one child. When the child is lost, the point that it was running is answered as lost, and
-    /// another child runs the rest; likewise behind a point that did not end plainly.
+    /// Runs points in one child. Where it is lost, nobody knows which of them has cost it: those that are left run alone.
     fn run_used(&mut self, mut jobs: VecDeque<Job>) -> io::Result<()> {
-        let mut in_vain = false;
         while !jobs.is_empty() {
-            let before = jobs.len();
-            let Some(loss) = self.attempt(&mut jobs)? else {
+            if self.attempt(&mut jobs)? {
                 continue;
-            };
+            }
             self.used = None;
-            let failure = self.failure(&loss)?;
-            // Those before it have to be run again: their answers were not sent yet.
-            let answered = before - jobs.len();
-            let at = self.progress.get().checked_sub(1 + answered as u64);
-            let at = at.and_then(|at| usize::try_from(at).ok());
-            let at = at.filter(|&at| at < jobs.len());
-            // A child that ends between points has not been struck by one, unless that goes on and on.
-            let at = at.or((in_vain && answered == 0).then_some(0));
-            in_vain = answered == 0;
-            if let Some(job) = at.and_then(|at| jobs.remove(at)) {
-                let reply = Reply::new(job.index, Err(Trouble::lost(failure)));
+            for job in jobs.drain(..) {
+                let reply = self.run_alone(job.index, &Order::New(vec![job]))?;
                 self.output.held.push(reply);
-                in_vain = false;
+                self.output.send_in_time()?;
             }
         }
         let swollen = |child: &Child| child.resident() > self.setup.limits.memory / 2;
@@ -225,9 +211,8 @@ impl Service {
         Ok(())
     }
 
-    /// Lets the child run points until all are answered, or one was odd, or it is lost.
-    fn attempt(&mut self, jobs: &mut VecDeque<Job>) -> io::Result<Option<Loss>> {
-        self.progress.set(0);
+    /// Lets the child run points until all are answered, or one has failed; `false` where it is lost.
+    fn attempt(&mut self, jobs: &mut VecDeque<Job>) -> io::Result<bool> {
         let mut child = match self.used.take() {
             Some(child) => child,
             None => match self.begin(&Order::Used(Vec::new()))? {
@@ -235,38 +220,36 @@ impl Service {
                 Err(trouble) => {
                     let same = |job: Job| Reply::new(job.index, Err(trouble.clone()));
                     self.output.held.extend(jobs.drain(..).map(same));
-                    return Ok(None);
+                    return Ok(true);
                 }
             },
         };
         if child.send(&bytes(jobs)).is_err() {
-            return Ok(Some(Loss::Mute));
+            return Ok(false);
         }
         while !jobs.is_empty() {
-            let replies = match self.hear(&mut child) {
-                Ok(Said::Replies(replies)) => replies,
-                Ok(_) => return Ok(Some(Loss::Mute)),
-                Err(loss) => return Ok(Some(loss)),
+            let Ok(Said::Replies(replies)) = self.hear(&mut child) else {
+                return Ok(false);
             };
             for mut reply in replies {
                 if jobs.front().is_none_or(|job| job.index != reply.index) {
-                    return Ok(Some(Loss::Mute));
+                    return Ok(false);
                 }
                 jobs.pop_front();
                 self.hear_of_licences(&mut reply);
-                let odd = reply.odd;
+                let failed = reply.answer.is_err();
                 self.output.held.push(reply);
-                if odd {
+                if failed {
                     // It frees its instance, and ends.
                     child.part(&mut self.keeper, grace(&self.setup));
                     self.output.send_in_time()?;
-                    return Ok(None);
+                    return Ok(true);
                 }
             }
             self.output.send_in_time()?;
         }
         self.used = Some(child);
-        Ok(None)
+        Ok(true)
     }
 
     /// A child that has loaded the FMU, and whether its process may be forked, where that was looked at; or why there is
@@ -312,8 +295,7 @@ impl Service {
     /// A child at work; waits for room where the system has none at the moment.
     fn child(&mut self, library: Option<Arc<Library>>, order: &Order) -> io::Result<Child> {
         const PAUSES: [u64; 5] = [1, 10, 100, 500, 1000];
-        let mut estate =
-            Estate { setup: &self.setup, package: self.package.as_mut(), library, progress: &self.progress };
+        let mut estate = Estate { setup: &mut self.setup, package: self.package.as_mut(), library };
         for pause in PAUSES {
             // SAFETY: where children are forks, a worker has a single thread; loading the FMU has started none, or it is
             // not loaded here.

@@ -63,7 +63,7 @@ impl Error {
 
 impl From<ScratchError> for Error {
     fn from(ScratchError { path, source }: ScratchError) -> Self {
-        FileError::read(&path, source).into()
+        FileError::new(&path, format!("{source}; set TMPDIR to another folder")).into()
     }
 }
 

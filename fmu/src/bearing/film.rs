@@ -118,6 +118,11 @@ impl Film {
         Ok(())
     }
 
+    /// Whether it was started.
+    pub fn is_running(&self) -> bool {
+        !matches!(self.running, Running::None)
+    }
+
     /// The mobility film of a bearing, for estimates of what another film would take long to say.
     ///
     /// # Errors

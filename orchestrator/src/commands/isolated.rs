@@ -78,9 +78,23 @@ pub(super) struct Isolated {
 
 impl Isolated {
     pub(super) fn new(package: &mut Package) -> Result<Self, Error> {
-        let scratch = stop::scratch().map_err(Error::from)?;
+        let scratch = stop::scratch()?;
+        let fmu = package.unpack(scratch.path())?;
+        Ok(Self::at(fmu, package, scratch))
+    }
+
+    /// The same from another path than that of all other commands: an FMU whose results depend on where it lies shows it there.
+    pub(super) fn elsewhere(package: &mut Package) -> Result<Self, Error> {
+        let scratch = stop::scratch()?;
+        let folder = scratch.path().join("again");
+        std::fs::create_dir(&folder).map_err(Error::io(&folder))?;
+        let fmu = package.unpack_anew(&folder)?.keep();
+        Ok(Self::at(fmu, package, scratch))
+    }
+
+    fn at(fmu: PathBuf, package: &Package, scratch: Scratch) -> Self {
         let named = working_directory::is_kept(package.description(), []);
-        Ok(Self { fmu: package.unpack(scratch.path())?, name: package.path().to_owned(), scratch, named })
+        Self { fmu, name: package.path().to_owned(), scratch, named }
     }
 
     /// How single points are recorded: without a limit of time, as a person watches and can press Ctrl-C.

@@ -30,7 +30,7 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
     let parameters = verification.source.parameters(index);
     let session = &mut verification.session;
     let wanted = wanted(options, &session.plan.cases)?;
-    let run = Isolated::new(&mut session.package)?;
+    let run = Isolated::elsewhere(&mut session.package)?;
     let outcome = session.outcome(run.run(&session.plan.cases, &job)?);
     let columns = Columns::usual(session.package.description(), false);
     let mut files = String::new();

@@ -135,9 +135,9 @@ fn a_point_spoils_no_other() {
     }
 }
 
-/// All behaviours: prints those that spoil others.
+/// All behaviours: prints each as it is done, and how many healthy points are wrong.
 #[test]
-#[ignore = "takes minutes"]
+#[ignore = "takes minutes: cargo test --workspace --test cli all_behaviours -- --ignored --nocapture"]
 fn all_behaviours() {
     let bench = Bench::empty();
     bench.damage();
@@ -147,8 +147,8 @@ fn all_behaviours() {
         for (what, name) in WHAT.iter().enumerate().skip(1) {
             for (how, end) in HOW.iter().enumerate() {
                 let wrong = wrong(&bench, what, how, every, points, jobs);
+                println!("{name}, {end}, one in {every}, {jobs} jobs: {wrong} of {points} wrong");
                 if wrong > 0 {
-                    println!("{name}, {end}, one in {every}, {jobs} jobs: {wrong} of {points}");
                     spoilt.push(*name);
                 }
             }

@@ -229,7 +229,19 @@ pub fn elements<M: Model>(place: usize) -> &'static [Variable<M>] {
 /// # Errors
 /// Names the first variable whose value lies outside.
 pub fn check_ranges<M: Model>(model: &M) -> Result<(), Fault> {
-    for variable in M::variables() {
+    check_ranges_of(model, |_| true)
+}
+
+/// The same for what no host can have changed since the start: bytes of a saved state may hold anything.
+///
+/// # Errors
+/// Names the first variable whose value lies outside.
+pub fn check_fixed<M: Model>(model: &M) -> Result<(), Fault> {
+    check_ranges_of(model, |role| role == Role::Parameter)
+}
+
+fn check_ranges_of<M: Model>(model: &M, wanted: impl Fn(Role) -> bool) -> Result<(), Fault> {
+    for variable in M::variables().iter().filter(|variable| wanted(variable.role)) {
         match &variable.kind {
             Kind::Real(real) if real.access.set.is_some() => {
                 let (value, unit) = ((real.access.get)(model), real.unit.name);

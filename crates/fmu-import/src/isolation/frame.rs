@@ -138,7 +138,7 @@ impl<R: Read> Inbox<R> {
     /// # Errors
     /// When the system says no.
     pub fn read(&mut self) -> io::Result<bool> {
-        let mut buffer = [0; 1 << 14];
+        let mut buffer = [0; 1 << 12];
         match self.from.read(&mut buffer) {
             Ok(0) => Ok(false),
             Ok(count) => {

@@ -4,7 +4,6 @@
 //! - [`frame`]: bytes between processes, with length and checksum;
 //! - [`keeper`]: a process that starts children, watches them and outlives whatever they do;
 //! - `offspring`: what an FMU leaves running is found and ended (Unix);
-//! - [`Traces`]: what a simulation leaves in its process;
 //! - [`watch`]: whether anything was changed in a folder that points share;
 //! - `words`: what children print, as far as it is worth keeping.
 //!
@@ -25,8 +24,6 @@ pub mod offspring;
 #[cfg(unix)]
 mod system;
 mod tail;
-#[cfg(unix)]
-mod traces;
 pub mod watch;
 #[cfg(windows)]
 mod windows;
@@ -41,13 +38,9 @@ pub use control_group::ControlGroup;
 pub use frame::Broken;
 pub use keeper::Keeper;
 pub use loss::{Bounds, Loss, Parting};
-#[cfg(unix)]
-pub use traces::Traces;
 #[cfg(windows)]
 pub use windows::birth::Place;
 #[cfg(windows)]
 pub use windows::job::ControlGroup;
-#[cfg(windows)]
-pub use windows::traces::Traces;
 #[cfg(windows)]
 pub use windows::{keeper, pipe, process};

@@ -7,8 +7,6 @@ use std::os::unix::fs::{DirBuilderExt, MetadataExt};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{ChildStdout, Command, ExitStatus};
-use std::ptr::{NonNull, null_mut};
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use fmu_import::isolation::frame::Inbox;
@@ -16,7 +14,6 @@ use fmu_import::isolation::offspring;
 use fmu_import::isolation::words::Words;
 use fmu_import::isolation::{Keeper, Loss};
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::mm::{MapFlags, ProtFlags, mmap_anonymous};
 use rustix::process::{Pid, Signal, geteuid, kill_process_group};
 use rustix::stdio::dup2_stdin;
 
@@ -198,28 +195,29 @@ impl Streams {
     }
 }
 
-/// A number that this process and its children see. An FMU may overwrite it: nothing but a guess may rest on it.
-#[derive(Debug)]
-pub(crate) struct Shared(NonNull<AtomicU64>);
+/// Lets forks of this process have the code that it has mapped: a fork inherits the page tables of a file's mapping only where a
+/// page of that was ever written to, and else finds its code again page by page, which takes longer than a short point. So the
+/// first byte of each mapping is written as it is. Where the system forbids that, forks are slower.
+pub(crate) fn keep_code_mapped() {
+    #[cfg(target_os = "linux")]
+    {
+        use std::os::unix::fs::FileExt;
 
-impl Shared {
-    pub(crate) fn new() -> io::Result<Self> {
-        let size = size_of::<AtomicU64>();
-        let access = ProtFlags::READ | ProtFlags::WRITE;
-        // SAFETY: asks for fresh memory; no existing mapping is touched.
-        let place = unsafe { mmap_anonymous(null_mut(), size, access, MapFlags::SHARED) }?;
-        let place = NonNull::new(place.cast()).expect("nothing is mapped at 0");
-        // It lives as long as this process.
-        Ok(Self(place))
-    }
-
-    pub(crate) fn get(&self) -> u64 {
-        // SAFETY: the mapping is page-aligned, holds zeroes at first, and is never unmapped.
-        unsafe { self.0.as_ref() }.load(Ordering::Relaxed)
-    }
-
-    pub(crate) fn set(&self, value: u64) {
-        // SAFETY: as in `get`.
-        unsafe { self.0.as_ref() }.store(value, Ordering::Relaxed);
+        let maps = fs::read_to_string("/proc/self/maps").unwrap_or_default();
+        let Ok(memory) = File::options().read(true).write(true).open("/proc/self/mem") else { return };
+        for line in maps.lines() {
+            // Such as `7f12c000-7f14d000 r-xp 00001000 fe:00 324 /lib/libc.so.6`.
+            let mut words = line.split_ascii_whitespace();
+            let (Some(range), Some("r-xp" | "r--p"), Some(file)) = (words.next(), words.next(), words.nth(3)) else {
+                continue;
+            };
+            let place = range.split('-').next().and_then(|place| u64::from_str_radix(place, 16).ok());
+            let mut byte = [0];
+            if let Some(place) = place.filter(|_| file.starts_with('/'))
+                && memory.read_exact_at(&mut byte, place).is_ok()
+            {
+                let _ = memory.write_all_at(&byte, place);
+            }
+        }
     }
 }

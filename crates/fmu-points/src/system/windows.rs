@@ -5,16 +5,12 @@ use std::io;
 use std::os::windows::io::{AsHandle, OwnedHandle};
 use std::path::{Path, PathBuf};
 use std::process::{ChildStdout, ExitStatus};
-use std::ptr::{self, NonNull};
-use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use fmu_import::isolation::frame::Inbox;
 use fmu_import::isolation::pipe::Arrivals;
 use fmu_import::isolation::process;
 use fmu_import::isolation::{Keeper, Loss};
-use windows_sys::Win32::Foundation::INVALID_HANDLE_VALUE;
-use windows_sys::Win32::System::Memory::{CreateFileMappingW, FILE_MAP_ALL_ACCESS, MapViewOfFile, PAGE_READWRITE};
 
 pub use fmu_import::isolation::process::memory_of_machine;
 pub(crate) use fmu_import::isolation::process::{detach, detach as set_apart};
@@ -131,46 +127,5 @@ impl Streams {
     }
 }
 
-/// A number that this process and its children see. An FMU may overwrite it: nothing but a guess may rest on it.
-#[derive(Debug)]
-pub(crate) struct Shared {
-    place: NonNull<AtomicU64>,
-    name: String,
-}
-
-impl Shared {
-    pub(crate) fn new() -> io::Result<Self> {
-        Self::open(format!(r"Local\orchestrator-{:032x}", rand::random::<u128>()))
-    }
-
-    /// The number of this name; a new one, zero, where there is none yet.
-    pub(crate) fn open(name: String) -> io::Result<Self> {
-        let size = size_of::<AtomicU64>();
-        let wide: Vec<u16> = name.encode_utf16().chain([0]).collect();
-        let (file, none) = (INVALID_HANDLE_VALUE, ptr::null());
-        // SAFETY: fresh memory without a file behind it; the name ends with a zero.
-        let mapping = unsafe { CreateFileMappingW(file, none, PAGE_READWRITE, 0, size as u32, wide.as_ptr()) };
-        if mapping.is_null() {
-            return Err(io::Error::last_os_error());
-        }
-        // SAFETY: a valid handle, of which the whole is asked for. The handle and the view live as long as this process.
-        let view = unsafe { MapViewOfFile(mapping, FILE_MAP_ALL_ACCESS, 0, 0, size) };
-        let place = NonNull::new(view.Value.cast()).ok_or_else(io::Error::last_os_error)?;
-        Ok(Self { place, name })
-    }
-
-    /// By which a child finds it.
-    pub(crate) fn name(&self) -> &str {
-        &self.name
-    }
-
-    pub(crate) fn get(&self) -> u64 {
-        // SAFETY: the view is page-aligned, holds zeroes at first, and is never unmapped.
-        unsafe { self.place.as_ref() }.load(Ordering::Relaxed)
-    }
-
-    pub(crate) fn set(&self, value: u64) {
-        // SAFETY: as in `get`.
-        unsafe { self.place.as_ref() }.store(value, Ordering::Relaxed);
-    }
-}
+/// There are no forks.
+pub(crate) fn keep_code_mapped() {}

@@ -5,7 +5,6 @@
 //! - [`keeper`]: a process that starts children and watches them;
 //! - [`pipe`]: waits for a pipe for a limited time;
 //! - [`process`]: memory, end and modes of processes;
-//! - `traces`: as on Unix;
 //! - `words`: what a child prints.
 
 pub(super) mod birth;
@@ -13,5 +12,4 @@ pub(super) mod job;
 pub mod keeper;
 pub mod pipe;
 pub mod process;
-pub(super) mod traces;
 mod words;
