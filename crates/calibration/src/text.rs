@@ -507,12 +507,21 @@ fn influence(outcome: &IdentificationOutcome) -> String {
 fn doubts(outcome: &IdentificationOutcome) -> String {
     let converged = outcome.end == End::Converged;
     let doubts = converged.then(|| outcome.doubts()).into_iter().flatten();
+    // A model is blamed where the search is sure of its optimum.
+    let [lowest, searches] = [outcome.search.lowest(), outcome.search.minima.len()];
+    let is_unsure = converged && outcome.fit() == Fit::Misses && 2 * lowest < searches;
+    let search = is_unsure.then(|| {
+        format!(
+            "Only {lowest} of {searches} searches ended as low as this, so a lower minimum may have been missed: give more `starts` \
+             in [identify] before you blame the model."
+        )
+    });
     let close = outcome.is_too_close().then(|| {
         "warning: a right model with the stated uncertainties fits so well in fewer than 1 of 1,000 tests: the uncertainties are too \
          large, or the measured values were made from a model."
             .to_owned()
     });
-    doubts.chain(close).map(|doubt| doubt + "\n").collect()
+    search.into_iter().chain(doubts).chain(close).map(|doubt| doubt + "\n").collect()
 }
 
 fn goodness(outcome: &IdentificationOutcome, doubts: &str) -> String {

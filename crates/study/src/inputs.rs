@@ -92,12 +92,7 @@ impl ZeroError {
     ///
     /// # Errors
     /// When the uncertainty is no positive number in the input's unit, or the input takes no zero error.
-    fn new(
-        key: &Name,
-        recording: &RecordingText,
-        series: &Series,
-        scale: &Scale<'_>,
-    ) -> Result<Option<Self>, String> {
+    fn new(key: &Name, recording: &RecordingText, series: &Series, scale: &Scale<'_>) -> Result<Option<Self>, String> {
         let Some(stated) = &recording.uncertainty else {
             return Ok(None);
         };
@@ -109,8 +104,8 @@ impl ZeroError {
             _ => Some(scale.number(stated, Sense::Difference)?),
         };
         let expanded = expanded.filter(|number| *number > 0.0 && number.is_finite());
-        let expanded =
-            expanded.ok_or_else(|| format!("the uncertainty {stated} must be a positive number in the input's unit"))?;
+        let expanded = expanded
+            .ok_or_else(|| format!("the uncertainty {stated} must be a positive number in the input's unit"))?;
         Ok(Some(Self {
             key: key.clone(),
             name: format!("{}/offset", key.as_ref()),
@@ -124,7 +119,8 @@ impl ZeroError {
 
     /// Adds that of a case to those of the cases before.
     pub(super) fn join(mut self, all: &mut Vec<Self>, number: usize, case: Option<&CaseText>) {
-        let is_same = |known: &&mut Self| (&known.slot, &known.unit, known.spread) == (&self.slot, &self.unit, self.spread);
+        let is_same =
+            |known: &&mut Self| (&known.slot, &known.unit, known.spread) == (&self.slot, &self.unit, self.spread);
         if let Some(same) = all.iter_mut().find(is_same) {
             return same.cases.push(number);
         }

@@ -375,7 +375,7 @@ max = 2
     bench.write("at.toml", &at_optimum);
     bench.write("bare.csv", &format!("lag.rate\n{best}\n"));
     for (table, code, exact) in [("drawn/points.csv", 0, false), ("bare.csv", 1, true)] {
-        let said = bench.run(&["verify", "at.toml", "--points-from", table, "--output", "table", "--overwrite"]);
+        let said = bench.run(&["verify", "at.toml", "--points-from", table, "--output", "table", "--force"]);
         assert_eq!(said.code, code, "{table}: {}{}", said.out, said.err);
         let summary = bench.json("table/summary.json").to_string();
         assert_eq!(summary.contains("input-taken-as-exact"), exact, "{table}");
