@@ -6,6 +6,7 @@ use number_tables::files::FileError;
 use number_tables::{Column, Table};
 use sampling::design::Design;
 use sampling::distribution::Distribution;
+use study::inputs::ZeroError;
 use study::plan::Input;
 use study::{ParameterText, Study};
 
@@ -20,20 +21,29 @@ pub enum Source {
 
 impl Source {
     /// The parameters of a study from a table, in the study's units. A fixed parameter needs
-    /// no column.
+    /// no column, and without theirs the zero errors of recorded inputs are 0.
     ///
     /// # Errors
     /// As [`Table::read`].
     pub fn from_table(study: &Study, inputs: &[Input], path: &Path) -> Result<Self, FileError> {
-        let pairs = || study.parameters.values().zip(inputs);
-        let constant = |(parameter, input): (&ParameterText, &Input)| match input.distribution {
-            Distribution::Fixed { value } if parameter.column.is_none() => Some(value),
+        let read = |with_errors: bool| Self::read(study, inputs, path, with_errors);
+        let has_errors = inputs.len() > study.parameters.len();
+        let with_errors = has_errors.then(|| read(true).ok()).flatten();
+        with_errors.map_or_else(|| read(false), Ok)
+    }
+
+    fn read(study: &Study, inputs: &[Input], path: &Path, with_errors: bool) -> Result<Self, FileError> {
+        let texts = study.parameters.values().map(Some).chain(std::iter::repeat(None));
+        let pairs = || texts.clone().zip(inputs);
+        let constant = |(parameter, input): (Option<&ParameterText>, &Input)| match (&input.distribution, parameter) {
+            (Distribution::Fixed { value }, Some(parameter)) if parameter.column.is_none() => Some(*value),
+            (_, None) if !with_errors => Some(0.0),
             _ => None,
         };
         let columns = pairs().filter(|&pair| constant(pair).is_none());
         let columns = columns.map(|(parameter, input)| {
-            let names = parameter.column.iter().chain([&input.name]).cloned();
-            (names.collect(), format!("the parameter {}", input.name))
+            let column = parameter.and_then(|parameter| parameter.column.as_ref());
+            (column.into_iter().chain([&input.name]).cloned().collect(), format!("the parameter {}", input.name))
         });
         let columns: Vec<Column> = columns.collect();
         let mut table = Table::read_points(path, &columns)?;
@@ -51,6 +61,12 @@ impl Source {
             *row = values.collect();
         }
         Ok(Self::Table(table))
+    }
+
+    /// Whether points of a table take a recorded input as it is, as its zero error has no column or is 0 throughout.
+    pub fn lacks(&self, inputs: &[Input], error: &ZeroError) -> bool {
+        let place = inputs.iter().position(|input| input.name == error.name);
+        matches!((self, place), (Self::Table(table), Some(place)) if table.rows.iter().all(|row| row[place] == 0.0))
     }
 
     /// How many points there are.

@@ -445,7 +445,7 @@ FILE: text in any usual form, or {endings}
 --output FOLDER   where the csv goes (beside FILE)
 --zero STAMP      the moment of time 0, for several files of a run
 for text and spreadsheets, where two readings are possible:
---delimiter LETTER (or tab, space), --decimal . (or ,), --encoding NAME, --header LINE (of the names),
+--delimiter LETTER (or tab, space), --decimal . (or ,), --encoding NAME, --header LINE (of the names; 0 where there are none),
 --time COLUMN, --format "%d/%m/%Y %H:%M:%S", --unit NAME=UNIT"""
 
 

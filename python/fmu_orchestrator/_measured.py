@@ -10,7 +10,7 @@ from typing import Any
 
 from . import _html, _toml
 from ._convert import convert, is_text
-from ._program import Value, flags, run
+from ._program import Value, flags, run, text_of
 from ._study import Study
 from ._table import Given, Table, given, read
 
@@ -19,19 +19,22 @@ MEASURED = Path("results", "measured")
 
 
 def init(
-    fmu: StrPath, *, measured: Given | None = None, stop: float | None = None, step: float | None = None
+    fmu: StrPath, *, measured: Given | None = None, values: Mapping[str, Value] | None = None, stop: float | None = None,
+    step: float | None = None,
 ) -> Study:
     """A study of an FMU that runs as it is: parameters with start values vary by 10 %, and criteria are made of outputs.
 
     ``measured`` is a file or a table of pandas, polars, pyarrow or a mapping, with columns ``NAME`` or ``NAME [UNIT]`` of the
     FMU's outputs; with a column ``time`` they are curves. Without it the nominal values come from a run of the model, and
-    the verdict says so. ``stop`` and ``step`` in seconds.
+    the verdict says so. ``values`` are start values, numbers or texts with a unit, such as those of inputs that start at 0; ``stop``
+    and ``step`` in seconds.
     """
     table = None if measured is None else given(measured, MEASURED)
     with tempfile.TemporaryDirectory(prefix="init-") as place:
         file = Path(place).resolve() / "study.toml"
         paths = {"measured": None if table is None else table.absolute(), "output": file}
-        run("init", Path(fmu).absolute(), *flags({**paths, "stop": stop, "step": step}))
+        settings = [f"--set={name}={text_of(value)}" for name, value in (values or {}).items()]
+        run("init", Path(fmu).absolute(), *settings, *flags({**paths, "stop": stop, "step": step}))
         content = tomllib.loads(file.read_text(encoding="utf-8"))
         return Study(_toml.placed(content, file.parent), name=Path(fmu).stem)
 

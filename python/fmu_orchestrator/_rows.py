@@ -244,6 +244,11 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     columns_named = max((j + 1 for j, name in enumerate(names) if name), default=0)
     if columns_named > width:
         raise OrchestratorError(f"{path}: {columns_named} names on line {header} and {width} cells in most rows; say --delimiter or --header")
+    if not header and options.header is None:
+        # Codes and channel numbers may stand where names do: as values they would be a row that nobody measured.
+        raise OrchestratorError(
+            f"{path}: line {first + 1} (`{' '.join(rows[first])[:40]}`) is all numbers, and no names stand above: they may be values or names; say "
+            f"--header 0 where they are values, or --header {first + 1}")
     if not header:
         told.append("no row of names: the columns are numbered")
     most = max(filled[k] for k in good)

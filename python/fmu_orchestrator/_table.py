@@ -92,8 +92,11 @@ class Table:
 
     def to_pandas(self) -> Any:
         """The table as a frame of pandas; its ``attrs["units"]`` are the units. Needs pandas."""
-        import numpy
-        import pandas  # type: ignore[import-untyped, unused-ignore]
+        try:
+            import numpy
+            import pandas  # type: ignore[import-untyped, unused-ignore]
+        except ImportError as error:
+            raise OrchestratorError(f"to_pandas() needs {error.name}: pip install pandas") from None
 
         frame = pandas.DataFrame(
             {name: numpy.array(column) if isinstance(column, array) else column for name, column in self._columns.items()}
@@ -204,6 +207,7 @@ def csv_of(table: Any) -> bytes:
     """The columns of a table of pandas, polars, pyarrow or a mapping as a csv file."""
     names = getattr(table, "column_names", None)
     if names is None:
+        table = _with_index(table)
         names = getattr(table, "columns", None)
     if names is None and hasattr(table, "keys"):
         names = table.keys()
@@ -215,6 +219,19 @@ def csv_of(table: Any) -> bytes:
     columns = [_listed(table[name]) for name in names]
     writer.writerows(map(_written, row) for row in zip(*columns, strict=True))
     return content.getvalue().encode()
+
+
+def _with_index(table: Any) -> Any:
+    """A frame of pandas with its index as a column: moments and durations become seconds; an index of row numbers is none."""
+    index = getattr(table, "index", None)
+    if not hasattr(index, "to_numpy") or not hasattr(table, "reset_index"):
+        return table
+    name = index.name or "time"
+    if (is_moment := hasattr(index, "tz")) or hasattr(index, "total_seconds"):
+        index, name = (index - index.min() if is_moment else index).total_seconds(), "time [s]"
+    elif index.name is None and index.dtype.kind != "f":
+        return table
+    return table if name in table.columns else table.set_axis(index, axis=0).rename_axis(name).reset_index()
 
 
 def is_table(value: object) -> bool:

@@ -11,7 +11,7 @@ from python_package import PAPER
 from SALib.sample import latin
 
 from fmu_orchestrator import OrchestratorError, Study, _arrow
-from fmu_orchestrator._table import parse
+from fmu_orchestrator._table import csv_of, parse
 
 
 def test_libraries_take_tables_as_they_are():
@@ -32,6 +32,22 @@ def test_libraries_take_tables_as_they_are():
     assert np.isnan(table.to_numpy(["x", "gap"])[:, 1]).sum() == 14
     with pytest.raises(KeyError, match="there are point, x"):
         table["y"]
+
+
+@pytest.mark.parametrize(("index", "head", "times"), [
+    (None, "T", []),
+    (pandas.Index([3, 5]), "T", []),
+    (pandas.Index([0.5, 1.0]), "time,T", [0.5, 1.0]),
+    (pandas.Index([0, 5], name="t [min]"), "t [min],T", [0.0, 5.0]),
+    (pandas.to_timedelta([5, 6], unit="s"), "time [s],T", [5.0, 6.0]),
+    (pandas.date_range("2026-11-03", periods=2, freq="10s", tz="Europe/Berlin", name="Zeit"), "time [s],T", [0.0, 10.0]),
+    (pandas.to_datetime([]), "time [s],T", []),
+])
+def test_an_index_of_times_is_a_column(index, head, times):
+    frame = pandas.DataFrame({"T": [] if index is not None and not len(index) else [1.0, 2.0]})
+    names, *rows = csv_of(frame if index is None else frame.set_index(index)).decode().splitlines()
+    assert names == head
+    assert [float(row.split(",")[0]) for row in rows if "," in row] == times
 
 
 @pytest.mark.parametrize("rows", [0, 1, 8, 9, 30])

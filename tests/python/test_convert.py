@@ -2,16 +2,20 @@
 
 import csv
 import datetime
+import os
+import random
 import sys
 from types import SimpleNamespace
 
 import numpy as np
+import pandas
 import pytest
 from test_acceptance import ROOT
 
 sys.path.insert(0, str(ROOT / "python"))
 from fmu_orchestrator import OrchestratorError
 from fmu_orchestrator._convert import EXTRAS, Contents, _by_length, _valid, convert, convert_here, main
+from fmu_orchestrator._rows import Options
 
 
 def rows(path):
@@ -40,6 +44,73 @@ def test_the_csv_of_another_logger_stays(tmp_path):
         convert(tmp_path / "rig.mat")
     assert (tmp_path / "rig.csv").read_text() == "measured"
     assert {path.name for path in tmp_path.iterdir()} == {"rig.mat", "rig.csv"}
+
+
+def test_a_table_of_numbers_alone_is_asked_about(tmp_path):
+    """A row of codes (SRML's files of solar radiation) is no row of values."""
+    path = tmp_path / "codes.txt"
+    path.write_text("94255\t2018\t1000\n1\t1\t-20.5\n1\t2\t-21.3\n")
+    with pytest.raises(OrchestratorError, match=r"line 1 \(`94255 2018 1000`\) .* may be values or names; say --header 0 .* --header 1"):
+        convert_here(path, tmp_path)
+    [named] = convert_here(path, tmp_path / "named", options=Options(header=1))
+    assert rows(named) == [["94255", "2018", "1000"], ["1.0", "1.0", "-20.5"], ["1.0", "2.0", "-21.3"]]
+    [values] = convert_here(path, tmp_path / "values", options=Options(header=0))
+    assert rows(values)[:2] == [["1", "2", "3"], ["94255.0", "2018.0", "1000.0"]]
+
+
+# So many files of each format are damaged; `MUTATED=2000` is the long run.
+MUTATED = int(os.environ.get("MUTATED", "3"))
+SAMPLES = {
+    "csv": lambda path: path.write_text("time [s],T [degC]\n" + "".join(f"{k / 10},{20 + k % 7}\n" for k in range(60))),
+    "xlsx": lambda path: pytest.importorskip("openpyxl") and pandas.DataFrame({"t": range(40), "x": range(40)}).to_excel(path, index=False),
+    "parquet": lambda path: pandas.DataFrame({"t": pandas.date_range("2026-11-03", periods=40), "x": range(40)}).to_parquet(path),
+    "mat": lambda path: pytest.importorskip("scipy.io").savemat(path, {"run": {"t": np.arange(40.0), "x": np.ones(40)}}),
+    "h5": lambda path: _hdf5(path),
+    "mf4": lambda path: _mdf(path),
+    "tdms": lambda path: _tdms(path),
+}
+
+
+def _hdf5(path):
+    with pytest.importorskip("h5py").File(path, "w") as file:
+        file["t"], file["run/x"] = np.arange(40.0), np.ones((40, 2))
+
+
+def _mdf(path):
+    asammdf = pytest.importorskip("asammdf")
+    with asammdf.MDF() as mdf:
+        mdf.append([asammdf.Signal(np.ones(40), np.arange(40.0), name="x", unit="V")])
+        mdf.save(path)
+
+
+def _tdms(path):
+    nptdms = pytest.importorskip("nptdms")
+    with nptdms.TdmsWriter(path) as file:
+        file.write_segment([nptdms.ChannelObject("g", "x", np.ones(40), {"wf_increment": 0.1})])
+
+
+@pytest.mark.parametrize("ending", SAMPLES)
+def test_a_damaged_file_is_read_or_is_one_line(tmp_path, ending):
+    """No crash, no hang, no flood: a library that fails costs a line."""
+    whole = tmp_path / f"whole.{ending}"
+    SAMPLES[ending](whole)
+    content, draw = whole.read_bytes(), random.Random(56)
+    for number in range(MUTATED):
+        damaged = bytearray(content)
+        for _ in range(draw.randint(1, 12)):
+            place, way = draw.randrange(len(damaged)), draw.random()
+            if way < 0.6:
+                damaged[place] = draw.randrange(256)
+            elif way < 0.8:
+                del damaged[place : place + draw.randint(1, 40)]
+            else:
+                damaged[place:place] = draw.randbytes(draw.randint(1, 20))
+        path = tmp_path / f"{number}.{ending}"
+        path.write_bytes(damaged)
+        try:
+            convert(path, tmp_path / "out" / str(number))
+        except OrchestratorError as error:
+            assert len(str(error).splitlines()) == 1, error
 
 
 def test_series_of_one_length_belong_together():

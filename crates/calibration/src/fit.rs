@@ -188,6 +188,16 @@ mod tests {
         }
     }
 
+    /// Of many valleys each search ends in another one, and none may be the lowest.
+    #[test]
+    fn an_unsure_search_asks_for_starts_before_it_blames_the_model() {
+        let outcome = fitted(measured(&[9.0, 9.0], 0.01), &|p, _| (7.0 * p).sin() + 0.3 * p);
+        let text = text::summary(&outcome);
+        assert!(2 * outcome.search.lowest() < outcome.search.minima.len(), "{:?}", outcome.search.minima);
+        let places = ["give more `starts`", "A right model would miss"].map(|words| text.find(words));
+        assert!(places[0].is_some() && places[0] < places[1], "{text}");
+    }
+
     /// A square reaches no negative number.
     #[test]
     fn what_the_model_cannot_reach_is_no_certain_fit() {

@@ -240,6 +240,15 @@ pub struct SearchOutcome {
     pub minima: Vec<f64>,
 }
 
+impl SearchOutcome {
+    /// How many searches ended as low as the lowest, by sums of squares that the data do not tell apart.
+    pub fn lowest(&self) -> usize {
+        const SAME: f64 = 1e-3;
+        let least = self.minima.first().copied().unwrap_or(0.0);
+        self.minima.partition_point(|&cost| cost <= least + 1.0 + SAME * least)
+    }
+}
+
 impl IdentificationOutcome {
     /// Gathers the results of a search, which has at least one optimum.
     pub fn new(problem: &Problem, optima: &[Optimum], progress: &Progress) -> Self {

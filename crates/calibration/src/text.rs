@@ -338,12 +338,21 @@ pub fn influence(outcome: &IdentificationOutcome) -> Vec<String> {
 pub fn doubts(outcome: &IdentificationOutcome) -> Vec<String> {
     let converged = outcome.end == End::Converged;
     let doubts = converged.then(|| outcome.doubts()).into_iter().flatten();
+    // A model is blamed where the search is sure of its optimum.
+    let [lowest, searches] = [outcome.search.lowest(), outcome.search.minima.len()];
+    let is_unsure = converged && outcome.fit() == Fit::Misses && 2 * lowest < searches;
+    let search = is_unsure.then(|| {
+        format!(
+            "Only {lowest} of {searches} searches ended as low as this, so a lower minimum may have been missed: give more `starts` \
+             in [identify] before you blame the model."
+        )
+    });
     let close = outcome.is_too_close().then(|| {
         "A right model with the stated uncertainties fits so well in fewer than 1 of 1,000 tests: the uncertainties are too large, or \
          the measured values were made from a model."
             .to_owned()
     });
-    doubts.chain(close).collect()
+    search.into_iter().chain(doubts).chain(close).collect()
 }
 
 /// The searches, and how one goes on that ended too early.

@@ -26,12 +26,13 @@ pub(super) struct Binder<'a> {
 }
 
 impl Binder<'_> {
-    /// From the FMU's units to the study's, a criterion each; the simulation of a point; doubts about its inputs.
+    /// From the FMU's units to the study's, a criterion each; the simulation of a point; the zero errors of its inputs, and doubts
+    /// about them.
     pub(super) fn task(
         &self,
         case: Option<&CaseText>,
         varied: Vec<Slot>,
-    ) -> Result<(Vec<Conversion>, Task, Vec<Concern>), FileError> {
+    ) -> Result<(Vec<Conversion>, Task, Vec<inputs::ZeroError>, Vec<Concern>), FileError> {
         let mut schedule = self.schedule().map_err(|message| match case {
             None => self.study.error(format!("[simulation] {message}")),
             Some(case) => {
@@ -42,9 +43,9 @@ impl Binder<'_> {
         })?;
         let (outputs, observed) = self.criteria(&schedule)?;
         let observed = self.windows(&mut schedule, observed)?;
-        let (inputs, doubts) = inputs::series(self.study, self.fmu, &schedule)?;
+        let (inputs, errors, doubts) = inputs::series(self.study, self.fmu, &schedule)?;
         let task = Task { schedule, sizes: self.fmu.sizes.clone(), fixed: self.fixed()?, varied, inputs, observed };
-        Ok((outputs, task, doubts))
+        Ok((outputs, task, errors, doubts))
     }
 
     fn variable<T: AsRef<str>>(&self, name: &Spanned<T>) -> Result<&Variable, FileError> {

@@ -1,8 +1,10 @@
 //! Inputs that follow a recording.
 
 use super::values::{find, slot_of};
-use super::{Name, RecordingText, Study};
+use super::{CaseText, Name, RecordingText, Study};
+use crate::cases::SEPARATOR;
 use crate::concern::{Code, Concern};
+use conformity::uncertainty::Uncertainty;
 use fmu_import::description::Interface;
 use fmu_import::quantity::{Quantity, Scale, Sense};
 use fmu_import::units::{Conversion, known};
@@ -12,13 +14,13 @@ use number_tables::Table;
 use number_tables::files::FileError;
 use sampling::statistics::moments::{quantile, sorted};
 
-/// The recordings of a study for an FMU.
+/// The recordings of a study for an FMU, and their zero errors.
 pub(super) fn series(
     study: &Study,
     fmu: &Description,
     schedule: &Schedule,
-) -> Result<(Vec<Series>, Vec<Concern>), FileError> {
-    let mut concerns = Vec::new();
+) -> Result<(Vec<Series>, Vec<ZeroError>, Vec<Concern>), FileError> {
+    let (mut errors, mut concerns) = (Vec::new(), Vec::new());
     let mut bind = |(name, recording): (&Name, &RecordingText)| {
         let wrong = |message: String| study.error_at(name, message);
         let key = name.as_ref().as_str();
@@ -57,26 +59,94 @@ pub(super) fn series(
                 .map_err(|message| named(format!("{}: {message}", path.display())))?;
         }
         concerns.extend(doubts(&series, schedule, &scale));
-        concerns.extend(recording.uncertainty.as_ref().map(|stated| {
-            let text = format!(
-                "{key}: the stated uncertainty of the recorded input ({stated}) counts in `identify` alone: no risk and no error bar of \
-                 a verdict has it"
-            );
-            let remedy = match recording.offset {
-                Some(_) => "Add what it does to the results to the `uncertainty` of the criteria.",
-                None => {
-                    "Add what it does to the results to the `uncertainty` of the criteria, or let `identify` find the zero error: \
-                     its `optimum.toml` has it as the input's `offset`."
-                }
-            };
-            Concern::new(Code::InputTakenAsExact, text).remedied(remedy)
-        }));
+        errors.extend(ZeroError::new(name, recording, &series, &scale).map_err(named)?);
         Ok(series)
     };
     let inputs = study.inputs.iter().map(&mut bind);
     let inputs: Vec<Series> = inputs.collect::<Result<_, _>>()?;
     concerns.extend(many_steps(&inputs, schedule));
-    Ok((inputs, concerns))
+    Ok((inputs, errors, concerns))
+}
+
+/// A zero error of a recorded input that nobody knows: by how much the sensor reads too high.
+#[derive(Clone, Debug)]
+pub struct ZeroError {
+    /// The input in the study.
+    pub key: Name,
+    /// Its name among a point's values: `drive.u/offset`, after that of the case where another case has another sensor.
+    pub name: String,
+    /// The recording's unit.
+    pub unit: Option<String>,
+    /// The standard uncertainty, in that unit.
+    pub spread: f64,
+    /// From that unit to the FMU's.
+    pub conversion: Conversion,
+    /// Takes it off the recording.
+    pub slot: Slot,
+    /// The numbers of the cases that have it: those in which the same uncertainty is stated of the same input.
+    pub cases: Vec<usize>,
+}
+
+impl ZeroError {
+    /// The error of one case; none where the recording states no uncertainty.
+    ///
+    /// # Errors
+    /// When the uncertainty is no positive number in the input's unit, or the input takes no zero error.
+    fn new(key: &Name, recording: &RecordingText, series: &Series, scale: &Scale<'_>) -> Result<Option<Self>, String> {
+        let Some(stated) = &recording.uncertainty else {
+            return Ok(None);
+        };
+        if series.slot.handle.content != Content::Real {
+            return Err("only a real input has a zero error; remove `uncertainty`".to_owned());
+        }
+        let expanded = match stated.unit.as_deref() {
+            Some("%") => None,
+            _ => Some(scale.number(stated, Sense::Difference)?),
+        };
+        let expanded = expanded.filter(|number| *number > 0.0 && number.is_finite());
+        let expanded = expanded
+            .ok_or_else(|| format!("the uncertainty {stated} must be a positive number in the input's unit"))?;
+        Ok(Some(Self {
+            key: key.clone(),
+            name: format!("{}/offset", key.as_ref()),
+            unit: scale.unit.clone(),
+            spread: expanded / Uncertainty::USUAL,
+            conversion: scale.conversion.of_differences(),
+            slot: Slot { shifts: true, ..series.slot.clone() },
+            cases: Vec::new(),
+        }))
+    }
+
+    /// Adds that of a case to those of the cases before.
+    pub(super) fn join(mut self, all: &mut Vec<Self>, number: usize, case: Option<&CaseText>) {
+        let is_same =
+            |known: &&mut Self| (&known.slot, &known.unit, known.spread) == (&self.slot, &self.unit, self.spread);
+        if let Some(same) = all.iter_mut().find(is_same) {
+            return same.cases.push(number);
+        }
+        if let Some(case) = case
+            && all.iter().any(|known| known.slot == self.slot)
+        {
+            // Another sensor.
+            self.name = format!("{}{SEPARATOR}{}", case.name.as_ref(), self.name);
+        }
+        self.cases.push(number);
+        all.push(self);
+    }
+
+    /// The slots that a case takes it by.
+    pub fn slot_of(&self, case: usize) -> Slot {
+        Slot { idle: !self.cases.contains(&case), ..self.slot.clone() }
+    }
+}
+
+/// A verdict whose points have no zero error of an input.
+pub fn taken_as_exact(key: &str, points: &str) -> Concern {
+    let text = format!(
+        "{key}: {points} take the recorded input as exact, though its uncertainty is stated: no risk and no error bar has it"
+    );
+    Concern::new(Code::InputTakenAsExact, text)
+        .remedied("Take a design that draws its points, such as `sobol`, or let `identify` find the zero error.")
 }
 
 /// A known zero error in the recording's unit.

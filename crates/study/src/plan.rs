@@ -4,6 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::bind::Binder;
+use super::inputs::{ZeroError, taken_as_exact};
 use super::{Study, points};
 use crate::concern::{Code, Concern};
 use fmu_import::Description;
@@ -26,7 +27,7 @@ pub struct Plan {
     pub cases: Vec<Case>,
     /// The variables that take the parameters' values.
     pub slots: Vec<Slot>,
-    /// The parameters, in the order of the study.
+    /// The parameters, in the order of the study; after them the zero errors of recorded inputs.
     pub inputs: Vec<Input>,
     /// From the FMU's unit to the study's, a criterion each.
     pub outputs: Vec<Conversion>,
@@ -36,6 +37,8 @@ pub struct Plan {
     pub correlation: Option<Correlation>,
     /// The parameters that are drawn from samples, by file; those of one file together.
     pub joints: Vec<Joint>,
+    /// What the sensors of recorded inputs may read too high.
+    pub zero_errors: Vec<ZeroError>,
     /// Doubts about recordings.
     of_inputs: Vec<Concern>,
 }
@@ -58,11 +61,13 @@ impl Plan {
         let joints = binder.samples(&mut inputs)?;
         binder.within(&inputs, &varied)?;
         let (mut cases, mut outputs, mut of_inputs) = (Vec::new(), Vec::new(), Vec::new());
+        let mut zero_errors = Vec::new();
         for (case, study) in study.by_case() {
             study.once(fmu, study.set())?;
             let binder = Binder { study: &study, fmu };
-            let (further, task, doubts) = binder.task(case, varied.clone())?;
+            let (further, task, errors, doubts) = binder.task(case, varied.clone())?;
             outputs.extend(further);
+            errors.into_iter().for_each(|error| error.join(&mut zero_errors, cases.len(), case));
             let stated = case.iter().flat_map(|case| &case.concerns);
             let remedy =
                 "Look at the recordings that `synchronise` doubts, and measure again where a sensor was at fault.";
@@ -73,13 +78,36 @@ impl Plan {
             }));
             cases.push(Case { name: case.map(|case| case.name.as_ref().clone()), task });
         }
+        let mut slots = varied;
+        let mut levels: Vec<Option<u64>> =
+            study.parameters.values().map(|p| p.levels.as_ref().map(|levels| *levels.as_ref())).collect();
+        for error in &zero_errors {
+            // A grid has no place between its levels.
+            if study.design.method.is_by_levels() {
+                of_inputs.push(taken_as_exact(error.key.as_ref(), "the points of a grid"));
+                continue;
+            }
+            for (number, case) in cases.iter_mut().enumerate() {
+                case.task.varied.push(error.slot_of(number));
+            }
+            levels.push(None);
+            slots.push(error.slot.clone());
+            inputs.push(Input {
+                name: error.name.clone(),
+                unit: error.unit.clone(),
+                distribution: Distribution::Normal { mean: 0.0, deviation: error.spread },
+                conversion: error.conversion,
+                is_whole: false,
+            });
+        }
         Ok(Self {
+            correlation: points::correlation(study, inputs.len())?,
             cases,
-            slots: varied,
+            slots,
             inputs,
             outputs,
-            levels: study.parameters.values().map(|p| p.levels.as_ref().map(|levels| *levels.as_ref())).collect(),
-            correlation: points::correlation(study)?,
+            levels,
+            zero_errors,
             joints,
             of_inputs,
         })

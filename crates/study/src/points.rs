@@ -40,7 +40,10 @@ pub(super) fn check(study: &Study) -> Result<(), FileError> {
 /// When no parameter varies.
 pub fn varies(study: &Study) -> Result<(), FileError> {
     let mut parameters = study.parameters.iter();
-    if parameters.any(|(_, parameter)| parameter.distribution != Shape::Fixed) {
+    let is_uncertain = |study: &Study| study.inputs.values().any(|recording| recording.uncertainty.is_some());
+    if parameters.any(|(_, parameter)| parameter.distribution != Shape::Fixed)
+        || !study.design.method.is_by_levels() && study.by_case().iter().any(|(_, study)| is_uncertain(study))
+    {
         return Ok(());
     }
     let message = "no parameter varies: all points would be the same; give at least one under \
@@ -86,8 +89,8 @@ pub fn pairs(
     Ok(pairs)
 }
 
-/// The correlations of a study's parameters.
-pub(super) fn correlation(study: &Study) -> Result<Option<Correlation>, FileError> {
+/// The correlations of a study's parameters, the first ones among `count` values of a point.
+pub(super) fn correlation(study: &Study, count: usize) -> Result<Option<Correlation>, FileError> {
     let place = |name: &Name| {
         let parameter = study.parameters.get_full(name.as_ref().as_str());
         let (index, _, parameter) = parameter.ok_or_else(|| {
@@ -113,6 +116,6 @@ pub(super) fn correlation(study: &Study) -> Result<Option<Correlation>, FileErro
     let Some(first) = study.correlations.first() else {
         return Ok(None);
     };
-    let correlation = Correlation::new(study.parameters.len(), &pairs);
+    let correlation = Correlation::new(count, &pairs);
     correlation.map(Some).map_err(|message| study.error_at(first, message))
 }

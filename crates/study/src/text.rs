@@ -175,8 +175,8 @@ pub struct RecordingText {
     pub time: Option<String>,
     /// The unit of the column.
     pub unit: Option<String>,
-    /// How much all its rows together may be off, expanded (k = 2): the zero error of the sensor. `identify` finds it with the
-    /// parameters; other commands take the recording as it is.
+    /// How much all its rows together may be off, expanded (k = 2): the zero error of the sensor. It is drawn as a parameter is;
+    /// `identify` finds it with the parameters.
     pub uncertainty: Option<Quantity>,
     /// By how much all its rows are known to be too high: it is taken off them. `identify` writes the one that it finds.
     pub offset: Option<Quantity>,

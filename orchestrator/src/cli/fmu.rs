@@ -63,6 +63,9 @@ pub struct Init {
     /// curves
     #[arg(long, value_name = "DATA.csv")]
     pub measured: Option<PathBuf>,
+    /// A start value, with or without a unit, such as that of an input that starts at 0; may be repeated
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
     /// When to stop, s [default: with the measured curves, or as the FMU suggests]
     #[arg(long, value_name = "T", allow_negative_numbers = true)]
     pub stop: Option<f64>,

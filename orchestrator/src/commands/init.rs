@@ -12,9 +12,11 @@ use super::{output, simulate};
 use crate::cli::Init;
 use crate::error::Error;
 use fmu_import::{Causality, Description, Kind, Package, Variability, Variable};
-use fmu_points::task::Schedule;
+use fmu_points::task::{Schedule, Task};
 use measured::Measured;
 use point_journal::files::write_text;
+use study::Setting;
+use study::plan::value_of;
 use write::{Criteria, Shown};
 
 pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {
@@ -23,8 +25,11 @@ pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {
         return Err(Error::option("output", message));
     }
     let mut package = Package::open(&options.fmu)?;
+    let fixed = simulate::settings(&options.set, &mut package)?;
     let isolated = Isolated::new(&mut package)?;
     let fmu = package.description();
+    let set = options.set.iter().map(|text| simulate::setting(text, fmu));
+    let mut set: Vec<_> = set.collect::<Result<_, _>>().map_err(|message| Error::option("set", message))?;
     let mut table = match &options.measured {
         Some(path) => Some(Measured::read(path, fmu)?),
         None => None,
@@ -37,7 +42,8 @@ pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {
     };
     let wanted = table.as_ref().map_or(write::CRITERIA, |table| table.columns.len());
     let kept = options.step.is_some();
-    let (signals, of_step) = run::settled(&isolated, &mut schedule, &variables, (wanted, kept))
+    let task = Task { fixed, sizes: fmu.sizes.clone(), ..Task::new(schedule) };
+    let (signals, of_step) = run::settled(&isolated, (task, &mut schedule), &variables, (wanted, kept))
         .map_err(|error| run::advice(error, options, fmu, step))?;
     if let Some(told) = &of_step {
         fmu_points::tell::line!("{told}; the study has {} s", schedule.step);
@@ -52,12 +58,15 @@ pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {
     };
     let driven = table.iter().flat_map(|table| &table.inputs).map(|column| &*column.variable.name);
     let driven: Vec<&str> = driven.collect();
+    let parameters = parameters(fmu, &options.fmu, &driven, &set)?;
+    set.retain(|(variable, _)| !parameters.iter().any(|(varied, _)| varied.name == variable.name));
     let study = write::Study {
         fmu,
         path: relative(&options.fmu, options.output.as_deref()),
         schedule,
         of_step,
-        parameters: parameters(fmu, &options.fmu, &driven)?,
+        parameters,
+        set,
         criteria,
     };
     match &options.output {
@@ -111,17 +120,32 @@ fn is_number(variable: &Variable) -> bool {
         && variable.variability != Variability::Constant
 }
 
-/// The parameters that can vary about their start values: `parameter`s, or where there are none inputs.
-fn parameters<'a>(fmu: &'a Description, path: &Path, driven: &[&str]) -> Result<Vec<(&'a Variable, Shown<'a>)>, Error> {
+/// The parameters that can vary about their start values: `parameter`s, or where there are none inputs, or else what the user sets.
+fn parameters<'a>(
+    fmu: &'a Description,
+    path: &Path,
+    driven: &[&str],
+    set: &[(&'a Variable, String)],
+) -> Result<Vec<(&'a Variable, Shown<'a>)>, Error> {
+    let is_set = |variable: &Variable| set.iter().any(|(set, _)| set.name == variable.name);
     for causality in [Causality::Parameter, Causality::Input] {
         // What was measured drives the model.
-        let all = fmu.with(causality).filter(|variable| !driven.contains(&&*variable.name));
+        let all = fmu.with(causality).filter(|variable| !driven.contains(&&*variable.name) && !is_set(variable));
         let all: Vec<_> = all.filter_map(|v| Some((v, Shown::about_start(fmu, v)?))).collect();
         if !all.is_empty() {
             return Ok(all);
         }
     }
-    let message = "no parameter and no input of type Real has a start value other than 0 about which it could vary";
+    let about = |(variable, setting): &(&'a Variable, String)| {
+        let value = value_of(fmu, variable, &Setting::Text(setting.clone())).ok()?.number();
+        Some((*variable, Shown::about(fmu, variable, value)?))
+    };
+    let all: Vec<_> = set.iter().filter_map(about).collect();
+    if !all.is_empty() {
+        return Ok(all);
+    }
+    let message = "no parameter and no input of type Real has a start value other than 0 about which it could vary; give one with \
+                   --set NAME=VALUE";
     Err(Error::content(path, message))
 }
 

@@ -100,13 +100,13 @@ pub(super) fn schedule(
 }
 
 /// Start values from `NAME=VALUE`; the package gets the sizes of arrays among them.
-fn settings(texts: &[String], package: &mut Package) -> Result<Vec<(u32, Value)>, Error> {
+pub(super) fn settings(texts: &[String], package: &mut Package) -> Result<Vec<(u32, Value)>, Error> {
     let wrong = |message: String| Error::option("set", message);
     let mut sizes = Vec::new();
     for text in texts {
         // A name may be one that only these sizes give.
         if let Ok((variable, setting)) = setting(text, package.description()) {
-            let size = size_of(package.description(), variable, &setting);
+            let size = size_of(package.description(), variable, &Setting::Text(setting));
             sizes.extend(size.map_err(wrong)?);
         }
     }
@@ -115,6 +115,7 @@ fn settings(texts: &[String], package: &mut Package) -> Result<Vec<(u32, Value)>
     let mut values = Vec::new();
     for text in texts {
         let (variable, setting) = setting(text, fmu).map_err(wrong)?;
+        let setting = Setting::Text(setting);
         if variable.causality == Causality::StructuralParameter {
             continue;
         }
@@ -128,7 +129,7 @@ fn settings(texts: &[String], package: &mut Package) -> Result<Vec<(u32, Value)>
 }
 
 /// The variable and the value of `NAME=VALUE`.
-fn setting<'a>(text: &str, fmu: &'a Description) -> Result<(&'a Variable, Setting), String> {
+pub(super) fn setting<'a>(text: &str, fmu: &'a Description) -> Result<(&'a Variable, String), String> {
     // A name may hold the sign itself: take the longest one that the FMU knows.
     let known = |place: &usize| fmu.variables.contains_key(text[..*place].trim());
     let places: Vec<usize> = text.match_indices('=').map(|(place, _)| place).collect();
@@ -137,7 +138,7 @@ fn setting<'a>(text: &str, fmu: &'a Description) -> Result<(&'a Variable, Settin
         .map(|&place| (&text[..place], &text[place + 1..]))
         .ok_or_else(|| format!("`{text}` is not NAME=VALUE"))?;
     let variable = find(fmu, name.trim())?;
-    Ok((variable, Setting::Text(value.trim().to_owned())))
+    Ok((variable, value.trim().to_owned()))
 }
 
 /// The error with advice where the FMU refused a step that nobody has asked for.

@@ -12,9 +12,11 @@ use fmu_import::quantity::Quantity as Text;
 use fmu_import::quantity::{Scale, Sense};
 use fmu_import::units::Conversion;
 use fmu_points::task::{Case as Simulation, Probe, Slot};
+use fmu_points::tell;
 use number_tables::files::FileError;
 use sampling::statistics::Statistic;
 use study::identification::{Exception, FreeText, Identification, LatentText, MeasuredText};
+use study::inputs::taken_as_exact;
 use study::limit::gain;
 use study::plan::{Plan, find, slot_of};
 use study::{Name, Study};
@@ -180,6 +182,9 @@ impl Binder<'_> {
         self.refuse_doubles()?;
         let plan = Plan::new(self.study, self.fmu)?;
         plan.tell_of_inputs();
+        for error in &plan.zero_errors {
+            tell::line!("note: {}", taken_as_exact(error.key.as_ref(), "the cases of a table"));
+        }
         let mut bound = Bound {
             simulations: plan.cases.into_iter().map(bare).collect(),
             known: vec![Vec::new(); self.table.cases()],

@@ -69,7 +69,7 @@ pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Resu
         measured: Vec::new(),
     });
     Unknowns { study, settings, fmu, plan: &plan }.bind(&mut bound)?;
-    offsets::add(&fitted, fmu, &mut bound)?;
+    offsets::add(&fitted, &plan, &mut bound)?;
     let mut assumed = std::mem::take(&mut bound.notes);
     let criteria = fitted.criteria.iter().zip(&judge.criteria);
     let probes = plan.placed_probes().zip(&plan.outputs);

@@ -254,6 +254,9 @@ fn possible(task: &Task) -> Result<(), String> {
     if let Some(slot) = task.varied.iter().find(|slot| !number(slot.handle.content)) {
         return cannot(format!("parameters that are no numbers, such as {}", slot.name));
     }
+    if let Some(slot) = task.varied.iter().find(|slot| slot.shifts) {
+        return cannot(format!("the zero error of a recorded input, {}", slot.name));
+    }
     for probe in &task.observed {
         let name = &probe.name;
         match (&probe.curve, probe.detail) {

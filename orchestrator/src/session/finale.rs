@@ -21,6 +21,7 @@ use fmu_points::notices::Limit;
 use point_journal::files::{draft, keep, write_json};
 use point_journal::{Finished, Outcome};
 use study::Study;
+use study::inputs::taken_as_exact;
 use study::plan::Input;
 
 impl Verification {
@@ -96,6 +97,8 @@ impl Verification {
             let repeated = session.plan.concerns_of_samples(summary.points);
             summary.concerns.extend(repeated);
         }
+        let exact = session.plan.zero_errors.iter().filter(|error| self.source.lacks(&session.plan.inputs, error));
+        summary.concerns.extend(exact.map(|error| taken_as_exact(error.key.as_ref(), "the points of a table")));
         let mut conduct = finished.conduct();
         conduct.reproducibility = conduct.told_reproducibility();
         summary.conduct = Some(conduct);

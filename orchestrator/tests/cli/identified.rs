@@ -352,7 +352,7 @@ max = 2
         assert!(low < truth && truth < high && high - low < 0.02, "{truth}: {low} .. {high}");
     }
     assert!(!said.out.contains("count as exact"), "{}", said.out);
-    // What it promises holds in a verdict that takes the offset off, and without it does not.
+    // What it promises holds in a verdict that takes the offset off or draws it, and with an exact input does not.
     let optimum: toml::Table = bench.read("out/optimum.toml").parse().unwrap();
     let text = |of: &toml::Value| of.as_str().map_or_else(|| of.to_string(), |text| format!("\"{text}\""));
     let offset = text(&optimum["inputs"]["drive.u"]["offset"]);
@@ -361,10 +361,23 @@ max = 2
         .replace("min = 0.5\nmax = 2", &format!("min = {}\nmax = {}", best - 1e-6, best + 1e-6))
         .replace("tolerance = 0.1", "tolerance = 0.01");
     let taken_off = at_optimum.replace("uncertainty = 0.1", &format!("offset = {offset}"));
-    for (name, study, code) in [("off", &taken_off, 0), ("on", &at_optimum, 1)] {
+    let exact = at_optimum.replace(", uncertainty = 0.1", "");
+    for (name, study, code) in [("off", &taken_off, 0), ("exact", &exact, 1), ("drawn", &at_optimum, 0)] {
         bench.write("at.toml", study);
         let said = bench.run(&["verify", "at.toml", "--output", name]);
         assert_eq!(said.code, code, "{name}: {}{}", said.out, said.err);
+    }
+    let drawn = bench.json("drawn/summary.json");
+    let offset = &drawn["best_point"]["parameters"]["drive.u/offset"];
+    assert!((offset.as_f64().unwrap() - 0.05).abs() < 0.02, "{offset}");
+    // Points of a table have the offset of their column, or none, which is said.
+    bench.write("at.toml", &at_optimum);
+    bench.write("bare.csv", &format!("lag.rate\n{best}\n"));
+    for (table, code, exact) in [("drawn/points.csv", 0, false), ("bare.csv", 1, true)] {
+        let said = bench.run(&["verify", "at.toml", "--points-from", table, "--output", "table", "--force"]);
+        assert_eq!(said.code, code, "{table}: {}{}", said.out, said.err);
+        let summary = bench.json("table/summary.json").to_string();
+        assert_eq!(summary.contains("input-taken-as-exact"), exact, "{table}");
     }
     let exact = study.replace(", uncertainty = 0.1", "");
     let (said, outcome) = identify(&bench, &exact, &["--force"]);

@@ -136,7 +136,7 @@ fn changed(coarse: &[Signal<'_>], finer: &[Signal<'_>], most: usize) -> Option<u
 /// and a sentence where the first step is not. `schedule` gets the step, unless `kept` or none is short enough.
 pub(super) fn settled<'a>(
     isolated: &Isolated,
-    schedule: &mut Schedule,
+    (task, schedule): (Task, &mut Schedule),
     variables: &[&'a Variable],
     (most, kept): (usize, bool),
 ) -> Result<(Vec<Signal<'a>>, Option<String>), Error> {
@@ -147,11 +147,11 @@ pub(super) fn settled<'a>(
     let first_step = schedule.step;
     let every = schedule.steps().div_ceil(COURSE).max(1) as usize;
     let with = |step: f64| {
-        let schedule = Schedule { step, ..*schedule };
+        let task = Task { schedule: Schedule { step, ..*schedule }, ..task.clone() };
         // The same messages again would tell nothing.
         let end = (until, step == first_step);
         let every = every * (first_step / step).round() as usize;
-        signals(isolated, &schedule, variables, end, every)
+        signals(isolated, &task, variables, end, every)
     };
     let first = with(first_step)?;
     let (mut found, mut first_changed, mut is_short_enough) = (None, None, false);
@@ -191,17 +191,16 @@ pub(super) fn settled<'a>(
 /// Runs the FMU once and looks at these variables, of which every so many values are kept.
 fn signals<'a>(
     isolated: &Isolated,
-    schedule: &Schedule,
+    task: &Task,
     variables: &[&'a Variable],
     end: (Option<Instant>, bool),
     every: usize,
 ) -> Result<Vec<Signal<'a>>, Error> {
-    let task = Task::new(*schedule);
     let handles: Vec<Handle> = variables.iter().map(|variable| variable.handle()).collect();
     let mut signals: Vec<Signal<'_>> = variables.iter().map(|v| Signal::new(v)).collect();
-    let middle = 0.5 * (schedule.start + schedule.stop);
+    let middle = 0.5 * (task.schedule.start + task.schedule.stop);
     let (mut before, mut row) = (None, 0);
-    isolated.observe(&task, &handles, end, |time, values| {
+    isolated.observe(task, &handles, end, |time, values| {
         let elapsed = time - before.replace(time).unwrap_or(time);
         for (signal, value) in signals.iter_mut().zip(values) {
             let value = match value {

@@ -32,6 +32,8 @@ pub(super) struct Study<'a> {
     /// That the first step was too coarse, in a sentence.
     pub(super) of_step: Option<String>,
     pub(super) parameters: Vec<(&'a Variable, Shown<'a>)>,
+    /// Start values of the user's.
+    pub(super) set: Vec<(&'a Variable, String)>,
     pub(super) criteria: Criteria,
 }
 
@@ -90,8 +92,16 @@ impl<'a> Shown<'a> {
     /// 10 % to both sides of the start value, within the FMU's own limits. None of what is no number, has no start value
     /// or 0, or has no room.
     pub(super) fn about_start(fmu: &Description, variable: &'a Variable) -> Option<Self> {
+        match variable.kind {
+            Kind::Real { start: Some(start), .. } => Self::about(fmu, variable, start),
+            _ => None,
+        }
+    }
+
+    /// The same about another value, in the variable's own unit.
+    pub(super) fn about(fmu: &Description, variable: &'a Variable, start: f64) -> Option<Self> {
         const PART: f64 = 0.1;
-        let Kind::Real { start: Some(start), min, max, .. } = variable.kind else {
+        let Kind::Real { min, max, .. } = variable.kind else {
             return None;
         };
         let view = View::new(fmu, variable);
@@ -130,8 +140,8 @@ impl Criteria {
             moving = signals.iter().filter(|signal| signal.is_finite && signal.most != 0.0).collect();
         }
         if moving.is_empty() {
-            let message = "none of its outputs is a finite number other than 0 in a run: choose another end (--stop), or write a study \
-                           that feeds its inputs";
+            let message = "none of its outputs is a finite number other than 0 in a run: set its inputs (--set NAME=VALUE), choose another \
+                           end (--stop), or write a study that feeds its inputs";
             return Err(Error::content(path, message));
         }
         let mut lines = vec![
@@ -332,6 +342,13 @@ impl Study<'_> {
         lines.push("[parameters]".to_owned());
         lines.extend(self.parameters[..shown].iter().map(|(variable, range)| range.line(variable)));
         lines.push(String::new());
+        if !self.set.is_empty() {
+            lines.push("[fixed]".to_owned());
+            lines.extend(
+                self.set.iter().map(|(variable, setting)| format!("{} = {}", quoted(&variable.name), quoted(setting))),
+            );
+            lines.push(String::new());
+        }
         if !self.criteria.inputs.is_empty() {
             lines.push("[inputs]".to_owned());
             lines.extend(self.criteria.inputs.iter().cloned());

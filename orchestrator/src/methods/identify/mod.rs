@@ -200,7 +200,7 @@ impl Analysis for Asked {
         }
         let others = fit.bound.others();
         files::write(folder, &fit.study, &fit.settings, &outcome, &others)?;
-        posterior::write(folder, &fit.bound, sample.as_ref())?;
+        posterior::write(folder, &fit.settings, &fit.bound, sample.as_ref())?;
         let code = match outcome.end {
             End::Time | End::Iterations => ExitCode::FAILURE,
             End::Converged => ExitCode::SUCCESS,

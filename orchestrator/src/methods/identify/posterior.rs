@@ -107,18 +107,25 @@ pub(super) fn sampled(
 }
 
 /// Writes the table of particles. Without a sample an earlier one's goes: it would be taken for this one's.
-pub(super) fn write(folder: &Path, bound: &Bound, sample: Option<&Sample>) -> Result<(), Error> {
+pub(super) fn write(
+    folder: &Path,
+    settings: &Identification,
+    bound: &Bound,
+    sample: Option<&Sample>,
+) -> Result<(), Error> {
     let path = folder.join(FILE);
     let Some(sample) = sample else {
         return remove(&path);
     };
+    // Groups of one size may need some more.
+    let wanted = settings.posterior.as_ref().map_or(MOST, |particles| *particles.as_ref()) as usize;
     write_atomically(&path, |out| {
         let problem = &bound.problem;
         writeln!(out, "# {}", text::units(problem))?;
         let mut table = csv::Writer::from_writer(out);
         let head = text::head(problem);
         table.write_record(head.iter().map(|name| csv_file::cell(name).into_owned()))?;
-        for row in text::rows(problem, sample) {
+        for row in text::rows(problem, sample).take(wanted) {
             table.write_record(row)?;
         }
         table.flush()
