@@ -263,20 +263,23 @@ mod tests {
         assert!((a.values[0].change + 5.0 * 0.294_872 / 0.543_022).abs() < 1e-3, "{a:?}");
     }
 
-    /// An offset of u = 2 that all values share is all of the line's height but for its noise: variance 0.294872 of `a` by noise,
-    /// 4 by the offset.
+    /// An offset of u = 2 that all values share is nearly all of the line's height. numpy, by another way than the program's: with
+    /// C = 1 + u^2 of all pairs and the precision L = 12 / 200^2 of the bounds, P = (J' C^-1 J + L)^-1 and K = P J' C^-1, the
+    /// variances are those of K K', u^2 (K 1)^2 and P L P.
     #[test]
     fn the_budget_adds_up_and_names_its_sources() {
         let values: Vec<f64> = TIMES.iter().map(|t| 1.0 + 0.5 * t).collect();
         let outcome = line(&values, 2.0);
-        let budget = |k: usize| &outcome.influence[k].budget;
-        let share = |k: usize, from: &str| budget(k).iter().find(|part| part.from == from).unwrap().share;
-        let sum: f64 = budget(0).iter().map(|part| part.share).sum();
-        assert!((sum - 1.0).abs() < 1e-9, "{:?}", budget(0));
-        // The bounds are a prior that takes next to nothing.
-        assert!((share(0, "a zero error of y") - 4.0 / 4.294_872).abs() < 2e-3, "{:?}", budget(0));
-        assert!((share(0, "noise of y") - 0.294_872 / 4.294_872).abs() < 2e-3, "{:?}", budget(0));
-        assert!(share(1, "noise of y") > 0.999 && share(1, "a zero error of y") < 1e-3, "{:?}", budget(1));
+        let expected = [[0.068_568_17, 0.930_144_92, 0.001_286_91], [0.999_934_52, 0.000_000_08, 0.000_065_40]];
+        for (influence, expected) in outcome.influence.iter().zip(expected) {
+            let budget = &influence.budget;
+            let sources = ["noise of y", "a zero error of y", "what was known before"];
+            for (from, expected) in sources.into_iter().zip(expected) {
+                let share = budget.iter().find(|part| part.from == from).unwrap().share;
+                assert!((share - expected).abs() < 1e-4, "{from}: {share}, expected {expected}");
+            }
+            assert!((budget.iter().map(|part| part.share).sum::<f64>() - 1.0).abs() < 1e-9, "{budget:?}");
+        }
     }
 
     fn found(place: usize, records: u64) -> u64 {

@@ -135,8 +135,10 @@ impl WhatIf {
         reason.map_or(Ok(()), |reason| Err(format!("no fresh points can be drawn in the page: {reason}")))
     }
 
-    /// The points that the page holds are a choice of independent ones, in no order of the design.
+    /// The points that the page holds are a choice, in no order of the design: of nets nothing tells any more which belong
+    /// together.
     pub(super) fn of_some(mut self) -> Self {
+        self.grid |= self.samples > 1;
         self.samples = 1;
         self
     }

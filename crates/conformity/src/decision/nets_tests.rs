@@ -2,6 +2,9 @@
 //! finds among 60 of them.
 
 use super::*;
+use crate::interval::of_part;
+use crate::looks::{History, Look, Way};
+use crate::normal::between;
 use sampling::design::{Design, Method, Sampling, cube};
 use sampling::distribution::Distribution;
 use statrs::distribution::{Binomial, DiscreteCDF};
@@ -71,6 +74,182 @@ fn held(design: (Method, u64), points: u64, seeds: u64, bands: &[Band]) -> [u64;
         worst[0], worst[1]
     );
     worst
+}
+
+/// The bands in the points of a Sobol design of 16 nets, seed by seed: whether each point lies in it.
+fn of_seeds(points: u64, seeds: u64, bands: &[Band], mut look: impl FnMut(usize, &[bool])) {
+    for seed in 0..seeds {
+        let cube = cube(DIMENSIONS, points, seed, NETS).unwrap();
+        for (k, band) in bands.iter().enumerate() {
+            look(k, &cube.iter().map(|point| is_in(band, point)).collect::<Vec<bool>>());
+        }
+    }
+}
+
+const NETS: u64 = 16;
+
+fn counts(hits: &[bool], points: u64) -> Vec<u64> {
+    let mut counts = vec![0; NETS as usize];
+    (0..points as usize).for_each(|i| counts[i % NETS as usize] += u64::from(hits[i]));
+    counts
+}
+
+/// Rules on a share that is hardly above or below the required one, with the verdict that would be wrong.
+fn traps(share: f64) -> [(Rule, Decision); 2] {
+    [(1.0001, Decision::Verified), (0.9999, Decision::NotVerified)]
+        .map(|(part, wrong)| (Rule { share: share * part, confidence: 0.95 }, wrong))
+}
+
+/// How often studies hold that end as soon as the interval is so narrow or the verdict is drawn, and how often they are wrong.
+fn awaited(most: u64, width: f64, seeds: u64, bands: &[Band]) -> [u64; 3] {
+    let [mut held, mut held_at_verdict] = [(); 2].map(|()| vec![0; bands.len()]);
+    let mut wrong = vec![[0; 2]; bands.len()];
+    let looks = History::default().awaiting(Way::Doublings);
+    of_seeds(most, seeds, bands, |k, hits| {
+        let share = exact(&bands[k]);
+        let narrow = |ends: &[f64; 2]| ends[1] - ends[0] <= width;
+        let mut rounds = (1..=most / 100).map(|round| 100 * round);
+        let at = |points| randomised(&counts(hits, points), points, 0.95);
+        let ends = rounds.find_map(|points| Some(at(points)).filter(narrow)).unwrap_or_else(|| at(most));
+        held[k] += u64::from(ends[0] <= share && share <= ends[1]);
+        let mut held_at_both = true;
+        for (which, (rule, trap)) in traps(share).into_iter().enumerate() {
+            let due: Vec<u64> = (1..=most).filter(|&points| looks.is_due(NETS as usize, points)).collect();
+            let decided = due.iter().find(|&&n| looks.decide(rule, &counts(hits, n), n) != Decision::Inconclusive);
+            let last = decided.copied().unwrap_or(most);
+            let ends = looks.interval(&counts(hits, last), last, 0.95);
+            held_at_both &= ends[0] <= share && share <= ends[1];
+            wrong[k][which] += u64::from(rule.decide(ends) == trap);
+        }
+        held_at_verdict[k] += u64::from(held_at_both);
+    });
+    let told = [
+        held.into_iter().min().unwrap(),
+        held_at_verdict.into_iter().min().unwrap(),
+        wrong.into_iter().flatten().max().unwrap(),
+    ];
+    println!(
+        "until {width} wide or a verdict, at most {most} points: held {}, {}, wrong {} of {seeds}",
+        told[0], told[1], told[2]
+    );
+    told
+}
+
+/// The same of studies that are looked at when they have so many points, resumed or merged: of the look whose intervals hold
+/// least; a study is wrong that draws the wrong verdict at any look.
+fn looked_at(points: &[u64], seeds: u64, bands: &[Band]) -> [u64; 2] {
+    let mut held = vec![0; bands.len() * points.len()];
+    let mut wrong = vec![[0; 2]; bands.len()];
+    of_seeds(*points.last().unwrap(), seeds, bands, |k, hits| {
+        let (share, mut history, mut ever) = (exact(&bands[k]), History::default(), [false; 2]);
+        for (place, &n) in points.iter().enumerate() {
+            let looks = history.at(n, NETS as usize);
+            let ends = looks.interval(&counts(hits, n), n, 0.95);
+            held[k * points.len() + place] += u64::from(ends[0] <= share && share <= ends[1]);
+            for (ever, (rule, trap)) in ever.iter_mut().zip(traps(share)) {
+                *ever |= looks.decide(rule, &counts(hits, n), n) == trap;
+            }
+            history.note(Look { points: n, way: looks.way, awaited: false });
+        }
+        (0..2).for_each(|which| wrong[k][which] += u64::from(ever[which]));
+    });
+    let told = [held.into_iter().min().unwrap(), wrong.into_iter().flatten().max().unwrap()];
+    println!("looked at {points:?}: least held {}, most wrong {} of {seeds}", told[0], told[1]);
+    told
+}
+
+/// The least number of studies whose intervals hold, of consumer's and producer's risk, conformance, and the part of the
+/// accepted points that do not conform: the sum of the coordinates is measured against the band as tolerance.
+fn risks_held(points: u64, seeds: u64, bands: &[Band]) -> u64 {
+    let mut least = seeds;
+    let mut least_of = [seeds; 4];
+    for (coordinates, half) in bands {
+        let number = coordinates.len();
+        let conforms = |sum: f64| between((-half - sum) / (0.3 * half), (half - sum) / (0.3 * half));
+        // Of the sum of so many uniform numbers about 0.
+        let density = |sum: f64| match (number, sum.abs()) {
+            (1, _) => 1.0,
+            (2, far) => 1.0 - far,
+            (_, far) if far < 0.5 => 0.75 - far * far,
+            (_, far) => 0.5 * (1.5 - far).powi(2),
+        };
+        let reach = 0.5 * number as f64;
+        // A risk is 0 on one side of the band's ends.
+        let over = |from: f64, to: f64, of: &dyn Fn(f64) -> f64| -> f64 {
+            const CELLS: u32 = 20_000;
+            let width = (to - from) / f64::from(CELLS);
+            let at = |cell: u32| from + width * (f64::from(cell) + 0.5);
+            (0..CELLS).map(|cell| of(at(cell)) * density(at(cell)) * width).sum()
+        };
+        let consumer = over(-half, *half, &|sum| 1.0 - conforms(sum));
+        let producer = 2.0 * over(*half, reach, &conforms);
+        let accepted = over(-half, *half, &|_| 1.0);
+        let exact = [consumer, producer, accepted - consumer + producer, consumer / accepted];
+        let mut held = [0; 4];
+        for seed in 0..seeds {
+            let mut sums = [(); 4].map(|()| vec![Moments::default(); NETS as usize]);
+            for (i, point) in cube(DIMENSIONS, points, seed, NETS).unwrap().iter().enumerate() {
+                let sum = coordinates.iter().map(|&k| point[k]).sum::<f64>() - reach;
+                let (chance, net) = (conforms(sum), i % NETS as usize);
+                let is_accepted = f64::from(u8::from(sum.abs() <= *half));
+                sums[0][net].add(is_accepted * (1.0 - chance));
+                sums[1][net].add((1.0 - is_accepted) * chance);
+                sums[2][net].add(chance);
+                if is_accepted > 0.0 {
+                    sums[3][net].add(1.0 - chance);
+                }
+            }
+            for (which, sums) in sums.iter().enumerate() {
+                let ends = if which < 3 { of_mean(sums, 0.95) } else { of_part(sums, 0.95) };
+                held[which] += u64::from(ends[0] <= exact[which] && exact[which] <= ends[1]);
+            }
+        }
+        (0..4).for_each(|which| least_of[which] = least_of[which].min(held[which]));
+        least = least.min(held.into_iter().min().unwrap());
+    }
+    println!("risks of {points} points: least held {least_of:?} of {seeds}");
+    least
+}
+
+#[test]
+fn looks_and_risks_hold_for_the_worst_pairs_and_triples() {
+    let bands = worst(16, 2);
+    let [held, at_verdict, wrong] = awaited(1024, 0.1, 60, &bands);
+    assert!(held >= 54 && at_verdict >= 54 && wrong <= 6, "{held} {at_verdict} {wrong}");
+    let [held, wrong] = looked_at(&[64, 128, 256], 60, &bands);
+    assert!(held >= 54 && wrong <= 6, "{held} {wrong}");
+    assert!(risks_held(256, 60, &bands) >= 54);
+}
+
+#[test]
+#[ignore = "takes minutes; run by scripts/test --long"]
+fn looks_and_risks_hold_for_the_worst_pairs_and_triples_at_every_size() {
+    // See below.
+    let least = |intervals: f64| Binomial::new(0.93, 200).unwrap().inverse_cdf(0.05 / intervals);
+    let most = Binomial::new(0.05, 200).unwrap().inverse_cdf(1.0 - 0.05 / 80.0);
+    let mut fails = Vec::new();
+    for points in [64, 128, 256, 512] {
+        let bands = [worst(points, 8), worst((points / NETS).max(8), 8)].concat();
+        for width in [0.3, 0.1, 0.05, 0.02] {
+            let [held, at_verdict, wrong] = awaited(8 * points, width, 200, &bands);
+            if held < least(40.0) || at_verdict < least(40.0) || wrong > most {
+                fails.push(format!("{points}, until {width}: {held} {at_verdict} {wrong}"));
+            }
+        }
+        for looks in
+            [vec![points, 2 * points], vec![points, points + 16, points + 64, 2 * points, 4 * points, 8 * points]]
+        {
+            let [held, wrong] = looked_at(&looks, 200, &bands);
+            if held < least(40.0 * looks.len() as f64) || wrong > most {
+                fails.push(format!("{looks:?}: {held} {wrong}"));
+            }
+        }
+        let held = risks_held(points, 200, &bands);
+        if held < least(160.0) {
+            fails.push(format!("risks of {points}: {held}"));
+        }
+    }
+    assert!(fails.is_empty(), "{fails:?}");
 }
 
 #[test]

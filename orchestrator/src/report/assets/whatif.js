@@ -222,7 +222,7 @@ const WhatIf = (() => {
   };
   const warnings = () => {
     const list = [];
-    if (page.data.sample && !found.fresh) list.push(`From an even choice of ${page.grouped(points.size)} of the ${page.grouped(page.data.total)} points; the intervals count these.`);
+    if (page.data.sample && !found.fresh) list.push(`From an even choice of ${page.grouped(points.size)} of the ${page.grouped(page.data.total)} points${points.grid ? "" : "; the intervals count these"}.`);
     if (found.effective !== undefined) {
       list.push(`Other distributions by weights: the points count as ${page.grouped(Math.round(found.effective))} of ${page.grouped(points.size)}.`);
       if (setting.rule?.risk !== undefined) list.push("A fresh study would find a guard band of its own; the one here is an estimate, and the verdict and its interval hold for any that the required risk allows.");
