@@ -12,11 +12,10 @@ const NEGLIGIBLE: f64 = 6.0;
 /// Candidates for each member of the sample.
 const CANDIDATES: usize = 4;
 
-/// Priors of the logarithms: centre and deviation. Points have deviations of 1 in each coordinate, so distances grow with the
-/// square root of the dimensions.
+/// Priors of the logarithms: centre and deviation. Points have deviations of 1 in each coordinate.
 fn priors(data: &Data) -> Vec<[f64; 2]> {
-    let d = data.points.nrows();
-    let mut priors = vec![[(1.5 * (d as f64).sqrt()).ln(), 1.5]; d];
+    let mut priors = vec![[2.5_f64.ln(), 1.2]; data.points.nrows()];
+    priors.push([0.5_f64.ln(), 1.5]);
     priors.push([1e-6_f64.ln(), 5.0]);
     priors
 }
@@ -24,6 +23,7 @@ fn priors(data: &Data) -> Vec<[f64; 2]> {
 fn bounds(data: &Data) -> Vec<[f64; 2]> {
     let d = data.points.nrows();
     let mut bounds = vec![[0.02_f64.ln(), 1000_f64.ln()]; d];
+    bounds.push([1e-3_f64.ln(), 1e3_f64.ln()]);
     bounds.push([LEAST_NUGGET.ln(), 100_f64.ln()]);
     bounds
 }
@@ -135,8 +135,8 @@ pub fn members(data: &Data, count: usize, earlier: &[Process], random: &mut Rand
         match earlier.iter().find(|process| process.smoothness == smoothness) {
             Some(process) => starts = vec![process.unknowns.clone()],
             None => {
-                let mut rough: Vec<f64> = centre.iter().map(|c| c - 1.0).collect();
-                rough[data.points.nrows()] = 0.01_f64.ln();
+                let mut rough: Vec<f64> = centre.iter().map(|c| c - 1.2).collect();
+                rough[data.points.nrows() + 1] = 0.01_f64.ln();
                 starts.push(rough);
             }
         }
@@ -194,9 +194,9 @@ mod tests {
     fn gradients_are_those_of_differences() {
         let data = data();
         for smoothness in Smoothness::ALL {
-            let at = [0.3, 0.9, -4.0];
+            let at = [0.3, 0.9, 0.4, -4.0];
             let (_, slope) = posterior(&data, smoothness, &at, true).unwrap();
-            for k in 0..3 {
+            for k in 0..4 {
                 let value = |h: f64| {
                     let mut moved = at;
                     moved[k] += h;
@@ -212,7 +212,7 @@ mod tests {
     #[test]
     fn a_run_left_out_is_predicted_as_without_it() {
         let data = data();
-        let unknowns = vec![0.3, 0.9, -6.0];
+        let unknowns = vec![0.3, 0.9, 0.4, -6.0];
         let all = Process::new(&data, Smoothness::Twice, unknowns.clone()).unwrap();
         let rest = Data::new(data.points.clone().remove_column(4), data.values.clone().remove_row(4));
         let without = Process::new(&rest, Smoothness::Twice, unknowns).unwrap();
@@ -227,7 +227,7 @@ mod tests {
     #[test]
     fn draws_have_the_moments_of_the_closed_form() {
         let data = data();
-        let process = Process::new(&data, Smoothness::Twice, vec![0.0, 0.3, -9.0]).unwrap();
+        let process = Process::new(&data, Smoothness::Twice, vec![0.0, 0.3, 0.5, -9.0]).unwrap();
         let mut random = Random::new(5, Purpose::Unstated, 0);
         let points = DMatrix::from_column_slice(2, 3, &[2.2, -1.9, -2.5, 2.0, 0.1, 0.2]);
         let (mut sum, mut square) = ([0.0; 3], [0.0; 3]);

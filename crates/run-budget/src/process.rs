@@ -4,7 +4,7 @@
 //! variance s2 g (the nugget). Trend and s2 are integrated out (Santner, Williams & Notz 2003, "The Design and Analysis of
 //! Computer Experiments", section 3.3; Rasmussen & Williams 2006, section 2.7), so predictions follow Student's distribution.
 
-use crate::kernel::Smoothness;
+use crate::kernel::{Kernel, Smoothness};
 use nalgebra::{DMatrix, DVector, Dyn, linalg::Cholesky};
 use sampling::random::Random;
 
@@ -47,20 +47,20 @@ impl Data {
         Self { trend: trend(&points, linear), points, values, apart }
     }
 
+    /// The matrix of the runs, and for each pair of them (row after row) the derivatives of the logarithm of its correlation.
     fn correlations(&self, smoothness: Smoothness, unknowns: &[f64]) -> (DMatrix<f64>, Vec<f64>) {
         let (d, n) = self.points.shape();
+        let kernel = Kernel { smoothness, interaction: unknowns[d].exp() };
         let weights: Vec<f64> = unknowns[..d].iter().map(|u| (-2.0 * u).exp()).collect();
-        let mut matrix = DMatrix::identity(n, n) * (1.0 + unknowns[d].exp().max(LEAST_NUGGET));
-        let mut slopes = Vec::with_capacity(n * (n - 1) / 2);
-        let mut pairs = self.apart.chunks(d);
+        let mut matrix = DMatrix::identity(n, n) * (1.0 + unknowns[d + 1].exp().max(LEAST_NUGGET));
+        let mut slopes = vec![0.0; n * (n - 1) / 2 * (d + 1)];
+        let mut pairs = self.apart.chunks(d).zip(slopes.chunks_mut(d + 1));
         for i in 0..n {
             for j in 0..i {
-                let pair = pairs.next().expect("there is a row of differences for each pair");
-                let squared: f64 = pair.iter().zip(&weights).map(|(a, w)| a * w).sum();
-                let (value, slope) = smoothness.at(squared);
+                let (pair, slopes) = pairs.next().expect("there is a row of differences for each pair");
+                let value = kernel.sloped(pair.iter().zip(&weights).map(|(a, w)| a * w), slopes);
                 matrix[(i, j)] = value;
                 matrix[(j, i)] = value;
-                slopes.push(slope);
             }
         }
         (matrix, slopes)
@@ -70,7 +70,7 @@ impl Data {
     pub fn likelihood(&self, smoothness: Smoothness, unknowns: &[f64], sloped: bool) -> Option<(f64, Vec<f64>)> {
         let (d, n) = self.points.shape();
         let (matrix, slopes) = self.correlations(smoothness, unknowns);
-        let solved = Solved::new(matrix, self)?;
+        let solved = Solved::new(matrix.clone(), self)?;
         let freedom = (n - self.trend.ncols()) as f64;
         let squares = solved.squares.max(1e-24);
         let value = -solved.half_log_determinants - 0.5 * freedom * squares.ln();
@@ -80,22 +80,19 @@ impl Data {
         let projector = solved.projector();
         let factor = 0.5 * freedom / squares;
         let a = &solved.weights;
-        let mut gradient = vec![0.0; d + 1];
-        let (mut pairs, mut slopes) = (self.apart.chunks(d), slopes.iter());
-        let weights: Vec<f64> = unknowns[..d].iter().map(|u| (-2.0 * u).exp()).collect();
+        let mut gradient = vec![0.0; d + 2];
+        let mut slopes = slopes.chunks(d + 1);
         for i in 0..n {
             for j in 0..i {
-                let (pair, slope) = pairs.next().zip(slopes.next()).expect("as many as pairs");
-                let part = (factor * a[i] * a[j] - 0.5 * projector[(i, j)]) * slope * -4.0;
-                for k in 0..d {
-                    gradient[k] += part * pair[k] * weights[k];
-                }
+                let slopes = slopes.next().expect("as many as pairs");
+                let part = (2.0 * factor * a[i] * a[j] - projector[(i, j)]) * matrix[(i, j)];
+                gradient.iter_mut().zip(slopes).for_each(|(to, slope)| *to += part * slope);
             }
         }
-        let nugget = unknowns[d].exp();
+        let nugget = unknowns[d + 1].exp();
         if nugget > LEAST_NUGGET {
             let diagonal: f64 = (0..n).map(|i| factor * a[i] * a[i] - 0.5 * projector[(i, i)]).sum();
-            gradient[d] = nugget * diagonal;
+            gradient[d + 1] = nugget * diagonal;
         }
         Some((value, gradient))
     }
@@ -161,7 +158,7 @@ fn regressed(
 pub struct Process {
     /// How smooth it is.
     pub smoothness: Smoothness,
-    /// Logarithms of length scales and nugget.
+    /// Logarithms of length scales, interaction and nugget.
     pub unknowns: Vec<f64>,
     /// The variance s2.
     pub variance: f64,
@@ -199,9 +196,18 @@ impl Process {
         scaled
     }
 
+    fn kernel(&self) -> Kernel {
+        Kernel { smoothness: self.smoothness, interaction: self.unknowns[self.unknowns.len() - 2].exp() }
+    }
+
     /// Correlations with the runs: a row a run, a column a point (scaled).
     fn cross(&self, scaled: &DMatrix<f64>) -> DMatrix<f64> {
-        between(self.smoothness, &self.scaled, scaled)
+        {
+            let columns =
+                |m: &DMatrix<f64>| -> Vec<Vec<f64>> { m.column_iter().map(|c| c.iter().copied().collect()).collect() };
+            let (runs, points, kernel) = (columns(&self.scaled), columns(scaled), self.kernel());
+            DMatrix::from_fn(runs.len(), points.len(), |i, j| kernel.between(&runs[i], &points[j]))
+        }
     }
 
     /// What leaving each run out gives: its error, and the deviation that the process states for it (Dubrule 1983).
@@ -244,7 +250,7 @@ impl Process {
         let (d, n) = self.scaled.shape();
         let mut waves = DMatrix::zeros(WAVES, d);
         for mut row in waves.row_iter_mut() {
-            let frequency = self.smoothness.frequency(d, random);
+            let frequency = self.kernel().frequency(d, random);
             row.iter_mut().zip(frequency).for_each(|(to, from)| *to = from);
         }
         let phases = DVector::from_fn(WAVES, |_, _| std::f64::consts::TAU * random.unit());
@@ -312,17 +318,4 @@ fn features(waves: &DMatrix<f64>, phases: &DVector<f64>, scaled: &DMatrix<f64>) 
         column.iter_mut().zip(phases).for_each(|(v, phase)| *v = amplitude * (*v + phase).cos());
     }
     features
-}
-
-/// Correlations of all pairs of columns.
-fn between(smoothness: Smoothness, a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
-    let squares = |m: &DMatrix<f64>| -> Vec<f64> { m.column_iter().map(|c| c.norm_squared()).collect() };
-    let (of_a, of_b) = (squares(a), squares(b));
-    let mut products = a.tr_mul(b);
-    for (j, mut column) in products.column_iter_mut().enumerate() {
-        for (i, v) in column.iter_mut().enumerate() {
-            *v = smoothness.at((of_a[i] + of_b[j] - 2.0 * *v).max(0.0)).0;
-        }
-    }
-    products
 }
