@@ -4,7 +4,9 @@ mod fit;
 mod kernel;
 mod output;
 mod process;
+mod share;
 mod surrogate;
 
 pub use output::{Check, Functions};
+pub use share::{Basis, Campaign, Doubt, Limit, Share, doubt, share, undecided};
 pub use surrogate::{Run, Surrogate, Unfit};

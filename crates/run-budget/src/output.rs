@@ -30,7 +30,10 @@ pub struct Output {
     data: Data,
     members: Vec<Process>,
     centre: f64,
-    unit: f64,
+    /// The deviation of the values; 1 where they are all the same.
+    pub unit: f64,
+    /// Mean and deviation at each run by the others.
+    pub left_out: Vec<[f64; 2]>,
     /// The check by leaving runs out.
     pub check: Check,
 }
@@ -57,7 +60,11 @@ impl Output {
         let tail = scores[((0.95 * n) as usize).min(scores.len() - 1)] / 1.96;
         let noise = (best.nugget() * best.variance).min(1.0);
         let check = Check { error: unit * (squares / n).sqrt(), held, widening: mean_square.max(tail).max(1.0), noise };
-        Some(Self { data, members, centre, unit, check })
+        let by_others = |(value, [error, deviation]): (&f64, &[f64; 2])| {
+            [value - unit * error, check.widening * unit * deviation]
+        };
+        let left_out = values.iter().zip(&left_out).map(by_others).collect();
+        Some(Self { data, members, centre, unit, left_out, check })
     }
 
     /// Means and deviations of the function by each member, in the output's unit, without noise.

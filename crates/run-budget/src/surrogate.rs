@@ -19,6 +19,13 @@ pub struct Run {
     pub values: Option<Vec<f64>>,
 }
 
+impl Run {
+    /// The values, where there are some and all of them are numbers.
+    pub fn finite(&self) -> Option<&[f64]> {
+        self.values.as_deref().filter(|values| values.iter().all(|v| v.is_finite()))
+    }
+}
+
 /// Why there is no surrogate.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum Unfit {
@@ -58,8 +65,7 @@ impl Surrogate {
         let centre: Vec<f64> = (0..d).map(mean).collect();
         let spread = |k: usize| (like.iter().map(|x| (x[k] - centre[k]).powi(2)).sum::<f64>() / n).sqrt();
         let deviation: Vec<f64> = (0..d).map(spread).collect();
-        let finite = |run: &&Run| run.values.as_ref().is_some_and(|v| v.iter().all(|v| v.is_finite()));
-        let good: Vec<&Run> = runs.iter().filter(finite).collect();
+        let good: Vec<&Run> = runs.iter().filter(|run| run.finite().is_some()).collect();
         let needed = LEAST.max(2 + d / 2);
         if good.len() < needed {
             return Err(Unfit::TooFew { runs: good.len(), needed });
@@ -77,7 +83,7 @@ impl Surrogate {
         surrogate.outputs = (0..width).into_par_iter().map(fit).collect::<Result<_, _>>()?;
         if runs.len() - good.len() >= LEAST_FAILED {
             let points: Vec<&[f64]> = runs.iter().map(|run| run.point.as_slice()).collect();
-            let succeeded: Vec<f64> = runs.iter().map(|run| if finite(&run) { 1.0 } else { -1.0 }).collect();
+            let succeeded: Vec<f64> = runs.iter().map(|run| if run.finite().is_some() { 1.0 } else { -1.0 }).collect();
             let before = earlier.and_then(|e| e.success.as_ref());
             surrogate.success = Output::fit(surrogate.standard(&points), &succeeded, before, seed, 1000);
         }
@@ -91,8 +97,7 @@ impl Surrogate {
 
     /// Means and deviations of an output at points: over all members, without noise.
     pub fn predict(&self, output: usize, points: &[Vec<f64>]) -> Vec<[f64; 2]> {
-        let points: Vec<&[f64]> = points.iter().map(Vec::as_slice).collect();
-        let members = self.outputs[output].predict(&self.standard(&points));
+        let members = self.outputs[output].predict(&self.standard(points));
         let count = members.len() as f64;
         let one = |i: usize| {
             let mean = members.iter().map(|m| m[i][0]).sum::<f64>() / count;
@@ -112,12 +117,26 @@ impl Surrogate {
         self.success.as_ref().map(|output| output.functions(each, self.seed, 3000))
     }
 
+    /// The deviation of an output among its runs; 1 where they are all the same.
+    pub fn spread(&self, output: usize) -> f64 {
+        self.outputs[output].unit
+    }
+
+    /// Mean and deviation (with noise) of an output at each successful run by the others.
+    pub(crate) fn left_out(&self, output: usize) -> &[[f64; 2]] {
+        &self.outputs[output].left_out
+    }
+
+    pub(crate) fn seed(&self) -> u64 {
+        self.seed
+    }
+
     /// Standardised coordinates of the parameters that vary, one point a column.
-    fn standard(&self, points: &[&[f64]]) -> DMatrix<f64> {
+    pub(crate) fn standard(&self, points: &[impl AsRef<[f64]>]) -> DMatrix<f64> {
         let varied: Vec<usize> = (0..self.deviation.len()).filter(|k| self.deviation[*k] > 0.0).collect();
         DMatrix::from_fn(varied.len(), points.len(), |k, i| {
             let k = varied[k];
-            (points[i][k] - self.centre[k]) / self.deviation[k]
+            (points[i].as_ref()[k] - self.centre[k]) / self.deviation[k]
         })
     }
 }
