@@ -4,11 +4,10 @@ mod functions;
 
 use functions::Model;
 use run_budget::{Basis, Campaign, Limit, Share};
-use sampling::design::cube;
 
 /// A campaign of so many runs in batches of ten, half of them plain. `fails` says where a run fails.
 fn campaign(model: &Model, runs: usize, seed: u64, fails: fn(&[f64]) -> bool) -> Share {
-    let sample = cube(model.dimensions, 4096, seed, 1).expect("there is such a net");
+    let sample = model.points(4096, seed);
     let limits = vec![Limit { output: 0, range: [model.limit, f64::INFINITY] }];
     let mut campaign = Campaign::new(limits, sample, runs / 2, seed);
     let mut left = runs;
@@ -24,7 +23,7 @@ fn campaign(model: &Model, runs: usize, seed: u64, fails: fn(&[f64]) -> bool) ->
 }
 
 fn truth(model: &Model, fails: fn(&[f64]) -> bool) -> f64 {
-    let points = cube(model.dimensions, 1 << 18, 77, 1).expect("there is such a net");
+    let points = model.points(1 << 17, 77);
     let good = points.iter().filter(|point| !fails(point) && (model.of)(point) >= model.limit).count();
     good as f64 / points.len() as f64
 }
@@ -60,35 +59,29 @@ fn noise_that_no_surrogate_follows_is_counted_or_left_open() {
 #[test]
 #[ignore = "takes many minutes of CPU"]
 fn intervals_of_shares_hold() {
-    let from_environment = |name: &str, default: u64| -> u64 {
-        std::env::var(name).ok().and_then(|s| s.parse().ok()).unwrap_or(default)
-    };
-    let seeds = from_environment("SEEDS", 40);
-    let only = std::env::var("MODEL").unwrap_or_default();
+    let seeds = functions::number("SEEDS", 40);
     println!("function     failing runs  share   error  width  held    counted, of {seeds} seeds");
     let regions: [fn(&[f64]) -> bool; 2] = [never, in_a_corner];
-    for model in functions::ALL.iter().filter(|m| only.is_empty() || m.name == only) {
+    for (model, runs) in functions::trials() {
         let failing = if ["circuit", "jump"].contains(&model.name) { 2 } else { 1 };
         for &fails in &regions[..failing] {
             let truth = truth(model, fails);
             let lost = if fails(&[0.0, 0.0]) { 20 } else { 0 };
-            for runs in [50, 100, 200] {
-                let shares: Vec<Share> = (1..=seeds).map(|seed| campaign(model, runs, seed, fails)).collect();
-                let of = |f: fn(&Share, f64) -> f64| shares.iter().map(|s| f(s, truth)).sum::<f64>() / seeds as f64;
-                let error = of(|s, truth| (s.estimate - truth).powi(2)).sqrt();
-                let width = of(|s, _| s.interval[1] - s.interval[0]);
-                let held = of(|s, truth| f64::from(s.interval[0] <= truth && truth <= s.interval[1]));
-                let counted = of(|s, _| f64::from(s.basis != Basis::Surrogate));
-                println!(
-                    "{:12} {lost:4} % {runs:4} {:6.2} % {:5.2} % {:5.2} % {:5.1} % {:5.0} %",
-                    model.name,
-                    100.0 * truth,
-                    100.0 * error,
-                    100.0 * width,
-                    100.0 * held,
-                    100.0 * counted
-                );
-            }
+            let shares: Vec<Share> = (1..=seeds).map(|seed| campaign(model, runs as usize, seed, fails)).collect();
+            let of = |f: fn(&Share, f64) -> f64| shares.iter().map(|s| f(s, truth)).sum::<f64>() / seeds as f64;
+            let error = of(|s, truth| (s.estimate - truth).powi(2)).sqrt();
+            let width = of(|s, _| s.interval[1] - s.interval[0]);
+            let held = of(|s, truth| f64::from(s.interval[0] <= truth && truth <= s.interval[1]));
+            let counted = of(|s, _| f64::from(s.basis != Basis::Surrogate));
+            println!(
+                "{:12} {lost:4} % {runs:4} {:6.2} % {:5.2} % {:5.2} % {:5.1} % {:5.0} %",
+                model.name,
+                100.0 * truth,
+                100.0 * error,
+                100.0 * width,
+                100.0 * held,
+                100.0 * counted
+            );
         }
     }
 }

@@ -1,12 +1,28 @@
-//! Published functions of the unit cube, and some that no smooth surrogate follows.
+//! Published functions, and some that no smooth surrogate follows. Coordinates lie between 0 and 1 or are standard normal.
 #![allow(dead_code, reason = "each of the tests uses some of them")]
 
 use std::f64::consts::{PI, SQRT_2};
+
+/// A number that the environment sets: how long a trial is.
+pub fn number(name: &str, default: u64) -> u64 {
+    std::env::var(name).ok().and_then(|s| s.parse().ok()).unwrap_or(default)
+}
+
+/// The functions and numbers of runs of a trial: all, or those that the environment's `MODEL` and `RUNS` name.
+pub fn trials() -> impl Iterator<Item = (&'static Model, u64)> {
+    let (only, runs) = (std::env::var("MODEL").unwrap_or_default(), number("RUNS", 0));
+    let models = ALL.iter().filter(move |model| only.is_empty() || model.name == only);
+    models.flat_map(move |model| {
+        [50, 100, 200].into_iter().filter(move |r| runs == 0 || *r == runs).map(move |r| (model, r))
+    })
+}
 
 /// A function with the lower limit of its value.
 pub struct Model {
     pub name: &'static str,
     pub dimensions: usize,
+    /// The first so many coordinates are standard normal.
+    normals: usize,
     pub of: fn(&[f64]) -> f64,
     /// The value from which on a point is good.
     pub limit: f64,
@@ -14,32 +30,47 @@ pub struct Model {
     pub smooth: bool,
 }
 
-const fn model(name: &'static str, dimensions: usize, of: fn(&[f64]) -> f64, limit: f64, smooth: bool) -> Model {
-    Model { name, dimensions, of, limit, smooth }
+impl Model {
+    /// A net of plain points.
+    pub fn points(&self, count: u64, seed: u64) -> Vec<Vec<f64>> {
+        self.places(sampling::design::cube(self.dimensions, count, seed, 1).expect("there is such a net"))
+    }
+
+    /// Two independent samples: the halves of a net of twice the dimensions.
+    pub fn halves(&self, count: u64, seed: u64) -> [Vec<Vec<f64>>; 2] {
+        let d = self.dimensions;
+        let net = sampling::design::cube(2 * d, count, seed, 1).expect("there is such a net");
+        [0, 1].map(|half| self.places(net.iter().map(|u| u[half * d..][..d].to_vec()).collect()))
+    }
+
+    fn places(&self, mut cube: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+        let standard = sampling::distribution::Distribution::Normal { mean: 0.0, deviation: 1.0 };
+        cube.iter_mut().flat_map(|u| &mut u[..self.normals]).for_each(|u| *u = standard.quantile(*u));
+        cube
+    }
+}
+
+const fn model(name: &'static str, d: [usize; 2], of: fn(&[f64]) -> f64, limit: f64, smooth: bool) -> Model {
+    Model { name, dimensions: d[0], normals: d[1], of, limit, smooth }
 }
 
 /// All of them.
-pub const ALL: [Model; 11] = [
-    model("circuit", 6, circuit, 4.6, true),
-    model("borehole", 8, borehole, 60.0, true),
-    model("piston", 7, piston, 0.4, true),
-    model("ishigami", 3, ishigami, 1.0, true),
-    model("branches", 2, four_branches, 2.0, false),
-    model("oscillator", 6, oscillator, 0.25, false),
-    model("g-function", 4, g_function, 0.8, false),
-    model("jump", 3, jump, 1.2, false),
-    model("noise", 3, noisy, 0.8, false),
-    model("thirty", 30, thirty, 0.0, true),
-    model("ridge", 2, ridge, 0.3, false),
+pub static ALL: [Model; 11] = [
+    model("circuit", [6, 0], circuit, 4.6, true),
+    model("borehole", [8, 2], borehole, 60.0, true),
+    model("piston", [7, 0], piston, 0.4, true),
+    model("ishigami", [3, 0], ishigami, 1.0, true),
+    model("branches", [2, 2], four_branches, 2.0, false),
+    model("oscillator", [6, 6], oscillator, 0.25, false),
+    model("g-function", [4, 0], g_function, 0.8, false),
+    model("jump", [3, 0], jump, 1.2, false),
+    model("noise", [3, 0], noisy, 0.8, false),
+    model("thirty", [30, 0], thirty, 0.0, true),
+    model("ridge", [2, 0], ridge, 0.3, false),
 ];
 
 fn range(u: f64, low: f64, high: f64) -> f64 {
     low + (high - low) * u
-}
-
-/// A standard normal coordinate.
-pub fn normal(u: f64) -> f64 {
-    sampling::distribution::Distribution::Normal { mean: 0.0, deviation: 1.0 }.quantile(u)
 }
 
 /// Output voltage of a push-pull circuit without transformer (Ben-Ari & Steinberg 2007, "Modeling data from computer
@@ -54,8 +85,8 @@ pub fn circuit(u: &[f64]) -> f64 {
 
 /// Flow through a borehole (Harper & Gupta 1983; Surjanovic & Bingham, Virtual Library of Simulation Experiments).
 pub fn borehole(u: &[f64]) -> f64 {
-    let radius = 0.1 + 0.016_181_2 * normal(u[0]);
-    let reach = (7.71 + 1.0056 * normal(u[1])).exp();
+    let radius = 0.1 + 0.016_181_2 * u[0];
+    let reach = (7.71 + 1.0056 * u[1]).exp();
     let (tu, hu, tl) = (range(u[2], 63_070.0, 115_600.0), range(u[3], 990.0, 1110.0), range(u[4], 63.1, 116.0));
     let (hl, length, k) = (range(u[5], 700.0, 820.0), range(u[6], 1120.0, 1680.0), range(u[7], 9855.0, 12_045.0));
     let ratio = (reach / radius).ln();
@@ -80,7 +111,7 @@ pub fn ishigami(u: &[f64]) -> f64 {
 
 /// A series system of four branches, kinked where they meet (Schueremans & Van Gemert 2005).
 pub fn four_branches(u: &[f64]) -> f64 {
-    let (x, y) = (normal(u[0]), normal(u[1]));
+    let (x, y) = (u[0], u[1]);
     let curved = 3.0 + 0.1 * (x - y).powi(2);
     let (sum, apart) = ((x + y) / SQRT_2, 6.0 / SQRT_2);
     (curved - sum).min(curved + sum).min(x - y + apart).min(y - x + apart)
@@ -88,7 +119,7 @@ pub fn four_branches(u: &[f64]) -> f64 {
 
 /// A non-linear oscillator under a rectangular load (Schueremans & Van Gemert 2005; Echard et al. 2011); kinked.
 pub fn oscillator(u: &[f64]) -> f64 {
-    let x = |k: usize, mean: f64, deviation: f64| mean + deviation * normal(u[k]);
+    let x = |k: usize, mean: f64, deviation: f64| mean + deviation * u[k];
     let (c1, c2, m) = (x(0, 1.0, 0.1), x(1, 0.1, 0.01), x(2, 1.0, 0.05));
     let (r, t1, f1) = (x(3, 0.5, 0.05), x(4, 1.0, 0.2), x(5, 1.0, 0.2));
     let square = (c1 + c2) / m;
