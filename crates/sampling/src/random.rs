@@ -40,6 +40,8 @@ pub enum Purpose {
     Unstated = 14,
     /// Points that are computed twice.
     Audit = 15,
+    /// Fits and draws of a surrogate.
+    Surrogate = 16,
 }
 
 /// Random numbers one after the other. Numbers of different purposes or streams are independent, so what a task draws does not depend on the thread that runs it, nor on other tasks.

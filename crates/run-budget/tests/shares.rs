@@ -1,0 +1,87 @@
+//! Shares of published functions: do the stated intervals hold?
+
+mod functions;
+
+use functions::Model;
+use run_budget::{Basis, Campaign, Limit, Share};
+
+/// A campaign of so many runs in batches of ten, half of them plain. `fails` says where a run fails.
+fn campaign(model: &Model, runs: usize, seed: u64, fails: fn(&[f64]) -> bool) -> Share {
+    let sample = model.points(4096, seed);
+    let limits = vec![Limit { output: 0, range: [model.limit, f64::INFINITY] }];
+    let mut campaign = Campaign::new(limits, sample, runs / 2, seed);
+    let mut left = runs;
+    while left > 0 {
+        let batch = campaign.next(left.min(10));
+        left -= batch.len();
+        for (number, point) in batch.into_iter().rev() {
+            let values = (!fails(&point)).then(|| vec![(model.of)(&point)]);
+            campaign.tell(number, values);
+        }
+    }
+    campaign.share(0.95)
+}
+
+fn truth(model: &Model, fails: fn(&[f64]) -> bool) -> f64 {
+    let points = model.points(1 << 17, 77);
+    let good = points.iter().filter(|point| !fails(point) && (model.of)(point) >= model.limit).count();
+    good as f64 / points.len() as f64
+}
+
+fn never(_: &[f64]) -> bool {
+    false
+}
+
+/// A fifth of the points, in a region of its own.
+fn in_a_corner(u: &[f64]) -> bool {
+    u[0] * u[1] < 0.054
+}
+
+#[test]
+fn fifty_runs_of_a_circuit_tell_the_share_to_two_points() {
+    let model = &functions::ALL[0];
+    let share = campaign(model, 50, 3, never);
+    let truth = truth(model, never);
+    assert_eq!(share.basis, Basis::Surrogate);
+    assert!((share.estimate - truth).abs() < 0.02, "{share:?} {truth}");
+    assert!(share.interval[0] < truth && truth < share.interval[1], "{share:?} {truth}");
+}
+
+#[test]
+fn noise_that_no_surrogate_follows_is_counted_or_left_open() {
+    let model = functions::ALL.iter().find(|m| m.name == "noise").expect("it is listed");
+    let share = campaign(model, 50, 1, never);
+    let truth = truth(model, never);
+    assert!(share.interval[0] < truth && truth < share.interval[1], "{share:?} {truth}");
+}
+
+/// Prints how often intervals hold: `cargo test -p run-budget --release --test shares -- --ignored --nocapture`.
+#[test]
+#[ignore = "takes many minutes of CPU"]
+fn intervals_of_shares_hold() {
+    let seeds = functions::number("SEEDS", 40);
+    println!("function     failing runs  share   error  width  held    counted, of {seeds} seeds");
+    let regions: [fn(&[f64]) -> bool; 2] = [never, in_a_corner];
+    for (model, runs) in functions::trials() {
+        let failing = if ["circuit", "jump"].contains(&model.name) { 2 } else { 1 };
+        for &fails in &regions[..failing] {
+            let truth = truth(model, fails);
+            let lost = if fails(&[0.0, 0.0]) { 20 } else { 0 };
+            let shares: Vec<Share> = (1..=seeds).map(|seed| campaign(model, runs as usize, seed, fails)).collect();
+            let of = |f: fn(&Share, f64) -> f64| shares.iter().map(|s| f(s, truth)).sum::<f64>() / seeds as f64;
+            let error = of(|s, truth| (s.estimate - truth).powi(2)).sqrt();
+            let width = of(|s, _| s.interval[1] - s.interval[0]);
+            let held = of(|s, truth| f64::from(s.interval[0] <= truth && truth <= s.interval[1]));
+            let counted = of(|s, _| f64::from(s.basis != Basis::Surrogate));
+            println!(
+                "{:12} {lost:4} % {runs:4} {:6.2} % {:5.2} % {:5.2} % {:5.1} % {:5.0} %",
+                model.name,
+                100.0 * truth,
+                100.0 * error,
+                100.0 * width,
+                100.0 * held,
+                100.0 * counted
+            );
+        }
+    }
+}
