@@ -237,7 +237,7 @@ fn looks_and_risks_hold_for_the_worst_pairs_and_triples_at_every_size() {
             }
         }
         for looks in
-            [vec![points, 2 * points], vec![points, points + 16, points + 64, 2 * points, 4 * points, 8 * points]]
+            [vec![points, 2 * points], vec![points, points + 16, points + 32, 2 * points, 4 * points, 8 * points]]
         {
             let [held, wrong] = looked_at(&looks, 200, &bands);
             if held < least(40.0 * looks.len() as f64) || wrong > most {
