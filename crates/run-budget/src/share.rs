@@ -9,7 +9,7 @@ use sampling::random::{Purpose, Random};
 /// Functions that are drawn from each member of an output's sample.
 const EACH: usize = 16;
 /// Errors of runs left out, over the deviation of the output, from which on the surrogate is not asked.
-pub(crate) const LARGEST_ERROR: f64 = 0.3;
+pub(crate) const LARGEST_ERROR: f64 = 0.2;
 /// So many deviations more wrong signs among the runs left out than their probabilities say refute the surrogate.
 const REFUTED: f64 = 2.5;
 
