@@ -103,6 +103,7 @@ fn intervals_of_shares_hold() {
                 100.0 * held,
                 100.0 * counted
             );
+            assert!(held >= 0.93, "{} {runs}", model.name);
         }
     }
 }
