@@ -73,12 +73,14 @@ pub fn indices(
                 }
             }
         }
-        [0, 1].map(|which| index(&by_draw[which], &by_part[which], confidence))
+        [0, 1].map(|which| index(&by_draw[which], &by_part[which], relative * relative, confidence))
     };
     Ok((0..a[0].len()).map(one).collect())
 }
 
-fn index(by_draw: &[f64], by_part: &[f64], confidence: f64) -> Index {
+/// `unexplained` is the part of the variance that the surrogate misses when runs are left out. It may belong to any parameter, and
+/// a process smooths interactions first, so it counts as a deviation of each index.
+fn index(by_draw: &[f64], by_part: &[f64], unexplained: f64, confidence: f64) -> Index {
     let spread = |values: &[f64]| {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
@@ -87,7 +89,8 @@ fn index(by_draw: &[f64], by_part: &[f64], confidence: f64) -> Index {
     let (estimate, of_surrogate) = spread(by_draw);
     let of_points = spread(by_part).1 / by_part.len() as f64;
     let student = StudentsT::new(0.0, 1.0, by_part.len() as f64 - 1.0).expect("its freedom is positive");
-    let half = student.inverse_cdf(0.5 + 0.5 * confidence) * (of_surrogate + of_points).sqrt();
+    let half =
+        student.inverse_cdf(0.5 + 0.5 * confidence) * (of_surrogate + of_points + unexplained * unexplained).sqrt();
     let within = |v: f64| v.clamp(0.0, 1.0);
     Index { estimate: within(estimate), interval: [within(estimate - half), within(estimate + half)] }
 }

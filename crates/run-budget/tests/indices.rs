@@ -75,5 +75,6 @@ fn intervals_of_indices_hold() {
         let error = told.iter().map(largest).sum::<f64>() / told.len() as f64;
         let silent = 100.0 * (1.0 - told.len() as f64 / seeds as f64);
         println!("{:12} {runs:4} {error:8.4} {:8.1} % {:8.1} % {silent:6.0} %", model.name, held(0), held(1));
+        assert!(told.is_empty() || held(0).min(held(1)) >= 93.0, "{} {runs}", model.name);
     }
 }

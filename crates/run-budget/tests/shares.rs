@@ -48,6 +48,27 @@ fn fifty_runs_of_a_circuit_tell_the_share_to_two_points() {
 }
 
 #[test]
+fn batches_do_not_depend_on_the_order_in_which_runs_come_back() {
+    let model = &functions::ALL[0];
+    let points = |turned: bool| {
+        let limits = vec![Limit { output: 0, range: [model.limit, f64::INFINITY] }];
+        let mut campaign = Campaign::new(limits, model.points(512, 1), 20, 1);
+        for _ in 0..4 {
+            let mut batch = campaign.next(10);
+            assert!(campaign.next(10).is_empty(), "the batch is not back");
+            if turned {
+                batch.reverse();
+            }
+            batch.into_iter().for_each(|(number, point)| campaign.tell(number, Some(vec![(model.of)(&point)])));
+        }
+        campaign.runs()
+    };
+    let runs = points(false);
+    assert_eq!(runs.len(), 40);
+    assert_eq!(runs, points(true));
+}
+
+#[test]
 fn noise_that_no_surrogate_follows_is_counted_or_left_open() {
     let model = functions::ALL.iter().find(|m| m.name == "noise").expect("it is listed");
     let share = campaign(model, 50, 1, never);
@@ -82,6 +103,7 @@ fn intervals_of_shares_hold() {
                 100.0 * held,
                 100.0 * counted
             );
+            assert!(held >= 0.93, "{} {runs}", model.name);
         }
     }
 }
