@@ -20,7 +20,8 @@ pub(crate) use events::check_end;
 pub use events::{Events, Until, events, indicators};
 pub use faults::faults;
 pub use variable::{
-    Access, Base, DisplayUnit, Enumeration, Item, Kind, Quantity, Role, Unit, Variable, check_fixed, check_ranges, elements,
+    Access, Base, DisplayUnit, Enumeration, Item, Kind, Quantity, Role, Unit, Variable, check_fixed, check_ranges,
+    elements,
 };
 
 /// A simulation model that a boundary (an FMU, a test, a benchmark) can drive.

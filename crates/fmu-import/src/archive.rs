@@ -114,7 +114,10 @@ pub enum ArchiveError {
 impl ArchiveError {
     /// Whether the fault lies in the FMU rather than in the request.
     pub fn is_a_fault(&self) -> bool {
-        !matches!(self, Self::Missing | Self::Io(_) | Self::NoRoom(_) | Self::NotZip | Self::NoFile(_) | Self::Folder(_))
+        !matches!(
+            self,
+            Self::Missing | Self::Io(_) | Self::NoRoom(_) | Self::NotZip | Self::NoFile(_) | Self::Folder(_)
+        )
     }
 
     /// An error of unpacking, where the folder may be at fault.

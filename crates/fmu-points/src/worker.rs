@@ -175,7 +175,6 @@ impl Service {
             // Its initialisers may have changed what this process does about its children.
             system::adopt_orphans();
             self.library = Some(library.map_err(named)?);
-            system::keep_code_mapped();
         }
         Ok(())
     }

@@ -194,30 +194,3 @@ impl Streams {
         Ok(Keeper::new(self.superior, Words::overhear(echo)?, seed))
     }
 }
-
-/// Lets forks of this process have the code that it has mapped: a fork inherits the page tables of a file's mapping only where a
-/// page of that was ever written to, and else finds its code again page by page, which takes longer than a short point. So the
-/// first byte of each mapping is written as it is. Where the system forbids that, forks are slower.
-pub(crate) fn keep_code_mapped() {
-    #[cfg(target_os = "linux")]
-    {
-        use std::os::unix::fs::FileExt;
-
-        let maps = fs::read_to_string("/proc/self/maps").unwrap_or_default();
-        let Ok(memory) = File::options().read(true).write(true).open("/proc/self/mem") else { return };
-        for line in maps.lines() {
-            // Such as `7f12c000-7f14d000 r-xp 00001000 fe:00 324 /lib/libc.so.6`.
-            let mut words = line.split_ascii_whitespace();
-            let (Some(range), Some("r-xp" | "r--p"), Some(file)) = (words.next(), words.next(), words.nth(3)) else {
-                continue;
-            };
-            let place = range.split('-').next().and_then(|place| u64::from_str_radix(place, 16).ok());
-            let mut byte = [0];
-            if let Some(place) = place.filter(|_| file.starts_with('/'))
-                && memory.read_exact_at(&mut byte, place).is_ok()
-            {
-                let _ = memory.write_all_at(&byte, place);
-            }
-        }
-    }
-}

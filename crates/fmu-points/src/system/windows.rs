@@ -126,6 +126,3 @@ impl Streams {
         Ok(Keeper::new(error.map(File::from), seed))
     }
 }
-
-/// There are no forks.
-pub(crate) fn keep_code_mapped() {}
