@@ -81,8 +81,8 @@ def sign(summary: Mapping[str, Any]) -> str:
 
 
 def doubts(summary: Mapping[str, Any]) -> list[str]:
-    """The concerns that are warnings, each with its remedy; earlier versions wrote a sentence alone."""
-    concerns = [{"text": one, "severity": ""} if isinstance(one, str) else one for one in summary.get("concerns", [])]
+    """The concerns that are warnings, each with its remedy."""
+    concerns = summary.get("concerns", [])
     return [". ".join(filter(None, (one["text"], one.get("remedy")))) for one in concerns if one["severity"] != "note"]
 
 

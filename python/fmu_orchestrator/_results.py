@@ -387,9 +387,7 @@ class Identification(Analysis):
     def optima(self) -> list[Optimum]:
         """All sets of parameters that could be the right one, the most probable first. Where there are several, none of
         them is *the* value."""
-        # Earlier versions told of one only.
-        found = self.data.get("optima") or [{"weight": 1.0, "free": self.data["free"]}]
-        return [Optimum(optimum["weight"], _estimates(optimum["free"])) for optimum in found]
+        return [Optimum(optimum["weight"], _estimates(optimum["free"])) for optimum in self.data["optima"]]
 
     @property
     def parameters(self) -> dict[str, Estimate]:

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Serialize};
 
 /// A doubt about a verdict.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -116,25 +116,6 @@ pub enum Severity {
     Note,
 }
 
-/// Reads doubts. In summaries of earlier versions each is a sentence alone.
-///
-/// # Errors
-/// When they are neither.
-pub fn read<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Concern>, D::Error> {
-    #[derive(Deserialize)]
-    #[serde(untagged)]
-    enum Form {
-        Sentence(String),
-        Whole(Concern),
-    }
-    let forms: Vec<Form> = Vec::deserialize(from)?;
-    let concern = |form| match form {
-        Form::Sentence(text) => Concern::new(Code::Other, text),
-        Form::Whole(concern) => concern,
-    };
-    Ok(forms.into_iter().map(concern).collect())
-}
-
 impl Severity {
     /// Its name before a doubt's text.
     pub fn name(self) -> String {
@@ -147,7 +128,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sentences_of_earlier_versions_and_codes_of_later_ones_are_read() {
+    fn codes_of_later_versions_are_read() {
         let new = Concern::new(Code::NotReRun, "no point was re-run");
         let text = serde_json::to_string(&new).unwrap();
         assert_eq!(text, r#"{"code":"not-re-run","severity":"note","text":"no point was re-run"}"#);
@@ -156,10 +137,8 @@ mod tests {
         assert_eq!(moves.to_string(), "Y: it moves. Simulate longer.");
         let remedied = serde_json::to_string(&moves).unwrap();
         assert!(remedied.ends_with(r#","text":"Y: it moves","remedy":"Simulate longer."}"#));
-        let all = format!("[{text}, {later}, \"Y: it moves\", {remedied}]");
-        let all = read(&mut serde_json::Deserializer::from_str(&all)).unwrap();
+        let all: Vec<Concern> = serde_json::from_str(&format!("[{text}, {later}, {remedied}]")).unwrap();
         let later = Concern { code: Code::Other, ..new.clone() };
-        let old = Concern::new(Code::Other, "Y: it moves");
-        assert_eq!(all, [new, later, old, moves]);
+        assert_eq!(all, [new, later, moves]);
     }
 }

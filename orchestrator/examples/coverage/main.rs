@@ -94,7 +94,7 @@ type Part = fn(u64) -> Result<(), String>;
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let repetitions = std::env::args().nth(1).unwrap_or("200".into()).parse()?;
     let wanted = std::env::args().nth(2);
-    let parts: [(&str, Part); 8] = [
+    let parts: [(&str, Part); 7] = [
         ("sobol", indices_hold),
         ("errors", errors::print),
         ("share", shares_hold),

@@ -24,7 +24,6 @@ use result_document::format::{count, number, percent, with_unit};
 use result_document::{Document, marked};
 use sampling::statistics::moments::{deviation, mean};
 use std::borrow::Cow;
-use std::cmp::Reverse;
 
 /// More bytes are packed. Fewer are read at once, and in browsers that cannot unpack, too.
 const MOST_PLAIN: usize = 300_000;
@@ -111,11 +110,7 @@ pub fn render(report: &Report) -> Result<String, Error> {
         crowded => points.len() == total && total > figures::MOST_MARKS,
         rows => Serde(count_rows(table, summary, judgement)),
         counted => result_document::html(&[risks(summary), cases(summary), readings(summary)].concat()),
-        // Summaries of older versions do not name their intervals; those are Wilson's.
-        interval_method => match summary.interval_method.as_str() {
-            "" => "Wilson's score interval",
-            method => method,
-        },
+        interval_method => &summary.interval_method,
         intervals => summary.verified_interval.is_some(),
         expected => summary
             .expected_verified
@@ -332,17 +327,12 @@ fn failures(table: &PointTable, summary: &Summary) -> Vec<(String, String, Strin
         (reason.to_owned(), grouped(points), list.join(", "))
     };
     let counted = summary.failure_kinds.iter();
-    let mut rows: Vec<_> = counted
+    let rows: Vec<_> = counted
         .map(|FailureKind { points, first }| {
             let of = drawn.get(&kind(&first.status));
             (&*first.status, *points, of.map_or(&[][..], Vec::as_slice))
         })
         .collect();
-    // Summaries of older versions do not count them.
-    if rows.is_empty() {
-        rows.extend(drawn.values().map(|of| (&*table.status[of[0]], of.len() as u64, &**of)));
-        rows.sort_by_key(|(_, points, _)| Reverse(*points));
-    }
     rows.into_iter().map(row).collect()
 }
 

@@ -18,7 +18,7 @@ use conformity::risk::Risk;
 use conformity::validation::Comparison;
 use fmu_points::Conduct;
 use study::Dossier;
-use study::concern::{self, Concern};
+use study::concern::Concern;
 
 /// The content of `summary.json`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -42,7 +42,7 @@ pub struct Summary {
     /// How all intervals were computed.
     #[serde(default)]
     pub interval_method: String,
-    /// The verdict and the risks; summaries of earlier versions have none.
+    /// The verdict and the risks.
     #[serde(flatten)]
     pub conclusion: Option<Conclusion>,
     /// How many points conform, as expected from the measured values' uncertainties; none unless
@@ -76,7 +76,7 @@ pub struct Summary {
     /// uncertainty and the parameters' distributions are known.
     pub most_probable_point: Option<BestPoint>,
     /// Doubts about the verdict.
-    #[serde(default, deserialize_with = "concern::read")]
+    #[serde(default)]
     pub concerns: Vec<Concern>,
     /// Whether the results had settled when the runs ended.
     #[serde(default, rename = "rest", skip_serializing_if = "Option::is_none")]
