@@ -155,7 +155,20 @@ fn what_cannot_vary_is_no_study() {
         "start=\"0\" && start=\"0\" && <Real start=\"0\"/>",
     );
     bench.fmu("lag.fmu", &[], &text);
-    bench.run(&["init", "lag.fmu"]).is_mistake(&["lag.fmu", "start value other than 0"]);
+    bench.run(&["init", "lag.fmu"]).is_mistake(&["lag.fmu", "start value other than 0", "--set NAME=VALUE"]);
+    let set = ["init", "lag.fmu", "--set", "drive.u=2", "--set", "lag.rate=1", "--output", "study.toml"];
+    good(bench.run(&set));
+    let study = bench.read("study.toml");
+    assert!(study.contains("\"drive.u\" = { distribution = \"uniform\", min = 1.8, max = 2.2"), "{study}");
+    good(bench.run(&["verify", "study.toml", "--points", "4", "--dry-run"]));
+}
+
+#[test]
+fn what_the_user_sets_is_fixed() {
+    let bench = Bench::new();
+    let study = good(bench.run(&["init", "lag.fmu", "--set", "drive.u=2"])).out;
+    assert!(study.contains("[fixed]\n\"drive.u\" = \"2\"\n") && study.contains("nominal = 1.72"), "{study}");
+    bench.run(&["init", "lag.fmu", "--set", "drive.uu=2"]).is_mistake(&["--set", "did you mean `drive.u`?"]);
 }
 
 const MEASURED: &str = "time,lag.y,lag.temperature [degC],drive.u,lag.yy,lag.text,lag.micrometres\n\
