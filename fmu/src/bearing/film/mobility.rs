@@ -1,7 +1,7 @@
 //! The mobility film: the journal's velocity follows from the load at the instant.
 
 use crate::bearing::friction::{self, Boundary};
-use crate::bearing::journal::{Drift, Flows, JournalFilm, Motion, Setup, Situation};
+use crate::bearing::journal::{Drift, Flows, JournalFilm, Motion, Press, Setup, Situation, Strain};
 use crate::bearing::parameters::{Bearing, FilmEnergy};
 use fmu_export::model::Fault;
 use journal_bearing::contact::{Contact, ContactAt, ContactFamily, Touch};
@@ -145,24 +145,43 @@ impl JournalFilm for MobilityFilm {
     }
 
     fn motion(&self, bearing: &Bearing, at: &Situation) -> Motion {
-        let clearance = at.clearance;
         let mut now = self.prepared.instant(bearing, at, true, None);
         if !now.touches {
             let [x, y] = at.eccentricity;
             now.ratio = x.hypot(y).min(LARGEST_ECCENTRICITY_RATIO);
         }
         let push = &now.push;
-        let pressure = push.film.map_or(0.0, |film| film.max_pressure());
+        let strain = self.strain(bearing, at, &now.press());
         Motion {
             eccentricity_ratio: now.ratio,
             velocity: push.velocity,
             torque: now.torque(at),
             boundary_torque: push.boundary.torque,
             contact: now.contact,
-            contact_reach: now.crossing(bearing, clearance),
-            min_film_thickness: now.gap(bearing, clearance),
-            max_film_pressure: pressure * push.magnitude * self.prepared.factors.pressure,
+            contact_reach: strain.contact_reach,
+            min_film_thickness: strain.min_film_thickness,
+            max_film_pressure: strain.film_pressure,
             flows: now.flows,
+        }
+    }
+
+    fn strain(&self, bearing: &Bearing, at: &Situation, press: &Press) -> Strain {
+        let &Press { log_peak, force, contact, ratio, touches } = press;
+        let roughness = bearing.surface.roughness;
+        let distance = at.clearance * (1.0 - ratio);
+        let (contact_reach, gap) = match touches {
+            true => {
+                let crossed = (at.clearance * (ratio - 1.0) / roughness).max(0.0);
+                (crossed, mean_gap(distance / roughness) * roughness)
+            }
+            false => (0.0, distance),
+        };
+        Strain {
+            film_pressure: if force > 0.0 { log_peak.exp() * force * self.prepared.factors.pressure } else { 0.0 },
+            contact,
+            contact_reach,
+            min_film_thickness: gap,
+            distance,
         }
     }
 
@@ -196,25 +215,18 @@ impl AtClearance<'_> {
 }
 
 impl Instant {
-    /// The smallest gap at a radial clearance, m; between rough surfaces the mean gap.
-    fn gap(&self, bearing: &Bearing, clearance: f64) -> f64 {
-        let distance = clearance * (1.0 - self.ratio);
-        let roughness = bearing.surface.roughness;
-        if self.touches { mean_gap(distance / roughness) * roughness } else { distance }
-    }
-
-    /// How far the mean planes of rough surfaces cross, over the roughness, 1.
-    fn crossing(&self, bearing: &Bearing, clearance: f64) -> f64 {
-        match self.touches {
-            true => (clearance * (self.ratio - 1.0) / bearing.surface.roughness).max(0.0),
-            false => 0.0,
-        }
+    /// How film and asperities press.
+    #[inline(always)]
+    fn press(&self) -> Press {
+        let Push { film, magnitude, .. } = &self.push;
+        let (log_peak, force) = film.as_ref().map_or((0.0, 0.0), |film| (film.log_max_pressure(), *magnitude));
+        Press { log_peak, force, contact: self.contact, ratio: self.ratio, touches: self.touches }
     }
 
     /// What the time integration needs.
     #[inline(always)]
     fn drift(&self, at: &Situation) -> Drift {
-        Drift { velocity: self.push.velocity, torque: self.torque(at), flows: self.flows }
+        Drift { velocity: self.push.velocity, torque: self.torque(at), flows: self.flows, press: self.press() }
     }
 
     /// Friction torque on the journal, N.m.

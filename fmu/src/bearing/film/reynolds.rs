@@ -1,7 +1,9 @@
 //! The Reynolds film at work in the stand: it takes steps of its own and carries its journal along.
 
 use crate::bearing::friction::Boundary;
-use crate::bearing::journal::{Drift, Flows, Interval, JournalFilm, Motion, Passed, Setup, Situation, TransientFilm};
+use crate::bearing::journal::{
+    Drift, Flows, Interval, JournalFilm, Motion, Passed, Press, Setup, Situation, Strain, TransientFilm,
+};
 use crate::bearing::parameters::{Bearing, FilmEnergy, Resolution};
 use fmu_export::model::{Experiment, Fault};
 use journal_bearing::contact::ContactFamily;
@@ -105,7 +107,18 @@ impl JournalFilm for ReynoldsJournal {
     }
 
     fn drift(&self, _: &Bearing, _: &Situation, _: bool) -> Drift {
-        Drift { velocity: self.motion.velocity, torque: self.motion.torque, flows: self.motion.flows }
+        let Motion { velocity, torque, flows, .. } = self.motion;
+        Drift { velocity, torque, flows, press: Press::default() }
+    }
+
+    fn strain(&self, bearing: &Bearing, at: &Situation, _: &Press) -> Strain {
+        let Motion { contact, contact_reach, min_film_thickness, max_film_pressure, eccentricity_ratio, .. } = self.motion;
+        let distance = match contact_reach {
+            _ if self.plain => at.clearance * (1.0 - eccentricity_ratio),
+            0.0 => min_film_thickness,
+            crossed => -crossed * bearing.surface.roughness,
+        };
+        Strain { film_pressure: max_film_pressure, contact, contact_reach, min_film_thickness, distance }
     }
 
     fn coefficients(&self, bearing: &Bearing, at: &Situation) -> Coefficients {
