@@ -204,7 +204,7 @@ impl Stand {
     #[inline]
     fn instant(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64, clearance: f64) -> Situation {
         let (speed, load) = self.driven(tau);
-        Situation { load, eccentricity, clearance, viscosity, speed }
+        Situation { load, eccentricity, clearance, viscosity, speed, bush_speed: self.inputs.bush_speed.at(tau) }
     }
 
     /// Shaft speed (rad/s) and load on the journal (N, along x and y), `tau` seconds into the step.
@@ -277,7 +277,7 @@ impl Stand {
         let clearance = self.clearance(&temperatures, worn(y));
         let (at, drift) = self.drift(tau, [y[0], y[1]], viscosity, clearance);
         let t = self.thermal_rates(tau, &temperatures, clearance, &drift.flows);
-        let wear = self.bearing.wear_rate(drift.flows.boundary, at.speed);
+        let wear = self.bearing.wear_rate(drift.flows.boundary, at.sliding());
         let [vx, vy] = drift.velocity;
         let load = at.load_magnitude();
         let torque = drift.torque + self.support_torque(load, at.speed);

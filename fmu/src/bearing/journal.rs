@@ -136,7 +136,7 @@ pub struct Setup<'a> {
     pub experiment: &'a Experiment<'a>,
 }
 
-/// Load, position, clearance, oil and speed at one instant. The bush is at rest.
+/// Load, position, clearance, oil and speeds at one instant.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Situation {
     /// Load along x and y, N.
@@ -149,9 +149,23 @@ pub struct Situation {
     pub viscosity: f64,
     /// Shaft speed, rad/s.
     pub speed: f64,
+    /// Speed of the bush, rad/s.
+    pub bush_speed: f64,
 }
 
 impl Situation {
+    /// The speed of the shaft's surface against the bush's, rad/s: it shears the film and rubs.
+    #[inline]
+    pub fn sliding(&self) -> f64 {
+        self.speed - self.bush_speed
+    }
+
+    /// The mean rotation, rad/s, which draws oil into the gap.
+    #[inline]
+    pub fn mean_rotation(&self) -> f64 {
+        0.5 * (self.speed + self.bush_speed)
+    }
+
     /// Magnitude of the load, N.
     pub fn load_magnitude(&self) -> f64 {
         Vector2::from(self.load).norm()
@@ -238,6 +252,8 @@ pub struct Interval {
     pub load: [[f64; 2]; 2],
     /// Shaft speed, rad/s.
     pub speed: f64,
+    /// Speed of the bush, rad/s.
+    pub bush_speed: f64,
     /// Radial clearance, m.
     pub clearance: f64,
     /// Viscosity of the oil at ambient pressure and low shear, Pa.s.

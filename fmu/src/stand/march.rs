@@ -183,6 +183,7 @@ impl Stand {
                 duration: step,
                 load,
                 speed,
+                bush_speed: self.inputs.bush_speed.at(0.5 * step),
                 clearance: self.clearance(&self.state.temperatures, self.state.worn),
                 viscosity,
             };
@@ -204,7 +205,7 @@ impl Stand {
                 Some((given, film)) => self.warm_beside(step, &flows, &given, film)?,
                 None => self.warm(step, &flows)?,
             };
-            self.state.worn += step * self.bearing.wear_rate(flows.boundary, speed);
+            self.state.worn += step * self.bearing.wear_rate(flows.boundary, speed - interval.bush_speed);
             let angle = self.state.angle;
             self.arrive(step, eccentricity, temperatures);
             self.check_clearance()?;
@@ -410,7 +411,7 @@ impl TwoScales for Stand {
     }
 
     fn wear_rate(&self, flows: &Flows) -> f64 {
-        let speed = self.inputs.speed.value;
-        self.bearing.wear_rate(flows.boundary, speed)
+        let sliding = self.inputs.speed.value - self.inputs.bush_speed.value;
+        self.bearing.wear_rate(flows.boundary, sliding)
     }
 }

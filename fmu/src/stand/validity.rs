@@ -5,7 +5,7 @@ use crate::bearing::{FilmModel, Feeding, Press, Situation, Strain};
 use crate::multirate::Departure;
 use crate::thermal::Temperatures;
 use fmu_export::model::{Fault, Log};
-use journal_bearing::contact::{NO_CONTACT, f_5_2};
+use journal_bearing::contact::f_5_2;
 use journal_bearing::mobility::FINEST;
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
@@ -157,10 +157,10 @@ impl Stand {
     }
 
     fn turbulent(&self, seen: &Seen, _: &Strain) -> Option<String> {
-        let Situation { speed, clearance, viscosity, .. } = seen.at;
+        let Situation { clearance, viscosity, .. } = seen.at;
         let radius = self.bearing.radius();
         let density = self.fluid.density(seen.temperatures.film);
-        let number = density * speed.abs() * radius * clearance / viscosity;
+        let number = density * seen.at.sliding().abs() * radius * clearance / viscosity;
         let limit = REYNOLDS.min(TAYLOR * (radius / clearance).sqrt());
         (number > limit).then(|| {
             format!("the film's Reynolds number {number:.0} is beyond {limit:.0}: it is not laminar, and its friction is larger")
@@ -274,7 +274,7 @@ impl Stand {
             Feeding::AxialGrooves | Feeding::Hole => {}
         }
         let [x, y] = seen.at.eccentricity;
-        let open = 1.0 - NO_CONTACT * self.bearing.surface.roughness / seen.at.clearance;
+        let open = 1.0 - HEIGHT * self.bearing.surface.roughness / seen.at.clearance;
         let arc = (open / x.hypot(y)).clamp(-1.0, 1.0).acos();
         let middle = y.atan2(x);
         (0..supply.count).any(|k| {
@@ -287,14 +287,14 @@ impl Stand {
     fn touches_all_around(&self, seen: &Seen, strain: &Strain) -> Option<String> {
         let load = seen.at.load_magnitude();
         let normal = strain.contact.normal;
-        if self.touches(seen, strain) && normal > WRAPPED * load {
+        if normal > WRAPPED * load {
             return Some(format!(
                 "asperities press with {normal:.3e} N around the bush under a load of {load:.3e} N: they touch all around, and friction is \
                  beyond the dry limit; roughness and clearance do not fit together"
             ));
         }
         let (gap, clearance) = (strain.min_film_thickness, seen.at.clearance);
-        (strain.contact.normal > 0.0 && gap > clearance).then(|| {
+        (normal > TOUCHING * load && gap > clearance).then(|| {
             format!("the smallest mean gap, {gap:.3e} m, exceeds the clearance of {clearance:.3e} m: the surfaces touch all around")
         })
     }

@@ -248,7 +248,8 @@ impl Prepared {
         side_flow: bool,
         known: Option<&AtClearance<'a>>,
     ) -> Instant {
-        let Situation { viscosity, speed, clearance, .. } = *at;
+        let Situation { viscosity, clearance, .. } = *at;
+        let sliding = at.sliding();
         // The clearance as a multiple of the measured one.
         let wider = clearance / bearing.radial_clearance;
         let e = Vector2::from(at.eccentricity);
@@ -275,15 +276,15 @@ impl Prepared {
         let couette = match &touch {
             None => {
                 let factor = self.factors.couette / wider;
-                viscosity * speed * factor / (1.0 - ratio * ratio).sqrt()
+                viscosity * sliding * factor / (1.0 - ratio * ratio).sqrt()
             }
-            Some(now) => viscosity * speed * (self.factors.shear / wider) * now.touch.shear,
+            Some(now) => viscosity * sliding * (self.factors.shear / wider) * now.touch.shear,
         };
         let squeezed = clearance * push.force.dot(&push.squeeze);
         Instant {
-            // In the film's whole dissipation M*omega + F*de/dt, the terms with the mean rotation cancel.
+            // In the film's whole dissipation, sum of M*omega of journal and bush + F*de/dt, the terms with the mean rotation cancel.
             flows: Flows {
-                viscous: couette * speed + squeezed,
+                viscous: couette * sliding + squeezed,
                 boundary: push.boundary.heat,
                 side_flow: leaving,
                 feed: 0.0,
@@ -304,7 +305,7 @@ impl Prepared {
     #[inline(always)]
     fn rub(&self, bearing: &Bearing, at: &Situation, place: (Vector2<f64>, f64), touch: Option<&Touching<'_>>) -> Push {
         let friction = match touch {
-            Some(now) if now.touch.contact.normal > 0.0 => bearing.contact_friction(at.speed),
+            Some(now) if now.touch.contact.normal > 0.0 => bearing.contact_friction(at.sliding()),
             _ => 0.0,
         };
         let push = self.push(bearing, at, place, touch, friction);
@@ -354,7 +355,7 @@ impl Prepared {
 
     /// Booker's equation (1965, J. Basic Eng. 87, 537-546; eq. 2 of the paper). The film's share F of the load is what
     /// contact and friction leave. It moves the journal at `|F|*psi^2/(eta*B*D) * M` in a frame that turns with the mean
-    /// speed of journal and bush. The paper's omega must be that mean: half the shaft speed.
+    /// speed of journal and bush. The paper's omega must be that mean.
     #[inline(always)]
     fn push(
         &self,
@@ -364,7 +365,7 @@ impl Prepared {
         touch: Option<&Touching<'_>>,
         friction: f64,
     ) -> Push {
-        let Situation { load, speed, .. } = *at;
+        let (load, rotation) = (at.load, at.mean_rotation());
         let contact = touch.map_or_else(Contact::default, |now| now.touch.contact);
         let [along, across] = load;
         let (mut force, mut direction) = (Vector2::new(along, across), Vector2::x());
@@ -386,10 +387,10 @@ impl Prepared {
         let wider = at.clearance / bearing.radial_clearance;
         let driven = magnitude / at.viscosity * (self.factors.mobility * wider * wider);
         let squeeze = film.as_ref().map_or(Vector2::zeros(), |film| film.mobility() * driven);
-        let velocity = [squeeze.x - 0.5 * speed * e.y, squeeze.y + 0.5 * speed * e.x];
+        let velocity = [squeeze.x - rotation * e.y, squeeze.y + rotation * e.x];
         let place = at.eccentricity;
         let clearance = at.clearance;
-        let boundary = Boundary::of(bearing, clearance, &contact, friction, speed, place, velocity);
+        let boundary = Boundary::of(bearing, clearance, &contact, friction, at.sliding(), place, velocity);
         Push { film, force, magnitude, squeeze, velocity, boundary }
     }
 }

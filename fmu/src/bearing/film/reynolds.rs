@@ -123,7 +123,8 @@ impl JournalFilm for ReynoldsJournal {
 
     fn coefficients(&self, bearing: &Bearing, at: &Situation) -> Coefficients {
         let drive = Drive {
-            contact_friction: bearing.contact_friction(at.speed),
+            contact_friction: bearing.contact_friction(at.sliding()),
+            bush_speed: at.bush_speed,
             ..Drive::steady(at.load.into(), at.speed, at.viscosity)
         };
         let contact = self.plain.then_some(&*self.contact);
@@ -158,13 +159,15 @@ impl TransientFilm for ReynoldsJournal {
         interval: &Interval,
         exchange: Option<&HeatExchange<'_>>,
     ) -> Result<Passed, Fault> {
-        let Interval { duration, load, speed, clearance, viscosity } = *interval;
+        let Interval { duration, load, speed, bush_speed, clearance, viscosity } = *interval;
+        let sliding = speed - bush_speed;
         self.widen(clearance)?;
-        let friction = bearing.contact_friction(speed);
+        let friction = bearing.contact_friction(sliding);
         let drive = Drive {
             load_before: load[0].into(),
             load_after: load[1].into(),
             contact_friction: friction,
+            bush_speed,
             ..Drive::steady(Vector2::zeros(), speed, viscosity)
         };
         let contact = self.plain.then_some(&*self.contact);
@@ -186,7 +189,7 @@ impl TransientFilm for ReynoldsJournal {
         }
         let velocity = report.velocity.into();
         let place = eccentricity.into();
-        let boundary = Boundary::of(bearing, clearance, &touch, friction, speed, place, velocity);
+        let boundary = Boundary::of(bearing, clearance, &touch, friction, sliding, place, velocity);
         self.motion = Motion {
             eccentricity_ratio: ratio,
             velocity,
