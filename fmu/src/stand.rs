@@ -37,9 +37,9 @@ use fmu_export::model::{self, Exchange, Experiment, Fault, Info, Log, Model, Var
 use serde::{Deserialize, Serialize};
 
 pub use inputs::{Input, Inputs};
-use validity::{Passing, Seen};
 use remembered::Remembered;
 use std::sync::OnceLock;
+use validity::{Passing, Seen};
 
 /// The parameters of the time integration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

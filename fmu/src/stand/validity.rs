@@ -1,7 +1,7 @@
 //! Limits of the stand's laws: beyond them a run goes on, and `status.validity` and the log say so.
 
 use super::{Stand, State};
-use crate::bearing::{FilmModel, Feeding, Press, Situation, Strain};
+use crate::bearing::{Feeding, FilmModel, Press, Situation, Strain};
 use crate::multirate::Departure;
 use crate::thermal::Temperatures;
 use fmu_export::model::{Fault, Log};
@@ -40,9 +40,6 @@ const TOUCHING: f64 = 0.01;
 
 /// The mobility film's map ends at bearings that are so many diameters wide.
 const WIDEST: f64 = 4.0;
-
-/// Fewer rows over half the width make the pressure peak more than a tenth too low or too high.
-const FEWEST_ROWS: i32 = 3;
 
 /// The pressure of a contact over half of the bush, as the cosine of the angle, is this multiple of its resultant, the load.
 /// A contact that presses more than that presses from the other side, too.
@@ -248,11 +245,11 @@ impl Stand {
                 )
             });
         }
-        let rows = self.bearing.resolution.rows;
-        if (1..FEWEST_ROWS).contains(&rows) {
-            return Some(format!(
-                "{rows} rows of cells do not follow the pressure over the width: take {FEWEST_ROWS} or more (bearing.filmRows), or 0"
-            ));
+        if self.bearing.resolution.rows == 1 {
+            return Some(
+                "one row of cells does not follow the pressure over the width: set bearing.filmRows = 0, or more"
+                    .to_owned(),
+            );
         }
         let pressure = strain.film_pressure;
         if self.oil.thickening.ends_below(seen.at.viscosity, pressure) {

@@ -45,7 +45,10 @@ fn equal_speeds_double_the_capacity() {
 fn counter_rotation_carries_nothing() {
     for model in FILMS {
         let [against, still] = [run(model, 1000.0, [SPEED, -SPEED]), run(model, 1000.0, [0.0; 2])];
-        assert!((against.eccentricity_ratio - still.eccentricity_ratio).abs() < 1e-4, "{model:?} {against:?} {still:?}");
+        assert!(
+            (against.eccentricity_ratio - still.eccentricity_ratio).abs() < 1e-4,
+            "{model:?} {against:?} {still:?}"
+        );
         assert!(against.attitude_angle.abs() < 1e-3 && against.eccentricity_ratio > 0.98);
         assert!(against.friction_torque > 0.0);
     }

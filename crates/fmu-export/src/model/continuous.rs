@@ -79,7 +79,14 @@ pub struct Exchange<M: 'static> {
 impl<M: Continuous> Exchange<M> {
     /// The model's own.
     pub const fn of() -> Self {
-        Self { states: M::states, without: M::without, complete: M::COMPLETE, allow: M::allow, set_time: M::set_time, rates: M::rates }
+        Self {
+            states: M::states,
+            without: M::without,
+            complete: M::COMPLETE,
+            allow: M::allow,
+            set_time: M::set_time,
+            rates: M::rates,
+        }
     }
 }
 

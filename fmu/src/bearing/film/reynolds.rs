@@ -112,7 +112,8 @@ impl JournalFilm for ReynoldsJournal {
     }
 
     fn strain(&self, bearing: &Bearing, at: &Situation, _: &Press) -> Strain {
-        let Motion { contact, contact_reach, min_film_thickness, max_film_pressure, eccentricity_ratio, .. } = self.motion;
+        let Motion { contact, contact_reach, min_film_thickness, max_film_pressure, eccentricity_ratio, .. } =
+            self.motion;
         let distance = match contact_reach {
             _ if self.plain => at.clearance * (1.0 - eccentricity_ratio),
             0.0 => min_film_thickness,
