@@ -99,14 +99,21 @@ impl Departure {
     }
 }
 
-/// Leaps over `turns` whole turns, to where the next leap could begin.
-pub fn leap(model: &impl TwoScales, tolerance: f64, turns: usize, from: Departure) -> Result<Departure, NoLeap> {
+/// Leaps over `turns` whole turns, to where the next leap could begin; `pass` sees temperatures and wear depth at the beginning of
+/// each step.
+pub fn leap(
+    model: &impl TwoScales,
+    tolerance: f64,
+    turns: usize,
+    from: Departure,
+    mut pass: impl FnMut(Temperatures, f64),
+) -> Result<Departure, NoLeap> {
     let mean = Averaged::new(model, None, tolerance, Across::Cubics, &from)?;
     let span = turns as f64 * model.period();
     let (t, worn) = if model.wears() {
-        mean.follow_wear(tolerance, span, &from)?
+        mean.follow_wear(tolerance, span, &from, pass)?
     } else {
-        (mean.follow(tolerance, span, &from, |_| ())?, from.worn)
+        (mean.follow(tolerance, span, &from, |t| pass(temperatures(t), from.worn))?, from.worn)
     };
     let eccentricity = mean.place(&t, worn)?.into();
     Ok(Departure::at(eccentricity, temperatures(&t), worn))
@@ -290,12 +297,22 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
         Ok(t)
     }
 
-    /// The temperatures and the wear depth `span` seconds later.
-    fn follow_wear(&self, tolerance: f64, span: f64, from: &Departure) -> Result<(Vector4, f64), NoLeap> {
+    /// The temperatures and the wear depth `span` seconds later; `pass` sees them at the beginning of each step.
+    fn follow_wear(
+        &self,
+        tolerance: f64,
+        span: f64,
+        from: &Departure,
+        mut pass: impl FnMut(Temperatures, f64),
+    ) -> Result<(Vector4, f64), NoLeap> {
         let mut y = vector(&from.temperatures).push(from.worn);
         let [kelvin, metre] = [DRIFT_ERROR, WEAR_ERROR].map(|error| error * tolerance);
         let integrator = Rodas3 { allowed: [kelvin, kelvin, kelvin, kelvin, metre], budget: Budget::of(100_000) };
-        integrator.integrate(|y| self.wearing(y), |y| self.wearing_linear(y), &mut y, span, self.model.period())?;
+        let linear = |y: &Vector5| {
+            pass(temperatures(&y.fixed_rows::<4>(0).into()), y[4]);
+            self.wearing_linear(y)
+        };
+        integrator.integrate(|y| self.wearing(y), linear, &mut y, span, self.model.period())?;
         Ok((y.fixed_rows::<4>(0).into(), y[4]))
     }
 

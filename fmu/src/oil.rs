@@ -48,6 +48,8 @@ const CELSIUS_0: f64 = 273.15;
 const D341_SHIFT: f64 = 0.7;
 /// Its law holds from this kinematic viscosity, mm²/s.
 const D341_LEAST: f64 = 2.0;
+/// And up to this one.
+const D341_MOST: f64 = 2e7;
 
 /// Coefficients of the oil's laws over temperature.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -63,8 +65,8 @@ pub struct Properties {
     pub viscosity_scale: f64,
     /// Temperatures of the first and the last measured row, K; without a file the viscosity law's own limit holds alone.
     measured: Option<[f64; 2]>,
-    /// The temperature at which the viscosity law ends, K.
-    end: f64,
+    /// The temperatures between which the viscosity law holds, K.
+    range: [f64; 2],
 }
 
 impl Oil {
@@ -87,7 +89,7 @@ impl Oil {
         Properties {
             d341_factor: factor,
             d341_exponent: exponent,
-            end: end(factor, exponent),
+            range: range(factor, exponent),
             density_15: self.density_15,
             expansion: expansion(self.density_15),
             viscosity_scale: self.viscosity_scale,
@@ -115,7 +117,7 @@ impl Oil {
         Properties {
             d341_factor: factor,
             d341_exponent: exponent,
-            end: end(factor, exponent),
+            range: range(factor, exponent),
             density_15,
             expansion,
             viscosity_scale: self.viscosity_scale,
@@ -132,9 +134,9 @@ fn expansion(density_15: f64) -> f64 {
     0.6278 / density_15
 }
 
-/// The temperature, K, at which ASTM D341 ends with these coefficients.
-fn end(factor: f64, exponent: f64) -> f64 {
-    (factor / (D341_LEAST + D341_SHIFT).ln()).powf(1.0 / exponent)
+/// The temperatures, K, between which ASTM D341 holds with these coefficients.
+fn range(factor: f64, exponent: f64) -> [f64; 2] {
+    [D341_MOST, D341_LEAST].map(|viscosity| (factor / (viscosity + D341_SHIFT).ln()).powf(1.0 / exponent))
 }
 
 impl Properties {
@@ -152,10 +154,12 @@ impl Properties {
         {
             return Some(format!("the oil was measured from {low:.2} to {high:.2} K"));
         }
-        (temperature > self.end).then(|| {
+        let [low, high] = self.range;
+        let limit = if temperature > high { D341_LEAST } else { D341_MOST };
+        (temperature > high || temperature < low).then(|| {
             format!(
                 "its viscosity law (ASTM D341) ends at {:e} m2/s, where it gives {:.2e}",
-                1e-6 * D341_LEAST,
+                1e-6 * limit,
                 self.kinematic_viscosity(temperature)
             )
         })

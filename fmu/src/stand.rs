@@ -39,6 +39,7 @@ use serde::{Deserialize, Serialize};
 pub use inputs::{Input, Inputs};
 use remembered::Remembered;
 use std::sync::OnceLock;
+use validity::{Passing, Seen};
 
 /// The parameters of the time integration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -117,6 +118,9 @@ pub struct Stand {
     /// Oil that feeds bring besides what the film says, m³/s: where a film that knows no feeds stands for one that does.
     #[serde(skip)]
     assumed_feed: f64,
+    /// The limits that this step has passed, until the log tells them.
+    #[serde(skip)]
+    passed: Passing,
     #[serde(skip)]
     arrival: Remembered<Option<march::Arrival>>,
     #[serde(skip)]
@@ -200,7 +204,7 @@ impl Stand {
     #[inline]
     fn instant(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64, clearance: f64) -> Situation {
         let (speed, load) = self.driven(tau);
-        Situation { load, eccentricity, clearance, viscosity, speed }
+        Situation { load, eccentricity, clearance, viscosity, speed, bush_speed: self.inputs.bush_speed.at(tau) }
     }
 
     /// Shaft speed (rad/s) and load on the journal (N, along x and y), `tau` seconds into the step.
@@ -256,22 +260,28 @@ impl Stand {
     /// Rates of the unknowns, and what the physical stand's sensors read, `tau` seconds into the step.
     #[inline]
     fn course_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby) -> (Unknowns, Sensed) {
+        self.seen_at(tau, y, oil).0
+    }
+
+    /// The same, and what the limits of the laws are about.
+    #[inline]
+    fn seen_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby) -> ((Unknowns, Sensed), Seen) {
         let viscosity = oil.viscosity(&self.fluid, temperatures(y).film);
         self.course_with(tau, y, viscosity)
     }
 
     /// The same with the oil's viscosity, Pa.s, at the film's temperature.
     #[inline]
-    fn course_with(&self, tau: f64, y: &Unknowns, viscosity: f64) -> (Unknowns, Sensed) {
+    fn course_with(&self, tau: f64, y: &Unknowns, viscosity: f64) -> ((Unknowns, Sensed), Seen) {
         let temperatures = temperatures(y);
         let clearance = self.clearance(&temperatures, worn(y));
         let (at, drift) = self.drift(tau, [y[0], y[1]], viscosity, clearance);
         let t = self.thermal_rates(tau, &temperatures, clearance, &drift.flows);
-        let wear = self.bearing.wear_rate(drift.flows.boundary, at.speed);
+        let wear = self.bearing.wear_rate(drift.flows.boundary, at.sliding());
         let [vx, vy] = drift.velocity;
         let load = at.load_magnitude();
         let torque = drift.torque + self.support_torque(load, at.speed);
-        (
+        let course = (
             [vx, vy, t.film, t.bush, t.shaft, t.oil, wear],
             [
                 at.load[0],
@@ -281,7 +291,8 @@ impl Stand {
                 temperatures.oil,
                 temperatures.bush,
             ],
-        )
+        );
+        (course, Seen { at, temperatures, press: drift.press })
     }
 
     /// Friction torque of the support bearings, N.m, at a load (N) and a shaft speed (rad/s).
@@ -423,7 +434,11 @@ impl Model for Stand {
         self.check_wear_and_clearance()?;
         self.settle(log)?;
         self.update()?;
-        self.check_validity(log);
+        // What was tried to find the steady state is no part of the run.
+        self.state.validity = 0;
+        self.passed = Passing::default();
+        self.look();
+        self.tell(log);
         log.log(
             EVENTS,
             format_args!(
@@ -462,6 +477,7 @@ impl Model for Stand {
         self.check_inputs_after(step)?;
         self.state.time = time;
         let before = (self.state, self.inputs);
+        self.passed = Passing::default();
         self.film.keep();
         let long = self.is_long(step);
         let hindrance = long.then(|| self.hindrance()).flatten();
@@ -481,7 +497,8 @@ impl Model for Stand {
         self.readings = self.read(0.0, &unknowns(&self.state));
         self.resting = Remembered::default();
         self.tell_of_motion(log);
-        self.check_validity(log);
+        self.look();
+        self.tell(log);
         Ok(())
     }
 

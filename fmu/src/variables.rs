@@ -119,6 +119,7 @@ fn film_model() -> Access<Stand, i32, i32> {
 fn way(name: &str) -> Option<Kind<Stand>> {
     Some(match name {
         "drive.speed" => input!(speed),
+        "bearing.bushSpeed" => input!(bush_speed),
         "load.externalForce" => input!(external_force),
         "load.externalForceX" => input!(external_force_x),
         "load.externalForceY" => input!(external_force_y),

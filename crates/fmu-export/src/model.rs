@@ -15,7 +15,7 @@ use serde::Serialize;
 use serde::de::DeserializeOwned;
 use thiserror::Error;
 
-pub use continuous::{Continuous, Exchange, State, offered};
+pub use continuous::{Complete, Continuous, Exchange, State, offered};
 pub(crate) use events::check_end;
 pub use events::{Events, Until, events, indicators};
 pub use faults::faults;

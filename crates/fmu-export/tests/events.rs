@@ -299,7 +299,9 @@ fn event_mode_has_derivatives_in_co_simulation() {
 
 mod stuck {
     use fmu_export::declare::output;
-    use fmu_export::model::{Continuous, Events, Exchange, Experiment, Fault, Info, Log, Model, State, Variable};
+    use fmu_export::model::{
+        Complete, Continuous, Events, Exchange, Experiment, Fault, Info, Log, Model, State, Variable,
+    };
     use fmu_export::units::{ONE, PER_SECOND};
     use serde::{Deserialize, Serialize};
 
@@ -362,6 +364,8 @@ mod stuck {
             &STATES
         }
 
+        const COMPLETE: Option<Complete<Self>> = Some(|stuck, _| stuck.0 > 0.9);
+
         fn set_time(&mut self, _: f64) {}
 
         fn rates(&self, rates: &mut [f64]) -> Result<(), Fault> {
@@ -407,4 +411,22 @@ fn events_that_do_not_end_or_fail_are_discarded_and_change_nothing() {
     // SAFETY: the component is alive, and the places are ours.
     unsafe { calls::set_continuous_states::<Stuck>(host.0, &1.0, 1) };
     assert_eq!([host.enter_event(), host.status()], [Ok; 2]);
+}
+
+/// A model that wants to know of completed steps says so, and decides which of them end in the event mode.
+#[test]
+fn a_completed_step_may_ask_for_the_event_mode() {
+    let host = Of::<Stuck>::exchange();
+    assert_eq!([host.status(), host.enter_continuous()], [Ok; 2]);
+    let completed = |x: f64| {
+        let [mut event, mut terminate] = [7; 2];
+        // SAFETY: the component is alive, and the places are ours.
+        let all = unsafe {
+            let completed = calls::completed_integrator_step::<Stuck>;
+            [calls::set_continuous_states::<Stuck>(host.0, &x, 1), completed(host.0, 1, &mut event, &mut terminate)]
+        };
+        assert_eq!((all, terminate), ([Ok; 2], 0));
+        event
+    };
+    assert_eq!([0.4, 0.95, 0.4].map(completed), [0, 1, 0]);
 }

@@ -98,6 +98,11 @@ impl Rheology {
         self.pressure_law == PressureLaw::Constant && self.shear_law == ShearLaw::Newtonian
     }
 
+    /// Whether a pressure above ambient, Pa, raises the viscosity beyond the end of its law.
+    pub fn ends_below(&self, eta0: f64, pressure: f64) -> bool {
+        self.exponent(eta0, pressure)[0] > LARGEST_EXPONENT
+    }
+
     /// The logarithm of the viscosity's rise by pressure, 1, and its slope, 1/Pa.
     fn exponent(&self, eta0: f64, pressure: f64) -> [f64; 2] {
         let alpha = self.pressure_coefficient;

@@ -10,7 +10,7 @@ use fmu_export::model::{Enumeration, Fault, Item};
 use journal_bearing::reynolds::Coefficients;
 use serde::{Deserialize, Serialize};
 
-use super::journal::{Drift, JournalFilm, Motion, Setup, Situation, TransientFilm};
+use super::journal::{Drift, JournalFilm, Motion, Press, Setup, Situation, Strain, TransientFilm};
 use super::parameters::Bearing;
 
 /// Makes the choice of the film models, and the film in use, from lines of name, value, type and meaning.
@@ -145,6 +145,12 @@ impl Film {
     pub fn motion(&self, bearing: &Bearing, at: &Situation) -> Motion {
         let film = self.running.film();
         film.map_or_else(Motion::default, |film| film.motion(bearing, at))
+    }
+
+    /// How film and asperities press at an instant, of which `press` is known from [`drift`](Self::drift).
+    pub fn strain(&self, bearing: &Bearing, at: &Situation, press: &Press) -> Strain {
+        let film = self.running.film();
+        film.map_or_else(Strain::default, |film| film.strain(bearing, at, press))
     }
 
     /// The velocities and flows that the time integration needs; the side flow where it is asked for.

@@ -30,7 +30,7 @@ pub struct Boundary {
 }
 
 impl Boundary {
-    /// The friction of a contact at a radial clearance (m) and a friction coefficient, with a shaft speed of `speed` rad/s, at
+    /// The friction of a contact at a radial clearance (m) and a friction coefficient, whose surfaces slide at `speed` rad/s, at
     /// an eccentricity-ratio vector and its rate (1/s).
     ///
     /// The torque is the friction coefficient times the contact pressure's integral times the radius. The heat also counts

@@ -81,6 +81,36 @@ pub struct Motion {
     pub flows: Flows,
 }
 
+/// How film and asperities press at one instant.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Strain {
+    /// Largest film pressure, Pa.
+    pub film_pressure: f64,
+    /// Forces of the touching asperities' pressure.
+    pub contact: Contact,
+    /// How far the mean planes cross, over the roughness, 1; zero where they do not.
+    pub contact_reach: f64,
+    /// Smallest film thickness, m.
+    pub min_film_thickness: f64,
+    /// The least distance of the mean planes, m, as far as the film knows it.
+    pub distance: f64,
+}
+
+/// What of it is at hand in every stage of the time integration; [`JournalFilm::strain`] tells the rest.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Press {
+    /// Logarithm of the largest film pressure over that of the film's force on the projected area.
+    pub log_peak: f64,
+    /// The film's force, N.
+    pub force: f64,
+    /// Forces of the touching asperities' pressure.
+    pub contact: Contact,
+    /// Eccentricity ratio.
+    pub ratio: f64,
+    /// Whether the asperities meet.
+    pub touches: bool,
+}
+
 /// The rates of the journal and the temperatures at one instant, and the torque.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Drift {
@@ -90,6 +120,8 @@ pub struct Drift {
     pub torque: f64,
     /// Heat and oil flow.
     pub flows: Flows,
+    /// How film and asperities press.
+    pub press: Press,
 }
 
 /// The parameters and files that a film starts from.
@@ -104,8 +136,8 @@ pub struct Setup<'a> {
     pub experiment: &'a Experiment<'a>,
 }
 
-/// Load, position, clearance, oil and speed at one instant. The bush is at rest.
-#[derive(Clone, Copy, Debug)]
+/// Load, position, clearance, oil and speeds at one instant.
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Situation {
     /// Load along x and y, N.
     pub load: [f64; 2],
@@ -117,9 +149,23 @@ pub struct Situation {
     pub viscosity: f64,
     /// Shaft speed, rad/s.
     pub speed: f64,
+    /// Speed of the bush, rad/s.
+    pub bush_speed: f64,
 }
 
 impl Situation {
+    /// The speed of the shaft's surface against the bush's, rad/s: it shears the film and rubs.
+    #[inline]
+    pub fn sliding(&self) -> f64 {
+        self.speed - self.bush_speed
+    }
+
+    /// The mean rotation, rad/s, which draws oil into the gap.
+    #[inline]
+    pub fn mean_rotation(&self) -> f64 {
+        0.5 * (self.speed + self.bush_speed)
+    }
+
     /// Magnitude of the load, N.
     pub fn load_magnitude(&self) -> f64 {
         Vector2::from(self.load).norm()
@@ -148,6 +194,9 @@ pub trait JournalFilm {
 
     /// Only what the time integration needs. The side flow may be zero unless it is asked for.
     fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift;
+
+    /// How film and asperities press at an instant, of which `press` is known from [`drift`](Self::drift).
+    fn strain(&self, bearing: &Bearing, at: &Situation, press: &Press) -> Strain;
 
     /// Stiffness, N/m, and damping, N.s/m, of film and contact about a journal that rests under a load, along x and y.
     ///
@@ -203,6 +252,8 @@ pub struct Interval {
     pub load: [[f64; 2]; 2],
     /// Shaft speed, rad/s.
     pub speed: f64,
+    /// Speed of the bush, rad/s.
+    pub bush_speed: f64,
     /// Radial clearance, m.
     pub clearance: f64,
     /// Viscosity of the oil at ambient pressure and low shear, Pa.s.

@@ -15,7 +15,7 @@ mod wear;
 
 pub use film::{FILM, Film, FilmModel};
 pub use hot::{Expansion, ThermalClearance};
-pub use journal::{Drift, Flows, Interval, Motion, Passed, Setup, Situation, TransientFilm};
+pub use journal::{Drift, Flows, Interval, Motion, Passed, Press, Setup, Situation, Strain, TransientFilm};
 pub use parameters::{Bearing, FilmEnergy, Resolution};
 pub use supply::{Feeding, Supply};
 pub use wear::Wear;

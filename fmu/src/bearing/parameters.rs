@@ -116,7 +116,7 @@ impl Bearing {
         0.5 * self.diameter
     }
 
-    /// Friction coefficient of the touching asperities at a shaft speed, rad/s, with its sign. Zero between smooth surfaces.
+    /// Friction coefficient of the touching asperities at a speed of the shaft against the bush, rad/s, with its sign. Zero between smooth surfaces.
     pub fn contact_friction(&self, speed: f64) -> f64 {
         if self.surface.roughness == 0.0 {
             return 0.0;
@@ -136,7 +136,7 @@ impl Bearing {
         self.radial_clearance + self.expansion.growth(radii, at) + worn
     }
 
-    /// Rate of the mean wear depth, m/s, while the asperities turn `heat` watts into heat at a shaft speed, rad/s.
+    /// Rate of the mean wear depth, m/s, while the asperities turn `heat` watts into heat at a speed of the shaft against the bush, rad/s.
     pub fn wear_rate(&self, heat: f64, speed: f64) -> f64 {
         let area = std::f64::consts::PI * self.diameter * self.width;
         self.wear.rate(heat, self.contact_friction(speed).abs(), area)

@@ -61,6 +61,9 @@ impl Stand {
         if self.has_warm_film() {
             return Some("the film has a temperature around the bearing");
         }
+        if self.inputs.bush_speed.value != 0.0 && !self.bearing.profile_file.is_empty() {
+            return Some("the form error of the bush turns with it");
+        }
         let wears = self.bearing.wear.coefficient > 0.0;
         if wears && self.film.is_transient() {
             return Some("the surfaces wear");
@@ -74,7 +77,7 @@ impl Stand {
         let [low, high] = [-1.0, 1.0].map(|sign| {
             let factor = 1.0 + sign * self.drive.fluctuation_amplitude;
             let speed = factor * self.inputs.speed.value;
-            self.bearing.contact_friction(speed).abs()
+            self.bearing.contact_friction(speed - self.inputs.bush_speed.value).abs()
         });
         (high - low).abs() <= EVEN * high
     }

@@ -1,7 +1,7 @@
 //! The stand for hosts that integrate it themselves (Model Exchange): shaft angle, eccentricity, temperatures and wear depth
 //! are their states, and the stand gives the rates.
 
-use fmu_export::model::{Continuous, Fault, State};
+use fmu_export::model::{Complete, Continuous, Fault, State};
 use fmu_export::units;
 
 use super::{Stand, temperatures, unknowns};
@@ -52,6 +52,14 @@ impl Continuous for Stand {
         ]
     }
 
+    /// Looks for limits that the states have passed.
+    const COMPLETE: Option<Complete<Self>> = Some(|stand, log| {
+        let before = stand.state.validity;
+        stand.look();
+        stand.tell(log);
+        stand.state.validity != before
+    });
+
     fn allow(&self) -> Result<(), Fault> {
         if !self.film.is_transient() {
             return Ok(());
@@ -72,7 +80,7 @@ impl Continuous for Stand {
     fn rates(&self, rates: &mut [f64]) -> Result<(), Fault> {
         let y = unknowns(&self.state);
         let viscosity = self.oil.viscosity_scale * self.fluid.real(temperatures(&y).film);
-        let (course, _) = self.course_with(0.0, &y, viscosity);
+        let ((course, _), _) = self.course_with(0.0, &y, viscosity);
         let speed = self.drive.speed(&self.command(), 0.0);
         let all = std::iter::once(speed).chain(course);
         for (rate, value) in rates.iter_mut().zip(all) {

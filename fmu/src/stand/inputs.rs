@@ -24,7 +24,7 @@ impl Input {
 }
 
 /// The number of inputs.
-pub(super) const INPUTS: usize = 5;
+pub(super) const INPUTS: usize = 6;
 
 /// The inputs, which the host sets.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -39,6 +39,8 @@ pub struct Inputs {
     pub external_force_y: Input,
     /// Temperature of the surroundings, K.
     pub ambient_temperature: Input,
+    /// Speed of the bush, rad/s.
+    pub bush_speed: Input,
 }
 
 impl Inputs {
@@ -53,8 +55,8 @@ impl Inputs {
     }
 
     fn each_of(&mut self) -> [&mut Input; INPUTS] {
-        let Self { speed, external_force, external_force_x, external_force_y, ambient_temperature } = self;
-        [speed, external_force, external_force_x, external_force_y, ambient_temperature]
+        let Self { speed, external_force, external_force_x, external_force_y, ambient_temperature, bush_speed } = self;
+        [speed, external_force, external_force_x, external_force_y, ambient_temperature, bush_speed]
     }
 }
 
@@ -66,6 +68,7 @@ impl Default for Inputs {
             external_force_x: Input::constant(0.0),
             external_force_y: Input::constant(0.0),
             ambient_temperature: Input::constant(295.15),
+            bush_speed: Input::constant(0.0),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::inputs::INPUTS;
 use super::scout::Turn;
+use super::validity::{Passing, Seen};
 use super::{EVENTS, SCALES, Stand, State, Unknowns, temperatures, unknowns, worn};
 use crate::bearing::{FilmEnergy, Flows, Interval, Passed};
 use crate::multirate::{self, Departure, NoLeap, TwoScales};
@@ -11,6 +12,7 @@ use crate::solver::{Budget, DormandPrince, Passage};
 use crate::thermal::Temperatures;
 use fmu_export::model::{Fault, Log};
 use journal_bearing::reynolds::{HeatExchange, HeatGiven};
+use std::cell::Cell;
 
 /// Cycles that are resolved after a leap.
 const CYCLES_AT_THE_END: usize = 1;
@@ -84,26 +86,37 @@ impl Stand {
         let known = self.arrival.0.take();
         let known = known.filter(|known| known.at == self.place());
         let mut last = (f64::NAN, Default::default());
+        // The last stage of a step that is taken is at its end.
+        let seen = Cell::new(Seen::default());
         let course = |tau: f64, y: &Unknowns| {
             let rates = match &known {
                 Some(known) if tau == 0.0 => known.rates,
-                _ => self.course_at(tau, y, &mut oil),
+                _ => {
+                    let (rates, now) = self.seen_at(tau, y, &mut oil);
+                    seen.set(now);
+                    rates
+                }
             };
             last = (tau, rates);
             rates
         };
-        let mut means = self.state.means;
-        let done =
-            integrator.integrate_observed(course, &mut y, [], span, &mut next_step, self.counting_turns(&mut means));
+        let (mut means, mut passing) = (self.state.means, self.passing());
+        let mut observe = self.observing(&mut means, &mut passing);
+        let watch = {
+            let seen = &seen;
+            move |passage: &Passage<SENSORS>| observe(passage, &seen.get())
+        };
+        let done = integrator.integrate_observed(course, &mut y, [], span, &mut next_step, watch);
         let arrived = done.is_ok() && last.0 == span;
         if let Err(failure) = done {
-            means = self.state.means;
-            let observe = self.counting_turns(&mut means);
+            (means, passing) = (self.state.means, self.passing());
+            let observe = self.observing(&mut means, &mut passing);
             let anew = self.resolve_stiffly(span, &integrator.allowed, observe);
             y = anew.map_err(|_| self.explain(failure, &y, 0..7))?;
         }
         self.nearby = oil;
         self.state.means = means;
+        self.pass(passing);
         // The step size is proportional to the fifth root of the allowed error.
         self.state.next_step = next_step * slack.powf(-0.2);
         self.state.worn = worn(&y);
@@ -123,14 +136,19 @@ impl Stand {
         (unknowns(&self.state), inputs, [angle, time])
     }
 
-    /// Takes the parts of the way from the present state over into the means.
-    fn counting_turns<'a>(&'a self, means: &'a mut TurnMeans) -> impl FnMut(&Passage<SENSORS>) + 'a {
+    /// Takes the parts of the way from the present state over into the means, and the limits that are passed at their ends.
+    fn observing<'a>(
+        &'a self,
+        means: &'a mut TurnMeans,
+        passing: &'a mut Passing,
+    ) -> impl FnMut(&Passage<SENSORS>, &Seen) + 'a {
         let command = self.command();
         let mut before = 0.0;
-        move |passage| {
+        move |passage, seen| {
             let turned = self.drive.turned(&command, passage.to);
             means.add(passage, turned - before);
             before = turned;
+            self.look_at(seen, self.state.time + passage.to, passing);
         }
     }
 
@@ -165,6 +183,7 @@ impl Stand {
                 duration: step,
                 load,
                 speed,
+                bush_speed: self.inputs.bush_speed.at(0.5 * step),
                 clearance: self.clearance(&self.state.temperatures, self.state.worn),
                 viscosity,
             };
@@ -186,7 +205,7 @@ impl Stand {
                 Some((given, film)) => self.warm_beside(step, &flows, &given, film)?,
                 None => self.warm(step, &flows)?,
             };
-            self.state.worn += step * self.bearing.wear_rate(flows.boundary, speed);
+            self.state.worn += step * self.bearing.wear_rate(flows.boundary, speed - interval.bush_speed);
             let angle = self.state.angle;
             self.arrive(step, eccentricity, temperatures);
             self.check_clearance()?;
@@ -194,6 +213,7 @@ impl Stand {
             let part = Passage::between(0.0, step, [before, now]);
             self.state.means.add(&part, self.state.angle - angle);
             before = now;
+            self.look();
         }
         self.nearby = oil;
         Ok(mean)
@@ -325,8 +345,11 @@ impl Stand {
             let cycles = left - CYCLES_AT_THE_END;
             let from = Departure { before: start, ..self.state.departure() };
             let steady = self.check_swing();
-            match steady.and_then(|()| multirate::leap(self, self.solver.tolerance, cycles, from)) {
+            let mut way = Vec::new();
+            let pass = |temperatures: Temperatures, worn: f64| way.push((temperatures, worn));
+            match steady.and_then(|()| multirate::leap(self, self.solver.tolerance, cycles, from, pass)) {
                 Ok(landing) => {
+                    self.look_along(&way, &landing)?;
                     self.state.worn = landing.worn;
                     let span = cycles as f64 * cycle;
                     self.arrive(span, landing.eccentricity, landing.temperatures);
@@ -388,7 +411,7 @@ impl TwoScales for Stand {
     }
 
     fn wear_rate(&self, flows: &Flows) -> f64 {
-        let speed = self.inputs.speed.value;
-        self.bearing.wear_rate(flows.boundary, speed)
+        let sliding = self.inputs.speed.value - self.inputs.bush_speed.value;
+        self.bearing.wear_rate(flows.boundary, sliding)
     }
 }

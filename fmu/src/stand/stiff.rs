@@ -1,6 +1,7 @@
 //! Implicit steps for stiff cases, in which one unknown settles far faster than the others move: a journal on hard, rough
 //! surfaces in thin oil, or a film almost without heat capacity.
 
+use super::validity::Seen;
 use super::{FIRST_STEP, SCALES, Stand, Unknowns, unknowns};
 use crate::oil::Nearby;
 use crate::sensors::SENSORS;
@@ -28,7 +29,7 @@ impl Stand {
         &self,
         span: f64,
         allowed: &Unknowns,
-        mut observe: impl FnMut(&Passage<SENSORS>),
+        mut observe: impl FnMut(&Passage<SENSORS>, &Seen),
     ) -> Result<Unknowns, Failure> {
         let [ex, ey, film, bush, shaft, bath, worn] = *allowed;
         let integrator = Rodas3 {
@@ -44,9 +45,9 @@ impl Stand {
         let (mut oil, mut oil_beside, mut oil_there) = (self.nearby, self.nearby, self.nearby);
         let mut before = None;
         let mut pass = |x: &Extended| {
-            let (_, now) = self.course_at(x[7], &state_of(x), &mut oil_there);
+            let ((_, now), seen) = self.seen_at(x[7], &state_of(x), &mut oil_there);
             if let Some((from, sensed)) = before.replace((x[7], now)) {
-                observe(&Passage::between(from, x[7], [sensed, now]));
+                observe(&Passage::between(from, x[7], [sensed, now]), &seen);
             }
         };
         let rates = |x: &Extended| Ok(self.extended_rates(x, &mut oil));
@@ -103,7 +104,7 @@ mod tests {
         stand.inputs.speed.slope = 20.0;
         stand.inputs.external_force.slope = -300.0;
         let allowed = SCALES.map(|scale| 1e-8 * scale);
-        let implicit = stand.resolve_stiffly(0.3, &allowed, |_| ()).unwrap_or_default();
+        let implicit = stand.resolve_stiffly(0.3, &allowed, |_, _| ()).unwrap_or_default();
         stand.solver.tolerance = 1e-9;
         assert!(stand.resolve(0.3).is_ok());
         let explicit = unknowns(&stand.state);

@@ -1,9 +1,13 @@
 //! Limits of the stand's laws: beyond them a run goes on, and `status.validity` and the log say so.
 
-use super::Stand;
-use fmu_export::model::Log;
+use super::{Stand, State};
+use crate::bearing::{Feeding, FilmModel, Press, Situation, Strain};
+use crate::multirate::Departure;
+use crate::thermal::Temperatures;
+use fmu_export::model::{Fault, Log};
+use journal_bearing::contact::f_5_2;
 use journal_bearing::mobility::FINEST;
-use std::f64::consts::TAU;
+use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 /// The log category.
 pub(super) const VALIDITY: &str = "validity";
@@ -21,6 +25,8 @@ const PRESSURE: i32 = 4;
 const LEVER: i32 = 8;
 const CONTACT: i32 = 16;
 const COARSE: i32 = 32;
+const OFF_TABLE: i32 = 64;
+const ALL_AROUND: i32 = 128;
 
 /// A film of a smallest gap `h` lies in an angle of some `sqrt(2 h/c)`. Columns wider than half of that do not follow it: friction and
 /// gap are then off by a tenth and more.
@@ -32,8 +38,44 @@ const HEIGHT: f64 = 3.0;
 /// Asperities matter that carry this share of the load.
 const TOUCHING: f64 = 0.01;
 
+/// The mobility film's map ends at bearings that are so many diameters wide.
+const WIDEST: f64 = 4.0;
+
+/// The pressure of a contact over half of the bush, as the cosine of the angle, is this multiple of its resultant, the load.
+/// A contact that presses more than that presses from the other side, too.
+const WRAPPED: f64 = 1.0 / FRAC_PI_4;
+
+/// What the limits are about at one instant.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Seen {
+    /// The film's situation.
+    pub at: Situation,
+    /// The temperatures.
+    pub temperatures: Temperatures,
+    /// How film and asperities press.
+    pub press: Press,
+}
+
+/// Limits that are passed: their bits, and for each of them when and how it was passed first.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Passing {
+    bits: i32,
+    said: Vec<(i32, f64, String)>,
+}
+
 /// Says how a limit is passed, where it is.
-type Passed = fn(&Stand) -> Option<String>;
+type Passed = fn(&Stand, &Seen, &Strain) -> Option<String>;
+
+static LIMITS: [(i32, Passed); 8] = [
+    (TURBULENT, Stand::turbulent),
+    (OIL, Stand::beyond_the_oil),
+    (PRESSURE, Stand::overpressed),
+    (LEVER, Stand::lifted),
+    (CONTACT, Stand::beyond_contact),
+    (COARSE, Stand::coarse),
+    (OFF_TABLE, Stand::off_the_table),
+    (ALL_AROUND, Stand::touches_all_around),
+];
 
 impl Stand {
     /// The limits that have been passed since the start, as a sum of bits.
@@ -41,58 +83,121 @@ impl Stand {
         self.state.validity
     }
 
-    /// Sets the bits of the limits that are passed now, and logs each that was not passed before.
-    pub(super) fn check_validity(&mut self, log: &mut dyn Log) {
-        let limits: [(i32, Passed); 6] = [
-            (TURBULENT, Self::turbulent),
-            (OIL, Self::beyond_the_oil),
-            (PRESSURE, Self::overpressed),
-            (LEVER, Self::lifted),
-            (CONTACT, Self::beyond_contact),
-            (COARSE, Self::coarse),
-        ];
-        for (bit, passed) in limits {
-            if self.state.validity & bit != 0 {
-                continue;
-            }
-            if let Some(passed) = passed(self) {
-                self.state.validity |= bit;
-                log.log(VALIDITY, format_args!("at {:?} s: {passed}", self.state.time));
+    /// The limits that are passed so far, none of them in this step.
+    pub(super) fn passing(&self) -> Passing {
+        Passing { bits: self.state.validity, said: Vec::new() }
+    }
+
+    /// Looks for limits that are passed at an instant and were not before.
+    pub(super) fn look_at(&self, seen: &Seen, time: f64, passing: &mut Passing) {
+        let strain = self.film.strain(&self.bearing, &seen.at, &seen.press);
+        for (bit, passed) in &LIMITS {
+            if passing.bits & bit == 0
+                && let Some(how) = passed(self, seen, &strain)
+            {
+                passing.bits |= bit;
+                passing.said.push((*bit, time, how));
             }
         }
     }
 
-    fn turbulent(&self) -> Option<String> {
-        let now = &self.readings;
-        let (radius, clearance) = (self.bearing.radius(), now.hot_radial_clearance);
-        let density = self.fluid.density(now.film_temperature);
-        let number = density * now.shaft_speed.abs() * radius * clearance / now.film_viscosity;
+    /// Takes over the limits that a part of a step has passed.
+    pub(super) fn pass(&mut self, passing: Passing) {
+        self.state.validity |= passing.bits;
+        self.passed.said.extend(passing.said);
+    }
+
+    /// Looks for limits that are passed in the present state.
+    pub(super) fn look(&mut self) {
+        let y = super::unknowns(&self.state);
+        let (_, seen) = self.course_with(0.0, &y, self.fluid.viscosity(self.state.temperatures.film));
+        let mut passing = self.passing();
+        self.look_at(&seen, self.state.time, &mut passing);
+        self.pass(passing);
+    }
+
+    /// Looks for limits that are passed along a leap, whose steps begin at these temperatures and wear depths: in a turn where the
+    /// film is warmest and in one where it is coldest. The turns before and after the leap are resolved anyway.
+    pub(super) fn look_along(&mut self, way: &[(Temperatures, f64)], landing: &Departure) -> Result<(), Fault> {
+        /// Differences of the film's temperature that change no limit, K.
+        const CLOSE: f64 = 0.1;
+        let film = |at: &&(Temperatures, f64)| at.0.film;
+        let ends = [self.state.temperatures.film, landing.temperatures.film];
+        let [low, high] = [ends[0].min(ends[1]) - CLOSE, ends[0].max(ends[1]) + CLOSE];
+        let coldest = way.iter().min_by(|a, b| film(a).total_cmp(&film(b))).filter(|at| at.0.film < low);
+        let warmest = way.iter().max_by(|a, b| film(a).total_cmp(&film(b))).filter(|at| at.0.film > high);
+        for (temperatures, worn) in coldest.into_iter().chain(warmest) {
+            let mut there = self.clone();
+            there.state = State { temperatures: *temperatures, worn: *worn, ..self.state };
+            there.state.eccentricity = landing.eccentricity;
+            // The first turn finds the orbit.
+            there.resolve(there.cycle())?;
+            there.state.validity = self.state.validity;
+            there.passed = self.passed.clone();
+            there.resolve(there.cycle())?;
+            self.state.validity = there.state.validity;
+            self.passed = there.passed;
+        }
+        Ok(())
+    }
+
+    /// Logs the limits that were passed for the first time.
+    pub(super) fn tell(&mut self, log: &mut dyn Log) {
+        let mut told = 0;
+        for (bit, time, how) in std::mem::take(&mut self.passed).said {
+            // A try that was given up may have told one that the run does not pass, or passes again.
+            if self.state.validity & bit & !told != 0 {
+                told |= bit;
+                log.log(VALIDITY, format_args!("at {time:?} s: {how}"));
+            }
+        }
+    }
+
+    fn turbulent(&self, seen: &Seen, _: &Strain) -> Option<String> {
+        let Situation { clearance, viscosity, .. } = seen.at;
+        let radius = self.bearing.radius();
+        let density = self.fluid.density(seen.temperatures.film);
+        let number = density * seen.at.sliding().abs() * radius * clearance / viscosity;
         let limit = REYNOLDS.min(TAYLOR * (radius / clearance).sqrt());
         (number > limit).then(|| {
             format!("the film's Reynolds number {number:.0} is beyond {limit:.0}: it is not laminar, and its friction is larger")
         })
     }
 
-    fn beyond_the_oil(&self) -> Option<String> {
+    fn beyond_the_oil(&self, seen: &Seen, _: &Strain) -> Option<String> {
         let supply = &self.bearing.supply;
         let fed = supply.feeds().then_some(supply.temperature);
-        let all = self.state.temperatures.array().into_iter();
+        let all = seen.temperatures.array().into_iter();
         let all = all.chain(self.film.hottest()).chain(fed);
         let mut beyond = all.filter_map(|temperature| Some((temperature, self.fluid.beyond(temperature)?)));
         let (temperature, why) = beyond.next()?;
         Some(format!("a temperature of {temperature:.1} K is beyond the oil's data: {why}"))
     }
 
-    fn overpressed(&self) -> Option<String> {
-        let (pressure, limit) = (self.readings.max_film_pressure, self.bearing.pressure_limit);
-        (pressure > limit)
-            .then(|| format!("a film pressure of {pressure:.3e} Pa is beyond bearing.pressureLimit, {limit:.3e} Pa"))
+    /// The asperities press where the film is thinnest, and the film's largest pressure is close to that place: the surfaces bear
+    /// both.
+    fn overpressed(&self, _: &Seen, strain: &Strain) -> Option<String> {
+        let (film, limit) = (strain.film_pressure, self.bearing.pressure_limit);
+        let asperities = match strain.contact.normal > 0.0 {
+            true => {
+                let surface = &self.bearing.surface;
+                surface.pressure_scale() * f_5_2(strain.distance / surface.roughness).0
+            }
+            false => 0.0,
+        };
+        let pressure = film + asperities;
+        (pressure > limit).then(|| {
+            format!(
+                "a pressure of {pressure:.3e} Pa ({film:.3e} Pa of the film, {asperities:.3e} Pa of asperities) is beyond \
+                 bearing.pressureLimit, {limit:.3e} Pa"
+            )
+        })
     }
 
-    fn beyond_contact(&self) -> Option<String> {
-        let reach = self.readings.contact_reach;
-        let roughness = self.bearing.surface.roughness / self.readings.hot_radial_clearance;
-        let map = self.film.columns().is_none() && self.readings.contact_share > TOUCHING;
+    fn beyond_contact(&self, seen: &Seen, strain: &Strain) -> Option<String> {
+        let reach = strain.contact_reach;
+        let roughness = self.bearing.surface.roughness / seen.at.clearance;
+        let map = self.film.columns().is_none() && self.touches(seen, strain);
         if map && roughness < FINEST {
             return Some(format!(
                 "asperities touch whose roughness is {roughness:.2e} of the clearance, finer than the mobility film's table, which ends at \
@@ -106,10 +211,15 @@ impl Stand {
         })
     }
 
-    fn coarse(&self) -> Option<String> {
+    /// Whether asperities bear a share of the load that matters.
+    fn touches(&self, seen: &Seen, strain: &Strain) -> bool {
+        strain.contact.force > TOUCHING * seen.at.load_magnitude()
+    }
+
+    fn coarse(&self, seen: &Seen, strain: &Strain) -> Option<String> {
         let columns = self.film.columns()?;
-        let gap = self.readings.min_film_thickness;
-        let angle = (2.0 * gap / self.readings.hot_radial_clearance).sqrt();
+        let gap = strain.min_film_thickness;
+        let angle = (2.0 * gap / seen.at.clearance).sqrt();
         let needed = (TAU * COLUMNS_ACROSS / angle).ceil();
         (columns as f64 <= needed).then(|| {
             format!(
@@ -119,8 +229,70 @@ impl Stand {
         })
     }
 
-    fn lifted(&self) -> Option<String> {
-        let force = self.load.least_force(self.readings.shaft_speed);
+    fn lifted(&self, seen: &Seen, _: &Strain) -> Option<String> {
+        let force = self.load.least_force(seen.at.speed);
         (force < 0.0).then(|| format!("the lever would have to pull with {:.0} N, so it lifts off once a turn", -force))
+    }
+
+    /// What lies outside of a film's map, grid or law.
+    fn off_the_table(&self, seen: &Seen, strain: &Strain) -> Option<String> {
+        let wide = self.bearing.width / self.bearing.diameter;
+        if self.film.model == FilmModel::Mobility {
+            return (wide > WIDEST).then(|| {
+                format!(
+                    "the bearing is {wide:.3} diameters wide, and the mobility film's map ends at {WIDEST}: it is taken as that wide; \
+                     set bearing.film = Reynolds"
+                )
+            });
+        }
+        if self.bearing.resolution.rows == 1 {
+            return Some(
+                "one row of cells does not follow the pressure over the width: set bearing.filmRows = 0, or more"
+                    .to_owned(),
+            );
+        }
+        let pressure = strain.film_pressure;
+        if self.oil.thickening.ends_below(seen.at.viscosity, pressure) {
+            return Some(format!(
+                "a film pressure of {pressure:.3e} Pa is beyond the end of oil.pressureLaw, where the viscosity has risen by e^5: it \
+                 rises no further"
+            ));
+        }
+        (self.touches(seen, strain) && self.touches_a_feed(seen))
+            .then(|| "asperities touch where a feed is: contact counts its surface as whole".to_owned())
+    }
+
+    /// Whether the arc over which asperities can touch reaches a feed.
+    fn touches_a_feed(&self, seen: &Seen) -> bool {
+        let supply = &self.bearing.supply;
+        match supply.feed {
+            Feeding::None => return false,
+            Feeding::CircumferentialGroove => return true,
+            Feeding::AxialGrooves | Feeding::Hole => {}
+        }
+        let [x, y] = seen.at.eccentricity;
+        let open = 1.0 - HEIGHT * self.bearing.surface.roughness / seen.at.clearance;
+        let arc = (open / x.hypot(y)).clamp(-1.0, 1.0).acos();
+        let middle = y.atan2(x);
+        (0..supply.count).any(|k| {
+            let feed = supply.angle + TAU * f64::from(k) / f64::from(supply.count);
+            let apart = (feed - middle + PI).rem_euclid(TAU) - PI;
+            apart.abs() < arc + 0.5 * supply.extent
+        })
+    }
+
+    fn touches_all_around(&self, seen: &Seen, strain: &Strain) -> Option<String> {
+        let load = seen.at.load_magnitude();
+        let normal = strain.contact.normal;
+        if normal > WRAPPED * load {
+            return Some(format!(
+                "asperities press with {normal:.3e} N around the bush under a load of {load:.3e} N: they touch all around, and friction is \
+                 beyond the dry limit; roughness and clearance do not fit together"
+            ));
+        }
+        let (gap, clearance) = (strain.min_film_thickness, seen.at.clearance);
+        (normal > TOUCHING * load && gap > clearance).then(|| {
+            format!("the smallest mean gap, {gap:.3e} m, exceeds the clearance of {clearance:.3e} m: the surfaces touch all around")
+        })
     }
 }

@@ -126,6 +126,7 @@ fn energy_is_closed(stand: &Stand) -> Result<(), TestCaseError> {
     let e = [eccentricity_ratio * at.cos(), eccentricity_ratio * at.sin()];
     let bearing = &stand.bearing;
     let at = Situation {
+        bush_speed: 0.0,
         load,
         eccentricity: e,
         clearance: stand.readings().hot_radial_clearance,

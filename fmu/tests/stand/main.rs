@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+mod bush;
 mod description;
 mod energy;
 mod exchange;

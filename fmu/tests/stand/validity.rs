@@ -1,6 +1,8 @@
 //! Limits that a run passes, which `status.validity` and the log tell.
 
-use fmu_export::model::{Experiment, Log, Model};
+use fmu_export::model::{Continuous, Experiment, Log, Model};
+use journal_bearing::rheology::PressureLaw;
+use plain_bearing_stand::bearing::{Feeding, FilmModel};
 use plain_bearing_stand::stand::Stand;
 
 /// What was logged in the category.
@@ -34,7 +36,7 @@ type Choose = fn(&mut Stand);
 #[test]
 fn each_limit_is_told_once() {
     assert_eq!(run(|_| ()), (0, Vec::new()));
-    let limits: [(Choose, i32, &str); 6] = [
+    let limits: [(Choose, i32, &str); 12] = [
         (
             // Reynolds number 880 kg/m3 * 400 rad/s * 12.5 mm * 0.4 mm / 1 mPa.s = 1,760 beyond 41.3 * sqrt(31) = 231.
             |stand| {
@@ -88,6 +90,46 @@ fn each_limit_is_told_once() {
             16,
             "finer than the mobility film's table",
         ),
+        (
+            // Asperities alone: under 45 kN the film bears next to nothing.
+            |stand| {
+                stand.inputs.external_force.value = 45_000.0;
+                stand.thermal.isothermal = true;
+                stand.bearing.pressure_limit = 1.2e8;
+            },
+            4,
+            "of asperities",
+        ),
+        (
+            // SAE 15W-40 at -110 degC: beyond 2e7 mm2/s.
+            |stand| {
+                stand.thermal.isothermal = true;
+                stand.thermal.initial_oil = 163.15;
+                stand.thermal.initial_bearing = 163.15;
+                stand.inputs.speed.value = 1e-6;
+            },
+            2,
+            "ends at 2e1 m2/s",
+        ),
+        (|stand| stand.bearing.width = 0.25, 64, "diameters wide"),
+        (
+            |stand| {
+                stand.film.model = FilmModel::Reynolds;
+                stand.bearing.resolution.rows = 1;
+            },
+            64,
+            "row of cells",
+        ),
+        (
+            |stand| {
+                stand.film.model = FilmModel::Reynolds;
+                stand.bearing.supply.feed = Feeding::AxialGrooves;
+                stand.bearing.supply.angle = 0.3;
+            },
+            64,
+            "where a feed is",
+        ),
+        (|stand| stand.bearing.radial_clearance = 1e-5, 128, "touch all around"),
     ];
     for (choose, bit, words) in limits {
         let (bits, said) = run(choose);
@@ -117,7 +159,7 @@ fn a_lever_that_lifts_off_does_not_pull() {
 fn a_film_thinner_than_its_columns_follow_is_told() {
     let of = |columns: i32, clearance: f64| {
         let mut stand = Stand::default();
-        stand.film.model = plain_bearing_stand::bearing::FilmModel::Reynolds;
+        stand.film.model = FilmModel::Reynolds;
         stand.bearing.resolution.columns = columns;
         stand.bearing.radial_clearance = clearance;
         stand.bearing.surface.roughness = 0.0;
@@ -129,4 +171,100 @@ fn a_film_thinner_than_its_columns_follow_is_told() {
         stand.validity()
     };
     assert_eq!([of(96, 1e-4), of(240, 1e-4), of(96, 2e-5)], [32, 0, 0]);
+}
+
+/// The pressure law ends at e^5; the film's largest pressure under this load is beyond it.
+#[test]
+fn the_end_of_a_pressure_law_is_told() {
+    let of = |coefficient: f64| {
+        run(|stand| {
+            stand.film.model = FilmModel::Reynolds;
+            stand.oil.thickening.pressure_law = PressureLaw::Barus;
+            stand.oil.thickening.pressure_coefficient = coefficient;
+            stand.bearing.surface.roughness = 0.0;
+            stand.thermal.isothermal = true;
+        })
+        .0 & 64
+    };
+    assert_eq!([of(2e-8), of(1e-6)], [0, 64]);
+}
+
+/// A feed away from the contact sets no bit.
+#[test]
+fn a_feed_away_from_the_contact_sets_no_bit() {
+    let (bits, said) = run(|stand| {
+        stand.film.model = FilmModel::Reynolds;
+        stand.bearing.supply.feed = Feeding::AxialGrooves;
+    });
+    assert_eq!(bits & 64, 0, "{said:?}");
+}
+
+/// A load that swings within each turn, and a limit that only its peaks pass.
+fn swinging(stand: &mut Stand) {
+    stand.load.eccentricity = 1e-3;
+    stand.bearing.surface.roughness = 0.0;
+    stand.bearing.pressure_limit = LIMIT;
+}
+
+const LIMIT: f64 = 1.5e7;
+
+/// One history by steps of 0.2 ms to 60 s, with and without leaps, both films.
+#[test]
+fn the_bits_do_not_depend_on_the_communication_step() {
+    let run = |step: f64, multirate: bool, model: FilmModel, span: f64| {
+        let mut stand = Stand::default();
+        swinging(&mut stand);
+        (stand.solver.multirate, stand.film.model) = (multirate, model);
+        stand.initialise(&Experiment::default(), &mut ()).unwrap();
+        for k in 0..(span / step).round() as i32 {
+            stand.advance(f64::from(k) * step, step, &mut ()).unwrap();
+        }
+        (stand.validity(), stand.readings().max_film_pressure)
+    };
+    let (expected, last) = run(0.2, false, FilmModel::Mobility, 0.6);
+    assert!(expected & 4 != 0 && last < LIMIT, "{expected} {last}: a limit passed only between communication points");
+    for (step, span) in [(2e-4, 0.6), (2e-3, 0.6), (0.6, 0.6), (4.0, 60.0), (60.0, 60.0)] {
+        for multirate in [true, false] {
+            if span < 1.0 || multirate {
+                assert_eq!(run(step, multirate, FilmModel::Mobility, span).0, expected, "{step} {multirate}");
+            }
+        }
+    }
+    let expected = run(2e-3, false, FilmModel::Reynolds, 0.4).0;
+    assert_ne!(expected & 4, 0);
+    assert_eq!(run(0.4, false, FilmModel::Reynolds, 0.4).0, expected);
+    assert_eq!(run(8.0, true, FilmModel::Reynolds, 8.0).0, expected);
+}
+
+/// In Model Exchange the host's completed steps show the same, and ask for the event mode where a bit is new.
+#[test]
+fn completed_steps_tell_limits_in_model_exchange() {
+    let complete = Stand::COMPLETE.expect("the stand wants to know of completed steps");
+    let mut stand = Stand::default();
+    swinging(&mut stand);
+    stand.initialise(&Experiment::default(), &mut ()).unwrap();
+    assert_eq!(stand.validity(), 0);
+    let mut y: Vec<f64> = Stand::states().iter().map(|state| (state.get)(&stand)).collect();
+    let (mut rates, mut said, mut events) = (vec![0.0; y.len()], Said::default(), 0);
+    let h = 1e-5;
+    for k in 1..60_000 {
+        Continuous::rates(&stand, &mut rates).unwrap();
+        y.iter_mut().zip(&rates).for_each(|(y, rate)| *y += h * rate);
+        stand.set_time(f64::from(k) * h);
+        for (state, value) in Stand::states().iter().zip(&y) {
+            (state.set)(&mut stand, *value);
+        }
+        events += i32::from(complete(&mut stand, &mut said));
+    }
+    let (bits, told) = {
+        let mut other = Stand::default();
+        swinging(&mut other);
+        let mut said = Said::default();
+        other.initialise(&Experiment::default(), &mut ()).unwrap();
+        other.advance(0.0, 0.6, &mut said).unwrap();
+        (other.validity(), said.0.len())
+    };
+    assert_ne!(bits & 4, 0);
+    assert_eq!((stand.validity(), said.0.len()), (bits, told));
+    assert!(events >= 1 && events <= told as i32);
 }

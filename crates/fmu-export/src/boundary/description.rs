@@ -14,7 +14,7 @@ use super::intermediate::is_intermediate;
 use super::types::ValueReference;
 use super::values::TIME;
 use super::xml::{Number, Tag, Xml};
-use crate::model::{Kind, Model, Role, Variable, indicators};
+use crate::model::{Kind, Model, Role, Variable, indicators, offered};
 
 pub use super::describe::{Interface, token};
 pub use super::version::Version;
@@ -99,19 +99,20 @@ fn co_simulation_3<M: Model>() -> Tag {
         .with("hasEventMode", events)
 }
 
-/// A completed step changes nothing, so the host need not tell of it.
+/// The host need not tell of completed steps that change nothing.
 fn model_exchange<M: Model>(version: Version) -> Tag {
     let tag = Tag::new("ModelExchange").with("modelIdentifier", M::INFO.identifier);
+    let completes = offered::<M>().is_some_and(|exchange| exchange.complete.is_some());
     match version {
         Version::Two => tag
-            .with("completedIntegratorStepNotNeeded", true)
+            .with("completedIntegratorStepNotNeeded", !completes)
             .with("canNotUseMemoryManagementFunctions", true)
             .with("canGetAndSetFMUstate", true)
             .with("canSerializeFMUstate", true),
         Version::Three => tag
             .with("canGetAndSetFMUState", true)
             .with("canSerializeFMUState", true)
-            .with("needsCompletedIntegratorStep", false),
+            .with("needsCompletedIntegratorStep", completes),
     }
 }
 

@@ -86,6 +86,15 @@ impl<M: Model> Instance<M> {
         Ok(Status::Ok)
     }
 
+    /// Takes note of a completed step, and tells whether it asks for the event mode.
+    pub fn complete_step(&mut self) -> Outcome<bool> {
+        let Some(complete) = self.exchange()?.complete else {
+            return Ok(false);
+        };
+        self.refresh()?;
+        Ok(complete(&mut self.run.model, &mut self.logger))
+    }
+
     /// The number of states.
     pub fn states(&self) -> Outcome<usize> {
         Ok((self.exchange()?.states)().len())

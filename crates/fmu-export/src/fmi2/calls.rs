@@ -127,10 +127,13 @@ c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
             })
         };
         fmi2EnterContinuousTimeMode = enter_continuous_time_mode() in of(&[Event]) => |instance| instance.enter_continuous();
-        /// A completed step changes nothing.
         fmi2CompletedIntegratorStep = completed_integrator_step(no_set_state_prior: Boolean, enter_event_mode: *mut Boolean,
             terminate: *mut Boolean) in of(&[Continuous]) =>
-            |_| nothing([place(enter_event_mode, "enterEventMode")?, place(terminate, "terminateSimulation")?]);
+            |instance| {
+                let (event, terminate) = (place(enter_event_mode, "enterEventMode")?, place(terminate, "terminateSimulation")?);
+                *event = instance.complete_step()?.into();
+                nothing([terminate])
+            };
         fmi2SetTime = set_time(time: Real) in of(&[Event, Continuous]) => |instance| instance.set_time(time);
         fmi2SetContinuousStates = set_continuous_states(x: *const Real, n: usize) in of(&[Continuous]) =>
             |instance| instance.set_states(values(x, n, "values")?);

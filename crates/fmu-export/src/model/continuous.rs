@@ -1,6 +1,6 @@
 //! Continuous states, for models whose differential equations another solver may integrate.
 
-use super::{Fault, Model, Unit};
+use super::{Fault, Log, Model, Unit};
 
 /// A continuous state of a model.
 pub struct State<M: 'static> {
@@ -34,6 +34,10 @@ pub trait Continuous: Model {
         &[]
     }
 
+    /// Takes note of a step that the host's solver has completed, if the model wants to know of them: at the time and states that
+    /// are set, after [`Model::update`]. Whether what is discrete has changed: the host then enters the event mode.
+    const COMPLETE: Option<Complete<Self>> = None;
+
     /// Whether the parameters that were chosen allow it.
     ///
     /// # Errors
@@ -53,12 +57,17 @@ pub trait Continuous: Model {
     fn rates(&self, rates: &mut [f64]) -> Result<(), Fault>;
 }
 
+/// The type of [`Continuous::COMPLETE`].
+pub type Complete<M> = fn(&mut M, &mut dyn Log) -> bool;
+
 /// The functions of [`Continuous`] that the boundary calls, for [`Model::EXCHANGE`].
 pub struct Exchange<M: 'static> {
     /// [`Continuous::states`].
     pub states: fn() -> &'static [State<M>],
     /// [`Continuous::without`].
     pub without: fn() -> &'static [&'static str],
+    /// [`Continuous::COMPLETE`].
+    pub complete: Option<Complete<M>>,
     /// [`Continuous::allow`].
     pub allow: fn(&M) -> Result<(), Fault>,
     /// [`Continuous::set_time`].
@@ -70,7 +79,14 @@ pub struct Exchange<M: 'static> {
 impl<M: Continuous> Exchange<M> {
     /// The model's own.
     pub const fn of() -> Self {
-        Self { states: M::states, without: M::without, allow: M::allow, set_time: M::set_time, rates: M::rates }
+        Self {
+            states: M::states,
+            without: M::without,
+            complete: M::COMPLETE,
+            allow: M::allow,
+            set_time: M::set_time,
+            rates: M::rates,
+        }
     }
 }
 

@@ -62,7 +62,13 @@ impl LookUp {
 
     /// The largest film pressure over `F / (B D)`, 1.
     pub fn max_pressure(&self) -> f64 {
-        self.values[2].exp()
+        self.log_max_pressure().exp()
+    }
+
+    /// Its logarithm, which is at hand.
+    #[inline]
+    pub fn log_max_pressure(&self) -> f64 {
+        self.values[2]
     }
 
     /// The oil flow out of both ends together over `F c^3 / (3 eta B^2)`, 1.

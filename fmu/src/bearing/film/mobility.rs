@@ -1,7 +1,7 @@
 //! The mobility film: the journal's velocity follows from the load at the instant.
 
 use crate::bearing::friction::{self, Boundary};
-use crate::bearing::journal::{Drift, Flows, JournalFilm, Motion, Setup, Situation};
+use crate::bearing::journal::{Drift, Flows, JournalFilm, Motion, Press, Setup, Situation, Strain};
 use crate::bearing::parameters::{Bearing, FilmEnergy};
 use fmu_export::model::Fault;
 use journal_bearing::contact::{Contact, ContactAt, ContactFamily, Touch};
@@ -145,24 +145,43 @@ impl JournalFilm for MobilityFilm {
     }
 
     fn motion(&self, bearing: &Bearing, at: &Situation) -> Motion {
-        let clearance = at.clearance;
         let mut now = self.prepared.instant(bearing, at, true, None);
         if !now.touches {
             let [x, y] = at.eccentricity;
             now.ratio = x.hypot(y).min(LARGEST_ECCENTRICITY_RATIO);
         }
         let push = &now.push;
-        let pressure = push.film.map_or(0.0, |film| film.max_pressure());
+        let strain = self.strain(bearing, at, &now.press());
         Motion {
             eccentricity_ratio: now.ratio,
             velocity: push.velocity,
             torque: now.torque(at),
             boundary_torque: push.boundary.torque,
             contact: now.contact,
-            contact_reach: now.crossing(bearing, clearance),
-            min_film_thickness: now.gap(bearing, clearance),
-            max_film_pressure: pressure * push.magnitude * self.prepared.factors.pressure,
+            contact_reach: strain.contact_reach,
+            min_film_thickness: strain.min_film_thickness,
+            max_film_pressure: strain.film_pressure,
             flows: now.flows,
+        }
+    }
+
+    fn strain(&self, bearing: &Bearing, at: &Situation, press: &Press) -> Strain {
+        let &Press { log_peak, force, contact, ratio, touches } = press;
+        let roughness = bearing.surface.roughness;
+        let distance = at.clearance * (1.0 - ratio);
+        let (contact_reach, gap) = match touches {
+            true => {
+                let crossed = (at.clearance * (ratio - 1.0) / roughness).max(0.0);
+                (crossed, mean_gap(distance / roughness) * roughness)
+            }
+            false => (0.0, distance),
+        };
+        Strain {
+            film_pressure: if force > 0.0 { log_peak.exp() * force * self.prepared.factors.pressure } else { 0.0 },
+            contact,
+            contact_reach,
+            min_film_thickness: gap,
+            distance,
         }
     }
 
@@ -196,25 +215,18 @@ impl AtClearance<'_> {
 }
 
 impl Instant {
-    /// The smallest gap at a radial clearance, m; between rough surfaces the mean gap.
-    fn gap(&self, bearing: &Bearing, clearance: f64) -> f64 {
-        let distance = clearance * (1.0 - self.ratio);
-        let roughness = bearing.surface.roughness;
-        if self.touches { mean_gap(distance / roughness) * roughness } else { distance }
-    }
-
-    /// How far the mean planes of rough surfaces cross, over the roughness, 1.
-    fn crossing(&self, bearing: &Bearing, clearance: f64) -> f64 {
-        match self.touches {
-            true => (clearance * (self.ratio - 1.0) / bearing.surface.roughness).max(0.0),
-            false => 0.0,
-        }
+    /// How film and asperities press.
+    #[inline(always)]
+    fn press(&self) -> Press {
+        let Push { film, magnitude, .. } = &self.push;
+        let (log_peak, force) = film.as_ref().map_or((0.0, 0.0), |film| (film.log_max_pressure(), *magnitude));
+        Press { log_peak, force, contact: self.contact, ratio: self.ratio, touches: self.touches }
     }
 
     /// What the time integration needs.
     #[inline(always)]
     fn drift(&self, at: &Situation) -> Drift {
-        Drift { velocity: self.push.velocity, torque: self.torque(at), flows: self.flows }
+        Drift { velocity: self.push.velocity, torque: self.torque(at), flows: self.flows, press: self.press() }
     }
 
     /// Friction torque on the journal, N.m.
@@ -236,7 +248,8 @@ impl Prepared {
         side_flow: bool,
         known: Option<&AtClearance<'a>>,
     ) -> Instant {
-        let Situation { viscosity, speed, clearance, .. } = *at;
+        let Situation { viscosity, clearance, .. } = *at;
+        let sliding = at.sliding();
         // The clearance as a multiple of the measured one.
         let wider = clearance / bearing.radial_clearance;
         let e = Vector2::from(at.eccentricity);
@@ -263,15 +276,15 @@ impl Prepared {
         let couette = match &touch {
             None => {
                 let factor = self.factors.couette / wider;
-                viscosity * speed * factor / (1.0 - ratio * ratio).sqrt()
+                viscosity * sliding * factor / (1.0 - ratio * ratio).sqrt()
             }
-            Some(now) => viscosity * speed * (self.factors.shear / wider) * now.touch.shear,
+            Some(now) => viscosity * sliding * (self.factors.shear / wider) * now.touch.shear,
         };
         let squeezed = clearance * push.force.dot(&push.squeeze);
         Instant {
-            // In the film's whole dissipation M*omega + F*de/dt, the terms with the mean rotation cancel.
+            // In the film's whole dissipation, sum of M*omega of journal and bush + F*de/dt, the terms with the mean rotation cancel.
             flows: Flows {
-                viscous: couette * speed + squeezed,
+                viscous: couette * sliding + squeezed,
                 boundary: push.boundary.heat,
                 side_flow: leaving,
                 feed: 0.0,
@@ -292,7 +305,7 @@ impl Prepared {
     #[inline(always)]
     fn rub(&self, bearing: &Bearing, at: &Situation, place: (Vector2<f64>, f64), touch: Option<&Touching<'_>>) -> Push {
         let friction = match touch {
-            Some(now) if now.touch.contact.normal > 0.0 => bearing.contact_friction(at.speed),
+            Some(now) if now.touch.contact.normal > 0.0 => bearing.contact_friction(at.sliding()),
             _ => 0.0,
         };
         let push = self.push(bearing, at, place, touch, friction);
@@ -342,7 +355,7 @@ impl Prepared {
 
     /// Booker's equation (1965, J. Basic Eng. 87, 537-546; eq. 2 of the paper). The film's share F of the load is what
     /// contact and friction leave. It moves the journal at `|F|*psi^2/(eta*B*D) * M` in a frame that turns with the mean
-    /// speed of journal and bush. The paper's omega must be that mean: half the shaft speed.
+    /// speed of journal and bush. The paper's omega must be that mean.
     #[inline(always)]
     fn push(
         &self,
@@ -352,7 +365,7 @@ impl Prepared {
         touch: Option<&Touching<'_>>,
         friction: f64,
     ) -> Push {
-        let Situation { load, speed, .. } = *at;
+        let (load, rotation) = (at.load, at.mean_rotation());
         let contact = touch.map_or_else(Contact::default, |now| now.touch.contact);
         let [along, across] = load;
         let (mut force, mut direction) = (Vector2::new(along, across), Vector2::x());
@@ -374,10 +387,10 @@ impl Prepared {
         let wider = at.clearance / bearing.radial_clearance;
         let driven = magnitude / at.viscosity * (self.factors.mobility * wider * wider);
         let squeeze = film.as_ref().map_or(Vector2::zeros(), |film| film.mobility() * driven);
-        let velocity = [squeeze.x - 0.5 * speed * e.y, squeeze.y + 0.5 * speed * e.x];
+        let velocity = [squeeze.x - rotation * e.y, squeeze.y + rotation * e.x];
         let place = at.eccentricity;
         let clearance = at.clearance;
-        let boundary = Boundary::of(bearing, clearance, &contact, friction, speed, place, velocity);
+        let boundary = Boundary::of(bearing, clearance, &contact, friction, at.sliding(), place, velocity);
         Push { film, force, magnitude, squeeze, velocity, boundary }
     }
 }

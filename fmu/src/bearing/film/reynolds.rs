@@ -1,7 +1,9 @@
 //! The Reynolds film at work in the stand: it takes steps of its own and carries its journal along.
 
 use crate::bearing::friction::Boundary;
-use crate::bearing::journal::{Drift, Flows, Interval, JournalFilm, Motion, Passed, Setup, Situation, TransientFilm};
+use crate::bearing::journal::{
+    Drift, Flows, Interval, JournalFilm, Motion, Passed, Press, Setup, Situation, Strain, TransientFilm,
+};
 use crate::bearing::parameters::{Bearing, FilmEnergy, Resolution};
 use fmu_export::model::{Experiment, Fault};
 use journal_bearing::contact::ContactFamily;
@@ -105,12 +107,25 @@ impl JournalFilm for ReynoldsJournal {
     }
 
     fn drift(&self, _: &Bearing, _: &Situation, _: bool) -> Drift {
-        Drift { velocity: self.motion.velocity, torque: self.motion.torque, flows: self.motion.flows }
+        let Motion { velocity, torque, flows, .. } = self.motion;
+        Drift { velocity, torque, flows, press: Press::default() }
+    }
+
+    fn strain(&self, bearing: &Bearing, at: &Situation, _: &Press) -> Strain {
+        let Motion { contact, contact_reach, min_film_thickness, max_film_pressure, eccentricity_ratio, .. } =
+            self.motion;
+        let distance = match contact_reach {
+            _ if self.plain => at.clearance * (1.0 - eccentricity_ratio),
+            0.0 => min_film_thickness,
+            crossed => -crossed * bearing.surface.roughness,
+        };
+        Strain { film_pressure: max_film_pressure, contact, contact_reach, min_film_thickness, distance }
     }
 
     fn coefficients(&self, bearing: &Bearing, at: &Situation) -> Coefficients {
         let drive = Drive {
-            contact_friction: bearing.contact_friction(at.speed),
+            contact_friction: bearing.contact_friction(at.sliding()),
+            bush_speed: at.bush_speed,
             ..Drive::steady(at.load.into(), at.speed, at.viscosity)
         };
         let contact = self.plain.then_some(&*self.contact);
@@ -145,13 +160,15 @@ impl TransientFilm for ReynoldsJournal {
         interval: &Interval,
         exchange: Option<&HeatExchange<'_>>,
     ) -> Result<Passed, Fault> {
-        let Interval { duration, load, speed, clearance, viscosity } = *interval;
+        let Interval { duration, load, speed, bush_speed, clearance, viscosity } = *interval;
+        let sliding = speed - bush_speed;
         self.widen(clearance)?;
-        let friction = bearing.contact_friction(speed);
+        let friction = bearing.contact_friction(sliding);
         let drive = Drive {
             load_before: load[0].into(),
             load_after: load[1].into(),
             contact_friction: friction,
+            bush_speed,
             ..Drive::steady(Vector2::zeros(), speed, viscosity)
         };
         let contact = self.plain.then_some(&*self.contact);
@@ -173,7 +190,7 @@ impl TransientFilm for ReynoldsJournal {
         }
         let velocity = report.velocity.into();
         let place = eccentricity.into();
-        let boundary = Boundary::of(bearing, clearance, &touch, friction, speed, place, velocity);
+        let boundary = Boundary::of(bearing, clearance, &touch, friction, sliding, place, velocity);
         self.motion = Motion {
             eccentricity_ratio: ratio,
             velocity,
