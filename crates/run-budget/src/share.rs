@@ -54,6 +54,8 @@ pub enum Doubt {
         /// Root mean square error over the deviation.
         relative: f64,
     },
+    /// Runs fail, and those left out do not tell where to within a fifth.
+    Failures,
     /// The runs left out are good or bad against their probability.
     Signs {
         /// By so many deviations.
@@ -144,6 +146,10 @@ pub fn doubt(surrogate: &Surrogate, limits: &[Limit], runs: &[Run]) -> Option<Do
         if relative > LARGEST_ERROR {
             return Some(Doubt::Error { output: limit.output, relative });
         }
+    }
+    let fails = runs.iter().any(|run| run.finite().is_none());
+    if fails && surrogate.success_error().is_none_or(|relative| relative > LARGEST_ERROR) {
+        return Some(Doubt::Failures);
     }
     let succeeded: Vec<&Run> = runs.iter().filter(|run| run.finite().is_some()).collect();
     let (mut excess, mut variance) = (0.0, 0.0);

@@ -122,6 +122,11 @@ impl Surrogate {
         self.outputs[output].unit
     }
 
+    /// Error of success when runs are left out, over its deviation. `None` where hardly any run failed.
+    pub(crate) fn success_error(&self) -> Option<f64> {
+        self.success.as_ref().map(|success| success.check.error / success.unit)
+    }
+
     /// Mean and deviation (with noise) of an output at each successful run by the others.
     pub(crate) fn left_out(&self, output: usize) -> &[[f64; 2]] {
         &self.outputs[output].left_out
