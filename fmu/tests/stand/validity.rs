@@ -101,11 +101,11 @@ fn each_limit_is_told_once() {
             "of asperities",
         ),
         (
-            // SAE 15W-40 at -110 degC: beyond 2e7 mm2/s.
+            // SAE 15W-40 at -72 degC: beyond 2e7 mm2/s.
             |stand| {
                 stand.thermal.isothermal = true;
-                stand.thermal.initial_oil = 163.15;
-                stand.thermal.initial_bearing = 163.15;
+                stand.thermal.initial_oil = 201.15;
+                stand.thermal.initial_bearing = 201.15;
                 stand.inputs.speed.value = 1e-6;
             },
             2,
@@ -203,10 +203,26 @@ fn a_feed_away_from_the_contact_sets_no_bit() {
 fn swinging(stand: &mut Stand) {
     stand.load.eccentricity = 1e-3;
     stand.bearing.surface.roughness = 0.0;
-    stand.bearing.pressure_limit = LIMIT;
+    stand.bearing.pressure_limit = 0.5 * (peak() + LAST);
 }
 
-const LIMIT: f64 = 1.5e7;
+/// The pressure at the communication points of 0.2 s is at most this, Pa.
+const LAST: f64 = 8e6;
+
+/// The largest pressure within 0.6 s, Pa, by short steps.
+fn peak() -> f64 {
+    static PEAK: std::sync::LazyLock<f64> = std::sync::LazyLock::new(|| {
+        let mut stand = Stand::default();
+        stand.load.eccentricity = 1e-3;
+        stand.bearing.surface.roughness = 0.0;
+        stand.initialise(&Experiment::default(), &mut ()).unwrap();
+        (0..600).fold(0.0, |peak: f64, k| {
+            stand.advance(f64::from(k) * 1e-3, 1e-3, &mut ()).unwrap();
+            peak.max(stand.readings().max_film_pressure)
+        })
+    });
+    *PEAK
+}
 
 /// One history by steps of 0.2 ms to 60 s, with and without leaps, both films.
 #[test]
@@ -222,7 +238,7 @@ fn the_bits_do_not_depend_on_the_communication_step() {
         (stand.validity(), stand.readings().max_film_pressure)
     };
     let (expected, last) = run(0.2, false, FilmModel::Mobility, 0.6);
-    assert!(expected & 4 != 0 && last < LIMIT, "{expected} {last}: a limit passed only between communication points");
+    assert!(expected & 4 != 0 && last < LAST, "{expected} {last}: a limit passed only between communication points");
     for (step, span) in [(2e-4, 0.6), (2e-3, 0.6), (0.6, 0.6), (4.0, 60.0), (60.0, 60.0)] {
         for multirate in [true, false] {
             if span < 1.0 || multirate {
