@@ -367,7 +367,7 @@ max = 2
         let said = bench.run(&["verify", "at.toml", "--output", name]);
         assert_eq!(said.code, code, "{name}: {}{}", said.out, said.err);
     }
-    let drawn = bench.json("drawn/summary.json");
+    let drawn = bench.summary("drawn");
     let offset = &drawn["best_point"]["parameters"]["drive.u/offset"];
     assert!((offset.as_f64().unwrap() - 0.05).abs() < 0.02, "{offset}");
     // Points of a table have the offset of their column, or none, which is said.
@@ -376,7 +376,7 @@ max = 2
     for (table, code, exact) in [("drawn/points.csv", 0, false), ("bare.csv", 1, true)] {
         let said = bench.run(&["verify", "at.toml", "--points-from", table, "--output", "table", "--force"]);
         assert_eq!(said.code, code, "{table}: {}{}", said.out, said.err);
-        let summary = bench.json("table/summary.json").to_string();
+        let summary = bench.summary("table").to_string();
         assert_eq!(summary.contains("input-taken-as-exact"), exact, "{table}");
     }
     let exact = study.replace(", uncertainty = 0.1", "");
