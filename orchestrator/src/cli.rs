@@ -67,7 +67,9 @@ fn elsewhere(fault: &str) -> Option<String> {
     }
     let words: Vec<String> = std::env::args().collect();
     if let Some(word) = words.iter().find(|word| one_hyphen(fault, word)) {
-        return Some(format!("unexpected argument '{word}' found; a name of several letters has two hyphens: '-{word}'"));
+        return Some(format!(
+            "unexpected argument '{word}' found; a name of several letters has two hyphens: '-{word}'"
+        ));
     }
     const SCHEMA: &str = include_str!("../../studies/study.schema.json");
     let option = fault.strip_prefix("unexpected argument '--")?;

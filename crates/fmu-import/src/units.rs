@@ -119,7 +119,11 @@ impl Units {
             None => ", of a recording `unit = \"1\"` and its `scale` in the settings of synchronise",
         };
         // A unit that nobody defines, and one of another quantity, are two mistakes.
-        let fault = if self.meanings(&from).is_empty() && !self.0.contains_key(&from) { "is not known" } else { "does not fit" };
+        let fault = if self.meanings(&from).is_empty() && !self.0.contains_key(&from) {
+            "is not known"
+        } else {
+            "does not fit"
+        };
         Err(UnitError {
             from,
             fault,

@@ -14,7 +14,9 @@ pub fn unusable(error: &FmuError) -> String {
         FmuError { path, fault: FmuFault::Archive(ArchiveError::Missing) } => {
             format!("{}: {}", path.display(), missing(path))
         }
-        FmuError { path, fault: FmuFault::Archive(ArchiveError::NotZip) } if path.extension().is_some_and(|it| it == "toml") => {
+        FmuError { path, fault: FmuFault::Archive(ArchiveError::NotZip) }
+            if path.extension().is_some_and(|it| it == "toml") =>
+        {
             format!("{}: a study, where an FMU is needed; name the FMU, or run the study by `verify`", path.display())
         }
         other => other.to_string(),
