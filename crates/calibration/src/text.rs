@@ -340,7 +340,7 @@ pub fn doubts(outcome: &IdentificationOutcome) -> Vec<String> {
     let doubts = converged.then(|| outcome.doubts()).into_iter().flatten();
     // A model is blamed where the search is sure of its optimum.
     let [lowest, searches] = [outcome.search.lowest(), outcome.search.minima.len()];
-    let is_unsure = converged && outcome.fit() == Fit::Misses && 2 * lowest < searches;
+    let is_unsure = converged && outcome.fit() == Fit::Misses && searches > 1 && lowest < searches.div_ceil(2).max(2);
     let search = is_unsure.then(|| {
         format!(
             "Only {lowest} of {searches} searches ended as low as this, so a lower minimum may have been missed: give more `starts` \

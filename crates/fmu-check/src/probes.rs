@@ -150,8 +150,7 @@ impl<'a> Probes<'a> {
         }
         breaches.extend(self.lives(whole)?);
         breaches.extend(self.halved(whole)?);
-        self.setup = setup;
-        breaches.extend(self.late(whole, since)?);
+        breaches.extend(self.late(whole, since, setup)?);
         Ok(breaches)
     }
 
@@ -205,12 +204,12 @@ impl<'a> Probes<'a> {
 
     /// Whether the values depend on the second at which they are computed, or on the path: those of another copy of the FMU,
     /// more than a second later.
-    fn late(&mut self, whole: &Run, since: Instant) -> io::Result<Option<Breach>> {
+    fn late(&self, whole: &Run, since: Instant, first: Setup) -> io::Result<Option<Breach>> {
         const LATER: Duration = Duration::from_millis(1100);
         sleep(LATER.saturating_sub(since.elapsed()));
         let copy = self.another_folder()?;
-        copy.path().clone_into(&mut self.setup.fmu);
-        let late = child::run(&self.setup, self.scratch, 3 * self.patience, None)?;
+        let setup = Setup { fmu: copy.path().to_owned(), ..first };
+        let late = child::run(&setup, self.scratch, 3 * self.patience, None)?;
         let text = sound(&late, 1).map_or_else(Some, |runs| difference(&self.columns, whole, &runs[0]));
         Ok(text.map(|text| {
             let text = format!(
