@@ -82,12 +82,6 @@ def test_what_stands_in_a_name_need_not_be_a_unit(tmp_path):
     assert header == ["t [s]", "G(h)", "T [degC]", "n [rpm]", "x[2]", "Dev0/A"]
 
 
-def test_a_line_above_that_begins_with_numbers_is_no_row(tmp_path):
-    lines = ["35.04 -106.6 1617 m version 1", "2019 56 2 25 0.5 79.9 102.6 1.5", "2019 56 2 25 1.5 79.8 102.5 1.5"]
-    header, table = converted(tmp_path, rows("Albuquerque", *lines))
-    assert header == [str(k) for k in range(1, 9)] and len(table) == 2
-
-
 def test_thousands_and_signs(tmp_path):
     lines = ["t [s];P [MWh]", "0;4.300,00", "1;900,50", "2;\u22121'200,25".replace("'", ".")]
     assert [row[1] for row in converted(tmp_path, rows(*lines))[1]] == [4300.0, 900.5, -1200.25]
@@ -103,6 +97,7 @@ def test_thousands_and_signs(tmp_path):
     (["when;P", "12:00;1.5", "12:01;2.5"], ["%H:%M", "%M:%S"], {"format": "%M:%S"}),
     (["von;bis;P", "02.06.2025 13:45;02.06.2025 14:45;1,5", "02.06.2025 14:45;02.06.2025 15:45;2,5"], ["--time", "von"], {"time": "von"}),
     (["a;b", "foo;baz", "0;1.5", "1;2.5"], ["--header"], {"header": 1}),
+    (["Albuquerque", "35.04 -106.6 1617 m version 1", "2019 56 2 25 0.5 79.9 102.6 1.5", "2019 56 2 25 1.5 79.8 102.5 1.5"], ["--header 0", "--header 3"], {"header": 0}),
     (["t,F", "0,1,5", "1,2,5"], ["--delimiter", "decimal comma"], None),
 ])
 def test_two_readings_are_asked_about(tmp_path, lines, words, said):
