@@ -314,6 +314,6 @@ mod tests {
         let mut runs: Vec<_> = groups.collect();
         runs.dedup();
         // Inputs, then the parameters of each block, then outputs.
-        assert_eq!(runs[3..9], ["drive", "load", "bearing", "oil", "thermal", "solver"], "{runs:?}");
+        assert_eq!(runs[4..10], ["drive", "load", "bearing", "oil", "thermal", "solver"], "{runs:?}");
     }
 }

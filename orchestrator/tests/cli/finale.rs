@@ -90,7 +90,7 @@ fn long_names_cost_no_page() {
     for command in [
         "report out",
         "robustness study.toml --from out --output out",
-        "sensitivity study.toml --from out --output out",
+        "sensitivity study.toml --morris 10 --output out --force",
     ] {
         let arguments: Vec<&str> = command.split(' ').collect();
         let said = bench.run(&arguments);

@@ -31,7 +31,7 @@ fn six_exact_solutions_are_six_optima() {
     bench.write("study.toml", STUDY);
     let said = identify(&bench, &["--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
-    for words in ["6 distinct sets of parameters fit", "optimum 6: ", "none of them is \"the\" value"] {
+    for words in ["6 distinct sets of parameters fit", "optimum 6: ", "None of them is \"the\" value"] {
         assert!(said.out.contains(words), "{}", said.out);
     }
     assert!(!said.out.contains("determine every parameter"), "{}", said.out);
