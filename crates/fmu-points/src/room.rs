@@ -24,7 +24,7 @@ impl Room {
             (1..).map(|number| within.join(format!("room-{number}"))).find(|path| locked(&TAKEN).insert(path.clone()));
         let room = Self(path.expect("numbers do not end"));
         for folder in room.folders() {
-            fs::create_dir_all(&folder).map_err(ScratchError::at(&folder))?;
+            make(&folder).map_err(ScratchError::at(&folder))?;
         }
         Ok(room)
     }
@@ -49,11 +49,24 @@ impl Drop for Room {
     }
 }
 
+/// Makes a folder of a room, and the room. What a room stands in is not made: where it is gone, a signal is ending the run, and
+/// nothing may come back.
+fn make(folder: &Path) -> io::Result<()> {
+    let room = folder.parent();
+    for path in room.into_iter().chain([folder]) {
+        match fs::create_dir(path) {
+            Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {}
+            made => made?,
+        }
+    }
+    Ok(())
+}
+
 /// Empties a folder, whatever a point has left there. What cannot be removed stays.
 pub(crate) fn clear(folder: &Path) -> io::Result<()> {
     let Ok(entries) = fs::read_dir(folder) else {
         let _ = fs::remove_file(folder);
-        return fs::create_dir_all(folder);
+        return make(folder);
     };
     for entry in entries.flatten() {
         let path = entry.path();
@@ -82,5 +95,10 @@ mod tests {
         drop(one);
         assert!(!first.exists());
         assert_eq!(Room::take(place.path()).unwrap().work(), first);
+        // A point may remove its room; what the room stands in does not come back.
+        clear(&first).unwrap();
+        assert!(first.is_dir());
+        fs::remove_dir_all(place.path()).unwrap();
+        assert!(clear(&first).is_err() && !place.path().exists());
     }
 }

@@ -119,7 +119,8 @@ fn a_signal_leaves_no_unpacked_fmu_behind() {
             let kill = Command::new("kill").args([signal, &run.id().to_string()]).status();
             assert!(kill.unwrap().success());
             assert_eq!(run.wait().unwrap().code(), Some(130), "{command} {signal}");
-            assert_eq!(unpacked(), 0, "{command} {signal}");
+            let rest = Command::new("find").arg(bench.path("scratch")).output().unwrap();
+            assert_eq!(unpacked(), 0, "{command} {signal}: {}", String::from_utf8_lossy(&rest.stdout));
         }
     }
 }
