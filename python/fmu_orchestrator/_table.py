@@ -223,7 +223,7 @@ def csv_of(table: Any) -> bytes:
 
 def _with_index(table: Any) -> Any:
     """A frame of pandas with its index as a column: moments and durations become seconds; an index of row numbers is none."""
-    index = getattr(table, "index", None)
+    index: Any = getattr(table, "index", None)
     if not hasattr(index, "to_numpy") or not hasattr(table, "reset_index"):
         return table
     name = index.name or "time"

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use toml::Spanned;
 
 use super::input::Input;
+use super::inputs::Recordings;
 use super::measured::Binder as CurveBinder;
 use super::samples::{self, Together};
 use super::values::{find, size_of, slot_of, value_of};
@@ -25,14 +26,21 @@ pub(super) struct Binder<'a> {
     pub(super) fmu: &'a Description,
 }
 
+/// A simulation with what belongs to it.
+pub(super) struct Bound {
+    /// From the FMU's units to the study's, a criterion each.
+    pub(super) outputs: Vec<Conversion>,
+    /// The simulation.
+    pub(super) task: Task,
+    /// The zero errors of its inputs.
+    pub(super) errors: Vec<inputs::ZeroError>,
+    /// Doubts about its inputs.
+    pub(super) concerns: Vec<Concern>,
+}
+
 impl Binder<'_> {
-    /// From the FMU's units to the study's, a criterion each; the simulation of a point; the zero errors of its inputs, and doubts
-    /// about them.
-    pub(super) fn task(
-        &self,
-        case: Option<&CaseText>,
-        varied: Vec<Slot>,
-    ) -> Result<(Vec<Conversion>, Task, Vec<inputs::ZeroError>, Vec<Concern>), FileError> {
+    /// The simulation of a point, or of one of its cases.
+    pub(super) fn task(&self, case: Option<&CaseText>, varied: Vec<Slot>) -> Result<Bound, FileError> {
         let mut schedule = self.schedule().map_err(|message| match case {
             None => self.study.error(format!("[simulation] {message}")),
             Some(case) => {
@@ -43,9 +51,9 @@ impl Binder<'_> {
         })?;
         let (outputs, observed) = self.criteria(&schedule)?;
         let observed = self.windows(&mut schedule, observed)?;
-        let (inputs, errors, doubts) = inputs::series(self.study, self.fmu, &schedule)?;
+        let Recordings { series: inputs, errors, concerns } = inputs::series(self.study, self.fmu, &schedule)?;
         let task = Task { schedule, sizes: self.fmu.sizes.clone(), fixed: self.fixed()?, varied, inputs, observed };
-        Ok((outputs, task, errors, doubts))
+        Ok(Bound { outputs, task, errors, concerns })
     }
 
     fn variable<T: AsRef<str>>(&self, name: &Spanned<T>) -> Result<&Variable, FileError> {

@@ -14,12 +14,18 @@ use number_tables::Table;
 use number_tables::files::FileError;
 use sampling::statistics::moments::{quantile, sorted};
 
-/// The recordings of a study for an FMU, and their zero errors.
-pub(super) fn series(
-    study: &Study,
-    fmu: &Description,
-    schedule: &Schedule,
-) -> Result<(Vec<Series>, Vec<ZeroError>, Vec<Concern>), FileError> {
+/// The recordings of a study for an FMU.
+pub(super) struct Recordings {
+    /// What the inputs follow.
+    pub(super) series: Vec<Series>,
+    /// Their zero errors.
+    pub(super) errors: Vec<ZeroError>,
+    /// Doubts about them.
+    pub(super) concerns: Vec<Concern>,
+}
+
+/// Reads the recordings of a study for an FMU.
+pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> Result<Recordings, FileError> {
     let (mut errors, mut concerns) = (Vec::new(), Vec::new());
     let mut bind = |(name, recording): (&Name, &RecordingText)| {
         let wrong = |message: String| study.error_at(name, message);
@@ -63,9 +69,9 @@ pub(super) fn series(
         Ok(series)
     };
     let inputs = study.inputs.iter().map(&mut bind);
-    let inputs: Vec<Series> = inputs.collect::<Result<_, _>>()?;
-    concerns.extend(many_steps(&inputs, schedule));
-    Ok((inputs, errors, concerns))
+    let series: Vec<Series> = inputs.collect::<Result<_, _>>()?;
+    concerns.extend(many_steps(&series, schedule));
+    Ok(Recordings { series, errors, concerns })
 }
 
 /// A zero error of a recorded input that nobody knows: by how much the sensor reads too high.

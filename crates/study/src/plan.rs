@@ -65,18 +65,18 @@ impl Plan {
         for (case, study) in study.by_case() {
             study.once(fmu, study.set())?;
             let binder = Binder { study: &study, fmu };
-            let (further, task, errors, doubts) = binder.task(case, varied.clone())?;
-            outputs.extend(further);
-            errors.into_iter().for_each(|error| error.join(&mut zero_errors, cases.len(), case));
+            let bound = binder.task(case, varied.clone())?;
+            outputs.extend(bound.outputs);
+            bound.errors.into_iter().for_each(|error| error.join(&mut zero_errors, cases.len(), case));
             let stated = case.iter().flat_map(|case| &case.concerns);
             let remedy =
                 "Look at the recordings that `synchronise` doubts, and measure again where a sensor was at fault.";
             let stated = stated.map(|text| Concern::new(Code::Doubtful, text).remedied(remedy));
-            of_inputs.extend(doubts.into_iter().chain(stated).map(|doubt| match case {
+            of_inputs.extend(bound.concerns.into_iter().chain(stated).map(|doubt| match case {
                 Some(case) => Concern { text: format!("case {}: {}", case.name.as_ref(), doubt.text), ..doubt },
                 None => doubt,
             }));
-            cases.push(Case { name: case.map(|case| case.name.as_ref().clone()), task });
+            cases.push(Case { name: case.map(|case| case.name.as_ref().clone()), task: bound.task });
         }
         let mut slots = varied;
         let mut levels: Vec<Option<u64>> =
