@@ -1,4 +1,4 @@
-//! The stand called from Rust, without FMI: what the FMU is compared with in `scripts/bench`.
+//! The stand called from Rust, without FMI: what the FMU is compared with in `scripts/evidence/bench`.
 //!
 //! `direct STEP STEPS RUNS` makes RUNS runs of STEPS steps, each from the initial state, reads one
 //! output after every step and prints the mean of what it has read.

@@ -2,7 +2,7 @@
  * the bytes of one, and prints its outputs, which have to be the same each time.
  * Usage: host BINARY GUID RESOURCE_URI STEPS OUTPUT_REFERENCE...
  * Prints "result" with the outputs in full precision; exit code 1 with the reason on failure. */
-#include "../hosting.h"
+#include "hosting.h"
 
 #include <string.h>
 

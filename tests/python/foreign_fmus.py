@@ -2,7 +2,7 @@
 and resumed, against fmpy with a fresh process for every point. Prints a line an FMU and kind, then a Markdown table; the exit
 code is 1 when a result is wrong or lost.
 
-    scripts/foreign FOLDER [--only PART] [--points N] [--keep DIR] [--table FILE]
+    scripts/evidence/foreign FOLDER [--only PART] [--points N] [--keep DIR] [--table FILE]
 
 FOLDER holds .fmu files, named REPOSITORY--NAME.fmu. In the folder of `--keep`, fmpy's results stay for the next time, and the
 rows of this very program: a run that was interrupted goes on where it was. `--table` writes a page, and the table as csv beside it."""
@@ -48,7 +48,7 @@ REAL, UNUSABLE = ("Real", "Float64", "Float32"), ("String", "Binary", "Clock")
 
 PAGE = """# Other people's FMUs
 
-`scripts/foreign FOLDER --table docs/evidence/foreign-fmus.md` ran FMUs from public repositories and Python wheels, which are not
+`scripts/evidence/foreign FOLDER --table docs/evidence/foreign-fmus.md` ran FMUs from public repositories and Python wheels, which are not
 part of this repository, Co-Simulation and Model Exchange each: {points} points within 10 % of the start values, by fmpy with a
 fresh process a point, and by `orchestrator verify` three times: undisturbed, with `--isolation fresh`, and killed by SIGKILL on
 the way and resumed. [foreign-fmus.csv](foreign-fmus.csv) has the counts by repository. *Equal*: all outputs agree bit for bit, or
@@ -428,7 +428,7 @@ def kinds(fmu):
 
 
 def main():
-    arguments = argparse.ArgumentParser(prog="scripts/foreign", description=__doc__.split("\n\n")[0])
+    arguments = argparse.ArgumentParser(prog="scripts/evidence/foreign", description=__doc__.split("\n\n")[0])
     arguments.add_argument("folder", type=Path)
     arguments.add_argument("--only", default="", metavar="PART", help="only FMUs with this in their names")
     arguments.add_argument("--points", type=int, default=24, metavar="N")

@@ -2,7 +2,7 @@
 results and fmpy (Co-Simulation), and against closed forms and converged solutions (Model Exchange). Prints a
 line each; the exit code is 1 when a result is wrong.
 
-    scripts/reference-fmus FOLDER [--write]
+    scripts/evidence/reference-fmus FOLDER [--write]
 
 FOLDER is a checkout of github.com/modelica/Reference-FMUs, which is built here by cmake, or an unpacked release of it
 (the folders 2.0 and 3.0 with FMUs; published results are then left out). Fetches nothing. `--write` writes

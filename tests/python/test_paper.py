@@ -1,4 +1,4 @@
-"""docs/paper.md is what scripts/paper writes: what the paper's tables tell, and what quick runs give."""
+"""docs/paper.md is what scripts/evidence/paper writes: what the paper's tables tell, and what quick runs give."""
 
 import re
 import string
@@ -8,7 +8,7 @@ import sys
 import pytest
 from test_acceptance import PROGRAM, ROOT
 
-sys.path.insert(0, str(ROOT / "scripts/claims"))
+sys.path.insert(0, str(ROOT / "scripts/evidence/claims"))
 import claims  # noqa: E402
 import printed  # noqa: E402
 import simulated  # noqa: E402
@@ -18,7 +18,7 @@ PAGE = (ROOT / "docs/paper.md").read_text(encoding="utf-8")
 
 
 def test_the_page_agrees_with_the_tables():
-    done = subprocess.run([ROOT / "scripts/paper", "--check"], capture_output=True, text=True)
+    done = subprocess.run([ROOT / "scripts/evidence/paper", "--check"], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
 
 

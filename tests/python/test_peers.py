@@ -1,4 +1,4 @@
-"""`scripts/peers` without the peers: how it counts, reads and writes. The peers themselves are installed by the script only."""
+"""`scripts/evidence/peers` without the peers: how it counts, reads and writes. The peers themselves are installed by the script only."""
 
 import math
 import sys
@@ -6,7 +6,7 @@ import sys
 import pytest
 from test_acceptance import ROOT
 
-sys.path.insert(0, str(ROOT / "scripts/peers.d"))
+sys.path.insert(0, str(ROOT / "scripts/evidence/peers.d"))
 import measure  # noqa: E402
 
 ROW = f"{measure.OUTPUT} {measure.PARAMETER} first"

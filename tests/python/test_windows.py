@@ -1,4 +1,4 @@
-"""The program for Windows under wine, against the one for this machine; run with scripts/test-windows.
+"""The program for Windows under wine, against the one for this machine; run with scripts/platforms/test-windows.
 
 Both run the same studies. What they write has to be the same to the last byte, except for paths, times and versions; the
 stand's own results may differ by the rounding of the C library's functions.
@@ -73,7 +73,7 @@ def run(folder, windows, *arguments, code=0, **environment):
 @pytest.fixture(scope="module", autouse=True)
 def programs():
     if not EXE:
-        pytest.skip("run scripts/test-windows")
+        pytest.skip("run scripts/platforms/test-windows")
     assert host.wine() and Path(EXE).is_file()
     host.wine_ready()
 

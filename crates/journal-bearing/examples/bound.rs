@@ -1,5 +1,5 @@
 //! The time of a step of the transient film beside the time that its arithmetic would take at the machine's peak, for
-//! `scripts/bench`.
+//! `scripts/evidence/bench`.
 //!
 //! `bound STEPS` prints seconds per step, floating-point operations per step by count, and the most operations per second
 //! that this machine reaches with the kind of code that the compiler makes of the film's loops.

@@ -5,7 +5,7 @@
 //!
 //! The grooves stand at right angles to the load; GROOVES is the extent of each in degrees. SEARCHES are timed together. It prints eccentricity ratio, attitude
 //! angle (degrees), Kxx, Kxy, Kyx, Kyy in loads over the clearance, Bxx, Bxy, Byx, Byy in loads over clearance and speed, and
-//! seconds per search. `scripts/bench-ross` uses it; for people, `steady_bearing` is the better start.
+//! seconds per search. `scripts/evidence/bench-ross` uses it; for people, `steady_bearing` is the better start.
 
 use journal_bearing::reynolds::{Boundary, Coefficients, Grid, Groove, NotConverged, QuasiStatic};
 use nalgebra::Vector2;

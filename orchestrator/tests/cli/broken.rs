@@ -1,6 +1,9 @@
 //! `check` finds what is wrong with FMUs that were broken on purpose, each with one clear line; and nothing in a
 //! good one.
 
+use std::sync::Mutex;
+use std::thread;
+
 use crate::support::{Bench, Said, THREE, model};
 
 /// A broken description: the change that breaks it, and the finding, as [`amiss`] has it.
@@ -39,6 +42,25 @@ fn none(amiss: &[String]) {
     assert!(amiss.is_empty(), "{}", amiss.join("\n"));
 }
 
+/// Every case is as its test wants it. Eight at a time: a check waits for a second, to see whether the FMU looks at the clock.
+fn every<Case: Send>(cases: impl Iterator<Item = Case> + Send, test: impl Fn(&Bench, Case) -> Option<String> + Sync) {
+    let cases = Mutex::new(cases);
+    let some = || {
+        let bench = Bench::empty();
+        let mut wrong = Vec::new();
+        loop {
+            let next = cases.lock().unwrap().next();
+            let Some(case) = next else { return wrong };
+            wrong.extend(test(&bench, case));
+        }
+    };
+    let wrong: Vec<String> = thread::scope(|scope| {
+        let threads: Vec<_> = (0..8).map(|_| scope.spawn(some)).collect();
+        threads.into_iter().flat_map(|thread| thread.join().unwrap()).collect()
+    });
+    none(&wrong);
+}
+
 #[test]
 fn a_good_fmu_has_nothing() {
     let bench = Bench::new();
@@ -67,10 +89,8 @@ fn every_rule_has_a_case() {
 
 #[test]
 fn every_broken_description_is_found() {
-    let bench = Bench::empty();
-    let binary = bench.binary(&[]);
-    let mut wrong = Vec::new();
-    for line in DESCRIPTIONS.lines().skip(1) {
+    let binary = Bench::empty().binary(&[]);
+    every(DESCRIPTIONS.lines().skip(1), |bench, line| {
         let cells: Vec<String> = line.split(" | ").map(|cell| cell.replace("\\n", "\n")).collect();
         let [name, from, to, words] = &cells[..] else {
             panic!("{line}: not four cells");
@@ -79,25 +99,21 @@ fn every_broken_description_is_found() {
         let files: [(&str, &[u8]); 2] =
             [("modelDescription.xml", description.as_bytes()), ("binaries/linux64/lag.so", &binary)];
         bench.zip("broken.fmu", &files);
-        wrong.extend(amiss(&bench, name, words));
-    }
-    none(&wrong);
+        amiss(bench, name, words)
+    });
 }
 
 #[test]
 fn every_broken_description_of_fmi_3_is_found() {
-    let bench = Bench::empty();
-    let mut wrong = Vec::new();
-    for line in THREES.lines().skip(1) {
+    every(THREES.lines().skip(1), |bench, line| {
         let cells: Vec<&str> = line.split(" | ").collect();
         let [name, from, to, words] = cells[..] else {
             panic!("{line}: not four cells");
         };
         assert!(THREE.contains(from), "{name}: no {from}");
         bench.three("broken.fmu", &[], &THREE.replacen(from, to, 1));
-        wrong.extend(amiss(&bench, name, words));
-    }
-    none(&wrong);
+        amiss(bench, name, words)
+    });
 }
 
 #[test]
@@ -117,17 +133,14 @@ fn faults_of_a_binary_of_fmi_3_are_found() {
 
 #[test]
 fn every_broken_binary_is_found() {
-    let bench = Bench::empty();
-    let mut wrong = Vec::new();
-    for line in BINARIES.lines().skip(1) {
+    every(BINARIES.lines().skip(1), |bench, line| {
         let cells: Vec<&str> = line.split(" | ").collect();
         let [name, fault, from, to, found] = cells[..] else {
             panic!("{line}: not five cells");
         };
         bench.fmu("broken.fmu", &[fault], &model(from, to));
-        wrong.extend(amiss(&bench, name, found));
-    }
-    none(&wrong);
+        amiss(bench, name, found)
+    });
 }
 
 /// A symbol is missing, and a library too: both are named.

@@ -24,7 +24,7 @@ class Scale:
 
 
 def arguments():
-    parser = argparse.ArgumentParser(prog="scripts/bench", description=__doc__)
+    parser = argparse.ArgumentParser(prog="scripts/evidence/bench", description=__doc__)
     parser.add_argument("--quick", action="store_true", help="rough figures within one or two minutes")
     parser.add_argument("--points", type=int, metavar="N",
                         help="random points on which leaps are compared with resolved turns [1000]")
@@ -85,7 +85,7 @@ def measure(size):
 
 
 OVERHEAD = """\
-`verify --isolation none --jobs 1` (without `--extra-runs`) against `scripts/benchmarks/minimal.c`, a bare loop on one instance."""
+`verify --isolation none --jobs 1` (without `--extra-runs`) against `scripts/evidence/benchmarks/minimal.c`, a bare loop on one instance."""
 IMPORTERS = """\
 CPU time of a run that reads one output at each step, over the orchestrator's. For fmpy without importing and loading, for
 the orchestrator the whole process, divided by its points."""
@@ -117,7 +117,7 @@ def main():
         sections, sizes = measure(scale(options))
     except Trouble as trouble:
         raise SystemExit(f"bench: {trouble}") from trouble
-    command = " ".join(["scripts/bench", *sys.argv[1:]])
+    command = " ".join(["scripts/evidence/bench", *sys.argv[1:]])
     print(page.write(command, began, [before, os.getloadavg()[0]], sections, sizes))
 
 

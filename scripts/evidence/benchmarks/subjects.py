@@ -10,7 +10,7 @@ from pathlib import Path
 
 from measure import Trouble, cost
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+ROOT = Path(__file__).resolve().parents[3]
 HERE = Path(__file__).resolve().parent
 sys.path.insert(0, str(ROOT / "scripts"))
 from platforms.common import PLATFORMS, native  # noqa: E402

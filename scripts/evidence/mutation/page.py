@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Takes over what scripts/mutants left in results/mutants into runs.json, and writes docs/evidence/mutation.md from it.
+"""Takes over what scripts/evidence/mutants left in results/mutants into runs.json, and writes docs/evidence/mutation.md from it.
 
 A part that was not run now keeps its earlier row. Exit code 1 when a mutant of the parts just run (the arguments)
 survives that equivalent.toml does not explain.
@@ -12,7 +12,7 @@ import tomllib
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
+ROOT = HERE.parents[2]
 RESULTS = ROOT / "results" / "mutants"
 RUNS = HERE / "runs.json"
 PAGE = ROOT / "docs/evidence/mutation.md"
@@ -20,10 +20,10 @@ PARTS = ["solver", "statistics", "distribution", "design", "conformity", "verdic
 
 HEAD = """# Mutation testing
 
-Written by `scripts/mutants`; edits are lost. It changes the code that decides results, one operator, constant or return
+Written by `scripts/evidence/mutants`; edits are lost. It changes the code that decides results, one operator, constant or return
 value at a time (cargo-mutants), and runs its unit tests. A mutant is *caught* when a test fails or never ends, *unviable*
-when it does not compile, *equivalent* when no input makes it behave differently (`scripts/mutation/equivalent.toml` says
-why). One that *survives* shows a missing test. `scripts/mutation/runs.json` names the files. *Tried* are a random sample.
+when it does not compile, *equivalent* when no input makes it behave differently (`scripts/evidence/mutation/equivalent.toml` says
+why). One that *survives* shows a missing test. `scripts/evidence/mutation/runs.json` names the files. *Tried* are a random sample.
 
 | part | date | mutants | tried | caught | unviable | equivalent | survive |
 |---|---|---|---|---|---|---|---|

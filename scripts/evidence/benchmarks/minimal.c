@@ -3,7 +3,7 @@
  * Usage: minimal BINARY GUID RESOURCE_URI STEP STEPS RUNS [REFERENCE]
  * One instance, reset between the runs; with a reference, that real output is read after every step and its
  * mean over all of them printed, otherwise its place is taken by zero. */
-#include "../hosting.h"
+#include "../../platforms/hosting.h"
 
 #include <dlfcn.h>
 

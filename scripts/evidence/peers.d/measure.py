@@ -1,6 +1,6 @@
 """Measures the orchestrator beside FMPy with SALib, OpenTURNS and gemseo-fmu, and writes the tables of docs/evidence/peers.md.
 
-    scripts/peers [--rounds N] [--only TABLE]
+    scripts/evidence/peers [--rounds N] [--only TABLE]
 
 Of each program's rounds, which take turns, the table has the median CPU and elapsed time. Fetches no FMU: the foreign one
 comes with gemseo-fmu's wheel, and those that crash are tests/faulty."""
@@ -21,8 +21,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).parents[2]
-HERE = ROOT / "scripts/peers.d"
+ROOT = Path(__file__).parents[3]
+HERE = ROOT / "scripts/evidence/peers.d"
 PAGE = ROOT / "docs/evidence/peers.md"
 PROGRAM = ROOT / "target/release/orchestrator"
 STAND = ROOT / "dist/PlainBearingStand.fmu"

@@ -5,7 +5,7 @@ import math
 from pathlib import Path
 from statistics import NormalDist, mean, stdev
 
-ROOT = Path(__file__).resolve().parent.parent.parent
+ROOT = Path(__file__).resolve().parents[3]
 PAPER = ROOT / "studies" / "paper"
 # The columns of Table 3 that stand in Table 1.
 COLUMNS = {"h": "h_mm", "C": "C_Npm", "beta": "beta_Nspm", "F0": "F0_N", "epsilon": "eps_mm", "B": "B_mm", "D": "D_mm"}

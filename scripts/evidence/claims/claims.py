@@ -1,4 +1,4 @@
-"""Writes docs/paper.md from page.template, or checks it against what the paper's tables alone give. See scripts/paper."""
+"""Writes docs/paper.md from page.template, or checks it against what the paper's tables alone give. See scripts/evidence/paper."""
 
 import argparse
 import re
@@ -8,7 +8,7 @@ import sys
 import printed
 import simulated
 
-TEMPLATE = printed.ROOT / "scripts/claims/page.template"
+TEMPLATE = printed.ROOT / "scripts/evidence/claims/page.template"
 PAGE = printed.ROOT / "docs/paper.md"
 
 
@@ -39,7 +39,7 @@ def differing_line(pattern, page):
 def check(template):
     pattern, page = expected(template, printed.values()), PAGE.read_text(encoding="utf-8")
     if not re.fullmatch(pattern, page):
-        sys.exit(f"docs/paper.md is not what scripts/paper writes ({differing_line(pattern, page)}): run it again")
+        sys.exit(f"docs/paper.md is not what scripts/evidence/paper writes ({differing_line(pattern, page)}): run it again")
     print("docs/paper.md agrees with the paper's tables")
 
 

@@ -145,7 +145,7 @@ def film_leaps():
                         **at_most(Ratio([leaps]), 0.5)))
         for error in errors(leaping, resolved, few):
             rows.append(Row(f"{study}: largest error of {error.name}, of its tolerance", Ratio([error.worst]), unit=" %",
-                            note=f"{few} points; `scripts/film-leaps` for more", **at_most(Ratio([error.worst]), 1)))
+                            note=f"{few} points; `scripts/evidence/film-leaps` for more", **at_most(Ratio([error.worst]), 1)))
     return rows
 
 
