@@ -30,6 +30,7 @@ pub(crate) mod stated;
 #[cfg(test)]
 mod stated_tests;
 pub mod surrogate;
+pub mod suspects;
 #[cfg(test)]
 mod testing;
 pub mod text;

@@ -1,0 +1,551 @@
+//! What would explain a misfit: one thing at a time that the search took as given.
+//!
+//! A fit that misses names no culprit: all unknowns bend as far as they may. So each suspect gets free play alone: a parameter
+//! beyond its range, the offset, gain or delay of a sensor, a constant of the model, another unit. Around the optimum the
+//! problem is linear, and the score test (Rao 1948, Proc. Camb. Phil. Soc. 44, 50-57; "modification index" in Sorbom 1989,
+//! Psychometrika 54, 371-384) says by how much the sum of squares would fall. The most promising ones are then fitted by runs:
+//! what is told has been simulated.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+use serde::Serialize;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
+
+use super::errors::Errors;
+use super::expected::Expected;
+use super::local::{Limits, Minimum, minimise};
+use super::next::Group;
+use super::objective::{Differences, Misfit, Objective};
+use super::optima::Optimum;
+use super::problem::{Effect, Free, NoPrediction, Problem, SharedKind, Simulate, Source};
+use super::remembered::Remembered;
+use super::rounds::Task;
+
+/// What may be wrong.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Fault {
+    /// A parameter is beyond its range, or farther from where it was expected than its distribution allows.
+    Range,
+    /// A constant of the model is another one.
+    Constant,
+    /// A sensor has a zero error.
+    Offset,
+    /// A sensor has a gain error.
+    Gain,
+    /// A recording is late.
+    Delay,
+    /// A recording is in another unit, or has the other sign: in words.
+    Unit(String),
+}
+
+/// A suspect: what is wrong, how far, and what is explained then.
+#[derive(Clone, Debug, Serialize)]
+pub struct Suspect {
+    /// What may be wrong.
+    pub fault: Fault,
+    /// With which parameter or sensor.
+    pub name: String,
+    /// The parameter's value; of a sensor what it adds to the values, by which part it enlarges them, or by how many seconds it is
+    /// late; 0 of a unit.
+    pub value: f64,
+    /// The unit of the value.
+    pub unit: Option<String>,
+    /// What was allowed: the parameter's range, or the constant's value twice; of a sensor what is stated, if it is.
+    pub allowed: Option<[f64; 2]>,
+    /// How far it is from that, as a multiple of it.
+    pub departure: f64,
+    /// The sum of squares before and after.
+    pub cost: [f64; 2],
+    /// The probability that a right model misses by more than what is left.
+    pub probability: Option<f64>,
+}
+
+impl Suspect {
+    /// Whether nothing is left to be explained.
+    pub fn explains(&self) -> bool {
+        const LEFT: f64 = 0.01;
+        self.probability.is_none_or(|probability| probability >= LEFT)
+    }
+
+    /// Half the sum of squares that is left, and how odd such a fault is: the less, the likelier.
+    fn rank(&self) -> f64 {
+        0.5 * self.cost[1] + self.departure.powi(2).ln_1p()
+    }
+}
+
+/// A measured channel whose sensor may be at fault.
+#[derive(Clone, Debug)]
+pub struct Sensor {
+    /// Its values.
+    pub group: Group,
+    /// Their unit.
+    pub unit: Option<String>,
+    /// Their times, s; empty where they are no curve.
+    pub times: Vec<f64>,
+    /// What its unit may be mistaken for.
+    pub confusions: Vec<Confusion>,
+}
+
+/// Another reading of a channel's values.
+#[derive(Clone, Debug)]
+pub struct Confusion {
+    /// The other value is this times the given one, and `offset`.
+    pub factor: f64,
+    /// What is added then.
+    pub offset: f64,
+    /// The reading in words.
+    pub words: String,
+}
+
+/// A constant of the model that could be another one.
+pub struct Constant<'a> {
+    /// Its name, unit and a range around the value that it has, within what the model allows.
+    pub free: Free,
+    /// The value that it has.
+    pub value: f64,
+    /// The model that takes it as a last free parameter.
+    pub model: Box<dyn Simulate + 'a>,
+}
+
+/// What is looked at.
+pub struct Inquiry<'a> {
+    /// The search that was made, with its starts.
+    pub task: Task<'a>,
+    /// The optimum that misses.
+    pub optimum: &'a Optimum,
+    /// The model of that search.
+    pub model: &'a dyn Simulate,
+    /// The measured channels.
+    pub sensors: &'a [Sensor],
+    /// How far each free parameter may go in the model.
+    pub reach: &'a [[f64; 2]],
+    /// Constants of the model.
+    pub constants: &'a [Constant<'a>],
+}
+
+/// So many suspects are fitted.
+const FITTED: usize = 6;
+
+/// A suspect before it is fitted.
+struct Candidate {
+    what: What,
+    /// By how much the sum of squares would fall.
+    fall: f64,
+    /// Where the change would lead to: a place, or an amount.
+    size: f64,
+}
+
+enum What {
+    Range(usize),
+    Constant(usize),
+    Sensor(usize, Fault, DVector<f64>),
+    Unit(usize, usize, Vec<f64>),
+}
+
+impl Inquiry<'_> {
+    /// What would explain the misfit, the likeliest first; none where nothing does much.
+    ///
+    /// # Errors
+    /// When there are no further predictions.
+    pub fn suspects(&self) -> Result<Vec<Suspect>, NoPrediction> {
+        let Some(linear) = Linear::new(self) else { return Ok(Vec::new()) };
+        let mut candidates = self.ranges(&linear);
+        candidates.extend(self.of_sensors(&linear));
+        candidates.extend(self.of_constants(&linear)?);
+        let units = self.units()?;
+        let tried = (candidates.len() + units.len()).max(1);
+        candidates.sort_by(|a, b| b.fall.total_cmp(&a.fall));
+        candidates.truncate(FITTED);
+        candidates.extend(units);
+        let mut suspects = Vec::new();
+        for candidate in &candidates {
+            suspects.extend(self.fitted(candidate)?);
+        }
+        let excess = |cost: f64| cost - linear.freedom;
+        let chance = |fall: f64| ChiSquared::new(1.0).map_or(1.0, |law| law.sf(fall.max(0.0)));
+        suspects.retain(|suspect: &Suspect| {
+            let [before, after] = suspect.cost;
+            chance(before - after) * (tried as f64) < 0.01 && excess(after) < 0.5 * excess(before)
+        });
+        suspects.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
+        Ok(suspects)
+    }
+
+    fn problem(&self) -> &Problem {
+        self.task.problem
+    }
+
+    /// Parameters that are at a bound, or far from where they were expected, and would go on.
+    fn ranges(&self, linear: &Linear) -> Vec<Candidate> {
+        const FAR: f64 = 2.0;
+        let problem = self.problem();
+        let free = problem.free.iter().enumerate().zip(&self.optimum.minimum.places);
+        let candidates = free.filter_map(|((k, free), &place)| {
+            let known = free.prior_place().map(|(centre, deviation)| (place - centre) / deviation);
+            let (fall, size) = linear.score(&linear.slopes.column(k).into_owned(), Some(k))?;
+            let outward = (place <= 0.0 && size < 0.0) || (place >= 1.0 && size > 0.0);
+            let far = known.is_some_and(|known| known.abs() > FAR && known * size > 0.0);
+            let fall = fall + known.map_or(0.0, |known| known.powi(2));
+            (outward || far).then_some(Candidate { what: What::Range(k), fall, size: place + size })
+        });
+        candidates.collect()
+    }
+
+    /// Offsets, gains and delays of sensors.
+    fn of_sensors(&self, linear: &Linear) -> Vec<Candidate> {
+        let predicted = &self.optimum.minimum.misfit.predicted;
+        let mut candidates = Vec::new();
+        for (number, sensor) in self.sensors.iter().enumerate() {
+            let of = |&[case, quantity]: &[usize; 2]| predicted[case][quantity];
+            let values: Vec<f64> = sensor.group.values.iter().map(of).collect();
+            let mut patterns = vec![(Fault::Offset, vec![1.0; values.len()])];
+            if values.len() > 2 {
+                patterns.push((Fault::Gain, values.clone()));
+            }
+            if sensor.times.len() == values.len() && values.len() > 4 {
+                patterns.push((Fault::Delay, rates(&sensor.times, &values)));
+            }
+            for (fault, pattern) in patterns {
+                let mut column = DVector::zeros(self.problem().values());
+                for (&[case, quantity], part) in sensor.group.values.iter().zip(pattern) {
+                    column[case * self.problem().quantities.len() + quantity] = part;
+                }
+                let weighted = column.component_div(&linear.accuracies);
+                if let Some((fall, size)) = linear.score(&weighted, None) {
+                    candidates.push(Candidate { what: What::Sensor(number, fault, column), fall, size });
+                }
+            }
+        }
+        candidates
+    }
+
+    /// Constants, each by one run a case.
+    fn of_constants(&self, linear: &Linear) -> Result<Vec<Candidate>, NoPrediction> {
+        let mut candidates = Vec::new();
+        for (number, constant) in self.constants.iter().enumerate() {
+            let problem = self.with(constant);
+            let objective = Objective::new(&problem, &*constant.model, self.task.difference);
+            let here = constant.free.place(constant.value);
+            let step = if here > 0.5 { -0.02 } else { 0.02 };
+            let moved = match objective.misfit(&self.placed(here + step)) {
+                Ok(moved) => moved,
+                Err(NoPrediction::Here(_)) => continue,
+                Err(stopped) => return Err(stopped),
+            };
+            let before = flat(&self.optimum.minimum.misfit).zip(flat(&moved)).map(|(old, new)| (new - old) / step);
+            let column = DVector::from_iterator(linear.accuracies.len(), before).component_div(&linear.accuracies);
+            if let Some((fall, size)) = linear.score(&column, None) {
+                candidates.push(Candidate { what: What::Constant(number), fall, size: here + size });
+            }
+        }
+        Ok(candidates)
+    }
+
+    /// The problem with a constant as a last free parameter.
+    fn with(&self, constant: &Constant<'_>) -> Problem {
+        let mut problem = self.problem().clone();
+        problem.free.push(constant.free.clone());
+        problem
+    }
+
+    /// The optimum's places with that of a constant.
+    fn placed(&self, place: f64) -> Vec<f64> {
+        let mut places = self.optimum.minimum.places.clone();
+        places.insert(self.problem().free.len(), place);
+        places
+    }
+
+    /// Other units and signs, of which a run of the search says that they may explain much: with the places of that run.
+    fn units(&self) -> Result<Vec<Candidate>, NoPrediction> {
+        /// A unit is wrong by far or not at all.
+        const PART: f64 = 0.25;
+        let now = self.optimum.minimum.misfit.cost();
+        let unknowns = self.problem().unknowns();
+        let starts = self.task.starts.iter().map(|start| {
+            let mut start = start.clone();
+            start.resize(unknowns, 0.5);
+            start
+        });
+        let places: Vec<Vec<f64>> = starts.chain([self.optimum.minimum.places.clone()]).collect();
+        let mut candidates = Vec::new();
+        for (number, sensor) in self.sensors.iter().enumerate() {
+            for (which, confusion) in sensor.confusions.iter().enumerate() {
+                let problem = self.read_as(sensor, confusion);
+                // All of these runs were made.
+                let misfits = Objective::new(&problem, self.model, self.task.difference).misfits(&places)?;
+                let costs = misfits.iter().zip(&places).filter_map(|(misfit, at)| Some((misfit.as_ref().ok()?.cost(), at)));
+                let best = costs.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(cost, _)| *cost < PART * now);
+                candidates.extend(best.map(|(cost, at)| Candidate {
+                    what: What::Unit(number, which, at.clone()),
+                    fall: now - cost,
+                    size: 0.0,
+                }));
+            }
+        }
+        candidates.sort_by(|a, b| b.fall.total_cmp(&a.fall));
+        candidates.truncate(2);
+        Ok(candidates)
+    }
+
+    /// The problem with a sensor's values in another unit.
+    fn read_as(&self, sensor: &Sensor, confusion: &Confusion) -> Problem {
+        let mut problem = self.problem().clone();
+        for &[case, quantity] in &sensor.group.values {
+            let measured = &mut problem.cases[case].measured[quantity];
+            measured.value = confusion.factor * measured.value + confusion.offset;
+            measured.accuracy *= confusion.factor.abs();
+            let effects = problem.sources.iter_mut().flat_map(|source| &mut source.effects);
+            let own = effects.filter(|effect| (effect.case, effect.quantity) == (case, quantity));
+            own.for_each(|effect| effect.change *= confusion.factor.abs());
+        }
+        problem
+    }
+
+    /// A suspect, fitted by runs; none where they fail.
+    fn fitted(&self, candidate: &Candidate) -> Result<Option<Suspect>, NoPrediction> {
+        let fitted = match &candidate.what {
+            What::Range(k) => self.beyond(*k, candidate.size),
+            What::Constant(number) => self.constant(&self.constants[*number], candidate.size),
+            What::Sensor(number, fault, pattern) => self.sensor(&self.sensors[*number], fault, pattern, candidate.size),
+            What::Unit(number, which, from) => self.unit(&self.sensors[*number], *which, from),
+        };
+        match fitted {
+            Ok(suspect) => Ok(Some(suspect)),
+            Err(NoPrediction::Here(_)) => Ok(None),
+            Err(stopped) => Err(stopped),
+        }
+    }
+
+    fn minimised(&self, problem: &Problem, model: &dyn Simulate, start: Vec<f64>) -> Result<Minimum, NoPrediction> {
+        let limits = Limits { iterations: 12, decrease: 1e-3, deadline: self.task.effort.deadline };
+        let objective = Objective::new(problem, model, self.task.difference);
+        minimise(&objective, start, &[], Differences::Forward, &limits)
+    }
+
+    /// The suspect of a minimum.
+    fn suspect(&self, fault: Fault, name: &str, problem: &Problem, minimum: &Minimum) -> Suspect {
+        let inside = minimum.places.iter().filter(|place| **place > 0.0 && **place < 1.0).count();
+        let more = usize::from(matches!(fault, Fault::Offset | Fault::Gain | Fault::Delay));
+        let squares = minimum.misfit.residuals.len() - problem.sources.len();
+        let after = minimum.misfit.cost();
+        Suspect {
+            fault,
+            name: name.to_owned(),
+            value: 0.0,
+            unit: None,
+            allowed: None,
+            departure: 0.0,
+            cost: [self.optimum.minimum.misfit.cost(), after],
+            probability: Expected::new(problem, squares, inside + more).chance(after),
+        }
+    }
+
+    /// A parameter with a wider range and without a prior.
+    fn beyond(&self, k: usize, place: f64) -> Result<Suspect, NoPrediction> {
+        let old = &self.problem().free[k];
+        let (low, high) = (2.0 * place.min(0.0) - 0.5, 2.0 * place.max(1.0) - 0.5);
+        let ends = [low, high.max(1.5)].map(|place| wide(old, place));
+        let mut free = Free { prior: None, ..old.clone() };
+        [free.min, free.max] = [ends[0].max(self.reach[k][0]), ends[1].min(self.reach[k][1])];
+        // What is positive stays so.
+        if old.min > 0.0 {
+            free.min = free.min.max(0.05 * old.min);
+        }
+        let mut problem = self.problem().clone();
+        let mut start = self.optimum.minimum.places.clone();
+        start[k] = free.place(old.value(start[k]));
+        problem.free[k] = free;
+        let minimum = self.minimised(&problem, self.model, start)?;
+        let value = problem.free[k].value(minimum.places[k]);
+        let outside = match old.prior_place() {
+            Some((centre, deviation)) => ((old.place(value) - centre) / (2.0 * deviation)).abs(),
+            None => 2.0 * (old.place(value) - old.place(value).clamp(0.0, 1.0)).abs(),
+        };
+        let allowed = match old.prior {
+            Some(prior) if old.scale == super::problem::Spacing::Linear => {
+                [-2.0, 2.0].map(|side| (prior.centre + side * prior.spread).clamp(old.min, old.max))
+            }
+            _ => [old.min, old.max],
+        };
+        Ok(Suspect {
+            value,
+            unit: old.unit.clone(),
+            allowed: Some(allowed),
+            departure: outside,
+            ..self.suspect(Fault::Range, &old.name, &problem, &minimum)
+        })
+    }
+
+    fn constant(&self, constant: &Constant<'_>, place: f64) -> Result<Suspect, NoPrediction> {
+        /// So large a part of it is as odd as the whole of what was stated of another.
+        const ODD: f64 = 0.05;
+        let problem = self.with(constant);
+        let model = Remembered::new(&*constant.model);
+        let start = self.placed(place.clamp(0.02, 0.98));
+        let minimum = self.minimised(&problem, &model, start)?;
+        let free = &constant.free;
+        let value = free.value(minimum.places[self.problem().free.len()]);
+        let departure = match constant.value {
+            0.0 => 2.0,
+            known => ((value - known) / (ODD * known)).abs(),
+        };
+        Ok(Suspect {
+            value,
+            unit: free.unit.clone(),
+            allowed: Some([constant.value; 2]),
+            departure,
+            ..self.suspect(Fault::Constant, &free.name, &problem, &minimum)
+        })
+    }
+
+    fn sensor(&self, sensor: &Sensor, fault: &Fault, pattern: &DVector<f64>, size: f64) -> Result<Suspect, NoPrediction> {
+        /// The prior of the amount is so wide that it costs nothing.
+        const WIDE: f64 = 30.0;
+        let scale = WIDE * size.abs().max(f64::MIN_POSITIVE);
+        let quantities = self.problem().quantities.len();
+        let effect = |&[case, quantity]: &[usize; 2]| {
+            let change = scale * pattern[case * quantities + quantity];
+            Effect { case, quantity, change, part: None }
+        };
+        let mut problem = self.problem().clone();
+        problem.sources.push(Source { effects: sensor.group.values.iter().map(effect).collect(), rectangular: false });
+        let minimum = self.minimised(&problem, self.model, self.optimum.minimum.places.clone())?;
+        let amount = minimum.misfit.sources(&problem).last().copied().unwrap_or(0.0) * scale;
+        let kind = match fault {
+            Fault::Gain => SharedKind::Gain,
+            _ => SharedKind::Offset,
+        };
+        let channels = self.problem().channels.iter();
+        let stated = channels.filter(|channel| channel.name == sensor.group.name && channel.kind == kind);
+        let stated = stated.map(|channel| channel.limit).reduce(f64::max).filter(|_| *fault != Fault::Delay);
+        let usual = match fault {
+            Fault::Gain => 0.02,
+            Fault::Delay => spacing(&sensor.times),
+            _ => 2.0 * self.accuracy(sensor),
+        };
+        Ok(Suspect {
+            value: amount,
+            unit: match fault {
+                Fault::Gain => None,
+                Fault::Delay => Some("s".to_owned()),
+                _ => sensor.unit.clone(),
+            },
+            allowed: stated.map(|stated| [-stated, stated]),
+            departure: (amount / stated.unwrap_or(usual)).abs(),
+            ..self.suspect(fault.clone(), &sensor.group.name, &problem, &minimum)
+        })
+    }
+
+    fn unit(&self, sensor: &Sensor, which: usize, from: &[f64]) -> Result<Suspect, NoPrediction> {
+        /// Units are confused as often as instruments are twice as wrong as stated.
+        const ODD: f64 = 2.0;
+        let confusion = &sensor.confusions[which];
+        let problem = self.read_as(sensor, confusion);
+        let minimum = self.minimised(&problem, self.model, from.to_vec())?;
+        let fault = Fault::Unit(confusion.words.clone());
+        Ok(Suspect { departure: ODD, ..self.suspect(fault, &sensor.group.name, &problem, &minimum) })
+    }
+
+    /// The middle accuracy of a sensor's values.
+    fn accuracy(&self, sensor: &Sensor) -> f64 {
+        let of = |&[case, quantity]: &[usize; 2]| self.problem().cases[case].measured[quantity].accuracy;
+        let mut all: Vec<f64> = sensor.group.values.iter().map(of).collect();
+        all.sort_by(f64::total_cmp);
+        all.get(all.len() / 2).copied().unwrap_or(0.0)
+    }
+}
+
+/// A value at a place that may be outside of the bounds.
+fn wide(free: &Free, place: f64) -> f64 {
+    match free.scale {
+        super::problem::Spacing::Linear => free.min + place * (free.max - free.min),
+        super::problem::Spacing::Log => free.min * (free.max / free.min).powf(place),
+    }
+}
+
+/// All predictions in a row.
+fn flat(misfit: &Misfit) -> impl Iterator<Item = f64> {
+    misfit.predicted.iter().flatten().copied()
+}
+
+/// By how much the values fall, a second.
+fn rates(times: &[f64], values: &[f64]) -> Vec<f64> {
+    let last = values.len() - 1;
+    let rate = |k: usize| {
+        let [from, to] = [k.saturating_sub(1), (k + 1).min(last)];
+        (values[from] - values[to]) / (times[to] - times[from]).max(f64::MIN_POSITIVE)
+    };
+    (0..=last).map(rate).collect()
+}
+
+/// The middle distance of times.
+fn spacing(times: &[f64]) -> f64 {
+    let mut all: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    all.sort_by(f64::total_cmp);
+    all.get(all.len() / 2).copied().unwrap_or(1.0)
+}
+
+/// The linear problem at the optimum, with the shared errors as unknowns. An unknown at a bound is known.
+struct Linear<'a> {
+    slopes: &'a DMatrix<f64>,
+    /// The effects of the shared errors, a row a value.
+    effects: DMatrix<f64>,
+    accuracies: DVector<f64>,
+    residuals: DVector<f64>,
+    full: DMatrix<f64>,
+    open: Vec<usize>,
+    /// The degrees of freedom.
+    freedom: f64,
+}
+
+impl<'a> Linear<'a> {
+    fn new(inquiry: &Inquiry<'a>) -> Option<Self> {
+        let (problem, minimum) = (inquiry.task.problem, &inquiry.optimum.minimum);
+        let posterior = &inquiry.optimum.posterior;
+        let (errors, n, values) = (Errors::new(problem), problem.unknowns(), problem.values());
+        let full = errors.with_sources(&posterior.precision, &posterior.slopes[1]);
+        let inside = |k: &usize| *k >= n || (minimum.places[*k] > 0.0 && minimum.places[*k] < 1.0);
+        let open: Vec<usize> = (0..full.nrows()).filter(inside).collect();
+        let mut effects = DMatrix::zeros(values, problem.sources.len());
+        let quantities = problem.quantities.len();
+        for value in 0..values {
+            let row = errors.effects(value / quantities, value % quantities);
+            effects.set_row(value, &row.transpose());
+        }
+        let accuracies = problem.cases.iter().flat_map(|case| &case.measured).map(|measured| measured.accuracy);
+        let inside = minimum.places.iter().filter(|place| **place > 0.0 && **place < 1.0).count();
+        let squares = minimum.misfit.residuals.len() - problem.sources.len();
+        (values > 0).then(|| Self {
+            slopes: &posterior.slopes[0],
+            effects,
+            accuracies: DVector::from_iterator(values, accuracies),
+            residuals: minimum.misfit.residuals.rows(0, values).into_owned(),
+            full,
+            open,
+            freedom: Expected::new(problem, squares, inside).freedom,
+        })
+    }
+
+    /// By how much the sum of squares falls if a further unknown moves the misfits along a column, and how far that goes; without
+    /// the unknown `but`, whose column it is. None where the others do the same.
+    fn score(&self, column: &DVector<f64>, but: Option<usize>) -> Option<(f64, f64)> {
+        /// Less than this part of a column is left of one that the others make up.
+        const LEFT: f64 = 1e-6;
+        let n = self.slopes.ncols();
+        let along_all = [self.slopes.tr_mul(column), self.effects.tr_mul(column)];
+        let open: Vec<usize> = self.open.iter().copied().filter(|k| Some(*k) != but).collect();
+        let along = DVector::from_iterator(
+            open.len(),
+            open.iter().map(|&k| if k < n { along_all[0][k] } else { along_all[1][k - n] }),
+        );
+        let factor = Cholesky::new(self.full.select_rows(&open).select_columns(&open))?;
+        let square = column.norm_squared();
+        let own = square - along.dot(&factor.solve(&along));
+        let pull = column.dot(&self.residuals);
+        (own > LEFT * square).then(|| (pull * pull / own, -pull / own))
+    }
+}
+
+#[cfg(test)]
+#[path = "suspects_tests.rs"]
+mod tests;
