@@ -17,6 +17,7 @@ use super::sample::outcome::{Evidence, PosteriorOutcome};
 use super::search::Progress;
 use super::shared::SharedOutcome;
 use super::surrogate::outcome::SurrogateOutcome;
+use super::suspects::Suspect;
 
 /// The standard deviations to both sides that hold 95 % of a Gaussian.
 const NINETY_FIVE: f64 = 1.959_964;
@@ -75,6 +76,9 @@ pub struct IdentificationOutcome {
     pub worst: Vec<WorstOutcome>,
     /// The local searches.
     pub search: SearchOutcome,
+    /// What would explain the misfit, the likeliest first; none where nobody asked.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub suspects: Option<Vec<Suspect>>,
     /// The region that was avoided because runs failed there.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub excluded: Option<Excluded>,
@@ -293,6 +297,7 @@ impl IdentificationOutcome {
             worst: quantities.map(|(k, quantity)| worst(quantity, &cases, k)).collect(),
             cases,
             search: searches(progress),
+            suspects: None,
             excluded: Excluded::new(problem, &progress.failures, progress.screened.iter().map(Option::is_some)),
             numerical_error: None,
             next: None,

@@ -14,9 +14,9 @@ use super::errors::Errors;
 use super::expected::Expected;
 use super::local::{Limits, Minimum, minimise};
 use super::next::Group;
-use super::objective::{Differences, Misfit, Objective};
+use super::objective::{Differences, Objective};
 use super::optima::Optimum;
-use super::problem::{Effect, Free, NoPrediction, Problem, SharedKind, Simulate, Source};
+use super::problem::{Effect, Free, NoPrediction, Problem, SharedKind, Simulate, Source, Spacing};
 use super::remembered::Remembered;
 use super::rounds::Task;
 
@@ -78,10 +78,12 @@ impl Suspect {
 pub struct Sensor {
     /// Its values.
     pub group: Group,
+    /// The criteria that it measures.
+    pub criteria: Vec<String>,
     /// Their unit.
     pub unit: Option<String>,
-    /// Their times, s; empty where they are no curve.
-    pub times: Vec<f64>,
+    /// Their times, s, curve by curve in the order of the values; empty where they are none.
+    pub times: Vec<Vec<f64>>,
     /// What its unit may be mistaken for.
     pub confusions: Vec<Confusion>,
 }
@@ -103,6 +105,8 @@ pub struct Constant<'a> {
     pub free: Free,
     /// The value that it has.
     pub value: f64,
+    /// Another value, and what the model predicts at the optimum with that, case by case.
+    pub moved: (f64, Vec<Vec<f64>>),
     /// The model that takes it as a last free parameter.
     pub model: Box<dyn Simulate + 'a>,
 }
@@ -151,7 +155,7 @@ impl Inquiry<'_> {
         let Some(linear) = Linear::new(self) else { return Ok(Vec::new()) };
         let mut candidates = self.ranges(&linear);
         candidates.extend(self.of_sensors(&linear));
-        candidates.extend(self.of_constants(&linear)?);
+        candidates.extend(self.of_constants(&linear));
         let units = self.units()?;
         let tried = (candidates.len() + units.len()).max(1);
         candidates.sort_by(|a, b| b.fall.total_cmp(&a.fall));
@@ -202,8 +206,14 @@ impl Inquiry<'_> {
             if values.len() > 2 {
                 patterns.push((Fault::Gain, values.clone()));
             }
-            if sensor.times.len() == values.len() && values.len() > 4 {
-                patterns.push((Fault::Delay, rates(&sensor.times, &values)));
+            if !sensor.times.is_empty() && values.len() > 4 {
+                let mut rest = &values[..];
+                let curves = sensor.times.iter().flat_map(|times| {
+                    let (own, behind) = rest.split_at(times.len());
+                    rest = behind;
+                    rates(times, own)
+                });
+                patterns.push((Fault::Delay, curves.collect()));
             }
             for (fault, pattern) in patterns {
                 let mut column = DVector::zeros(self.problem().values());
@@ -219,26 +229,19 @@ impl Inquiry<'_> {
         candidates
     }
 
-    /// Constants, each by one run a case.
-    fn of_constants(&self, linear: &Linear) -> Result<Vec<Candidate>, NoPrediction> {
-        let mut candidates = Vec::new();
-        for (number, constant) in self.constants.iter().enumerate() {
-            let problem = self.with(constant);
-            let objective = Objective::new(&problem, &*constant.model, self.task.difference);
-            let here = constant.free.place(constant.value);
-            let step = if here > 0.5 { -0.02 } else { 0.02 };
-            let moved = match objective.misfit(&self.placed(here + step)) {
-                Ok(moved) => moved,
-                Err(NoPrediction::Here(_)) => continue,
-                Err(stopped) => return Err(stopped),
-            };
-            let before = flat(&self.optimum.minimum.misfit).zip(flat(&moved)).map(|(old, new)| (new - old) / step);
-            let column = DVector::from_iterator(linear.accuracies.len(), before).component_div(&linear.accuracies);
-            if let Some((fall, size)) = linear.score(&column, None) {
-                candidates.push(Candidate { what: What::Constant(number), fall, size: here + size });
-            }
-        }
-        Ok(candidates)
+    /// Constants, each by the run with another value.
+    fn of_constants(&self, linear: &Linear) -> Vec<Candidate> {
+        let predicted = &self.optimum.minimum.misfit.predicted;
+        let candidates = self.constants.iter().enumerate().filter_map(|(number, constant)| {
+            let (other, moved) = &constant.moved;
+            let [here, there] = [constant.value, *other].map(|value| constant.free.place(value));
+            let pairs = predicted.iter().flatten().zip(moved.iter().flatten());
+            let column = pairs.map(|(old, new)| (new - old) / (there - here));
+            let column = DVector::from_iterator(linear.accuracies.len(), column).component_div(&linear.accuracies);
+            let (fall, size) = linear.score(&column, None)?;
+            Some(Candidate { what: What::Constant(number), fall, size: here + size })
+        });
+        candidates.collect()
     }
 
     /// The problem with a constant as a last free parameter.
@@ -273,7 +276,8 @@ impl Inquiry<'_> {
                 let problem = self.read_as(sensor, confusion);
                 // All of these runs were made.
                 let misfits = Objective::new(&problem, self.model, self.task.difference).misfits(&places)?;
-                let costs = misfits.iter().zip(&places).filter_map(|(misfit, at)| Some((misfit.as_ref().ok()?.cost(), at)));
+                let costs =
+                    misfits.iter().zip(&places).filter_map(|(misfit, at)| Some((misfit.as_ref().ok()?.cost(), at)));
                 let best = costs.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(cost, _)| *cost < PART * now);
                 candidates.extend(best.map(|(cost, at)| Candidate {
                     what: What::Unit(number, which, at.clone()),
@@ -362,7 +366,7 @@ impl Inquiry<'_> {
             None => 2.0 * (old.place(value) - old.place(value).clamp(0.0, 1.0)).abs(),
         };
         let allowed = match old.prior {
-            Some(prior) if old.scale == super::problem::Spacing::Linear => {
+            Some(prior) if old.scale == Spacing::Linear => {
                 [-2.0, 2.0].map(|side| (prior.centre + side * prior.spread).clamp(old.min, old.max))
             }
             _ => [old.min, old.max],
@@ -398,7 +402,13 @@ impl Inquiry<'_> {
         })
     }
 
-    fn sensor(&self, sensor: &Sensor, fault: &Fault, pattern: &DVector<f64>, size: f64) -> Result<Suspect, NoPrediction> {
+    fn sensor(
+        &self,
+        sensor: &Sensor,
+        fault: &Fault,
+        pattern: &DVector<f64>,
+        size: f64,
+    ) -> Result<Suspect, NoPrediction> {
         /// The prior of the amount is so wide that it costs nothing.
         const WIDE: f64 = 30.0;
         let scale = WIDE * size.abs().max(f64::MIN_POSITIVE);
@@ -416,7 +426,8 @@ impl Inquiry<'_> {
             _ => SharedKind::Offset,
         };
         let channels = self.problem().channels.iter();
-        let stated = channels.filter(|channel| channel.name == sensor.group.name && channel.kind == kind);
+        let is_its = |name: &str| sensor.criteria.iter().any(|criterion| criterion == name);
+        let stated = channels.filter(|channel| is_its(&channel.name) && channel.kind == kind);
         let stated = stated.map(|channel| channel.limit).reduce(f64::max).filter(|_| *fault != Fault::Delay);
         let usual = match fault {
             Fault::Gain => 0.02,
@@ -458,19 +469,14 @@ impl Inquiry<'_> {
 /// A value at a place that may be outside of the bounds.
 fn wide(free: &Free, place: f64) -> f64 {
     match free.scale {
-        super::problem::Spacing::Linear => free.min + place * (free.max - free.min),
-        super::problem::Spacing::Log => free.min * (free.max / free.min).powf(place),
+        Spacing::Linear => free.min + place * (free.max - free.min),
+        Spacing::Log => free.min * (free.max / free.min).powf(place),
     }
-}
-
-/// All predictions in a row.
-fn flat(misfit: &Misfit) -> impl Iterator<Item = f64> {
-    misfit.predicted.iter().flatten().copied()
 }
 
 /// By how much the values fall, a second.
 fn rates(times: &[f64], values: &[f64]) -> Vec<f64> {
-    let last = values.len() - 1;
+    let Some(last) = values.len().checked_sub(1) else { return Vec::new() };
     let rate = |k: usize| {
         let [from, to] = [k.saturating_sub(1), (k + 1).min(last)];
         (values[from] - values[to]) / (times[to] - times[from]).max(f64::MIN_POSITIVE)
@@ -479,8 +485,8 @@ fn rates(times: &[f64], values: &[f64]) -> Vec<f64> {
 }
 
 /// The middle distance of times.
-fn spacing(times: &[f64]) -> f64 {
-    let mut all: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+fn spacing(times: &[Vec<f64>]) -> f64 {
+    let mut all: Vec<f64> = times.iter().flat_map(|times| times.windows(2)).map(|pair| pair[1] - pair[0]).collect();
     all.sort_by(f64::total_cmp);
     all.get(all.len() / 2).copied().unwrap_or(1.0)
 }

@@ -5,7 +5,7 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 
 use super::super::fit::Fit;
-use super::super::problem::{Channel, Measured, Prior, Spacing};
+use super::super::problem::{Channel, Measured, Prior};
 use super::super::rounds::{Searched, searched};
 use super::super::testing::{effort, free, problem, starts};
 use super::*;
@@ -94,14 +94,20 @@ fn record(planted: Planted, seed: u64) -> (Vec<Suspect>, Fit) {
     let times: Vec<f64> = (0..ROWS).map(|k| 0.1 * k as f64).collect();
     let sensor = |name: &str, from: usize| Sensor {
         group: Group { name: name.to_owned(), values: (from..from + ROWS).map(|k| [0, k]).collect() },
+        criteria: vec![name.to_owned()],
         unit: None,
-        times: times.clone(),
+        times: vec![times.clone()],
         confusions: [(-1.0, "sign"), (1e3, "milli"), (1e-3, "kilo")]
             .map(|(factor, words)| Confusion { factor, offset: 0.0, words: words.to_owned() })
             .to_vec(),
     };
     let sensors = [sensor("place", 0), sensor("force", ROWS)];
     outcome.look_along(&sensors.clone().map(|sensor| sensor.group), &problem.estimates);
+    let values = |start: f64| {
+        let mut values = problem.free_values(&optima[0].minimum.places);
+        values.push(start);
+        values
+    };
     let inquiry = Inquiry {
         task: Task { problem: &problem, ..task },
         optimum: &optima[0],
@@ -111,6 +117,7 @@ fn record(planted: Planted, seed: u64) -> (Vec<Suspect>, Fit) {
         constants: &[Constant {
             free: free("start", Spacing::Linear, 0.5, 1.5),
             value: 1.0,
+            moved: (1.02, vec![model(&values(1.02))]),
             model: Box::new(simulate),
         }],
     };
@@ -140,7 +147,12 @@ fn the_culprit_is_named_first() {
             if first != Some((fault.clone(), name.to_owned())) {
                 let told: Vec<String> = suspects
                     .iter()
-                    .map(|s| format!("{:?} {} {:.3} dep {:.2} cost {:.1?} p {:?}", s.fault, s.name, s.value, s.departure, s.cost, s.probability))
+                    .map(|s| {
+                        format!(
+                            "{:?} {} {:.3} dep {:.2} cost {:.1?} p {:?}",
+                            s.fault, s.name, s.value, s.departure, s.cost, s.probability
+                        )
+                    })
                     .collect();
                 wrong.push(format!("{fault:?} {name} seed {seed}:\n  {}", told.join("\n  ")));
             }

@@ -6,6 +6,7 @@ use super::bind::Bound;
 use crate::error::Error;
 use calibration::problem::{NoPrediction, Prediction, Query, Simulate};
 use fmu_points::Answer;
+use fmu_points::task::{Slot, Task};
 use point_journal::Outcome;
 use point_journal::pipeline::{Model, Pipeline};
 
@@ -87,6 +88,21 @@ impl<'a, 'b> FmuModel<'a, 'b> {
         Ok(queries.iter().zip(outcomes).map(predicted).collect())
     }
 
+    /// The predictions of queries by other simulations, whose runs are in no journal.
+    fn apart(
+        &self,
+        change: impl Fn(&mut Task),
+        queries: &[Query],
+        points: Vec<Vec<f64>>,
+    ) -> Result<Vec<Prediction>, NoPrediction> {
+        let mut cases = self.bound.simulations.clone();
+        cases.iter_mut().for_each(|case| change(&mut case.task));
+        match self.pipeline.borrow().apart(&cases, &points).transpose() {
+            Some(outcomes) => self.predicted(queries, outcomes),
+            None => Err(NoPrediction::Here("the FMU gives other results each time".to_owned())),
+        }
+    }
+
     fn points(&self, queries: &[Query]) -> Vec<Vec<f64>> {
         queries.iter().map(|query| self.point(query)).collect()
     }
@@ -105,14 +121,33 @@ pub struct Finer<'a, 'b, 'c>(pub &'a FmuModel<'b, 'c>);
 impl Simulate for Finer<'_, '_, '_> {
     fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
         let Self(model) = self;
-        let mut cases = model.bound.simulations.clone();
-        for case in &mut cases {
-            case.task.schedule.step *= 0.5;
-        }
-        let pipeline = model.pipeline.borrow();
-        match pipeline.apart(&cases, &model.points(queries)).transpose() {
-            Some(outcomes) => model.predicted(queries, outcomes),
-            None => Err(NoPrediction::Here("the FMU gives other results each time".to_owned())),
-        }
+        model.apart(|task| task.schedule.step *= 0.5, queries, model.points(queries))
+    }
+}
+
+/// The same FMU with further variables, in its own units, that take the last of a query's free values; its runs are in no journal.
+pub struct Extended<'a, 'b, 'c> {
+    /// The FMU.
+    pub model: &'a FmuModel<'b, 'c>,
+    /// The variables.
+    pub slots: Vec<Slot>,
+}
+
+impl Simulate for Extended<'_, '_, '_> {
+    fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
+        let split = |query: &Query| {
+            let own = query.free.len() - self.slots.len();
+            let (free, further) = query.free.split_at(own);
+            (Query { free: free.to_vec(), ..query.clone() }, further.to_vec())
+        };
+        let (queries, further): (Vec<Query>, Vec<Vec<f64>>) = queries.iter().map(split).unzip();
+        let points = self.model.points(&queries).into_iter().zip(further);
+        let points = points.map(|(point, further)| [point, further].concat());
+        let change = |task: &mut Task| {
+            let is_further = |reference: u32| self.slots.iter().any(|slot| slot.handle.reference == reference);
+            task.fixed.retain(|(reference, _)| !is_further(*reference));
+            task.varied.extend(self.slots.iter().cloned());
+        };
+        self.model.apart(change, &queries, points.collect())
     }
 }

@@ -306,7 +306,10 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
         }
         Decision::NotVerified => {
             list.extend(nearest(summary));
-            list.push("`orchestrator identify` finds the parameters that fit best.".to_owned());
+            list.push(
+                "`orchestrator identify` finds the parameters that fit best, and what would explain that none does."
+                    .to_owned(),
+            );
         }
         Decision::Inconclusive => list.extend(conclusion.and_then(needed)),
     }

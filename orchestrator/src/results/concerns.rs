@@ -108,7 +108,7 @@ pub fn unmoved(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Opt
 }
 
 /// What a unit may be mistaken for: another one of its kind, or of an unknown kind a thousandth or a thousand of it.
-fn confusions(unit: Option<&str>) -> Vec<(Conversion, String)> {
+pub fn confusions(unit: Option<&str>) -> Vec<(Conversion, String)> {
     let alike = unit.map(known::alike).unwrap_or_default();
     let of_kind = alike.iter().filter_map(|other| {
         let unit = unit.unwrap_or_default();

@@ -389,3 +389,47 @@ max = 2
     let said = bench.run(&["identify", "study.toml", "--output", "wrong"]);
     assert!(said.err.contains("must be a positive number in the input's unit"), "{}", said.err);
 }
+
+/// A rate beyond its range, or a zero error, each from a curve with noise: the likeliest cause is the planted one, and without a
+/// fault there is none.
+#[test]
+fn a_misfit_names_its_cause() {
+    let record = |rate: f64, zero: f64| {
+        let mut table = "t,y\n".to_owned();
+        for k in 1..=40 {
+            let t = 0.05 * f64::from(k);
+            let noise = 0.005 * (1.0 + f64::from(k * k % 17) / 16.0) * (f64::from(k) * 37.0).sin();
+            writeln!(table, "{t},{}", 1.0 - (-rate * t).exp() + zero + noise).unwrap();
+        }
+        table
+    };
+    let study = r#"
+fmu = "lag.fmu"
+simulation = { stop = 2, step = 0.05 }
+[parameters."lag.rate"]
+distribution = "uniform"
+min = 0.95
+max = 1.05
+[criteria.level]
+variable = "lag.y"
+reference = { file = "run.csv", time = "t", column = "y", uncertainty = 0.01, noise = 0.005 }
+metric = "rmse"
+tolerance = 0.02
+"#;
+    let bench = Bench::new();
+    for (rate, zero, fault, value, words) in [
+        (1.2, 0.0, "range", 1.2, "Likeliest cause: lag.rate is 1.2"),
+        (1.0, 0.2, "offset", 0.2, "Likeliest cause: the sensor of level reads 0.2"),
+    ] {
+        bench.write("run.csv", &record(rate, zero));
+        let (said, outcome) = identify(&bench, study, &[]);
+        let text = said.out.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(text.contains(words), "{text}");
+        let first = &outcome["suspects"][0];
+        assert_eq!(first["fault"], fault, "{outcome}");
+        assert!((first["value"].as_f64().unwrap() - value).abs() < 0.02, "{first}");
+    }
+    bench.write("run.csv", &record(1.01, 0.003));
+    let (said, outcome) = identify(&bench, study, &[]);
+    assert!(outcome["suspects"].is_null() && !said.out.contains("cause"), "{}", said.out);
+}

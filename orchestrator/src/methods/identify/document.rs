@@ -69,7 +69,8 @@ fn singles(bound: &Bound) -> impl Iterator<Item = usize> {
 impl Page<'_> {
     /// The result, in the order in which it is read.
     fn documents(&self) -> Vec<Document> {
-        let documents = [Some(self.parameters()), self.pairs(), self.sensors(), Some(self.fit()), self.next()];
+        let causes = super::culprits::document(self.outcome);
+        let documents = [causes, Some(self.parameters()), self.pairs(), self.sensors(), Some(self.fit()), self.next()];
         documents.into_iter().flatten().collect()
     }
 
@@ -125,7 +126,8 @@ impl Page<'_> {
             (End::Converged, false, Fit::Misses) => "The model misses the measured values".to_owned(),
             _ => "The search ended before it converged".to_owned(),
         };
-        let mut agreement = text::doubts(outcome);
+        let mut agreement = Vec::from_iter(super::culprits::headline(outcome));
+        agreement.extend(text::doubts(outcome));
         if outcome.has_several() && fit != Fit::Misses {
             agreement.push("None of them is \"the\" value: further measurements must decide.".to_owned());
         }
@@ -541,7 +543,7 @@ fn list(told: &mut Document, sentences: Vec<String>) {
 }
 
 /// Adds a list, unless it is empty.
-fn items(told: &mut Document, sentences: Vec<String>) {
+pub(super) fn items(told: &mut Document, sentences: Vec<String>) {
     if !sentences.is_empty() {
         told.blocks.push(Block::List(sentences));
     }

@@ -1,5 +1,6 @@
 //! `identify`: finds the parameters that make the FMU's outputs most probable.
 
+mod culprits;
 mod document;
 mod files;
 mod posterior;
@@ -256,7 +257,7 @@ fn find(
     fit: &Fit,
     pipeline: &mut Pipeline<'_>,
 ) -> Result<(IdentificationOutcome, Option<Sample>), Error> {
-    let Fit { study, settings, bound, .. } = fit;
+    let Fit { study, settings, package, bound, .. } = fit;
     let starts = starts(study, settings, bound.problem.free.len())?;
     let limits = search::Effort {
         descents: settings.descents.max(1),
@@ -298,6 +299,11 @@ fn find(
         outcome.look_along(&document::curves(bound), &bound.problem.estimates);
         if outcome.fit() == fit::Fit::Misses {
             outcome.notes.extend(offsets::held(bound));
+            // On surrogates one would look for what their error explains.
+            if replaced.is_none() && outcome.end != End::Time {
+                let fmu = (bound, package.description());
+                outcome.suspects = Some(culprits::ask(fmu, &task, &searched, (&remembered, &model))?);
+            }
         }
         if let Some(replaced) = &replaced {
             // Only the model's own runs tell where it fails.

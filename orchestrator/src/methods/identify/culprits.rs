@@ -1,0 +1,249 @@
+//! Which parameter, sensor or constant would explain that the model misses the measured values.
+
+use std::collections::BTreeSet;
+
+use calibration::next::Group;
+use calibration::outcome::IdentificationOutcome;
+use calibration::problem::{Free, NoPrediction, Problem, Query, Simulate, Spacing};
+use calibration::remembered::Remembered;
+use calibration::rounds::{Searched, Task};
+use calibration::suspects::{Confusion, Constant, Fault, Inquiry, Sensor, Suspect};
+use fmu_import::units::Conversion;
+use fmu_import::{Content, Description, Value};
+use fmu_points::names::behind;
+use fmu_points::task::Slot;
+use indexmap::IndexMap;
+use result_document::Document;
+use result_document::format::number;
+use study::cases::SEPARATOR;
+
+use crate::identify::bind::Bound;
+use crate::identify::model::{Extended, FmuModel};
+use crate::results::confusions;
+
+/// Looks for what would explain the misfit at the first optimum, by further runs.
+///
+/// # Errors
+/// When the run was stopped.
+pub(super) fn ask(
+    (bound, fmu): (&Bound, &Description),
+    task: &Task<'_>,
+    searched: &Searched,
+    (remembered, model): (&Remembered<'_>, &FmuModel<'_, '_>),
+) -> Result<Vec<Suspect>, NoPrediction> {
+    model.say("what would explain the misfit".to_owned());
+    let Searched { problem, optima, progress } = searched;
+    // Looking takes no more runs than the search has.
+    let most = usize::try_from(progress.failures.asked).unwrap_or(usize::MAX);
+    let constants = constants((bound, fmu), problem, &optima[0].minimum.places, (model, most))?;
+    let inquiry = Inquiry {
+        task: Task { problem, ..*task },
+        optimum: &optima[0],
+        model: remembered,
+        sensors: &sensors(bound),
+        reach: &reach(bound),
+        constants: &constants,
+    };
+    inquiry.suspects()
+}
+
+/// How far the FMU lets each unknown go, in the study's unit. What is none of its parameters stays within its bounds.
+fn reach(bound: &Bound) -> Vec<[f64; 2]> {
+    let known = bound.known.first().map_or(0, Vec::len);
+    let slots = bound.simulations.first().map_or(&[][..], |simulation| &simulation.task.varied[known..]);
+    let free = bound.problem.free.iter().enumerate();
+    let ends = free.map(|(k, free)| match (slots.get(k), bound.inputs.get(k)) {
+        _ if bound.lags.contains(&free.name) => [free.min, free.max],
+        (Some(slot), Some(conversion)) if !slot.shifts => {
+            let back = conversion.inverse();
+            let end = |limit: Option<f64>, otherwise: f64| limit.map_or(otherwise, |limit| back.value(limit));
+            [end(slot.min, f64::NEG_INFINITY), end(slot.max, f64::INFINITY)]
+        }
+        _ => [f64::NEG_INFINITY, f64::INFINITY],
+    });
+    ends.collect()
+}
+
+/// The sensors: one for each criterion, whatever the case.
+fn sensors(bound: &Bound) -> Vec<Sensor> {
+    let problem = &bound.problem;
+    let mut sensors: IndexMap<(&str, bool), Sensor> = IndexMap::new();
+    let of_curve = |quantity: usize| bound.curves.iter().find(|curve| curve.quantities.contains(&quantity));
+    for (quantity, named) in problem.quantities.iter().enumerate() {
+        let curve = of_curve(quantity);
+        let name = curve.map_or(&named.name, |curve| &curve.name);
+        let base = name.rsplit(SEPARATOR).next().unwrap_or(name);
+        let sensor = sensors.entry((base, curve.is_some())).or_insert_with(|| Sensor {
+            group: Group { name: base.to_owned(), values: Vec::new() },
+            criteria: Vec::new(),
+            unit: named.unit.clone(),
+            times: Vec::new(),
+            confusions: readings(named.unit.as_deref()),
+        });
+        sensor.group.values.extend((0..problem.cases.len()).map(|case| [case, quantity]));
+        if !sensor.criteria.contains(name) {
+            sensor.criteria.push(name.clone());
+        }
+        let first = curve.filter(|curve| curve.quantities.start == quantity);
+        sensor.times.extend(first.map(|curve| curve.times.clone()));
+    }
+    sensors.into_values().collect()
+}
+
+/// What values may be mistaken for.
+fn readings(unit: Option<&str>) -> Vec<Confusion> {
+    let sign = Confusion { factor: -1.0, offset: 0.0, words: "its sign were the other one".to_owned() };
+    let units = confusions(unit).into_iter().map(|(Conversion { factor, offset }, units)| Confusion {
+        factor,
+        offset,
+        words: format!("{units} were mixed up"),
+    });
+    [sign].into_iter().chain(units).collect()
+}
+
+/// The constants of the FMU that may be other ones, each tried with another value at an optimum; none where these are more runs
+/// than `most`.
+fn constants<'m>(
+    (bound, fmu): (&Bound, &Description),
+    problem: &Problem,
+    places: &[f64],
+    (model, most): (&'m FmuModel<'_, '_>, usize),
+) -> Result<Vec<Constant<'m>>, NoPrediction> {
+    /// So far apart stand the values of a derivative, as a part of the range.
+    const STEP: f64 = 0.02;
+    let all = found(bound, fmu);
+    let cases = problem.cases.len();
+    if all.is_empty() || all.len() * cases > most {
+        return Ok(Vec::new());
+    }
+    let extended = Extended { model, slots: all.iter().map(|(slot, ..)| slot.clone()).collect() };
+    let values: Vec<f64> = all.iter().map(|(.., value)| *value).collect();
+    let others = all.iter().map(|(_, free, value)| {
+        let place = free.place(*value);
+        free.value(if place > 0.5 { place - STEP } else { place + STEP })
+    });
+    let others: Vec<f64> = others.collect();
+    let queries = others.iter().enumerate().flat_map(|(k, other)| {
+        let mut moved = values.clone();
+        moved[k] = *other;
+        let free = [problem.free_values(places), moved].concat();
+        (0..cases).map(move |case| Query { case, free: free.clone(), latents: problem.latent_values(case, places) })
+    });
+    let queries: Vec<Query> = queries.collect();
+    let predicted = match extended.simulate(&queries) {
+        Ok(predicted) => predicted,
+        Err(NoPrediction::Here(_)) => return Ok(Vec::new()),
+        Err(stopped) => return Err(stopped),
+    };
+    let constants = all.into_iter().zip(others).zip(predicted.chunks(cases)).filter_map(|(((slot, free, value), other), by_case)| {
+        let moved: Result<Vec<Vec<f64>>, _> = by_case.iter().cloned().collect();
+        let model = Box::new(Extended { model, slots: vec![slot] });
+        Some(Constant { free, value, moved: (other, moved.ok()?), model })
+    });
+    Ok(constants.collect())
+}
+
+/// The real parameters and start values of the FMU that the study does not vary, with a range around the value that each has.
+fn found(bound: &Bound, fmu: &Description) -> Vec<(Slot, Free, f64)> {
+    let tasks = || bound.simulations.iter().map(|simulation| &simulation.task);
+    let mut seen: BTreeSet<u32> = tasks().flat_map(|task| &task.varied).map(|slot| slot.handle.reference).collect();
+    seen.extend(tasks().flat_map(|task| &task.inputs).map(|series| series.slot.handle.reference));
+    let mut all = Vec::new();
+    for variable in fmu.variables.values() {
+        let Some(slot) = Slot::of(variable).filter(|slot| slot.handle.content == Content::Real) else { continue };
+        if !variable.is_settable() || !seen.insert(variable.value_reference) {
+            continue;
+        }
+        let fixed = |(reference, value): &(u32, Value)| match value {
+            Value::Real(value) if *reference == variable.value_reference => Some(*value),
+            _ => None,
+        };
+        let start = variable.kind.start();
+        let mut values = tasks().map(|task| task.fixed.iter().find_map(fixed).or(start));
+        let Some(Some(value)) = values.next() else { continue };
+        if values.any(|other| other != Some(value)) {
+            continue;
+        }
+        let width = if value == 0.0 { 1.0 } else { 0.9 * value.abs() };
+        let free = Free {
+            name: variable.name.clone(),
+            unit: variable.unit().map(str::to_owned),
+            scale: Spacing::Linear,
+            min: slot.min.unwrap_or(f64::NEG_INFINITY).max(value - width),
+            max: slot.max.unwrap_or(f64::INFINITY).min(value + width),
+            prior: None,
+        };
+        if free.check().is_ok() {
+            all.push((slot, free, value));
+        }
+    }
+    all
+}
+
+/// What would explain the misfit, for people.
+pub(super) fn document(outcome: &IdentificationOutcome) -> Option<Document> {
+    const SHOWN: usize = 4;
+    let suspects = outcome.suspects.as_ref()?;
+    let mut told = Document::new("causes", "Causes", "What would explain the misfit");
+    match suspects.first() {
+        None => told.say(NOTHING.to_owned()),
+        Some(first) if first.explains() => {
+            told.say("Each of these alone, the likeliest first, with the parameters fitted again.".to_owned());
+        }
+        Some(_) => told.say("Nothing that was tried explains all of it. Most of it goes with these, each alone.".to_owned()),
+    }
+    // What leaves far more than the first is no rival.
+    let rivals = suspects.iter().filter(|suspect| suspect.explains() == suspects[0].explains());
+    let sentences = rivals.take(SHOWN).map(|suspect| {
+        let [before, after] = suspect.cost.map(|cost| number(cost, 3));
+        format!("{}: the sum of squares falls from {before} to {after}.", sentence(suspect))
+    });
+    super::document::items(&mut told, sentences.collect());
+    Some(told)
+}
+
+const NOTHING: &str = "Nothing that was tried explains it: no parameter beyond its range, no other constant of the model, no zero \
+                       error, gain, delay or unit of a sensor. Something is missing in the model, or in the stated uncertainties.";
+
+/// The likeliest cause in a sentence.
+pub(super) fn headline(outcome: &IdentificationOutcome) -> Option<String> {
+    let suspects = outcome.suspects.as_ref()?;
+    let Some(first) = suspects.first() else { return Some(NOTHING.to_owned()) };
+    let part = if first.explains() { "Likeliest cause" } else { "Likeliest cause of most of it" };
+    Some(format!("{part}: {}.", sentence(first)))
+}
+
+fn sentence(suspect: &Suspect) -> String {
+    let unit = behind(suspect.unit.as_deref().filter(|unit| *unit != "1"));
+    let (name, value) = (&suspect.name, number(suspect.value, 4));
+    let percent = |part: f64| number(100.0 * part.abs(), 3);
+    let stated = suspect.allowed.map_or_else(String::new, |[_, limit]| match suspect.fault {
+        Fault::Gain => format!(" (stated: at most {} %)", percent(limit)),
+        _ => format!(" (stated: at most {}{unit})", number(limit, 3)),
+    });
+    match &suspect.fault {
+        Fault::Range => {
+            let [low, high] = suspect.allowed.unwrap_or([f64::NAN; 2]);
+            let (side, end) = if suspect.value > high { ("above", high) } else { ("below", low) };
+            let far = if end == 0.0 { String::new() } else { format!(", {} % {side} it", percent(suspect.value / end - 1.0)) };
+            format!("{name} is {value}{unit} instead of {} .. {}{unit}{far}", number(low, 4), number(high, 4))
+        }
+        Fault::Constant => {
+            let [given, _] = suspect.allowed.unwrap_or([f64::NAN; 2]);
+            format!("{name}, which the study does not vary, is {value}{unit} instead of {}{unit}", number(given, 4))
+        }
+        Fault::Offset => {
+            let sign = if suspect.value > 0.0 { "high" } else { "low" };
+            format!("the sensor of {name} reads {}{unit} too {sign}{stated}", number(suspect.value.abs(), 3))
+        }
+        Fault::Gain => {
+            let sign = if suspect.value > 0.0 { "high" } else { "low" };
+            format!("the sensor of {name} reads {} % too {sign}{stated}", percent(suspect.value))
+        }
+        Fault::Delay => {
+            let sign = if suspect.value > 0.0 { "late" } else { "early" };
+            format!("{name} is recorded {} s too {sign}", number(suspect.value.abs(), 3))
+        }
+        Fault::Unit(words) => format!("{name} would fit if {words}"),
+    }
+}
