@@ -60,7 +60,9 @@ fn another_solver_comes_to_the_same() {
     integrate(&mut other, 0.5, 1e-5);
     for variable in Stand::variables() {
         let real = matches!(variable.kind, Kind::Real(_));
-        if !real || Stand::without().contains(&variable.name) {
+        // The check by ISO 7902 takes the worst of the stand's own steps.
+        let along_steps = variable.name.starts_with("operation.") || Stand::without().contains(&variable.name);
+        if !real || along_steps {
             continue;
         }
         let (a, b) = (read(&stepped, variable.name), read(&other, variable.name));
