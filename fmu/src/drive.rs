@@ -16,11 +16,13 @@ pub struct Drive {
     pub fluctuation_frequency: f64,
     /// Friction coefficient of the stand's support bearings, relative to the load and the journal's radius, 1.
     pub support_friction: f64,
+    /// Viscous torque of the support bearings over the shaft speed, N.m.s/rad.
+    pub support_drag: f64,
 }
 
 impl Default for Drive {
     fn default() -> Self {
-        Self { fluctuation_amplitude: 0.0, fluctuation_frequency: 0.5, support_friction: 0.0 }
+        Self { fluctuation_amplitude: 0.0, fluctuation_frequency: 0.5, support_friction: 0.0, support_drag: 0.0 }
     }
 }
 
@@ -94,9 +96,10 @@ impl Drive {
     /// supports.
     ///
     /// Rolling bearings resist with a nearly constant coefficient, `M = mu P d/2` (SKF 2018, Rolling bearings, section
-    /// B.3: 0.0015 for deep groove ball bearings, relative to their bore d).
+    /// B.3: 0.0015 for deep groove ball bearings, relative to their bore d), plain ones with a torque in proportion to the speed
+    /// (Petroff 1883).
     pub fn support_torque(&self, load: f64, radius: f64, speed: f64) -> f64 {
-        self.support_friction * load * radius * direction(speed * radius)
+        self.support_friction * load * radius * direction(speed * radius) + self.support_drag * speed
     }
 }
 

@@ -3,7 +3,7 @@
 mod turn;
 
 use serde::{Deserialize, Serialize};
-pub use turn::TurnMeans;
+pub use turn::{TurnMeans, Worst};
 
 /// The readings of the sensors that the physical stand has, in the order of its fields in [`Readings`]: F_N (N), M (N.m),
 /// P_fr (W), mu (1), temperatures of the oil bath and the bush (K).

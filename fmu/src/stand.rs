@@ -17,6 +17,7 @@ mod exchange;
 mod film_leap;
 mod inputs;
 mod march;
+mod operation;
 mod remembered;
 mod resting;
 mod scout;
@@ -37,6 +38,7 @@ use fmu_export::model::{self, Exchange, Experiment, Fault, Info, Log, Model, Var
 use serde::{Deserialize, Serialize};
 
 pub use inputs::{Input, Inputs};
+pub use operation::{Operation, Permitted};
 use remembered::Remembered;
 use std::sync::OnceLock;
 use validity::{Passing, Seen};
@@ -103,6 +105,8 @@ pub struct Stand {
     pub thermal: Thermal,
     /// The time integration.
     pub solver: Solver,
+    /// What the check by ISO 7902 permits.
+    pub permitted: Permitted,
     /// The inputs.
     pub inputs: Inputs,
     /// The coefficients of the oil's laws. They are kept as they may come from a file, which is read only at the start.
@@ -128,6 +132,9 @@ pub struct Stand {
     /// The linearised film at the present communication point, once a host has asked for it.
     #[serde(skip)]
     resting: Remembered<OnceLock<resting::Resting>>,
+    /// The check by ISO 7902, likewise.
+    #[serde(skip)]
+    operation: Remembered<OnceLock<Operation>>,
 }
 
 /// The unknowns: eccentricity ratio along x and y, temperatures of film, bush, shaft and oil, wear depth.
@@ -460,6 +467,7 @@ impl Model for Stand {
         self.arrival = Remembered::default();
         self.slowest = Remembered::default();
         self.resting = Remembered::default();
+        self.operation = Remembered::default();
         self.fluid.viscosity_scale = self.oil.viscosity_scale;
         self.readings = self.read(0.0, &unknowns(&self.state));
         Ok(())
@@ -496,6 +504,7 @@ impl Model for Stand {
         self.inputs.each(|input| input.slope = 0.0);
         self.readings = self.read(0.0, &unknowns(&self.state));
         self.resting = Remembered::default();
+        self.operation = Remembered::default();
         self.tell_of_motion(log);
         self.look();
         self.tell(log);

@@ -103,6 +103,14 @@ fmu_export::enumerations! {
         Hole = 3 "Holes",
         CircumferentialGroove = 4 "A groove around the bush, in the middle of its width"
     ];
+    /// What decides in the check by ISO 7902.
+    DECIDES = "Decides", "What decides whether the operation is safe", [
+        SpecificLoad = 1 "The load over the projected area",
+        FilmThickness = 2 "The film's least thickness",
+        Temperature = 3 "The temperature of bush and film",
+        Speed = 4 "The speed, beside that at which mixed friction begins",
+        OutsideOfStandard = 5 "ISO 7902 does not cover this: no speed, no load, another diameter than 24 mm to 2.5 m, or no laminar film"
+    ];
     /// The temperatures at the start.
     INITIALIZATION = "Initialization", "Temperatures at the start", [
         Given = 1 "The initial temperatures that are set",
@@ -127,6 +135,7 @@ fn way(name: &str) -> Option<Kind<Stand>> {
         "drive.fluctuationAmplitude" => real(field!(drive.fluctuation_amplitude)),
         "drive.fluctuationFrequency" => real(field!(drive.fluctuation_frequency)),
         "drive.supportFriction" => real(field!(drive.support_friction)),
+        "drive.supportDrag" => real(field!(drive.support_drag)),
         "load.stiffness" => real(field!(load.stiffness)),
         "load.damping" => real(field!(load.damping)),
         "load.preload" => real(field!(load.preload)),
@@ -221,6 +230,9 @@ fn way(name: &str) -> Option<Kind<Stand>> {
         "thermal.filmReferenceClearance" => real(field!(thermal.reference_clearance)),
         "solver.tolerance" => real(field!(solver.tolerance)),
         "solver.multirate" => flag(field!(solver.multirate)),
+        "operation.specificLoadLimit" => real(field!(permitted.specific_load)),
+        "operation.temperatureLimit" => real(field!(permitted.temperature)),
+        "operation.transitionFilmThickness" => real(field!(permitted.transition_gap)),
         "sensor.loadForce" => output!(load_force),
         "sensor.frictionTorque" => output!(friction_torque),
         "sensor.frictionPower" => output!(friction_power),
@@ -249,6 +261,15 @@ fn way(name: &str) -> Option<Kind<Stand>> {
         "bearing.wearDepth" => output!(wear_depth),
         "bearing.journalVelocity" => output!(journal_velocity),
         "bearing.pressureLimit" => real(field!(bearing.pressure_limit)),
+        "operation.specificLoad" => operation!(specific_load),
+        "operation.sommerfeldNumber" => operation!(sommerfeld),
+        "operation.minFilmThicknessLimit" => operation!(gap_limit),
+        "operation.transitionSpeed" => operation!(transition_speed),
+        "operation.margin" => operation!(margin),
+        "operation.safe" => flag(Access { get: |s| s.operation().margin >= 1.0, set: None }),
+        "operation.decides" => {
+            Kind::Enumeration { access: Access { get: |s| s.operation().decides, set: None }, of: &DECIDES }
+        }
         "status.validity" => whole(Access { get: |s| s.validity(), set: None }),
         "bearing.stiffnessXX" => resting!(coefficients.stiffness.m11),
         "bearing.stiffnessXY" => resting!(coefficients.stiffness.m12),

@@ -88,6 +88,8 @@ units! {
     NEWTON_PER_METRE = "N/m", {kg: 1, s: -2}, [scaled("N/mm", 1e-3)];
     /// Damping.
     NEWTON_SECOND_PER_METRE = "N.s/m", {kg: 1, s: -1}, [];
+    /// Torque over angular velocity.
+    NEWTON_METRE_SECOND_PER_RADIAN = "N.m.s/rad", {kg: 1, m: 2, s: -1, rad: -1}, [];
     /// Torque.
     NEWTON_METRE = "N.m", {kg: 1, m: 2, s: -2}, [scaled("mN.m", 1e3)];
     /// Power.

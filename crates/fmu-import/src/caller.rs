@@ -14,17 +14,20 @@ pub(crate) struct Caller {
     pub(crate) mode: Mode,
     /// Whether a call ended with `fmi2Fatal` or `fmi3Fatal`: nothing may be called any more.
     pub(crate) dead: bool,
+    /// How many calls were made: what one told is known until the next.
+    pub(crate) calls: u64,
 }
 
 impl Caller {
     /// A caller of an FMU whose binary left the processor in this mode.
     pub(crate) fn new(mode: Mode) -> Self {
-        Self { log: Log::open(), mode, dead: false }
+        Self { log: Log::open(), mode, dead: false, calls: 0 }
     }
 
     /// Makes a call in the FMU's own floating-point mode.
     #[inline(always)]
     pub(crate) fn call<T>(&mut self, call: impl FnOnce() -> T) -> T {
+        self.calls += 1;
         within(&mut self.mode, call)
     }
 

@@ -176,6 +176,19 @@ fn an_element_of_an_array_is_set_alone() {
     assert_eq!(texts, ["one", "two"].map(|text| Value::String(text.to_owned())));
 }
 
+/// One call reads all elements of an array, until another call may have changed them.
+#[test]
+fn elements_one_after_the_other_take_one_call() {
+    let mut bench = Bench::new();
+    bench.start();
+    let before = bench.get("reached").number();
+    let read = |bench: &mut Bench| ["weights[1]", "weights[3]", "weights[2]"].map(|name| bench.get(name).number());
+    assert_eq!(read(&mut bench), [1.0, 3.0, 2.0]);
+    assert_eq!(bench.get("reached").number() - before, 1.0);
+    assert_eq!(read(&mut bench), [1.0, 3.0, 2.0]);
+    assert_eq!(bench.get("reached").number() - before, 2.0);
+}
+
 #[test]
 fn many_steps_at_once_are_as_one_after_another() {
     let mut bench = Bench::new();

@@ -6,6 +6,8 @@
 mod mobility;
 mod reynolds;
 
+pub use mobility::sommerfeld;
+
 use fmu_export::model::{Enumeration, Fault, Item};
 use journal_bearing::reynolds::Coefficients;
 use serde::{Deserialize, Serialize};

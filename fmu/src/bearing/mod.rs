@@ -13,7 +13,7 @@ mod parameters;
 mod supply;
 mod wear;
 
-pub use film::{FILM, Film, FilmModel};
+pub use film::{FILM, Film, FilmModel, sommerfeld};
 pub use hot::{Expansion, ThermalClearance};
 pub use journal::{Drift, Flows, Interval, Motion, Passed, Press, Setup, Situation, Strain, TransientFilm};
 pub use parameters::{Bearing, FilmEnergy, Resolution};

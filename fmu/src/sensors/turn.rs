@@ -16,7 +16,18 @@ const ROUNDING: f64 = 1e-6;
 /// A number for each sensor.
 type Each = SVector<f64, SENSORS>;
 
-/// Integrals over the present turn, and the means over the last one.
+/// The worst of some time.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Worst {
+    /// The largest load, N.
+    pub load: f64,
+    /// The smallest gap, m.
+    pub gap: f64,
+    /// The highest temperature of film and bush, K.
+    pub temperature: f64,
+}
+
+/// Integrals and the worst over the present turn, and the means and the worst over the last one.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct TurnMeans {
     /// The angle by which the shaft has turned since the present turn began, rad.
@@ -26,6 +37,8 @@ pub struct TurnMeans {
     /// The sensors' integrals over it.
     sums: Each,
     last: Option<Each>,
+    /// The worst of the present turn so far, and of the last one.
+    worst: [Option<Worst>; 2],
 }
 
 impl TurnMeans {
@@ -38,6 +51,20 @@ impl TurnMeans {
     pub fn means(&self) -> Option<Sensed> {
         let so_far = || (self.duration > 0.0).then(|| self.sums / self.duration);
         self.last.or_else(so_far).map(Each::into)
+    }
+
+    /// The worst of the last whole turn, or since the count began; `None` where nothing was noticed.
+    pub fn worst(&self) -> Option<Worst> {
+        let [now, last] = self.worst;
+        last.or(now)
+    }
+
+    /// Takes an instant over into the worst of the present turn.
+    pub fn notice(&mut self, at: Worst) {
+        let now = self.worst[0].get_or_insert(at);
+        now.load = now.load.max(at.load);
+        now.gap = now.gap.min(at.gap);
+        now.temperature = now.temperature.max(at.temperature);
     }
 
     /// The same at the beginning of a turn.
@@ -73,6 +100,7 @@ impl TurnMeans {
             (self.sums + until(end), self.duration + end * duration)
         };
         self.last = Some(sums / span);
+        self.worst = [None, self.worst[0]];
         self.turned = total - (whole * TAU).copysign(total);
         self.duration = (1.0 - end) * duration;
         self.sums = until(1.0) - until(end);

@@ -4,7 +4,7 @@
 use fmu_export::model::{Complete, Continuous, Fault, State};
 use fmu_export::units;
 
-use super::{Stand, temperatures, unknowns};
+use super::{Stand, Unknowns, temperatures, unknowns};
 
 /// The states in the order of their declaration: the shaft angle, then the unknowns of the stand's own integration.
 #[rustfmt::skip]
@@ -34,6 +34,24 @@ static STATES: [State<Stand>; 8] = [
         rate_unit: &units::METRE_PER_SECOND, nominal: 1e-5,
         get: |stand| stand.state.worn, set: |stand, value| stand.state.worn = value },
 ];
+
+/// Eccentricity ratios and temperatures, K, beyond which the rates are those at these bounds: no run comes there, but a trial step
+/// of a solver that is unaware of `Discard` may, and with numbers it takes a smaller one.
+const FARTHEST: f64 = 1e3;
+const COLDEST: f64 = 100.0;
+const WARMEST: f64 = 3e3;
+
+/// The nearest unknowns within these bounds.
+fn within_bounds(mut y: Unknowns) -> Unknowns {
+    let far = y[0].hypot(y[1]) / FARTHEST;
+    if far > 1.0 {
+        (y[0], y[1]) = (y[0] / far, y[1] / far);
+    }
+    for temperature in &mut y[2..6] {
+        *temperature = temperature.clamp(COLDEST, WARMEST);
+    }
+    y
+}
 
 impl Continuous for Stand {
     fn states() -> &'static [State<Self>] {
@@ -78,7 +96,7 @@ impl Continuous for Stand {
     /// Without the cache of the viscosity, whose last digits depend on the calls before, and with the viscosity's scale as
     /// the host has set it last.
     fn rates(&self, rates: &mut [f64]) -> Result<(), Fault> {
-        let y = unknowns(&self.state);
+        let y = within_bounds(unknowns(&self.state));
         let viscosity = self.oil.viscosity_scale * self.fluid.real(temperatures(&y).film);
         let ((course, _), _) = self.course_with(0.0, &y, viscosity);
         let speed = self.drive.speed(&self.command(), 0.0);

@@ -148,7 +148,7 @@ impl Stand {
             let turned = self.drive.turned(&command, passage.to);
             means.add(passage, turned - before);
             before = turned;
-            self.look_at(seen, self.state.time + passage.to, passing);
+            means.notice(self.look_at(seen, self.state.time + passage.to, passing));
         }
     }
 
@@ -213,7 +213,8 @@ impl Stand {
             let part = Passage::between(0.0, step, [before, now]);
             self.state.means.add(&part, self.state.angle - angle);
             before = now;
-            self.look();
+            let worst = self.look();
+            self.state.means.notice(worst);
         }
         self.nearby = oil;
         Ok(mean)

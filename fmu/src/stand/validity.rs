@@ -3,6 +3,7 @@
 use super::{Stand, State};
 use crate::bearing::{Feeding, FilmModel, Press, Situation, Strain};
 use crate::multirate::Departure;
+use crate::sensors::Worst;
 use crate::thermal::Temperatures;
 use fmu_export::model::{Fault, Log};
 use journal_bearing::contact::f_5_2;
@@ -92,8 +93,8 @@ impl Stand {
         Passing { bits: self.state.validity, said: Vec::new() }
     }
 
-    /// Looks for limits that are passed at an instant and were not before.
-    pub(super) fn look_at(&self, seen: &Seen, time: f64, passing: &mut Passing) {
+    /// Looks for limits that are passed at an instant and were not before. Returns what counts in a check of the operation.
+    pub(super) fn look_at(&self, seen: &Seen, time: f64, passing: &mut Passing) -> Worst {
         let strain = self.film.strain(&self.bearing, &seen.at, &seen.press);
         for (bit, passed) in &LIMITS {
             if passing.bits & bit == 0
@@ -103,6 +104,7 @@ impl Stand {
                 passing.said.push((*bit, time, how));
             }
         }
+        self.worst(seen, strain.min_film_thickness)
     }
 
     /// Takes over the limits that a part of a step has passed.
@@ -111,13 +113,14 @@ impl Stand {
         self.passed.said.extend(passing.said);
     }
 
-    /// Looks for limits that are passed in the present state.
-    pub(super) fn look(&mut self) {
+    /// Looks for limits that are passed in the present state. Returns what counts in a check of the operation.
+    pub(super) fn look(&mut self) -> Worst {
         let y = super::unknowns(&self.state);
         let (_, seen) = self.course_with(0.0, &y, self.fluid.viscosity(self.state.temperatures.film));
         let mut passing = self.passing();
-        self.look_at(&seen, self.state.time, &mut passing);
+        let worst = self.look_at(&seen, self.state.time, &mut passing);
         self.pass(passing);
+        worst
     }
 
     /// Looks for limits that are passed along a leap, whose steps begin at these temperatures and wear depths: in a turn where the
@@ -157,7 +160,7 @@ impl Stand {
         }
     }
 
-    fn turbulent(&self, seen: &Seen, _: &Strain) -> Option<String> {
+    pub(super) fn turbulent(&self, seen: &Seen, _: &Strain) -> Option<String> {
         let Situation { clearance, viscosity, .. } = seen.at;
         let radius = self.bearing.radius();
         let density = self.fluid.density(seen.temperatures.film);

@@ -59,6 +59,13 @@ macro_rules! resting {
     ($($path:tt)+) => { Kind::Real(computed(|s| s.resting().$($path)+)) };
 }
 
+/// A number of the check by ISO 7902.
+macro_rules! operation {
+    ($field:ident) => {
+        Kind::Real(computed(|s| s.operation().$field))
+    };
+}
+
 /// An input that may vary linearly within a step.
 macro_rules! input {
     ($field:ident) => {

@@ -8,7 +8,7 @@ use plain_bearing_stand::stand::Stand;
 const SPEED: f64 = 100.0;
 
 /// A smooth bearing under a constant load after two seconds at these speeds of shaft and bush.
-fn run(model: FilmModel, load: f64, speeds: [f64; 2]) -> Readings {
+fn stand(model: FilmModel, load: f64, speeds: [f64; 2]) -> Stand {
     let mut stand = Stand::default();
     stand.film.model = model;
     stand.bearing.resolution.mass_conserving = false;
@@ -19,7 +19,11 @@ fn run(model: FilmModel, load: f64, speeds: [f64; 2]) -> Readings {
     [stand.inputs.speed.value, stand.inputs.bush_speed.value] = speeds;
     stand.initialise(&Experiment::default(), &mut ()).unwrap();
     stand.advance(0.0, 2.0, &mut ()).unwrap();
-    *stand.readings()
+    stand
+}
+
+fn run(model: FilmModel, load: f64, speeds: [f64; 2]) -> Readings {
+    *stand(model, load, speeds).readings()
 }
 
 const FILMS: [FilmModel; 2] = [FilmModel::Mobility, FilmModel::Reynolds];
@@ -37,6 +41,23 @@ fn equal_speeds_double_the_capacity() {
         let [e, angle] = [both.eccentricity_ratio, both.attitude_angle];
         let moment = 0.5 * both.hot_radial_clearance * 2000.0 * e * angle.sin();
         assert!((both.friction_torque / moment - 1.0).abs() < 1e-2, "{model:?} {} {moment}", both.friction_torque);
+    }
+}
+
+/// A rotor whirls with the film's mean rotation (Newkirk & Taylor 1925: half the shaft's speed in a bush at rest), so that a film draws
+/// in oil by the sum of the speeds: with a bush that turns along it begins to whirl at half the shaft's speed, at the same sum.
+#[test]
+fn a_rotor_whirls_at_the_same_sum_of_the_speeds() {
+    for model in FILMS {
+        let [alone, both] = [(100.0, [SPEED, 0.0]), (200.0, [SPEED; 2])].map(|(load, speeds)| {
+            let resting = stand(model, load, speeds).resting();
+            (resting.threshold, resting.coefficients)
+        });
+        assert!(alone.0 > 0.0 && (2.0 * both.0 / alone.0 - 1.0).abs() < 5e-3, "{model:?} {} {}", alone.0, both.0);
+        // Twice the stiffness, the same damping.
+        assert!((both.1.stiffness - 2.0 * alone.1.stiffness).norm() < 5e-3 * both.1.stiffness.norm(), "{model:?}");
+        assert!((both.1.damping - alone.1.damping).norm() < 5e-3 * alone.1.damping.norm(), "{model:?}");
+        println!("| {model:?} | {:.1} | {:.1} |", alone.0, both.0);
     }
 }
 

@@ -60,7 +60,9 @@ fn another_solver_comes_to_the_same() {
     integrate(&mut other, 0.5, 1e-5);
     for variable in Stand::variables() {
         let real = matches!(variable.kind, Kind::Real(_));
-        if !real || Stand::without().contains(&variable.name) {
+        // The check by ISO 7902 takes the worst of the stand's own steps.
+        let along_steps = variable.name.starts_with("operation.") || Stand::without().contains(&variable.name);
+        if !real || along_steps {
             continue;
         }
         let (a, b) = (read(&stepped, variable.name), read(&other, variable.name));
@@ -136,11 +138,15 @@ fn rates_are_differentiable_in_the_centre() {
 fn rates_exist_far_outside() {
     for film in FILMS {
         let mut stand = of_film(film);
-        for far in [1.0, 1.5, 42.7, 1e4] {
+        // Trial steps of scipy's RK45 have come as far as the last one.
+        for far in [1.0, 1.5, 42.7, 1e4, 1e60] {
             for turn in 0..8 {
                 let (y, x) = (f64::from(turn) * 0.8).sin_cos();
                 // `rates` fails where they are not finite.
                 drift(&mut stand, x * far, y * far);
+                let mut states: Vec<f64> = Stand::states().iter().map(|state| (state.get)(&stand)).collect();
+                states[3..7].fill(x * far);
+                rates(&mut stand, 0.0, &states);
             }
         }
     }
@@ -151,13 +157,13 @@ fn what_cannot_be_integrated_is_refused() {
     let mut stand = started(1e-6);
     assert!(stand.allow().is_ok());
     let mut y: Vec<f64> = Stand::states().iter().map(|state| (state.get)(&stand)).collect();
-    y[3] = 0.0;
+    y[3] = f64::NAN;
     stand.set_time(0.0);
     for (state, value) in Stand::states().iter().zip(&y) {
         (state.set)(&mut stand, *value);
     }
     let refused = Continuous::rates(&stand, &mut vec![0.0; y.len()]);
-    assert!(matches!(refused, Err(Fault::Failed(why)) if why.contains("film temperature 0.000000e0 K")));
+    assert!(matches!(refused, Err(Fault::Failed(why)) if why.contains("film temperature NaN K")));
     let mut stand = Stand::default();
     stand.film.model = FilmModel::Reynolds;
     stand.initialise(&Experiment::default(), &mut ()).unwrap();

@@ -15,6 +15,7 @@ mod literature;
 mod lives;
 mod means;
 mod mixed;
+mod operation;
 mod plane;
 mod resting;
 mod steady;

@@ -37,6 +37,8 @@ pub(crate) struct Model {
     /// Numbers of plain elements that were read together last, and their value references.
     together: Vec<u32>,
     references: Vec<u32>,
+    /// The array that the last call read, with the number of that call, and the reference of its variable.
+    pub(super) array: Option<(u64, u32, Vec<Value>)>,
 }
 
 impl Model {
@@ -95,6 +97,7 @@ impl Model {
             experiment: Experiment::default(),
             together: Vec::new(),
             references: Vec::new(),
+            array: None,
         })
     }
 

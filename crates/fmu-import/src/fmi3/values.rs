@@ -13,40 +13,51 @@ use crate::description::Storage;
 use crate::value::{Value, bytes_of, hexadecimal};
 
 impl Model {
+    /// Reads one element. All elements of an array are read at once, so that reading one after the other takes one call.
     pub(super) fn read(&mut self, number: u32) -> Result<Value, Call> {
-        let functions = self.functions;
         let elements = Arc::clone(&self.elements);
         let element = Element::of(&elements, number)?;
+        match &self.array {
+            Some((call, reference, values)) if (*call, *reference) == (self.base.caller.calls, element.reference) => {
+                Ok(values[element.index].clone())
+            }
+            _ => {
+                let values = self.read_array(element)?;
+                let value = values[element.index].clone();
+                if element.of > 1 {
+                    self.array = Some((self.base.caller.calls, element.reference, values));
+                }
+                Ok(value)
+            }
+        }
+    }
+
+    /// The values of all elements of a variable.
+    fn read_array(&mut self, element: &Element) -> Result<Vec<Value>, Call> {
+        let functions = self.functions;
         Ok(match element.storage {
             Storage::Float32 => {
                 let values = self.all(functions.float32, element, 0.0)?;
-                Value::Real(values[element.index].into())
+                values.into_iter().map(|value: f32| Value::Real(value.into())).collect()
             }
-            Storage::Float64 => {
-                let values = self.all(functions.float64, element, 0.0)?;
-                Value::Real(values[element.index])
-            }
-            Storage::Int8 => self.read_whole(functions.int8, element)?,
-            Storage::UInt8 => self.read_whole(functions.uint8, element)?,
-            Storage::Int16 => self.read_whole(functions.int16, element)?,
-            Storage::UInt16 => self.read_whole(functions.uint16, element)?,
-            Storage::Int32 => self.read_whole(functions.int32, element)?,
-            Storage::UInt32 => self.read_whole(functions.uint32, element)?,
-            Storage::Int64 | Storage::Enumeration => self.read_whole(functions.int64, element)?,
-            Storage::UInt64 => self.read_whole(functions.uint64, element)?,
+            Storage::Float64 => self.all(functions.float64, element, 0.0)?.into_iter().map(Value::Real).collect(),
+            Storage::Int8 => self.integers(functions.int8, element)?,
+            Storage::UInt8 => self.integers(functions.uint8, element)?,
+            Storage::Int16 => self.integers(functions.int16, element)?,
+            Storage::UInt16 => self.integers(functions.uint16, element)?,
+            Storage::Int32 => self.integers(functions.int32, element)?,
+            Storage::UInt32 => self.integers(functions.uint32, element)?,
+            Storage::Int64 | Storage::Enumeration => self.integers(functions.int64, element)?,
+            Storage::UInt64 => self.integers(functions.uint64, element)?,
             Storage::Boolean => {
                 let values = self.all(functions.boolean, element, 0)?;
-                Value::Boolean(values[element.index] != 0)
+                values.into_iter().map(|value| Value::Boolean(value != 0)).collect()
             }
-            Storage::Binary => {
-                let all = self.binaries(element)?;
-                Value::String(hexadecimal(&all[element.index]))
-            }
+            Storage::Binary => self.binaries(element)?.iter().map(|bytes| Value::String(hexadecimal(bytes))).collect(),
             Storage::Clock => return Err(without_events()),
             Storage::String => {
-                let mut texts = self.texts(element)?;
-                let text = std::mem::take(&mut texts[element.index]);
-                Value::String(text.to_string_lossy().into_owned())
+                let texts = self.texts(element)?;
+                texts.iter().map(|text| Value::String(text.to_string_lossy().into_owned())).collect()
             }
         })
     }
@@ -165,13 +176,13 @@ impl Model {
         self.base.call(access.set, |set, of| unsafe { set(of, reference, 1, from, values.len()) })
     }
 
-    fn read_whole<T>(&mut self, access: Access<T>, element: &Element) -> Result<Value, Call>
+    fn integers<T>(&mut self, access: Access<T>, element: &Element) -> Result<Vec<Value>, Call>
     where
         T: Copy + Default,
         i128: From<T>,
     {
         let values = self.all(access, element, T::default())?;
-        Ok(Value::Integer(values[element.index].into()))
+        Ok(values.into_iter().map(|value| Value::Integer(value.into())).collect())
     }
 
     /// The texts of a variable, copied: the FMU's own ones are valid until the next call only.

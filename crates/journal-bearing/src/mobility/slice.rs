@@ -181,6 +181,21 @@ impl MobilitySlice {
         self.look_up(eps, eps.norm(), direction).mobility()
     }
 
+    /// The Sommerfeld number of ISO 7902, `F psi^2/(B D eta omega)` with the sum `omega` of the surfaces' speeds, 1, under which a
+    /// journal rests at the eccentricity ratio `e`: there the mobility has no part along the eccentricity, and the other one
+    /// undoes the mean rotation.
+    pub fn sommerfeld(&self, e: f64) -> f64 {
+        const HALVINGS: usize = 40;
+        let at = |angle: f64| self.mobility(e, angle.cos(), angle.sin());
+        let (mut low, mut high) = (0.0, FRAC_PI_2);
+        for _ in 0..HALVINGS {
+            let middle = 0.5 * (low + high);
+            let outwards = at(middle).0 > 0.0;
+            *(if outwards { &mut low } else { &mut high }) = middle;
+        }
+        0.5 * e / at(high).1
+    }
+
     /// Locates the eccentricity-ratio vector `eps`, whose length is `e`, under a load along the unit vector `direction`.
     ///
     /// # Examples

@@ -18,6 +18,11 @@ const LARGEST_ECCENTRICITY_RATIO: f64 = 1.0 - 1e-9;
 static MAP: LazyLock<Result<SliceFamily, MapError>> =
     LazyLock::new(|| MobilityMap::built_in().map(|map| SliceFamily::new(&map)));
 
+/// The Sommerfeld number of ISO 7902 under which a journal rests at an eccentricity ratio in a smooth bearing of this `B/D`.
+pub fn sommerfeld(width_to_diameter: f64, eccentricity_ratio: f64) -> f64 {
+    MAP.as_ref().map_or(0.0, |map| map.slice(width_to_diameter).sommerfeld(eccentricity_ratio))
+}
+
 /// The mobility method on the map of Reynolds solutions.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct MobilityFilm {
