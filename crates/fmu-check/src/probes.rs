@@ -185,8 +185,9 @@ impl<'a> Probes<'a> {
         let (filled, again, other) = (filled?, again?, other?);
         let all = [&filled, &again, &other].map(|outcome| sound(outcome, 1).map(|runs| &runs[0]));
         let [filled, again, other] = &all;
+        let columns = self.columns.clone();
         let differ = |one: &Result<&Run, String>, two: &Result<&Run, String>| match (one, two) {
-            (Ok(one), Ok(two)) => difference(&self.columns, one, two),
+            (Ok(one), Ok(two)) => difference(&columns, one, two),
             (Ok(_), Err(text)) | (Err(text), Ok(_)) => Some(text.clone()),
             (Err(_), Err(_)) => None,
         };
@@ -194,9 +195,12 @@ impl<'a> Probes<'a> {
             return Ok(None);
         };
         // What is drawn from few values, such as an address within a page, agrees now and then by chance.
-        let [same, too] = FILLS.map(|fill| self.later(Life::Alone, Some(fill)));
-        let [same, too] = [&same?, &too?].map(|outcome| sound(outcome, 1).map(|runs| &runs[0]));
-        let by_itself = [(again, filled), (&same, filled), (&too, other)].into_iter().find_map(|(one, two)| differ(one, two));
+        let mut by_itself = differ(filled, again);
+        for (fill, before) in FILLS.into_iter().zip([filled, other]) {
+            let once_more = self.later(Life::Alone, Some(fill))?;
+            let once_more = sound(&once_more, 1).map(|runs| &runs[0]);
+            by_itself = by_itself.or_else(|| differ(before, &once_more));
+        }
         Ok(Some(match by_itself {
             Some(text) => {
                 let text = format!("two simulations of the same differ (clock, random numbers, addresses): {text}");
