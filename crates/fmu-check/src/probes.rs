@@ -191,7 +191,8 @@ impl<'a> Probes<'a> {
             (Ok(_), Err(text)) | (Err(text), Ok(_)) => Some(text.clone()),
             (Err(_), Err(_)) => None,
         };
-        let Some(text) = differ(filled, again).or_else(|| differ(filled, other)).or_else(|| differ(&Ok(whole), filled)) else {
+        let Some(text) = differ(filled, again).or_else(|| differ(filled, other)).or_else(|| differ(&Ok(whole), filled))
+        else {
             return Ok(None);
         };
         // What is drawn from few values, such as an address within a page, agrees now and then by chance.
