@@ -209,7 +209,7 @@ def _histogram(
 def curves(
     table: Table, nearest: Iterable[Table], summary: Mapping[str, Any], units: Mapping[str, str]
 ) -> "Figure":
-    """The measured curves with their uncertainty, all values of the accepted points, and the nearest point's runs."""
+    """The measured curves with their uncertainty, and the nearest point's runs."""
     needed()
     import numpy
 
@@ -218,15 +218,10 @@ def curves(
     where = numpy.array(table["criterion"])
     for axes, name in zip(panels, names, strict=True):
         rows = where == name
-        time, value, uncertainty, least, most, count = (
-            _numbers(table, column)[rows]
-            for column in ("time", "value", "uncertainty", "verified_least", "verified_most", "verified_points")
-        )
+        time, value, uncertainty = (_numbers(table, column)[rows] for column in ("time", "value", "uncertainty"))
         if numpy.isfinite(uncertainty).any():
             axes.fill_between(time, value - uncertainty, value + uncertainty, color=RANGE, alpha=0.3, lw=0,
                               label="uncertainty of the measured curve")
-        if numpy.isfinite(least).any():
-            axes.fill_between(time, least, most, facecolor=GOOD, edgecolor=GOOD, alpha=0.4, lw=1, label="verified points")
         for run in nearest:
             if name in run:
                 axes.plot(_numbers(run, "time"), _numbers(run, name), color="#d1622b", lw=0.8, label="nearest point")
@@ -234,8 +229,7 @@ def curves(
         unit = f" [{units[name]}]" if units.get(name, "1") != "1" else ""
         axes.set(xlabel="time [s]")
         axes.set_ylabel(f"{summary['criteria'].get(name, {}).get('variable', name)}{unit}", fontsize="small")
-        verified = int(numpy.nan_to_num(count).max())
-        axes.set_title(f"{name}: band of {verified} verified points" if verified else f"{name}: no verified point", fontsize="small")
+        axes.set_title(name, fontsize="small")
     keys = {label: handle for axes in panels for handle, label in zip(*axes.get_legend_handles_labels(), strict=True)}
     drawn.legend(keys.values(), keys.keys(), loc="outside lower center", ncols=2 if len(names) == 1 else 4, fontsize="small",
                  frameon=False)

@@ -226,8 +226,8 @@ class Verification:
 
     @cached_property
     def curves(self) -> Table | None:
-        """The measured curves of a study that has some, each with all values of verified points at its times: columns
-        ``criterion``, ``time`` (s), ``value``, ``uncertainty``, ``verified_least``, ``verified_most``, ``verified_points``."""
+        """The measured curves of a study that has some, columns ``criterion``, ``time`` (s), ``value``,
+        ``uncertainty``."""
         path = self.folder / "measured-curves.csv"
         return read(path, units={"time": "s"}) if path.exists() else None
 
@@ -240,7 +240,7 @@ class Verification:
         return _plot.points(self.points, self.summary, x, y)
 
     def plot_curves(self) -> "Figure":
-        """A picture of each measured curve with its uncertainty, the band that the verified points fill, and the nearest
+        """A picture of each measured curve with its uncertainty and the nearest
         point. Needs matplotlib."""
         if self.curves is None:
             raise OrchestratorError(f"{self.folder}: the study compares no measured curves")

@@ -43,7 +43,7 @@ class Compiler:
 
     def program(self):
         """The program."""
-        self.rustc("--package", "orchestrator", "--bin", "orchestrator", "--features", "png", links=self.program_link)
+        self.rustc("--package", "orchestrator", "--bin", "orchestrator", links=self.program_link)
         return self.folder() / ("orchestrator.exe" if self.system() == "windows" else "orchestrator")
 
     def rustc(self, *what, links):

@@ -224,7 +224,7 @@ def test_a_point_is_replayed(verified, tmp_path):
 
 # What Python has in other ways: files of its own, results that are read, functions. The search for rare shares has results of
 # its own, and the command line alone runs it so far, as it does what serves build servers and a study that an FMU carries.
-OTHERWISE = {"help", "output", "from", "shard", "shard-index", "shards", "dry-run", "parquet", "png", "rare",
+OTHERWISE = {"help", "output", "from", "shard", "shard-index", "shards", "dry-run", "parquet", "rare",
              "junit", "strict", "study", "verbose"}
 
 

@@ -21,7 +21,7 @@ def files(folder):
     # How the points were computed may differ; what came out may not.
     for how in ["run", "isolation", "reproducibility"]:
         summary.pop(how)
-    return [(folder / name).read_bytes() for name in ["points.csv", "best.ssv", "best.srmd"]] + [summary]
+    return [(folder / name).read_bytes() for name in ["points.csv", "best.ssv"]] + [summary]
 
 
 def kill_one(client, processes, folder, held, killed):

@@ -5,7 +5,6 @@ pub mod decision;
 pub mod gain;
 pub mod interval;
 pub mod joint;
-pub mod likelihood;
 pub mod looks;
 pub mod measured;
 pub mod normal;

@@ -234,15 +234,6 @@ impl Law {
         if error > 0.0 { -score } else { score }
     }
 
-    /// The logarithm of the error's density over that of its [score](Self::score) as a normal number, but for a constant: 0
-    /// for normal errors.
-    pub(super) fn ln_against_normal(&self, error: f64) -> f64 {
-        match self.is_normal() {
-            true => 0.0,
-            false => self.ln_density(error) + 0.5 * self.score(error).powi(2),
-        }
-    }
-
     /// The logarithm of the density of an error, also where the density itself is too small for a number.
     pub fn ln_density(&self, error: f64) -> f64 {
         let (mut most, mut sum, mut weights) = (f64::NEG_INFINITY, 0.0, 0.0);

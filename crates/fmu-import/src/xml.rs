@@ -9,6 +9,8 @@ const MOST_NODES: usize = 10_000_000;
 const MOST_ATTRIBUTES: usize = 10_000_000;
 /// The most attributes of one element, of which the reader compares each with all others.
 const MOST_IN_ELEMENT: usize = 1_000;
+/// The most characters of one element's attributes: the start values of an array of a million numbers have fewer.
+const MOST_CHARACTERS: usize = 1 << 25;
 /// The most elements within each other.
 const MOST_DEPTH: usize = 256;
 /// The most namespaces of one element, which those within it take over.
@@ -135,6 +137,9 @@ impl Sizes {
                 word = place;
             }
             within = letter;
+            if place > MOST_CHARACTERS {
+                return Err(Excess(MOST_CHARACTERS, "characters in an element's attributes"));
+            }
             match (byte, quote) {
                 (b'"' | b'\'', None) => quote = Some(byte),
                 (_, Some(open)) if byte == open => quote = None,
@@ -184,6 +189,11 @@ mod tests {
         assert_eq!(
             refused(&format!("<a>\n<b{attributes}/></a>")),
             "line 2: refused: more than 1000 attributes in an element"
+        );
+        let long = "x".repeat(MOST_CHARACTERS);
+        assert_eq!(
+            refused(&format!("<a>\n<b c='{long}'/></a>")),
+            "line 2: refused: more than 33554432 characters in an element's attributes"
         );
         let depth = many(100_000, |_| "<a>".to_owned());
         assert_eq!(refused(&depth), "line 1: refused: more than 256 elements within each other");

@@ -4,8 +4,6 @@ pub mod bins;
 mod document;
 pub mod format;
 mod html;
-#[cfg(feature = "png")]
-pub mod png;
 pub mod svg;
 mod text;
 

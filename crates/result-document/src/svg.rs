@@ -151,11 +151,6 @@ pub fn standalone(svg: &str) -> String {
     with_style(svg, &style)
 }
 
-/// The same in light only, with nothing but what every program understands.
-pub fn plain(svg: &str) -> String {
-    with_style(svg, &rules(LIGHT))
-}
-
 const LIGHT: usize = 0;
 const DARK: usize = 1;
 
@@ -241,7 +236,6 @@ mod tests {
         assert!(file.contains(".plot .axis { stroke: #5a6672; }"), "{file}");
         assert!(file.contains(".plot .axis { stroke: #a2aeb9; }"), "{file}");
         assert_eq!(file.matches('{').count(), file.matches('}').count());
-        assert!(!plain("<svg></svg>").contains("@media"));
     }
 
     /// Both schemes: text on each background it stands on has a contrast of 4.5 or more (WCAG 2.2, 1.4.3).

@@ -213,22 +213,6 @@ impl Plan {
         bound.flat_map(Joint::inputs).map(|&k| self.inputs[k].name.as_str()).collect()
     }
 
-    /// Whether the parameters' joint density is known: that of what a sample was drawn from is not.
-    pub fn has_density(&self) -> bool {
-        self.joints.is_empty()
-    }
-
-    /// The logarithm of the parameters' joint density at a point, without that of samples.
-    pub fn ln_prior(&self, parameters: &[f64]) -> f64 {
-        let pairs = self.inputs.iter().zip(parameters);
-        let alone: f64 = pairs.map(|(input, &x)| input.distribution.ln_density(x)).sum();
-        let correlated = self
-            .correlation
-            .as_ref()
-            .map_or(0.0, |correlation| correlation.ln_density(parameters, &self.distributions()));
-        alone + correlated
-    }
-
     /// Doubts about the study's numbers: parameters of which the FMU refuses a large part of the
     /// distribution, recorded inputs that it cannot follow.
     pub fn concerns(&self) -> Vec<Concern> {

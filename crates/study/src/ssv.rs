@@ -13,7 +13,6 @@ use fmu_import::{Description, Value, xml};
 use number_tables::files;
 use number_tables::files::FileError;
 
-pub use write::filled;
 pub use write::write;
 
 const NAMESPACE: &str = "http://ssp-standard.org/SSP1/SystemStructureParameterValues";

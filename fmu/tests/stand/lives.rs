@@ -280,3 +280,26 @@ fn thickening_oil_is_squeezed_out() {
     };
     assert_eq!(live(&life, FilmModel::Reynolds).unwrap(), Outcome::Lived);
 }
+
+/// Somebody who writes saved states himself can write anything: what no stand can be is refused, and the stand is as before.
+#[test]
+fn a_forged_state_is_refused() {
+    let mut stand = Stand::default();
+    stand.initialise(&Experiment::default(), &mut ()).unwrap();
+    let saved = stand.save().unwrap();
+    let forged = |from: f64, to: f64| {
+        let (from, to) = (from.to_le_bytes(), to.to_le_bytes());
+        let place = saved.windows(8).position(|bytes| bytes == from).unwrap();
+        [&saved[..place], &to, &saved[place + 8..]].concat()
+    };
+    let clearance = stand.bearing.radial_clearance;
+    let temperature = stand.readings().oil_temperature;
+    let mut other = Stand::default();
+    other.initialise(&Experiment::default(), &mut ()).unwrap();
+    for bytes in [forged(clearance, -clearance), forged(clearance, f64::NAN), saved[..saved.len() / 2].to_vec()] {
+        assert!(matches!(other.restore(&bytes), Err(Fault::Invalid(_))));
+        assert_eq!(other.save().unwrap(), saved);
+    }
+    other.restore(&saved).unwrap();
+    assert_eq!(other.readings().oil_temperature, temperature);
+}

@@ -215,9 +215,6 @@ pub struct Report {
     /// The folder that `verify` has written
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Write the plots as PNG, too (plots/ holds them as SVG in any case)
-    #[arg(long)]
-    pub png: bool,
     /// Put the FMU's WebAssembly module into the page, so that "What if" simulates fresh points
     #[arg(long)]
     pub live: bool,

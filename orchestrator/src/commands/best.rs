@@ -1,8 +1,8 @@
-//! The best point as a parameter set of SSP, with its provenance.
+//! The best point as a parameter set of SSP.
 
 use crate::error::Error;
-use crate::results::{Summary, traceability};
-use fmu_import::{Description, Value, Variable, digest};
+use crate::results::Summary;
+use fmu_import::{Description, Value, Variable};
 use fmu_points::task::Case;
 use point_journal::files::write_text;
 use std::path::Path;
@@ -10,15 +10,12 @@ use study::plan::Plan;
 use study::ssv;
 
 const SET: &str = "best.ssv";
-const PROVENANCE: &str = "best.srmd";
 
-/// Writes `best.ssv` with all start values of the best point, and `best.srmd` with where they come from.
+/// Writes `best.ssv` with all start values of the best point.
 pub(super) fn write(folder: &Path, plan: &Plan, fmu: &Description, summary: &Summary) -> Result<(), Error> {
     let Some(best) = &summary.best_point else {
-        for file in [SET, PROVENANCE] {
-            // An earlier run may have left one.
-            let _ = std::fs::remove_file(folder.join(file));
-        }
+        // An earlier run may have left one.
+        let _ = std::fs::remove_file(folder.join(SET));
         return Ok(());
     };
     let parameters: Vec<f64> = best.parameters.values().copied().collect();
@@ -41,11 +38,7 @@ pub(super) fn write(folder: &Path, plan: &Plan, fmu: &Description, summary: &Sum
     let title = summary.title.as_deref().unwrap_or(&summary.provenance.study);
     let name = format!("{title}: point {}", best.point);
     let set = ssv::write(&name, fmu, &named.collect::<Vec<_>>());
-    let provenance = traceability::resource(&name, SET, &entries(summary, best.point, &set));
-    for (file, text) in [(SET, set), (PROVENANCE, provenance)] {
-        write_text(&folder.join(file), text)?;
-    }
-    Ok(())
+    Ok(write_text(&folder.join(SET), set)?)
 }
 
 /// The variable behind a reference: every type has references of its own.
@@ -54,12 +47,4 @@ fn variable<'a>(fmu: &'a Description, reference: u32, value: &Value) -> Option<&
         let fits = variable.kind.content() == value.content();
         variable.handle().reference == reference && variable.is_settable() && fits
     })
-}
-
-/// Everything needed to compute the same point again.
-fn entries(summary: &Summary, point: u64, set: &str) -> Vec<traceability::Entry> {
-    let mut entries = traceability::origin(summary);
-    entries.push(("point".to_owned(), point.to_string()));
-    entries.push(("data.sha256".to_owned(), digest(set.as_bytes())));
-    entries
 }

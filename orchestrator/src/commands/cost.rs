@@ -13,12 +13,9 @@ use std::time::{Duration, Instant};
 /// How long the point may take; nobody waits longer for an estimate.
 const PATIENCE: Duration = Duration::from_secs(60);
 
-/// After so long no further points are run for the estimate, s.
-const ENOUGH: f64 = 3.0;
-
-/// A run of at least so many points, which takes at least so long, s, tells how long a point takes.
-const MANY: usize = 1024;
-const LONG: f64 = 0.5;
+/// At most so many points are run for the estimate, for so long.
+const POINTS: usize = 1024;
+const ENOUGH: Duration = Duration::from_secs(3);
 
 /// The estimate for people, or why there is none.
 pub(super) fn of(verification: &mut Verification, means: &Means, jobs: usize) -> Result<String, Error> {
@@ -36,39 +33,27 @@ pub(super) fn of(verification: &mut Verification, means: &Means, jobs: usize) ->
     let Some(index) = verification.indexes().next() else {
         return Ok(String::new());
     };
-    let jobs_of = |count: usize| -> Vec<Job> {
-        let indexes = verification.indexes().take(count);
-        indexes.map(|index| verification.job(index)).collect()
-    };
-    let mut run = |points: &[Job]| {
-        let begun = Instant::now();
-        let mut first = None;
+    let mut run = |points: usize, most: Duration| {
+        let points: Vec<Job> = verification.indexes().take(points).map(|index| verification.job(index)).collect();
+        let (begun, mut count, mut took, mut failure) = (Instant::now(), 0_u32, Duration::ZERO, None);
         let mut take = |event| {
             if let Event::Answer(_, answer) = event {
-                first.get_or_insert(answer.err());
+                (count, took) = (count + 1, begun.elapsed());
+                failure = failure.take().or(answer.err());
             }
             ControlFlow::Continue(())
         };
-        worker.run(points, &mut Post::new(&mut take, &|| false))?;
-        Ok::<_, Error>((first.flatten(), begun.elapsed().as_secs_f64()))
+        worker.run(&points, &mut Post::new(&mut take, &|| begun.elapsed() > most))?;
+        Ok::<_, Error>((took.as_secs_f64() / f64::from(count.max(1)), count, failure))
     };
     // The first run starts the worker and loads the FMU.
-    let (failure, mut took) = run(&jobs_of(1))?;
+    let (first, _, failure) = run(1, Duration::MAX)?;
     if let Some(failure) = failure {
         let label = verification.source.label(index);
         return Ok(format!("point {label} fails: {failure}\n"));
     }
-    // The first points take longer: with them the worker finds out whether it may fork. So more and more are run.
-    let (mut count, mut spent) = (1, took);
-    while spent < ENOUGH && (took < LONG || count < MANY) {
-        let jobs = jobs_of(2 * count);
-        if jobs.len() <= count {
-            break;
-        }
-        took = run(&jobs)?.1;
-        (count, spent) = (jobs.len(), spent + took);
-    }
-    let point = took / count as f64;
+    let (point, count, _) = run(POINTS, ENOUGH)?;
+    let point = if count > 0 { point } else { first };
     Ok(text(point, verification.expected(), jobs))
 }
 

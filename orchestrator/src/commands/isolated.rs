@@ -71,7 +71,9 @@ fn cell(value: &Value) -> String {
 pub(super) struct Isolated {
     fmu: PathBuf,
     name: PathBuf,
-    scratch: Scratch,
+    /// Where its processes have their folders.
+    rooms: PathBuf,
+    _scratch: Scratch,
     /// Whether a start value names a file in the user's working directory.
     named: bool,
 }
@@ -79,8 +81,9 @@ pub(super) struct Isolated {
 impl Isolated {
     pub(super) fn new(package: &mut Package) -> Result<Self, Error> {
         let scratch = stop::scratch()?;
-        let fmu = package.unpack(scratch.path())?;
-        Ok(Self::at(fmu, package, scratch))
+        let rooms = scratch.path().to_owned();
+        let fmu = package.unpack(&rooms)?;
+        Ok(Self::at(fmu, package, rooms, scratch))
     }
 
     /// The same from another path than that of all other commands: an FMU whose results depend on where it lies shows it there.
@@ -89,12 +92,12 @@ impl Isolated {
         let folder = scratch.path().join("again");
         std::fs::create_dir(&folder).map_err(Error::io(&folder))?;
         let fmu = package.unpack_anew(&folder)?.keep();
-        Ok(Self::at(fmu, package, scratch))
+        Ok(Self::at(fmu, package, folder, scratch))
     }
 
-    fn at(fmu: PathBuf, package: &Package, scratch: Scratch) -> Self {
+    fn at(fmu: PathBuf, package: &Package, rooms: PathBuf, scratch: Scratch) -> Self {
         let named = working_directory::is_kept(package.description(), []);
-        Self { fmu, name: package.path().to_owned(), scratch, named }
+        Self { fmu, name: package.path().to_owned(), rooms, _scratch: scratch, named }
     }
 
     /// How single points are recorded: without a limit of time, as a person watches and can press Ctrl-C.
@@ -102,7 +105,7 @@ impl Isolated {
         Recorder {
             fmu: &self.fmu,
             name: &self.name,
-            scratch: self.scratch.path(),
+            scratch: &self.rooms,
             here: self.named || tasks.any(working_directory::is_named_in),
             limits: Limits::NONE,
             echo: true,

@@ -80,7 +80,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
     }
     if let Some(folder) = &options.output {
         write_text(&folder.join("study.toml"), study.text())?;
-        complete(folder, &summary);
+        complete(folder);
     }
     let folder = options.output.as_deref();
     output::print(&table::told(&summary, folder, options.verbose));

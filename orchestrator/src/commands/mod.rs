@@ -5,7 +5,6 @@ mod check;
 mod compare;
 mod completion;
 mod cost;
-mod dossier;
 mod gate;
 mod init;
 mod inspect;
@@ -13,7 +12,6 @@ mod isolated;
 mod judge;
 mod manual;
 mod merge;
-mod nominal;
 mod pack;
 mod replay;
 mod report;
@@ -31,7 +29,6 @@ use crate::junit::{self, Outcome, Test};
 use crate::methods::asking::Delivery;
 use crate::methods::rare;
 use crate::report::Report;
-use crate::results::Summary;
 use fmu_points::stop::INTERRUPTED;
 use fmu_points::tell as output;
 use point_journal::Error as Halt;
@@ -109,11 +106,8 @@ fn deliver(delivery: Delivery) -> Result<ExitCode, Error> {
     Ok(result.code)
 }
 
-/// Writes what others read of a verdict: the files for other tools, and the page. The verdict is known and written: what
-/// fails here costs itself alone.
-fn complete(folder: &Path, summary: &Summary) {
-    let dossier = dossier::write(folder, summary);
-    dossier.unwrap_or_else(|error| left_out("the verdict is in no file for other tools", &error));
+/// Writes the page of a verdict, which is known and written: what fails here costs itself alone.
+fn complete(folder: &Path) {
     let page = Report::from_folder(folder).and_then(|report| report.write(folder));
     page.map_or_else(|error| left_out("there is no page", &error), drop);
 }

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 
 use clap::Parser;
 
-use super::{gate, left_out, nominal, output, verify};
+use super::{gate, output, verify};
 use crate::cli::{Cli, Command, Pack, Verify};
 use crate::compare::{compare, write};
 use crate::error::Error;
@@ -14,7 +14,7 @@ use crate::junit::{self, Outcome, Test};
 use crate::options::folder_of;
 use crate::packed::{altered, changed, choose, digests, pack, settle};
 use crate::results::table;
-use crate::session::{Request, Session};
+use crate::session::Request;
 use fmu_import::Package;
 use point_journal::Lock;
 use study::Study;
@@ -62,15 +62,7 @@ pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
     if from.fmu_sha256.as_deref() != Some(&package.digest()?) {
         fits(from.fmu_sha256.as_ref(), &verified.digest()?, "FMU")?;
     }
-    let request = Request { study: options.study.clone(), fmu: Some(package.path().to_owned()), ..Request::default() };
-    let runs = nominal::run(&mut Session::open(request)?);
-    let runs = runs.unwrap_or_else(|error| {
-        left_out("no run with every parameter at its median is packed", &error);
-        Vec::new()
-    });
-    let runs = runs.into_iter().enumerate();
-    let runs = runs.flat_map(|(case, runs)| nominal::files(case).into_iter().zip(runs));
-    let name = pack(&mut package, &study, &results, &summary, runs.collect(), &options.output)?;
+    let name = pack(&mut package, &study, &results, &summary, &options.output)?;
     output::print(&format!(
         "{} carries the study {name}: orchestrator verify {} runs it and compares\n",
         options.output.display(),
@@ -152,18 +144,13 @@ pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
         return Ok(code);
     }
     let results = place.join("results");
-    let smoke = smoke_test(&options, &results)?;
     let mut comparison = compare(&results, &folder)?;
     comparison.as_packed = changed.is_empty() && altered.is_empty();
     let mut tests = vec![
-        Test::new("compare", "smoke test", Outcome::of(smoke.is_none(), || smoke.clone().unwrap_or_default())),
         Test::new("compare", "the FMU is the one that was verified", unchanged(&changed, options.gate.strict)),
         Test::new("compare", "what the FMU carries is as it was packed", unchanged(&altered, options.gate.strict)),
     ];
     tests.extend(comparison.tests(true));
-    if let Some(difference) = smoke {
-        comparison.add(format!("The run with every parameter at its median differs: {difference}"));
-    }
     write(&comparison, &folder)?;
     let met = comparison.same && comparison.warnings.is_empty();
     let mut text =
@@ -201,29 +188,4 @@ fn unchanged(changed: &[String], strict: bool) -> Outcome {
         (false, true) => Outcome::Failed(changed.join("; ")),
         (false, false) => Outcome::Skipped(changed.join("; ")),
     }
-}
-
-/// How the nominal run differs from the one that the FMU carries, if it does.
-fn smoke_test(options: &Verify, results: &Path) -> Result<Option<String>, Error> {
-    let request =
-        Request { study: options.work.study.clone(), fmu: options.work.means.fmu.clone(), ..Request::default() };
-    let mut session = Session::open(request)?;
-    for (number, case) in session.plan.cases.clone().iter().enumerate() {
-        let files = nominal::files(number).map(|file| results.join(file));
-        let [Ok(coarse), Ok(finer)] = files.each_ref().map(fs::read) else {
-            continue;
-        };
-        let now = match nominal::once(&mut session, case, 0) {
-            Ok(now) => now,
-            Err(error) => return Ok(Some(error.to_string())),
-        };
-        let found = nominal::difference(&[coarse, finer], &now);
-        let found = found.map_err(|error| Error::content(&files[0], error))?;
-        if let Some(difference) = found {
-            let name = case.name.as_ref();
-            let of = name.map_or_else(String::new, |name| format!("case {name}: "));
-            return Ok(Some(of + &difference));
-        }
-    }
-    Ok(None)
 }

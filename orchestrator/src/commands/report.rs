@@ -15,9 +15,6 @@ pub(super) fn run(options: &cli::Report) -> Result<ExitCode, Error> {
         report.live = Some(live(options, &report)?);
     }
     let page = report.write(&options.folder)?;
-    if options.png {
-        report.write_png(&options.folder)?;
-    }
     output::print(&format!("{}\n", page.display()));
     Ok(ExitCode::SUCCESS)
 }

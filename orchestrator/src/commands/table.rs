@@ -18,37 +18,34 @@ use study::concern::Concern;
 pub(super) fn told(summary: &Summary, folder: Option<&Path>, verbose: bool) -> String {
     let answer = Answer::new(summary);
     let place = folder.map_or_else(String::new, |place| format!("results in {}", place.display()));
+    let all = [answer.decides.len(), answer.next.len()];
     if verbose || folder.is_none() {
         let line = |label: &str, sentence: &str| format!("{label:<9}{sentence}\n");
-        let all = [answer.decides.len(), answer.next.len()];
         let parts = [screen(&answer, all, line), remarks(summary), counts(summary), best(summary)];
         return format!("{}\n{place}\n", parts.join("\n"));
     }
     // Of what does not fit, the less important is left out: first of what decides, down to its warnings, then of what to do next,
     // then warnings, down to two sentences, and at last criteria.
-    let [decides, next] = [answer.decides.len(), answer.next.len()];
     let warns = |sentence: &String| sentence.starts_with("Warning: ");
     let warned = answer.decides.iter().rposition(warns).map_or(0, |k| k + 1);
-    let least = warned.max(2).min(decides);
-    let without_remarks = (least..=decides).rev().map(|kept| [kept, next]);
-    let without_advice = (1..next).rev().map(|kept| [least, kept]);
-    let without_warnings = (2..least).rev().map(|kept| [kept, next.min(1)]);
-    let kept: Vec<[usize; 2]> = without_remarks.chain(without_advice).chain(without_warnings).collect();
-    let mut text = String::new();
-    for rows in (1..=MOST_ROWS).rev() {
-        let rows = least_met(summary, rows);
-        for &kept in &kept {
-            let more = match decides + next - kept[0] - kept[1] {
-                0 => String::new(),
-                left => format!(" tells {left} more"),
-            };
-            text = format!("{}\n{rows}{place} (report.html; here: --verbose{more})\n", screen(&answer, kept, clipped));
-            if height(&text) <= LINES {
-                return text;
-            }
+    let ([mut decides, mut next], mut rows) = (all, MOST_ROWS);
+    loop {
+        let more = match all[0] + all[1] - decides - next {
+            0 => String::new(),
+            left => format!(" tells {left} more"),
+        };
+        let screen = screen(&answer, [decides, next], clipped);
+        let rest = least_met(summary, rows);
+        let text = format!("{screen}\n{rest}{place} (report.html; here: --verbose{more})\n");
+        match () {
+            () if height(&text) <= LINES => return text,
+            () if decides > warned.max(2) => decides -= 1,
+            () if next > 1 => next -= 1,
+            () if decides > 2 => decides -= 1,
+            () if rows > 1 => rows -= 1,
+            () => return text,
         }
     }
-    text
 }
 
 /// So many criteria have a line of their own.
@@ -176,26 +173,6 @@ fn line(text: &mut String, what: &str, count: &Count) {
     text.push('\n');
 }
 
-/// The point with the largest product of prior density and likelihood, which need not be the nearest.
-fn most_probable(summary: &Summary) -> String {
-    match &summary.most_probable_point {
-        _ if summary.has_own_values() => String::new(),
-        Some(point) => {
-            let verified = if point.verified { "" } else { "not " };
-            format!("most probable point: {} ({verified}verified)\n", point.point)
-        }
-        None if summary.has_samples() => {
-            "most probable point: unknown, since the density of a sample of parameters is unknown\n".to_owned()
-        }
-        None if summary.parameters.is_empty() => {
-            "most probable point: unknown, since the table has no parameters\n".to_owned()
-        }
-        None => {
-            "most probable point: unknown, since not every measured value has an uncertainty of its own\n".to_owned()
-        }
-    }
-}
-
 /// How the points were computed, and doubts as a whole.
 fn remarks(summary: &Summary) -> String {
     let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
@@ -232,5 +209,5 @@ fn best(summary: &Summary) -> String {
         false => "nearest point".to_owned(),
     };
     let parts: Vec<String> = values.chain(parameters).collect();
-    format!("\n{kind}: {}\n  {}\n{}", best.point, parts.join("\n  "), most_probable(summary))
+    format!("\n{kind}: {}\n  {}\n", best.point, parts.join("\n  "))
 }

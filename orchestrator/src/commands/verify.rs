@@ -140,7 +140,7 @@ pub(super) fn conclude(
     let Session { plan, package, .. } = &verification.session;
     let best = best::write(folder, plan, package.description(), &summary);
     best.unwrap_or_else(|error| left_out("the best point is in no file", &error));
-    complete(folder, &summary);
+    complete(folder);
     output::print(&table::told(&summary, Some(folder), verbose));
     gate::verdict(&summary, gate)
 }

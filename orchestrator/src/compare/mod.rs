@@ -194,7 +194,7 @@ pub struct Comparison {
 }
 
 /// Whether two numbers differ by no more than rounding; `scale` is a length that matters.
-pub fn is_rounding(old: f64, new: f64, scale: f64) -> bool {
+fn is_rounding(old: f64, new: f64, scale: f64) -> bool {
     let size = old.abs().max(new.abs());
     let size = if scale.is_finite() { size.max(scale) } else { size };
     old.to_bits() == new.to_bits() || (new - old).abs() <= ROUNDING * size
@@ -457,7 +457,7 @@ impl Change {
 
 impl Comparison {
     /// Adds a difference.
-    pub fn add(&mut self, difference: String) {
+    fn add(&mut self, difference: String) {
         self.same = false;
         self.differences.push(difference);
     }

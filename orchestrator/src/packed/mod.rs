@@ -27,16 +27,12 @@ const RESULT: &str = "results/";
 const TIES: &str = "ties.json";
 /// The largest size of all files of a study, bytes: what is larger is no study but an archive that fills a disk.
 const MOST_UNPACKED: usize = 1 << 30;
-/// The results of a study that travel with it: the file, its role, its type, and what it is. 1.0.0-alpha.1 has no role for
-/// meta data, which 1.0.0-beta.1 has; other ones are valid in both.
-const RESULTS: [(&str, &str, &str, &str); 8] = [
+/// The results of a study that travel with it: the file, its role, its type, and what it is.
+const RESULTS: [(&str, &str, &str, &str); 5] = [
     ("points.csv", "result", "text/csv", "the points"),
     ("summary.json", "result", "application/json", "the verdict, with all that it rests on"),
     ("best.ssv", "parameter", "application/x-ssp-parameter-set", "the parameters nearest to the measurement"),
     ("best-point.csv", "result", "text/csv", "the trajectory with these parameters"),
-    ("best.srmd", "other", "application/x-srmd-meta-data", "where these parameters come from"),
-    ("verdict.srmd", "other", "application/x-srmd-meta-data", "where the verdict comes from"),
-    ("verdict.stmd", "other", "application/x-stmd-meta-data", "the whole task"),
     ("report.html", "report", "text/html", "the page"),
 ];
 
@@ -298,7 +294,6 @@ pub fn pack(
     study: &Study,
     results: &Path,
     summary: &Summary,
-    nominal: Vec<(String, Vec<u8>)>,
     output: &Path,
 ) -> Result<String, Error> {
     let stem = study.path().file_stem().unwrap_or_default().to_string_lossy();
@@ -339,19 +334,12 @@ pub fn pack(
         files.push(entry(&below, "other", "text/csv", about, read(table)?));
         points_from = Some(below);
     }
-    let mut add_result = |file: &str, role: &str, kind: &str, what: &str, content: Vec<u8>| {
-        let (below, about) = (format!("{RESULT}{file}"), format!("Of the study {name}: {what}"));
-        files.push(entry(&below, role, kind, &about, content));
-    };
     for (file, role, kind, what) in RESULTS {
         let path = results.join(file);
         if path.exists() {
-            add_result(file, role, kind, what, read(&path)?);
+            let about = format!("Of the study {name}: {what}");
+            files.push(entry(&format!("{RESULT}{file}"), role, kind, &about, read(&path)?));
         }
-    }
-    for (file, content) in nominal {
-        let what = "the run with every parameter at its median";
-        add_result(&file, "result", "text/csv", what, content);
     }
     let counted = request.points_from.is_none() && !study.design.method.is_by_levels();
     let ties = Ties {

@@ -3,7 +3,7 @@
 use super::judgement::Judgement;
 use super::outlook::{comparison, improvements};
 use super::whatif::WhatIf;
-use super::{Report, again, history};
+use super::{Report, history};
 use crate::error::Error;
 use crate::methods;
 use crate::methods::known::Finished;
@@ -31,7 +31,7 @@ impl Report {
         let study = Study::parse(&folder.join("study.toml"), study_text.clone()).ok();
         let damaged = |message| Error::content(&folder.join("summary.json"), message);
         let mut report = Self {
-            command: again::command(folder, &summary),
+            command: command(&summary),
             judgement: Judgement::new(&summary).map_err(damaged)?,
             history: history::read(folder, &table, study.as_ref()),
             documents: documents(folder, &summary),
@@ -53,6 +53,20 @@ fn documents(folder: &Path, summary: &Summary) -> Vec<Document> {
     let general = [comparison(summary), improvements(summary)];
     let study = Finished { folder, summary };
     general.into_iter().flatten().chain(methods::shown(&study)).collect()
+}
+
+/// The command that computes the result again, in the folder of the study.
+fn command(summary: &Summary) -> String {
+    let p = &summary.provenance;
+    let study = &p.study;
+    match (&p.fmu, p.method.as_str()) {
+        (None, _) => format!("orchestrator judge {study} TABLE.csv"),
+        (_, "table") => format!("orchestrator verify {study} --points-from TABLE.csv"),
+        _ => {
+            let seed = p.seed.map_or_else(String::new, |seed| format!(" --seed {seed}"));
+            format!("orchestrator verify {study} --points {}{seed}", summary.points)
+        }
+    }
 }
 
 /// How the points were computed, as far as a reader has to know it, and doubts about the verdict.

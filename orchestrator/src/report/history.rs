@@ -19,12 +19,11 @@ pub fn file(case: Option<usize>) -> String {
 }
 
 /// The measured curves of the criteria that have one: criterion, `time` of the model in seconds, and value and expanded
-/// uncertainty in the criterion's unit; of some verified points the least and the largest value, and how many these are.
+/// uncertainty in the criterion's unit.
 pub const MEASURED: &str = "measured-curves.csv";
 
 /// The columns of [`MEASURED`].
-pub const MEASURED_COLUMNS: [&str; 7] =
-    ["criterion", "time", "value", "uncertainty", "verified_least", "verified_most", "verified_points"];
+pub const MEASURED_COLUMNS: [&str; 4] = ["criterion", "time", "value", "uncertainty"];
 
 /// Reads the trajectory of a folder: a signal a variable, with the accepted range of the criterion.
 /// Nothing where there is no such file or it does not fit.
@@ -88,9 +87,6 @@ fn measured(path: &Path) -> csv::Result<IndexMap<String, Measured>> {
         curve.time.push(time);
         curve.values.push(value);
         curve.uncertainty.extend(number(3));
-        curve.verified[0].extend(number(4));
-        curve.verified[1].extend(number(5));
-        curve.points = number(6).map_or(0, |points| points as usize);
     }
     Ok(curves)
 }

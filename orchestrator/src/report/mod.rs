@@ -1,6 +1,5 @@
 //! The report: one self-contained page, and its plots as files.
 
-mod again;
 mod best;
 pub(crate) mod counted;
 mod counts;
@@ -27,8 +26,6 @@ use fmu_points::tell::visible;
 use judgement::Judgement;
 use parameter_regions::table::PointTable;
 use point_journal::files::write_text;
-#[cfg(feature = "png")]
-use rayon::prelude::*;
 use result_document::{Document, svg};
 use sampling::statistics::share::Fraction;
 use std::io::Write;
@@ -103,39 +100,6 @@ impl Report {
         write_file(&path, &self.html()?)?;
         Ok(path)
     }
-}
-
-impl Report {
-    /// Writes all plots as `plots/*.png`, too, and returns how many there are.
-    ///
-    /// # Errors
-    /// When the machine has no font, or a file cannot be written.
-    #[cfg(feature = "png")]
-    pub fn write_png(&self, folder: &Path) -> Result<usize, Error> {
-        let painter = result_document::png::Painter::new().map_err(no_png)?;
-        let plots = page::plots(self);
-        plots.par_iter().try_for_each(|(name, plot)| {
-            let file = painter.png(&svg::plain(plot)).map_err(no_png)?;
-            let path = folder.join("plots").join(format!("{name}.png"));
-            Ok::<_, Error>(write_text(&path, file)?)
-        })?;
-        Ok(plots.len())
-    }
-
-    /// This program was built without the feature `png`.
-    ///
-    /// # Errors
-    /// Always.
-    #[cfg(not(feature = "png"))]
-    pub fn write_png(&self, _: &Path) -> Result<usize, Error> {
-        let message = "this program was built without it: use that of a wheel, or build it with `--features png`";
-        Err(no_png(message.to_owned()))
-    }
-}
-
-/// A plot could not be turned into pixels.
-fn no_png(message: String) -> Error {
-    Error::Refused(format!("cannot make PNG files: {message}"))
 }
 
 fn write_file(path: &Path, text: &str) -> Result<(), Error> {

@@ -13,10 +13,6 @@ pub struct Measured {
     pub values: Vec<f64>,
     /// The expanded uncertainty of each value; empty where it is not stated.
     pub uncertainty: Vec<f64>,
-    /// The least and the largest value of some verified points; empty where they were not run again.
-    pub verified: [Vec<f64>; 2],
-    /// How many points these are.
-    pub points: usize,
 }
 
 /// The metric of a criterion on a curve, from its source, such as "rmse of sensor.frictionTorque".
@@ -45,26 +41,15 @@ impl Measured {
     /// All values that a picture must have room for.
     pub(super) fn extremes(&self) -> Vec<f64> {
         let edges = self.edges().into_iter().flatten().flatten();
-        let verified = self.verified.iter().flatten().copied();
-        self.values.iter().copied().chain(edges).chain(verified).collect()
-    }
-
-    /// The area between two lines.
-    fn between(&self, class: &str, [low, high]: [&[f64]; 2], frame: &Frame) -> String {
-        let back = self.time.iter().zip(high).rev();
-        let around = self.time.iter().zip(low).chain(back);
-        path(class, envelope(around, frame) + "z")
+        self.values.iter().copied().chain(edges).collect()
     }
 
     /// The band, the curve, and its first and last time, between which the model is judged.
     pub(super) fn draw(&self, frame: &Frame) -> String {
         let mut out = String::new();
         if let Some([low, high]) = self.edges() {
-            out.push_str(&self.between("band", [&low, &high], frame));
-        }
-        let [least, most] = &self.verified;
-        if least.len() == self.time.len() && most.len() == self.time.len() {
-            out.push_str(&self.between("verified", [least, most], frame));
+            let back = self.time.iter().zip(&high).rev();
+            out += &path("band", envelope(self.time.iter().zip(&low).chain(back), frame) + "z");
         }
         for time in [self.time.first(), self.time.last()].into_iter().flatten() {
             let (x, y) = (frame.x.at(*time), frame.y);
@@ -84,11 +69,6 @@ impl Measured {
             time: self.time.clone(),
             values: vec![0.0; self.values.len()],
             uncertainty: self.uncertainty.clone(),
-            verified: [0, 1].map(|side| {
-                let pairs = self.verified[side].iter().zip(&self.values);
-                pairs.map(|(verified, value)| verified - value).collect()
-            }),
-            points: self.points,
         };
         let mut all = around.extremes();
         all.extend(&deviations);
@@ -107,12 +87,7 @@ mod tests {
 
     #[test]
     fn residuals_are_the_models_deviations() {
-        let measured = Measured {
-            time: vec![0.0, 1.0, 2.0],
-            values: vec![0.0, 1.0, 2.0],
-            uncertainty: vec![0.5; 3],
-            ..Measured::default()
-        };
+        let measured = Measured { time: vec![0.0, 1.0, 2.0], values: vec![0.0, 1.0, 2.0], uncertainty: vec![0.5; 3] };
         assert_eq!(measured.extremes().len(), 9);
         let of = |model: &[f64]| measured.residuals("y", "m", &[0.0, 2.0], model).unwrap();
         // A line in the middle of the picture, or one that leaves it.
@@ -134,13 +109,7 @@ mod tests {
         let count = 1_000_000;
         let time: Vec<f64> = (0..count).map(f64::from).collect();
         let values: Vec<f64> = (0..count).map(|k| f64::from(k % 7)).collect();
-        let measured = Measured {
-            uncertainty: vec![0.5; values.len()],
-            verified: [values.clone(), values.clone()],
-            time,
-            values,
-            ..Measured::default()
-        };
+        let measured = Measured { uncertainty: vec![0.5; values.len()], time, values };
         let frame = Frame::new(560.0, 150.0, [0.0, 1e6], [0.0, 7.0]);
         assert!(measured.draw(&frame).len() < 100_000);
     }

@@ -262,7 +262,6 @@ fn distributions(table: &PointTable, columns: &[PlotColumn<'_>], first: usize, c
 /// curve.
 fn histories(report: &Report) -> Vec<Value> {
     let history = |s: &figures::Series| {
-        let verified = s.measured.as_ref().map(|m| m.points);
         Some(context! {
             name => s.name.as_str(),
             svg => figures::history(s)?,
@@ -270,7 +269,6 @@ fn histories(report: &Report) -> Vec<Value> {
             risk => risk(&report.summary, &s.name),
             detail => s.last_periods().as_ref().and_then(figures::history),
             residuals => figures::residuals(s),
-            verified => verified.filter(|&points| points > 0),
         })
     };
     report.history.iter().filter_map(history).collect()

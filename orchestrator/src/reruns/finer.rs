@@ -48,7 +48,7 @@ pub(super) fn longer(schedule: &Schedule) -> Schedule {
 }
 
 /// The case with a finer setting, so many times.
-pub(crate) fn refined_case(case: &Case, by: Refined, times: i32) -> Case {
+pub(super) fn refined_case(case: &Case, by: Refined, times: i32) -> Case {
     let factor = by.ratio().powi(-times);
     let mut case = case.clone();
     let schedule = &mut case.task.schedule;

@@ -1,10 +1,10 @@
 //! Points of a finished study that are run once more, longer or finer: the best one for its picture, some to see whether their
-//! results had settled, some for the band beside a measured curve, and some for the numerical error. None of them changes the verdict, and what fails costs itself alone.
+//! results had settled, and some for the numerical error. None of them changes the verdict, and what fails costs itself alone.
 
-mod band;
 mod best;
 mod budget;
 mod finer;
+mod measured;
 mod numerical;
 mod settled;
 
@@ -18,7 +18,6 @@ use crate::error::Error;
 use crate::results::Summary;
 use crate::session::Verification;
 use budget::Budget;
-pub(crate) use finer::refined_case;
 use fmu_import::{Content, Handle, Package, Value};
 use fmu_points::Limits;
 use fmu_points::failure::Failure;
@@ -51,7 +50,7 @@ pub fn run(verification: &mut Verification, folder: &Path, summary: &mut Summary
     let reruns = Reruns::new(verification, summary, wish)?;
     let mut left_out = best::write(&reruns, folder, summary);
     left_out.extend(settled::observe(&reruns, folder, summary));
-    left_out.extend(band::write(&reruns, folder, summary));
+    left_out.extend(measured::write(reruns.plan(), folder, summary));
     left_out.extend(numerical::observe(&reruns, summary));
     summary.left_out = (!left_out.is_empty()).then(|| left_out.join("; "));
     Ok(write_json(&folder.join("summary.json"), summary)?)

@@ -15,14 +15,12 @@ pub mod looked;
 pub mod origin;
 pub mod parquet;
 pub mod points;
-mod probable;
 mod resampled;
 pub mod settled;
 pub mod summary;
 pub mod survey;
 pub mod table;
 pub mod tally;
-pub mod traceability;
 pub mod validity;
 pub mod words;
 

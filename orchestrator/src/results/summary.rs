@@ -72,9 +72,6 @@ pub struct Summary {
     pub parameters: Vec<ParameterSummary>,
     /// The point nearest to the measurement, among those that meet all criteria if any does.
     pub best_point: Option<BestPoint>,
-    /// The point with the largest product of prior density and likelihood; none unless every measured value has an
-    /// uncertainty and the parameters' distributions are known.
-    pub most_probable_point: Option<BestPoint>,
     /// Doubts about the verdict.
     #[serde(default)]
     pub concerns: Vec<Concern>,
@@ -173,12 +170,6 @@ impl Summary {
             true => "accepted",
             false => "verified",
         }
-    }
-
-    /// Whether any parameter comes from a sample.
-    pub fn has_samples(&self) -> bool {
-        let mut parameters = self.parameters.iter();
-        parameters.any(|of| of.distribution.get("distribution") == Some(&"sample".into()))
     }
 
     /// The measured values with the joint distribution of their errors.

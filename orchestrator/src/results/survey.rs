@@ -1,13 +1,12 @@
-//! Conclusions from all points together besides the counts: how far they reach, which is the most probable, how the model
+//! Conclusions from all points together besides the counts: how far they reach, how the model
 //! compares with the measurement, what to improve first.
 
 use super::Row;
 use super::concerns::{out_of_reach, unmoved};
 use super::failed::{self, place};
 use super::improvement::{improvements, most_points};
-use super::probable::MostProbable;
 use super::settled::{Edges, Settled};
-use super::summary::{BestPoint, Summary};
+use super::summary::Summary;
 use crate::judge::Judge;
 use conformity::conclusion::grouped;
 use conformity::validation::{Comparison, Numerical, Spread};
@@ -30,7 +29,6 @@ pub struct Survey<'a> {
     points: u64,
     reached: Vec<[f64; 2]>,
     spreads: Vec<Spread>,
-    probable: Option<MostProbable<'a>>,
     first: Vec<Row>,
     /// Whether these went beyond what the model is valid for.
     beyond: Vec<bool>,
@@ -49,7 +47,6 @@ impl<'a> Survey<'a> {
             points: 0,
             reached: vec![[f64::INFINITY, f64::NEG_INFINITY]; criteria],
             spreads: vec![Spread::default(); criteria],
-            probable: plan.and_then(|plan| MostProbable::new(judge, plan)),
             first: Vec::new(),
             beyond: Vec::new(),
             edges: Edges::new(judge),
@@ -58,9 +55,6 @@ impl<'a> Survey<'a> {
 
     /// Looks at a point, which may have gone `beyond` what the model is valid for.
     pub fn add(&mut self, label: u64, parameters: &[f64], outcome: &Outcome, beyond: bool) {
-        if let Some(probable) = &mut self.probable {
-            probable.add(label, parameters, outcome);
-        }
         self.edges.add(label, outcome);
         if self.first.len() < most_points(self.judge.criteria.len()) {
             let values = outcome.as_ref().ok().cloned();
@@ -130,8 +124,6 @@ impl<'a> Survey<'a> {
                 }
             }
         }
-        let probable = self.probable.as_ref().and_then(MostProbable::best);
-        summary.most_probable_point = probable.map(|kept| BestPoint::new(self.judge, &summary.parameters, kept));
         let drawn = self.plan.filter(|_| self.drawn);
         if self.points > 0 && !summary.has_own_values() {
             let gains = improvements(self.judge, drawn, &self.first);

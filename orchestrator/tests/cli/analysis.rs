@@ -262,17 +262,6 @@ fn one_net_states_no_interval_and_replicates_do() {
     study("monte-carlo\"\nreplicates = 16").is_mistake(&["sobol.toml", "replicates"]);
 }
 
-#[cfg(feature = "png")]
-#[test]
-fn report_writes_pixels() {
-    let bench = bench();
-    bench.run(&["verify", "study.toml", "--output", "out"]);
-    let said = bench.run(&["report", "out", "--png"]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    let file = std::fs::read(bench.path("out/plots/distribution-Y.png")).unwrap();
-    assert!(file.starts_with(b"\x89PNG") && file.len() > 2000);
-}
-
 const SETTINGS: &str = r#"
 diameter = "25 mm"
 smoothing = { method = "savitzky-golay", window = 21, order = 3 }

@@ -332,25 +332,6 @@ fn a_criterion_that_no_parameter_reaches_is_warned_of() {
     assert!(found.iter().any(|c| c.starts_with("Y: the value is 0.86466 at all 40 points")), "{found:?}");
 }
 
-/// The most probable point has the largest product of prior density and likelihood, the nearest the least distance.
-#[test]
-fn the_most_probable_point_is_not_the_nearest() {
-    let (bench, summary) = verified(&STUDY.replace("nominal = 0.86", "nominal = 0.9"));
-    let table = bench.read("out/points.csv");
-    let rows = table.lines().skip(1).map(|line| {
-        let cells: Vec<f64> = line.split(',').take(3).map(|cell| cell.parse().unwrap()).collect();
-        let (rate, y) = ((cells[1] - 1.0) / 0.1, (cells[2] - 0.9) / 0.005);
-        (cells[0], -0.5 * (rate * rate + y * y), y.abs())
-    });
-    let rows: Vec<(f64, f64, f64)> = rows.collect();
-    let probable = rows.iter().max_by(|a, b| a.1.total_cmp(&b.1)).unwrap();
-    let nearest = rows.iter().min_by(|a, b| a.2.total_cmp(&b.2)).unwrap();
-    assert_eq!(summary["most_probable_point"]["point"], probable.0 as u64);
-    assert_eq!(summary["best_point"]["point"], nearest.0 as u64);
-    let (_, summary) = verified(&STUDY.replace("uncertainty = 0.01\n", ""));
-    assert!(summary["most_probable_point"].is_null());
-}
-
 /// y = 1 - exp(-rate t): its values at three times and its mean over one second are known.
 #[test]
 fn each_criterion_has_its_own_window() {

@@ -142,8 +142,8 @@ fn all_behaviours() {
     let bench = Bench::empty();
     bench.damage();
     let mut spoilt = Vec::new();
-    for (every, jobs) in [(10, "1"), (10, "2"), (50, "2"), (500, "1")] {
-        let points = 100.max(3 * every);
+    for (every, jobs) in [(10, "1"), (10, "2"), (50, "1"), (50, "2"), (500, "1"), (500, "2")] {
+        let points = 100.max(2 * every);
         for (what, name) in WHAT.iter().enumerate().skip(1) {
             for (how, end) in HOW.iter().enumerate() {
                 let wrong = wrong(&bench, what, how, every, points, jobs);

@@ -68,7 +68,7 @@ fn files(bench: &Bench, folder: &str) -> (String, String, String) {
     (
         bench.read(&format!("{folder}/points.csv")),
         without(&summary, &KEYS_OF_HOW),
-        bench.read(&format!("{folder}/best.srmd")),
+        bench.read(&format!("{folder}/best.ssv")),
     )
 }
 
@@ -143,7 +143,7 @@ fn kill(points: u32, kills: u32, finished: u32) {
     assert!(workers > 0, "no worker was killed");
     println!("{killed} supervisors and {workers} workers killed over {points} points");
     assert!(files(&bench, "killed") == files(&bench, "whole"));
-    for file in ["best.ssv", "best.srmd", "best-point.csv"] {
+    for file in ["best.ssv", "best-point.csv"] {
         assert_eq!(bench.read(&format!("killed/{file}")), bench.read(&format!("whole/{file}")));
     }
     let entries = fs::read_dir(bench.path("killed")).unwrap().flatten();

@@ -237,7 +237,7 @@ fn ramping() -> String {
 }
 
 #[test]
-fn the_best_point_is_a_parameter_set_with_its_provenance() {
+fn the_best_point_is_a_parameter_set() {
     let bench = bench();
     assert_eq!(bench.run(&["verify", "studies/study.toml", "--output", "out"]).code, 0);
     let summary = bench.summary("out");
@@ -250,10 +250,6 @@ fn the_best_point_is_a_parameter_set_with_its_provenance() {
         "<ssc:BaseUnit m=\"1\"/>",
     ] {
         assert!(set.contains(part), "no {part} in {set}");
-    }
-    let provenance = bench.read("out/best.srmd");
-    for part in [&summary["provenance"]["fmu_sha256"], &summary["provenance"]["study_sha256"]] {
-        assert!(provenance.contains(part.as_str().unwrap()), "{provenance}");
     }
     // Another program may use it; ours gets the same point from it.
     let said = bench.run(&[

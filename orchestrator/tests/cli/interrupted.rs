@@ -384,7 +384,7 @@ fn a_hundred_kills_with_one_two_and_five_workers_cost_a_batch_a_worker_at_most()
         "0",
     ];
     let commands: [(&[&str], &str, &[&str]); 4] = [
-        (until, "journal.txt", &["points.csv", "summary.json", "best.srmd"]),
+        (until, "journal.txt", &["points.csv", "summary.json", "best.ssv"]),
         (POSTERIOR.command, "identify/journal.txt", POSTERIOR.files),
         (SENSITIVITY.command, "sensitivity/journal.txt", SENSITIVITY.files),
         (ROBUSTNESS.command, "robustness/journal.txt", ROBUSTNESS.files),

@@ -102,7 +102,7 @@ fn a_packed_study_is_run_elsewhere_and_gives_its_result() {
     assert!(said.out.contains("as packed"), "{}", said.out);
     assert_eq!(bench.summary("there")["points"], 40);
     let all = tests(&bench, "junit.xml");
-    for name in ["Y", "smoke test", "verdict", SAME] {
+    for name in ["Y", "verdict", SAME] {
         let is_it = |test: &&crate::gate::Test| test.0 == "compare" && test.1 == name;
         let test = all.iter().find(is_it).unwrap();
         assert_eq!(test.2, None, "{name}");
@@ -170,14 +170,6 @@ fn a_changed_model_does_not_give_the_carried_result() {
     });
     assert_eq!(said.code, 1, "{}{}", said.out, said.err);
     assert!(said.out.contains("Y changed at 1 point beyond rounding"), "{}", said.out);
-    // A trajectory that it does not give, in both files: their difference is what numerical errors may be.
-    let said = with(&|name, content| {
-        let text = String::from_utf8_lossy(content);
-        let is_it = name.contains("results/nominal-1");
-        is_it.then(|| text.replace("\n1.5,0.7", "\n1.5,0.8").into_bytes())
-    });
-    assert_eq!(said.code, 1, "{}{}", said.out, said.err);
-    assert!(said.out.contains("differs: lag.y was 0.8"), "{}", said.out);
     let headline = "against its result: The results differ\n";
     assert!(said.out.contains(headline), "{}", said.out);
     assert!(!said.out.contains("met again"), "{}", said.out);

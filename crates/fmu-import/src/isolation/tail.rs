@@ -5,6 +5,12 @@ use crate::logger::shortened;
 /// How much is kept, bytes.
 pub(super) const KEPT: usize = 4096;
 
+/// What may go to a terminal: an FMU's own control characters could paint over what the program says there.
+pub(super) fn harmless(chunk: &[u8]) -> String {
+    let shown = |c: char| if c.is_control() && !matches!(c, '\n' | '\t') { char::REPLACEMENT_CHARACTER } else { c };
+    String::from_utf8_lossy(chunk).replace("\r\n", "\n").chars().map(shown).collect()
+}
+
 /// The last bytes of what was printed.
 #[derive(Debug, Default)]
 pub(super) struct Tail(Vec<u8>);
@@ -25,5 +31,15 @@ impl Tail {
         let text = self.text();
         let line = text.lines().map(str::trim).rfind(|line| !line.is_empty());
         shortened(line.unwrap_or("").to_owned())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_steers_a_terminal_does_not_reach_it() {
+        assert_eq!(harmless(b"warm\x1b[2J\r\n\tand \xc3\xa9\x07\n"), "warm\u{fffd}[2J\n\tand \u{e9}\u{fffd}\n");
     }
 }

@@ -8,7 +8,7 @@ use rustix::io::ioctl_fionbio;
 use rustix::stdio::{dup2_stderr, dup2_stdout};
 
 use super::system::pipe;
-use super::tail::{KEPT, Tail};
+use super::tail::{KEPT, Tail, harmless};
 
 /// Hears what this process and its children print.
 #[derive(Debug)]
@@ -42,7 +42,7 @@ impl Words {
             };
             if let Some(echo) = &mut self.echo {
                 // Nobody may be listening.
-                let _ = echo.write_all(&chunk[..count]);
+                let _ = echo.write_all(harmless(&chunk[..count]).as_bytes());
             }
             self.end.add(&chunk[..count]);
         }

@@ -11,6 +11,7 @@ use std::sync::atomic::Ordering;
 use std::time::{Duration, Instant};
 
 use rand::rngs::StdRng;
+use rand::seq::SliceRandom;
 use rand::{RngExt, SeedableRng};
 
 use crate::{Error, Outcome, pipeline::Model};
@@ -27,6 +28,8 @@ const FIRST: usize = 4;
 /// They run again while that takes less than this together, or than this part of the time of the run; one runs in any case.
 const LITTLE: Duration = Duration::from_secs(2);
 const PART: u32 = 50;
+/// So many points run again for that time on a machine that has no other work: on a busy one no fewer do.
+const FEWEST: usize = 24;
 /// So many points drawn from all that each host has answered run again, while all that takes less than this together, or than this
 /// part of the time of the run: what spoils one point in twenty shows among them.
 const DRAWN: usize = 60;
@@ -116,14 +119,17 @@ impl Again {
         let stopped = || stop::flag().load(Ordering::Relaxed);
         let (begun, whole) = (Instant::now(), self.begun.elapsed());
         let first = std::mem::take(&mut self.points);
-        let drawn = in_turn(std::mem::take(&mut self.drawn));
+        let mut drawn = std::mem::take(&mut self.drawn);
+        // There may be no time for all, and the first that were drawn are mostly the first that were answered.
+        drawn.values_mut().for_each(|draw| draw.points.shuffle(&mut self.random));
+        let drawn = in_turn(drawn);
         let is_first = std::iter::repeat_n(true, first.len()).chain(std::iter::repeat(false));
-        let (mut count, mut differences, mut latest) = (0, Vec::new(), Some(Duration::MAX));
+        let (mut count, mut differences, mut latest) = (0_usize, Vec::new(), Some(Duration::MAX));
         let mut others: BTreeMap<String, u64> = BTreeMap::new();
         let mut workers = BTreeMap::new();
         for (point, is_first) in first.into_iter().chain(drawn).zip(is_first) {
             let spent = begun.elapsed();
-            let room = match is_first {
+            let room = match is_first || count < FEWEST {
                 true => LITTLE.max(whole / PART),
                 false => LITTLE_OF_DRAWN.max(whole / PART_OF_DRAWN),
             };

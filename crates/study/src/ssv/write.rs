@@ -66,7 +66,7 @@ fn base(unit: &Unit) -> Vec<(&'static str, String)> {
 }
 
 /// The document that a template makes of values. They stand in attributes, or by the filter `text` between tags.
-pub fn filled(template: &str, values: Cell) -> String {
+fn filled(template: &str, values: Cell) -> String {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.set_formatter(|out, _, value| {

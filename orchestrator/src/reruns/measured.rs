@@ -1,0 +1,31 @@
+//! Measured curves beside the results.
+
+use std::fs;
+use std::path::Path;
+
+use crate::report::history;
+use crate::results::Summary;
+use number_tables::csv_file;
+use point_journal::files::write_table;
+use study::plan::Plan;
+
+/// Writes the measured curves, where there are any, and returns a sentence where that fails.
+pub(super) fn write(plan: &Plan, folder: &Path, summary: &Summary) -> Option<String> {
+    let path = folder.join(history::MEASURED);
+    if plan.probes().all(|probe| probe.curve.is_none()) {
+        // An earlier run may have left one.
+        let _ = fs::remove_file(&path);
+        return None;
+    }
+    let written = write_table(&path, history::MEASURED_COLUMNS, |table| {
+        for (probe, name) in plan.probes().zip(summary.criteria.keys()) {
+            let Some(curve) = &probe.curve else { continue };
+            for (row, (time, value)) in curve.shown_times().zip(&curve.values).enumerate() {
+                let uncertainty = curve.expanded(row).map_or_else(String::new, |width| width.to_string());
+                table.write_record([&*csv_file::cell(name), &time.to_string(), &value.to_string(), &uncertainty])?;
+            }
+        }
+        Ok(())
+    });
+    written.err().map(|error| error.to_string())
+}
