@@ -264,7 +264,7 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     if len(rows[last]) < width and last == good[-1] and len(good) > 2 and len(rows[good[-2]]) == width:
         good.pop()
         told.append(f"line {last + 1}, the last one, is cut off and was left out")
-    others = [k for k in range(first, len(rows)) if any(rows[k]) and k not in set(good) and not (told and k == last)]
+    others = [k for k in sorted({*range(first, len(rows))}.difference(good)) if any(rows[k]) and not (told and k == last)]
     if others:
         shown = " ".join(rows[others[0]])[:60]
         told.append(f"{len(others)} lines hold no row of the recording and were left out, line {others[0] + 1} first: `{shown}`")
@@ -284,6 +284,8 @@ def _kind(cells: Sequence[str]) -> str:
 
 def _suffix(cell: str) -> str:
     """The unit behind a number."""
+    if not cell or cell[-1].isdigit():
+        return ""
     found = re.fullmatch(NUMBER.pattern + r"\s*([^\d\s.,;][^\d]*)", _plain(cell))
     return found[found.re.groups] if found and _is_unit(found[found.re.groups]) else ""
 
@@ -337,7 +339,7 @@ def _header(path: Path, rows: list[list[str]], first: int, width: int, options: 
 
 def _numbers(path: Path, columns: Sequence[Sequence[str]], decimal: str | None, told: list[str]) -> Callable[[str], float | None]:
     """How a cell becomes a number: which of point and comma is the decimal mark, and which stands between thousands."""
-    cells = [plain for cells in columns for cell in cells if (plain := re.sub(r"[^\d.,+\-eE].*$", "", _plain(cell))) and NUMBER.fullmatch(plain)]
+    cells = [plain for cells in columns for cell in cells if NUMBER.fullmatch(plain := _plain(cell).removesuffix(_suffix(cell)).rstrip())]
     seen: dict[tuple[str, str], str] = {}  # the first cell in which a mark has a role
     for cell in cells:
         marks = re.findall("[.,]", cell)
