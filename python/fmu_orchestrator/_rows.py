@@ -247,7 +247,12 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     names, units, header = _header(path, rows, first, width, options)
     columns_named = max((j + 1 for j, name in enumerate(names) if name), default=0)
     if columns_named > width:
-        raise OrchestratorError(f"{path}: {columns_named} names on line {header} and {width} cells in most rows; say --delimiter or --header")
+        if not options.header:
+            raise OrchestratorError(
+                f"{path}: {columns_named} names on line {header} and {width} cells in most rows; say --delimiter, or --header {header} where the last "
+                "names have no cells")
+        told.append(f"no cells below `{'`, `'.join(filter(None, names[width:]))}`")
+        names, units = names[:width], units[:width]
     if not header and options.header is None:
         # Codes and channel numbers may stand where names do: as values they would be a row that nobody measured.
         raise OrchestratorError(
