@@ -6,7 +6,7 @@ use number_tables::files::FileError;
 use number_tables::{Column, Table};
 use sampling::design::Design;
 use sampling::distribution::Distribution;
-use study::inputs::ZeroError;
+use study::inputs::InputError;
 use study::plan::Input;
 use study::{ParameterText, Study};
 
@@ -21,7 +21,7 @@ pub enum Source {
 
 impl Source {
     /// The parameters of a study from a table, in the study's units. A fixed parameter needs
-    /// no column, and without theirs the zero errors of recorded inputs are 0.
+    /// no column, and without theirs the errors of recorded inputs are 0.
     ///
     /// # Errors
     /// As [`Table::read`].
@@ -63,8 +63,8 @@ impl Source {
         Ok(Self::Table(table))
     }
 
-    /// Whether points of a table take a recorded input as it is, as its zero error has no column or is 0 throughout.
-    pub fn lacks(&self, inputs: &[Input], error: &ZeroError) -> bool {
+    /// Whether points of a table take a recorded input as it is, as its error has no column or is 0 throughout.
+    pub fn lacks(&self, inputs: &[Input], error: &InputError) -> bool {
         let place = inputs.iter().position(|input| input.name == error.name);
         matches!((self, place), (Self::Table(table), Some(place)) if table.rows.iter().all(|row| row[place] == 0.0))
     }

@@ -6,6 +6,7 @@ Each library is imported only when a file needs it; ``pip install "fmu-orchestra
 process with limits: a file that is damaged costs a line, not the machine.
 """
 
+import argparse
 import csv
 import datetime
 import filecmp
@@ -14,10 +15,11 @@ import json
 import os
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from . import _rows
 from ._errors import OrchestratorError
@@ -38,7 +40,7 @@ class Contents:
 
     groups: list[Group] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)  # names of what is no series of numbers
-    invalid: dict[str, int] = field(default_factory=dict)  # samples that the file calls invalid, by channels
+    invalid: Counter[str] = field(default_factory=Counter)  # samples that the file calls invalid, by channels
     start: Any = None  # the time stamp at time 0
     told: list[str] = field(default_factory=list)  # how the file was understood
 
@@ -104,7 +106,7 @@ def convert_here(path: Path, folder: Path, zero: str | None = None, options: _ro
         begin = file.read(8)
     reader = next((known for mark, known in MARKS.items() if begin.startswith(mark)), READERS.get(path.suffix.lower(), _text))
     try:
-        contents = _text(path, options) if reader is _text else reader(path) if reader is not _xlsx else _xlsx(path, options)
+        contents = reader(path, options)
     except OrchestratorError as error:
         raise OrchestratorError(str(error).replace(str(path), name)) from error
     except MemoryError:
@@ -184,11 +186,8 @@ def _write(group: Group, path: Path, source: Path) -> Path:
     return path
 
 
-def _text(path: Path, options: _rows.Options | None = None) -> Contents:
-    return _understood(path, _rows.read(path, options or _rows.Options()))
-
-
-def _understood(path: Path, columns: _rows.Columns) -> Contents:
+def _text(path: Path, options: _rows.Options) -> Contents:
+    columns = _rows.read(path, options)
     return Contents([Group(path.stem, columns.time, columns.channels)], told=columns.told, start=columns.start)
 
 
@@ -210,13 +209,15 @@ def _is_series(values: Any) -> bool:
     return getattr(values, "ndim", 0) == 1 and len(values) > 1 and getattr(values, "dtype", None) is not None and values.dtype.kind in "iufb"
 
 
-def _mdf(path: Path) -> Contents:
+def _mdf(path: Path, _: object = None) -> Contents:
     contents = Contents()
     with _library("asammdf", path).MDF(path) as mdf:
         contents.start = _stamp(mdf.header.start_time.isoformat())
         for number in mdf.virtual_groups:
             group = Group(f"group {number}", None)
-            for signal in mdf.select(_channels(mdf, number), raw=False, copy_master=True):
+            included = mdf.included_channels(number)[number]
+            places = [(None, index, channel) for index, channels in included.items() for channel in channels]
+            for signal in mdf.select(places, raw=False, copy_master=True):
                 if not _is_series(signal.samples) or len(signal.samples) != len(signal.timestamps):
                     contents.left_out.append(signal.name)
                     continue
@@ -237,16 +238,11 @@ def _valid(signal: Any, contents: Contents) -> Any:
     bits = signal.invalidation_bits
     if bits is None or not bits.any():
         return signal.samples
-    contents.invalid[signal.name] = contents.invalid.get(signal.name, 0) + int(bits.sum())
+    contents.invalid[signal.name] += int(bits.sum())
     return [None if invalid else value for value, invalid in zip(signal.samples.tolist(), bits.tolist(), strict=True)]
 
 
-def _channels(mdf: Any, number: int) -> list[tuple[None, int, int]]:
-    included = mdf.included_channels(number)[number]
-    return [(None, group, channel) for group, channels in included.items() for channel in channels]
-
-
-def _tdms(path: Path) -> Contents:
+def _tdms(path: Path, _: object = None) -> Contents:
     contents = Contents()
     file = _library("nptdms", path).TdmsFile.read(path)
     starts = [c.properties["wf_start_time"] for g in file.groups() for c in g.channels() if "wf_start_time" in c.properties]
@@ -309,7 +305,7 @@ def _by_length(items: Iterable[tuple[str, str, Any]], contents: Contents) -> Con
 TIMES = {"t", "ts", "time", "zeit", "timestamp", "timestamps", "tout"}
 
 
-def _hdf5(path: Path) -> Contents:
+def _hdf5(path: Path, _: object = None) -> Contents:
     contents = Contents()
     h5py = _library("h5py", path)
     items: list[tuple[str, str, Any]] = []
@@ -335,7 +331,7 @@ def _hdf5(path: Path) -> Contents:
     return _by_length(items, contents)
 
 
-def _mat(path: Path) -> Contents:
+def _mat(path: Path, _: object = None) -> Contents:
     with path.open("rb") as file:
         # MATLAB 7.3 writes HDF5 behind its own header.
         if file.read(10) == b"MATLAB 7.3" or b"\x89HDF" in file.read(600):
@@ -367,7 +363,7 @@ def _flat(name: str, value: Any, contents: Contents) -> Iterator[tuple[str, str,
         contents.left_out.append(name)
 
 
-def _parquet(path: Path) -> Contents:
+def _parquet(path: Path, _: object = None) -> Contents:
     """Moments and durations become seconds."""
     table = _library("pyarrow.parquet", path).read_table(path)
     group, contents = Group(path.stem, None), Contents()
@@ -393,7 +389,7 @@ def _parquet(path: Path) -> Contents:
     return contents
 
 
-def _xlsx(path: Path, options: _rows.Options | None = None) -> Contents:
+def _xlsx(path: Path, options: _rows.Options) -> Contents:
     book = _library("openpyxl", path).load_workbook(path, read_only=True, data_only=True)
     contents = Contents()
     for sheet in book.worksheets:
@@ -401,7 +397,7 @@ def _xlsx(path: Path, options: _rows.Options | None = None) -> Contents:
         if sum(any(_rows._is_value(cell) for cell in row) for row in rows) < 2:
             contents.left_out.append(sheet.title)
             continue
-        columns = _rows.table(path, rows, options or _rows.Options(), ".")
+        columns = _rows.table(path, rows, options, ".")
         contents.told.extend(columns.told)
         contents.start = contents.start or columns.start
         contents.groups.append(Group(sheet.title, columns.time, columns.channels))
@@ -420,7 +416,7 @@ def _cell(cell: Any) -> str:
 
 
 EXTRAS = {"asammdf": "mdf", "nptdms": "tdms", "h5py": "hdf5", "scipy": "mat", "openpyxl": "xlsx", "pyarrow": "parquet"}
-READERS: Mapping[str, Callable[[Path], Contents]] = {
+READERS: Mapping[str, Callable[[Path, _rows.Options], Contents]] = {
     ".mf4": _mdf,
     ".mdf": _mdf,
     ".dat": _text,
@@ -436,49 +432,37 @@ READERS: Mapping[str, Callable[[Path], Contents]] = {
 
 
 # What a file begins with says more than its ending.
-MARKS: Mapping[bytes, Callable[[Path], Contents]] = {
+MARKS: Mapping[bytes, Callable[[Path, _rows.Options], Contents]] = {
     b"MDF ": _mdf, b"UnFinMF": _mdf, b"TDSm": _tdms, b"\x89HDF": _hdf5, b"MATLAB": _mat, b"PAR1": _parquet, b"PK\x03\x04": _xlsx,
 }
 
-HELP = """convert FILE [OPTIONS]: a plain csv file for `orchestrator`, one for each rate: names `name [unit]`, numbers
-FILE: text in any usual form, or {endings}
---output FOLDER   where the csv goes (beside FILE)
---zero STAMP      the moment of time 0, for several files of a run
-for text and spreadsheets, where two readings are possible:
---delimiter LETTER (or tab, space), --decimal . (or ,), --encoding NAME, --header LINE (of the names; 0 where there are none),
---time COLUMN, --format "%d/%m/%Y %H:%M:%S", --unit NAME=UNIT"""
+OPTIONS = {
+    "output": "where the csv goes (beside FILE)", "zero": "the moment of time 0, for several files of a run",
+    "delimiter": "the letter between cells, or tab, space", "decimal": "the decimal mark: . or ,", "encoding": "such as utf-16",
+    "header": "the line of the names; 0 where there are none", "time": "the column of the time", "format": "of stamps: %%d/%%m/%%Y %%H:%%M:%%S",
+}
+
+
+class _Parser(argparse.ArgumentParser):
+    def error(self, message: str) -> NoReturn:
+        raise OrchestratorError(f"convert: {message}; see convert --help")
 
 
 def main(given: Sequence[str]) -> int:
     """``convert FILE [OPTIONS]``."""
-    arguments = list(given)
-    if arguments in (["--help"], ["-h"]):
-        print(HELP.format(endings=" ".join(ending for ending, reader in READERS.items() if reader is not _text)))
+    if given[:1] == ["--one"]:
+        _one(json.loads(given[1]))
         return 0
-    if arguments[:1] == ["--one"]:
-        _one(json.loads(arguments[1]))
-        return 0
-    said: dict[str, Any] = {}
-    files: list[str] = []
-    while arguments:
-        word = arguments.pop(0)
-        if not word.startswith("--"):
-            files.append(word)
-            continue
-        key = word[2:]
-        if key not in ("output", "zero", "delimiter", "decimal", "encoding", "header", "time", "format", "unit") or not arguments:
-            raise OrchestratorError(f"convert: {word} is no option, or lacks its value; see convert --help")
-        value = arguments.pop(0)
-        if key == "unit":
-            name, equals, unit = value.rpartition("=")
-            if not equals:
-                raise OrchestratorError("convert: --unit takes NAME=UNIT")
-            said.setdefault("units", {})[name] = unit
-        elif key == "header" and not value.isdigit():
-            raise OrchestratorError("convert: --header takes the number of a line")
-        else:
-            said[key] = int(value) if key == "header" else value
-    if len(files) != 1:
-        raise OrchestratorError("convert takes one file: convert x.mf4 [--output FOLDER]")
-    convert(files[0], said.pop("output", None), **said)
+    endings = " ".join(ending for ending, reader in READERS.items() if reader is not _text)
+    about = "writes a plain csv file for each rate: names `name [unit]`, numbers; the options decide where two readings are possible"
+    parser = _Parser("convert", description=about)
+    parser.add_argument("file", metavar="FILE", help=f"text in any usual form, or {endings}")
+    for key, words in OPTIONS.items():
+        parser.add_argument(f"--{key}", help=words, type=int if key == "header" else str)
+    parser.add_argument("--unit", metavar="NAME=UNIT", action="append", default=[], help="of a column")
+    said = {key: value for key, value in vars(parser.parse_args(given)).items() if value is not None}
+    pairs = [pair.rpartition("=") for pair in said.pop("unit")]
+    if not all(equals for _, equals, _ in pairs):
+        parser.error("--unit takes NAME=UNIT")
+    convert(said.pop("file"), said.pop("output", None), units={name: unit for name, _, unit in pairs}, **said)
     return 0

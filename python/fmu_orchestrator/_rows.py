@@ -5,15 +5,18 @@ and encodings are read here: dateutil takes 03/11 for March, pandas takes 1.234 
 encodings by likeliness, and none of them says that there was a choice.
 """
 
+import contextlib
 import csv
+import dataclasses
 import datetime
-import io
+import functools
 import re
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 from ._errors import OrchestratorError
 
@@ -22,11 +25,12 @@ SAMPLE = 2000
 # Cells that say that there is no value, whoever wrote them.
 NOTHING = {"", "-", "--", "---", "nan", "n/a", "#n/a", "na", "null", "none", "<na>", "#n/v"}
 NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)*|[.,]\d+)([eE][+-]?\d+)?")
+OTHER = {".": ",", ",": "."}
 # One to three digits, then groups of three: thousands, or a number with three decimals.
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+")
 BLANKS = re.compile(r"(?<=\d)['\u2019\u00a0\u202f\u2009 ](?=\d{3}(?!\d))")
 DAY = re.compile(r"(?:[A-Za-z]{2,3}[.,]? )?(\d{1,4})([-./ ])(\d{1,2}|[^\W\d_]{3,9})\.?\2 ?(\d{2,4})")
-COMPACT = re.compile(r"((?:19|20)\d{6})(?:[T :_]?(\d{4}(?:\d\d)?(?:[.,]\d+)?))?(Z|[+-]\d\d:?\d\d)?")
+COMPACT = re.compile(r"((?:19|20)\d\d)([01]\d)([0-3]\d)[T :_]?(\d\d)(\d\d)(\d\d(?:[.,]\d+)?)?(Z|[+-]\d\d:?\d\d)?")
 HOURS = re.compile(r"(?:(\d+) ?d(?:ays?)?,? ?)?(\d{1,6}):(\d\d)(?::(\d\d)(?:[.,:](\d{1,12}))?)?(?: ?([AaPp])\.?[Mm]\.?)?(?: ?(Z|[+-]\d\d:?\d\d))?")
 MONTHS = {name: k // 3 + 1 for k, name in enumerate(
     "jan jan jan feb feb feb mar mrz mär apr apr apr may mai mai jun jun jun jul jul jul aug aug aug sep sep sep oct okt okt "
@@ -120,7 +124,7 @@ def read(path: Path, options: Options) -> Columns:
     told = [] if encoding.startswith("utf-8") else [f"encoding: {encoding}"]
     lines = content.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     if lines[0].startswith("LabVIEW Measurement"):
-        return _labview(path, lines)
+        return _labview(path, lines, options)
     delimiter = SEPARATORS.get(options.delimiter or "", options.delimiter)
     if lines[0].lower().startswith("sep=") and len(lines[0].strip()) == 5:
         delimiter, lines[0] = delimiter or lines[0][4], ""
@@ -243,7 +247,12 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     names, units, header = _header(path, rows, first, width, options)
     columns_named = max((j + 1 for j, name in enumerate(names) if name), default=0)
     if columns_named > width:
-        raise OrchestratorError(f"{path}: {columns_named} names on line {header} and {width} cells in most rows; say --delimiter or --header")
+        if not options.header:
+            raise OrchestratorError(
+                f"{path}: {columns_named} names on line {header} and {width} cells in most rows; say --delimiter, or --header {header} where the last "
+                "names have no cells")
+        told.append(f"no cells below `{'`, `'.join(filter(None, names[width:]))}`")
+        names, units = names[:width], units[:width]
     if not header and options.header is None:
         # Codes and channel numbers may stand where names do: as values they would be a row that nobody measured.
         raise OrchestratorError(
@@ -260,7 +269,7 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     if len(rows[last]) < width and last == good[-1] and len(good) > 2 and len(rows[good[-2]]) == width:
         good.pop()
         told.append(f"line {last + 1}, the last one, is cut off and was left out")
-    others = [k for k in range(first, len(rows)) if any(rows[k]) and k not in set(good) and not (told and k == last)]
+    others = [k for k in sorted({*range(first, len(rows))}.difference(good)) if any(rows[k]) and not (told and k == last)]
     if others:
         shown = " ".join(rows[others[0]])[:60]
         told.append(f"{len(others)} lines hold no row of the recording and were left out, line {others[0] + 1} first: `{shown}`")
@@ -280,6 +289,8 @@ def _kind(cells: Sequence[str]) -> str:
 
 def _suffix(cell: str) -> str:
     """The unit behind a number."""
+    if not cell or cell[-1].isdigit():
+        return ""
     found = re.fullmatch(NUMBER.pattern + r"\s*([^\d\s.,;][^\d]*)", _plain(cell))
     return found[found.re.groups] if found and _is_unit(found[found.re.groups]) else ""
 
@@ -333,29 +344,19 @@ def _header(path: Path, rows: list[list[str]], first: int, width: int, options: 
 
 def _numbers(path: Path, columns: Sequence[Sequence[str]], decimal: str | None, told: list[str]) -> Callable[[str], float | None]:
     """How a cell becomes a number: which of point and comma is the decimal mark, and which stands between thousands."""
-    cells = [plain for cells in columns for cell in cells if (plain := re.sub(r"[^\d.,+\-eE].*$", "", _plain(cell))) and NUMBER.fullmatch(plain)]
-    evidence: dict[str, str] = {}
-    thousands: dict[str, str] = {}
-    unclear: dict[str, str] = {}
-    long = False
+    cells = [plain for cells in columns for cell in cells if NUMBER.fullmatch(plain := _plain(cell).removesuffix(_suffix(cell)).rstrip())]
+    seen: dict[tuple[str, str], str] = {}  # the first cell in which a mark has a role
     for cell in cells:
-        points, commas = cell.count("."), cell.count(",")
-        long = long or bool(re.match(r"[+-]?\d{4}", cell))
-        if points and commas:
-            last = max(".,", key=cell.rfind)
-            evidence.setdefault(last, cell)
-            thousands.setdefault("," if last == "." else ".", cell)
-        elif points + commas:
-            mark = "." if points else ","
-            if points + commas > 1:
-                thousands.setdefault(mark, cell)
-            elif GROUPED.fullmatch(cell):
-                unclear.setdefault(mark, cell)
-            else:
-                evidence.setdefault(mark, cell)
+        marks = re.findall("[.,]", cell)
+        if len(set(marks)) == 2:
+            seen.setdefault(("decimal", marks[-1]), cell)
+        if marks:
+            role = "thousands" if len(marks) > 1 else "unclear" if GROUPED.fullmatch(cell) else "decimal"
+            seen.setdefault((role, marks[0]), cell)
+    evidence, thousands, unclear = ({mark: seen[role, mark] for mark in ".," if (role, mark) in seen} for role in ("decimal", "thousands", "unclear"))
 
-    def refuse(mark: str, cell: str, why: str) -> None:
-        other = "," if mark == "." else "."
+    def refuse(mark: str, why: str) -> NoReturn:
+        cell, other = unclear[mark], OTHER[mark]
         raise OrchestratorError(
             f"{path}: `{cell}` may be {cell.replace(mark, '')} or {cell.replace(mark, '.')}{why}; say --decimal \"{mark}\" where `{mark}` is the "
             f"decimal mark, or --decimal \"{other}\" where it stands between thousands")
@@ -365,22 +366,17 @@ def _numbers(path: Path, columns: Sequence[Sequence[str]], decimal: str | None, 
             raise OrchestratorError(f"{path}: `{evidence['.']}` has a decimal point and `{evidence[',']}` a decimal comma; say --decimal, or correct one")
         if evidence:
             [decimal] = evidence
-            other = "," if decimal == "." else "."
-            if other in unclear and other not in thousands:
-                refuse(other, unclear[other], f" beside `{evidence[decimal]}`")
+            if OTHER[decimal] in unclear and OTHER[decimal] not in thousands:
+                refuse(OTHER[decimal], f" beside `{evidence[decimal]}`")
         elif len(thousands) == 1:
-            [other] = thousands
-            decimal = "," if other == "." else "."
-        elif unclear:
-            mark, cell = next(iter(unclear.items()))
-            if len(unclear) > 1 or not long:
-                refuse(mark, cell, "")
-            decimal = mark
+            decimal = OTHER[next(iter(thousands))]
+        elif unclear and (len(unclear) > 1 or not any(re.match(r"[+-]?\d{4}", cell) for cell in cells)):
+            refuse(next(iter(unclear)), "")
         else:
-            decimal = "."
+            decimal = next(iter(unclear), ".")
     if decimal in thousands:
         raise OrchestratorError(f"{path}: `{thousands[decimal]}` has several `{decimal}`, which is the decimal mark elsewhere; say --decimal")
-    between = "," if decimal == "." else "."
+    between = OTHER[decimal]
     if decimal == "," or between in thousands or between in unclear:
         told.append(f"decimal mark: {decimal}" + (f"; `{between}` stands between thousands" if between in thousands or between in unclear else ""))
     group = re.compile(rf"[+-]?[1-9]\d{{0,2}}(\{between}\d{{3}})+(\{decimal}\d*)?([eE][+-]?\d+)?")
@@ -400,73 +396,51 @@ def _numbers(path: Path, columns: Sequence[Sequence[str]], decimal: str | None, 
 
 @dataclass
 class Moment:
-    """A stamp: the day in the order that it is written, and the time."""
+    """A stamp: its day and its time, or one of them."""
 
-    day: tuple[int, int, int] | None  # as written
-    order: str  # "ymd", "dmy" or "?" where day and month may be either way round
+    days: Mapping[str, datetime.date] | None  # the days that it may mean, by the order of day and month
     seconds: float | None
-    zone: float  # s
-    is_short: bool = False  # hours and minutes alone
+    is_short: bool = False  # hours and minutes alone, or minutes and seconds
+
+
+@functools.lru_cache(1 << 14)
+def _days(one: str, mark: str, two: str, three: str) -> Mapping[str, datetime.date]:
+    month = two if two.isdigit() else str(MONTHS.get(two[:3].lower(), 0))
+    readings = {"": (one, month, three)} if len(one) == 4 else {"": (three, month, one)}
+    if len(one) < 3 and two.isdigit() and mark in "/-":
+        readings = {"day first": (three, two, one), "month first": (three, one, two)}
+    days = {}
+    for order, (year, at, day) in readings.items():
+        with contextlib.suppress(ValueError):
+            days[order] = datetime.date(int(year) + (2000 if len(year) == 2 else 0), int(at), int(day if len(day) < 3 else 0))
+    return days
 
 
 def _moment(cell: str, form: str | None) -> Moment | None:
     if form:
-        try:
+        with contextlib.suppress(ValueError):
             at = datetime.datetime.strptime(cell, form)
-        except ValueError:
-            return None
-        zone = at.utcoffset()
-        has_day = any(letter in form for letter in ("%d", "%j", "%x", "%c"))
-        seconds = at.hour * 3600 + at.minute * 60 + at.second + at.microsecond * 1e-6
-        return Moment((at.year, at.month, at.day) if has_day else None, "ymd", seconds, zone.total_seconds() if zone else 0.0)
+            day = {"": at.date()} if any(letter in form for letter in ("%d", "%j", "%x", "%c")) else None
+            seconds = (at.replace(tzinfo=None) - datetime.datetime.combine(at.date(), datetime.time())).total_seconds()
+            return Moment(day, seconds - (at.utcoffset() or datetime.timedelta()).total_seconds())
+        return None
     if found := COMPACT.fullmatch(cell):
-        day, rest = found[1], (found[2] or "").replace(",", ".")
-        if not (1 <= int(day[4:6]) <= 12 and 1 <= int(day[6:]) <= 31) or (not rest):
-            return None
-        seconds = int(rest[:2]) * 3600 + int(rest[2:4]) * 60 + float(rest[4:] or 0)
-        return Moment((int(day[:4]), int(day[4:6]), int(day[6:])), "ymd", seconds, _zone(found[3]))
-    found = DAY.match(cell)
-    rest = cell
-    ordered: tuple[int, int, int] | None = None
-    order = ""
-    if found:
-        one, mark, two, three = found[1], found[2], found[3], found[4]
-        rest = cell[found.end():].lstrip(" T,")
-        month = MONTHS.get(two[:3].lower()) if not two.isdigit() else int(two)
-        if month is None:
-            return None
-        if len(one) == 4:
-            ordered, order = (int(one), month, int(three)), "ymd"
-            if len(three) > 2:
-                return None
-        elif len(three) in (2, 4) and len(one) <= 2:
-            year = int(three) + (2000 if len(three) == 2 else 0)
-            ordered = (year, month, int(one))
-            order = "?" if two.isdigit() and mark in "/-" else "dmy"
-        else:
-            return None
-        most = max(ordered[1:])
-        if not (1 <= min(ordered[1:]) and most <= 31 and (order == "?" or ordered[1] <= 12) and min(ordered[1:]) <= (12 if order == "?" else 31)):
+        cell = f"{found[1]}-{found[2]}-{found[3]} {found[4]}:{found[5]}{f':{found[6]}' if found[6] else ''}{found[7] or ''}"
+    days, rest = None, cell
+    if found := DAY.match(cell):
+        days, rest = _days(*found.groups()), cell[found.end():].lstrip(" T,")
+        if not days:
             return None
         if not rest:
-            return Moment(ordered, order, None, 0.0)
+            return Moment(days, None)
     clock = HOURS.fullmatch(rest)
-    if clock is None:
+    if clock is None or int(clock[3]) > 59 or int(clock[4] or 0) > 60:
         return None
-    hours, minutes = int(clock[2]), int(clock[3])
-    if (minutes > 59) or (clock[4] and int(clock[4]) > 60):
-        return None
-    if clock[6]:
-        hours = hours % 12 + (12 if clock[6] in "pP" else 0)
-    seconds = int(clock[1] or 0) * 86400 + hours * 3600 + minutes * 60 + int(clock[4] or 0) + (float(f"0.{clock[5]}") if clock[5] else 0.0)
-    return Moment(ordered, order, seconds, _zone(clock[7]), clock[4] is None and ordered is None and not clock[6])
-
-
-def _zone(zone: str | None) -> float:
-    if not zone or zone == "Z":
-        return 0.0
-    digits = zone[1:].replace(":", "")
-    return (int(digits[:2]) * 3600 + int(digits[2:]) * 60) * (-1.0 if zone[0] == "-" else 1.0)
+    hours = int(clock[2]) if not clock[6] else int(clock[2]) % 12 + (12 if clock[6] in "pP" else 0)
+    seconds = int(clock[1] or 0) * 86400 + hours * 3600 + int(clock[3]) * 60 + int(clock[4] or 0) + float(f"0.{clock[5] or 0}")
+    if zone := (clock[7] or "Z").strip("Z").replace(":", ""):
+        seconds -= (int(zone[1:3]) * 3600 + int(zone[3:]) * 60) * (-1 if zone[0] == "-" else 1)
+    return Moment(days, seconds, not (clock[4] or days or clock[6]))
 
 
 def _columns(
@@ -486,23 +460,20 @@ def _columns(
     time, start = _time(path, labels, names, kinds, cells, number, options, told, taken)
     channels: list[tuple[str, str, Sequence[Any]]] = []
     for j in range(width):
-        if j in taken or not any(cell for cell in cells[j]):
+        if j in taken:
+            continue
+        if not any(cells[j]):
+            told.append(f"column `{labels[j]}` is empty and was left out")
             continue
         if kinds[j] != "number":
             sample = next(cell for cell in cells[j] if cell)
             told.append(f"column `{labels[j]}` holds no numbers (`{sample[:40]}`) and was left out")
             continue
         suffixes = {_suffix(cell) for cell in cells[j] if cell.lower() not in NOTHING} - {""}
-        strip: Callable[[str], str] = str
-        if len(suffixes) == 1:
-            own = unit(next(iter(suffixes)))
-            if said[j] and said[j] != own:
-                raise OrchestratorError(f"{path}: column `{labels[j]}` is in `{said[j]}` and its cells in `{own}`; say --unit \"{labels[j]}={own}\" or correct one")
-            said[j] = own
-
-            def strip(cell: str) -> str:
-                return cell[: -len(_suffix(cell))].strip() if _suffix(cell) else cell
-
+        suffix = suffixes.pop() if len(suffixes) == 1 else ""
+        if suffix and said[j] and said[j] != unit(suffix):
+            raise OrchestratorError(f"{path}: column `{labels[j]}` is in `{said[j]}` and its cells in `{unit(suffix)}`; say --unit \"{labels[j]}={unit(suffix)}\" or correct one")
+        said[j] = unit(suffix) if suffix else said[j]
         values: list[Any] = []
         marks = 0
         for cell in cells[j]:
@@ -510,7 +481,7 @@ def _columns(
                 marks += bool(cell)
                 values.append(None)
             else:
-                value = number(strip(cell))
+                value = number(cell.removesuffix(suffix).strip())
                 # What is no number stays for the reader to ask.
                 values.append(cell if value is None else value)
         if marks:
@@ -529,33 +500,24 @@ def _time(
     options: Options, told: list[str], taken: set[int],
 ) -> tuple[list[float | None] | None, datetime.datetime | None]:
     """Seconds since the first stamp, and that, where there are stamps."""
-    def parsed(j: int) -> list[Moment | None]:
-        return [_moment(cell.strip(), options.format) if cell else None for cell in cells[j]]
-
     if options.time and options.time not in [*labels, *names]:
         raise OrchestratorError(f"{path}: --time {options.time}: there is no such column; it has {', '.join(labels)}")
     wanted = None if options.time is None else labels.index(options.time) if options.time in labels else names.index(options.time)
     stamps = [j for j, kind in enumerate(kinds) if kind == "stamp" or (options.format and wanted == j)]
     if options.format and not stamps:
         stamps = [j for j in range(len(kinds)) if any(_moment(cell, options.format) for cell in cells[j][:20])]
-    moments = {j: parsed(j) for j in stamps}
-
-    def first(j: int) -> Moment | None:
-        return next((moment for moment in moments[j] if moment), None)
-
-    heads = {j: first(j) for j in stamps}
-    days = [j for j, head in heads.items() if head and head.day and head.seconds is None]
-    clocks = [j for j, head in heads.items() if head and head.day is None]
-    whole = [j for j, head in heads.items() if head and head.day and head.seconds is not None]
+    moments = {j: [_moment(cell.strip(), options.format) if cell else None for cell in cells[j]] for j in stamps}
+    heads = {j: next((moment for moment in moments[j] if moment), None) for j in stamps}
+    days = [j for j, head in heads.items() if head and head.days and head.seconds is None]
+    clocks = [j for j, head in heads.items() if head and head.days is None]
+    whole = [j for j, head in heads.items() if head and head.days and head.seconds is not None]
     if wanted is not None:
         if wanted not in stamps:
             return None, None
         days, clocks, whole = ([j for j in group if j == wanted or (group is not whole and wanted in days + clocks)] for group in (days, clocks, whole))
-    at = _calendar(labels, kinds, cells, number, taken) if not stamps else None
-    if at is not None:
-        return _seconds(path, at, "year, month, day", told)
     if not stamps:
-        return None, None
+        row = _calendar(labels, kinds, cells, number, taken)
+        return (None, None) if row is None else _seconds(row, "year, month, day", told)
     if len(whole) == 1 and not (days and clocks):
         chosen = whole
     elif not whole and len(days) == 1 and len(clocks) == 1:
@@ -569,97 +531,68 @@ def _time(
     name = " and ".join(f"`{labels[j]}`" for j in chosen)
     joined = [_join([moments[j][k] for j in chosen]) for k in range(len(cells[0]))]
     head = next(moment for moment in joined if moment)
-    if head.is_short and len(chosen) == 1 and not options.format:
+    if head.is_short and len(chosen) == 1:
         raise OrchestratorError(f"{path}: times such as `{cells[chosen[0]][0]}` may be hours and minutes or minutes and seconds; say --format \"%H:%M\" or \"%M:%S\"")
-    bad = next((k for k, moment in enumerate(joined) if moment is None), None)
-    if bad is not None and any(cells[j][bad] for j in chosen):
+    bad = next((k for k, moment in enumerate(joined) if moment is None and any(cells[j][k] for j in chosen)), None)
+    if bad is not None:
         raise OrchestratorError(f"{path}: `{' '.join(cells[j][bad] for j in chosen)}` of the time {name} (row {bad + 1}) is no time like the others; say --format")
-    if head.day is None:
-        return _of_day(joined, name, told)
-    both = [moment for moment in joined if moment and moment.day]
-    readings = {"day first": False, "month first": True}
-    if all(moment.order != "?" for moment in both):
-        readings = {"": False}
-    else:
-        if any(moment.day[2] > 12 for moment in both if moment.day):
-            readings.pop("month first")
-        if any(moment.day[1] > 12 for moment in both if moment.day):
-            readings.pop("day first", None)
-    answers = []
-    for word, swapped in readings.items():
-        try:
-            answers.append((word, _dated(joined, swapped)))
-        except ValueError:
-            continue
-    if not answers:
+    if head.days is None:
+        return _of_day(joined, name, told), None
+    readings = {}
+    for order in ("", "day first", "month first"):
+        if all(moment is None or moment.days and order in moment.days for moment in joined):
+            readings[order] = [moment and _at(moment, order) for moment in joined]
+    if not readings:
         raise OrchestratorError(f"{path}: the dates of {name} are none; say --format")
-    origin = [(word, moments_of, min(m for m in moments_of if m is not None)) for word, moments_of in answers]
-    if len(origin) == 2:
-        differences = [[None if m is None else (m - zero).total_seconds() for m in row] for _, row, zero in origin]
-        if differences[0] != differences[1]:
-            rising = [k for k, row in enumerate(differences) if _rises(row)]
-            if len(rising) != 1:
-                sample = cells[chosen[0]][0]
-                raise OrchestratorError(f"{path}: dates such as `{sample}` may have the day or the month first; say --format \"%d/%m/%Y %H:%M:%S\" or \"%m/%d/%Y %H:%M:%S\"")
-            origin = [origin[rising[0]]]
+    sample = cells[chosen[0]][0]
+    if len(readings) == 2:
+        differences = [[at and at - min(filter(None, row)) for at in row] for row in readings.values()]
+        rising = [order for order, row in readings.items() if _rises(row)]
+        if differences[0] == differences[1]:
+            told.append(f"`{sample}` may have the day or the month first: the same seconds either way, so time 0 is known but for its date")
+        elif len(rising) == 1:
+            readings = {rising[0]: readings[rising[0]]}
         else:
-            told.append(f"`{cells[chosen[0]][0]}` may have the day or the month first: the same seconds either way, so time 0 is known but for its date")
-    word, row, _ = origin[0]
-    return _seconds(path, row, name + (f" ({word})" if word and len(origin) == 1 else ""), told)
+            raise OrchestratorError(f"{path}: dates such as `{sample}` may have the day or the month first; say --format \"%d/%m/%Y %H:%M:%S\" or \"%m/%d/%Y %H:%M:%S\"")
+    order, row = next(iter(readings.items()))
+    return _seconds(row, name + (f" ({order})" if order and len(readings) == 1 else ""), told)
 
 
-def _rises(row: Sequence[float | None]) -> bool:
+def _rises(row: Sequence[Any]) -> bool:
     there = [value for value in row if value is not None]
-    return all(after >= before for before, after in zip(there, there[1:], strict=False))
+    return all(after >= before for before, after in pairwise(there))
 
 
 def _join(parts: list[Moment | None]) -> Moment | None:
-    if any(part is None for part in parts):
-        return None
-    if len(parts) == 1:
-        return parts[0]
-    day, clock = parts
-    assert day and clock
-    return Moment(day.day, day.order, clock.seconds, clock.zone)
+    """A moment in one column, or its day and its time in two."""
+    day, clock = parts[0], parts[-1]
+    return day and clock and Moment(day.days, clock.seconds, day.is_short)
 
 
-def _dated(moments: Sequence[Moment | None], swapped: bool) -> list[datetime.datetime | None]:
-    def at(moment: Moment) -> datetime.datetime:
-        assert moment.day
-        year, month, day = moment.day
-        if swapped and moment.order == "?":
-            month, day = day, month
-        return datetime.datetime(year, month, day) + datetime.timedelta(seconds=(moment.seconds or 0.0) - moment.zone)
-
-    return [None if moment is None or moment.day is None else at(moment) for moment in moments]
+def _at(moment: Moment, order: str) -> datetime.datetime:
+    assert moment.days
+    return datetime.datetime.combine(moment.days[order], datetime.time()) + datetime.timedelta(seconds=moment.seconds or 0.0)
 
 
-def _of_day(moments: Sequence[Moment | None], name: str, told: list[str]) -> tuple[list[float | None], None]:
+def _of_day(moments: Sequence[Moment | None], name: str, told: list[str]) -> list[float | None]:
     """Times of day; after midnight they begin anew."""
-    seconds: list[float | None] = []
-    days, last, zero = 0, None, None
+    there = [moment.seconds for moment in moments if moment and moment.seconds is not None]
+    days, last, seconds = 0, there[0], []
     for moment in moments:
-        if moment is None or moment.seconds is None:
-            seconds.append(None)
-            continue
-        value = moment.seconds
-        if last is not None and value < last - 43200:
-            days += 1
-        last = value
-        zero = value if zero is None else zero
-        seconds.append(round(value + 86400 * days - zero, 9))
-    most = max((value for value in seconds if value is not None), default=0.0)
+        value = moment and moment.seconds
+        if value is not None:
+            days, last = days + (value < last - 43200), value
+        seconds.append(None if value is None else round(value + 86400 * days - there[0], 9))
+    most = max(value for value in seconds if value is not None)
     told.append(f"time: {name}, 0 .. {most:.12g} s" + (f", over midnight {days} times" if days else ""))
-    return seconds, None
+    return seconds
 
 
-def _seconds(
-    path: Path, row: Sequence[datetime.datetime | None], name: str, told: list[str]
-) -> tuple[list[float | None], datetime.datetime]:
+def _seconds(row: Sequence[datetime.datetime | None], name: str, told: list[str]) -> tuple[list[float | None], datetime.datetime]:
     zero = next(at for at in row if at is not None)
     seconds = [None if at is None else (at - zero).total_seconds() for at in row]
     there = [value for value in seconds if value is not None]
-    falls = sum(after < before for before, after in zip(there, there[1:], strict=False))
+    falls = sum(after < before for before, after in pairwise(there))
     told.append(f"time: {name}, {min(there):.12g} .. {max(there):.12g} s" + (f"; it falls {falls} times (a clock that was set back)" if falls else ""))
     return seconds, zero
 
@@ -691,51 +624,34 @@ def _calendar(
     return row
 
 
-def _labview(path: Path, lines: Sequence[str]) -> Columns:
+def _labview(path: Path, lines: Sequence[str], options: Options) -> Columns:
     """LabVIEW's measurement files say how they are written."""
     marks = [k for k, line in enumerate(lines) if line.startswith("***End_of_Header***")]
-    if len(marks) < 2:
-        raise OrchestratorError(f"{path}: LabVIEW's header has no end; export it as csv")
-    if len(marks) > 2:
-        raise OrchestratorError(f"{path}: {len(marks) - 1} segments, each a recording of its own; save them as files of their own")
+    if len(marks) != 2:
+        why = "LabVIEW's header has no end; export it as csv" if len(marks) < 2 else f"{len(marks) - 1} segments, each a recording of its own; save them as files of their own"
+        raise OrchestratorError(f"{path}: {why}")
     known = {parts[0]: parts[1] for line in lines[: marks[0]] if len(parts := line.split("\t" if "\t" in line else ",")) > 1}
     delimiter = "," if known.get("Separator") == "Comma" else "\t"
-    decimal = known.get("Decimal_Separator", ".")
-    rows = _split(path, lines, delimiter)
-    about = {row[0]: row[1:] for row in rows[marks[0] + 1 : marks[1]] if row}
-    names, body = rows[marks[1] + 1], [row for row in rows[marks[1] + 2 :] if any(row)]
-
-    def number(cell: str) -> float | None:
-        try:
-            return float(cell.replace(decimal, "."))
-        except ValueError:
-            return None
-
-    def channel(j: int) -> list[Any]:
-        cells = [row[j] if j < len(row) else "" for row in body]
-        return [None if not cell else value if (value := number(cell)) is not None else cell for cell in cells]
-
-    columns, told = known.get("X_Columns", "One"), []
-    units = about.get("Y_Unit_Label", [])
-    channels: list[tuple[str, str, Sequence[Any]]] = []
-    count = int(number(about.get("Channels", ["0"])[0]) or 0)
-    step = 2 if columns == "Multi" else 1
-    time: list[float | None] | None = None
-    for c in range(count):
-        place = step * c + (1 if columns != "Multi" else 1)
-        if columns == "Multi":
-            channels.append((f"{names[place - 1]} {c + 1}", "s", channel(place - 1)))
-        label = names[place] if place < len(names) else str(c + 1)
-        channels.append((label, unit(units[c]) if c < len(units) and units[c] else "", channel(place)))
-    if columns == "One":
-        time = channel(0)
-    elif columns == "No":
-        begins = {number(cell) for cell in about.get("X0", [])[:count]}
-        steps = {number(cell) for cell in about.get("Delta_X", [])[:count]}
-        if len(begins) != 1 or len(steps) != 1 or None in begins | steps:
+    decimal, way = known.get("Decimal_Separator", "."), known.get("X_Columns", "One")
+    about = {row[0]: row[1:] for row in _split(path, lines[marks[0] + 1 : marks[1]], delimiter) if row}
+    names, *body = _split(path, lines[marks[1] + 1 :], delimiter)
+    count, units = len([name for name in about.get("Samples", names) if name]), about.get("Y_Unit_Label", [])
+    places = [2 * c + 1 if way == "Multi" else c + 1 for c in range(count)]
+    for c, place in enumerate(places):
+        if way == "Multi":
+            names[place - 1] = f"{names[place - 1]} {c + 1} [s]"
+        if c < len(units) and units[c] and place < len(names):
+            names[place] += f" [{units[c]}]"
+    last = places[-1] + 1
+    body = [row[:last] + [""] * (last - len(row)) for row in body if any(row[:last])]
+    columns = table(path, [names[:last], *body], dataclasses.replace(options, header=1, decimal=decimal))
+    if way == "One":
+        columns.time = list(columns.channels.pop(0)[2])
+    elif way == "No":
+        begins, steps = ({cell.replace(decimal, ".") for cell in about.get(key, [])[:count]} for key in ("X0", "Delta_X"))
+        if len(begins) != 1 or len(steps) != 1 or "" in begins | steps:
             raise OrchestratorError(f"{path}: its channels have clocks of their own (X0, Delta_X); save it with X columns")
-        [begin], [delta] = begins, steps
-        time = [round((begin or 0.0) + k * (delta or 0.0), 12) for k in range(len(body))]
-    if time:
-        told.append(f"time: by LabVIEW's header, {time[0]} .. {time[-1]} s")
-    return Columns(time, channels, None, told)
+        columns.time = [round(float(*begins) + k * float(*steps), 12) for k in range(len(body))]
+    if columns.time:
+        columns.told.append(f"time: by LabVIEW's header, {columns.time[0]} .. {columns.time[-1]} s")
+    return columns

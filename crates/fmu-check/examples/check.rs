@@ -3,14 +3,13 @@
 use std::error::Error;
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::Duration;
 
-use fmu_check::{Severity, check};
+use fmu_check::{Conditions, Severity, check};
 
 fn main() -> Result<ExitCode, Box<dyn Error>> {
     fmu_check::serve_if_probe();
     let fmu = std::env::args_os().nth(1).ok_or("which FMU?")?;
-    let findings = check(Path::new(&fmu), Duration::from_secs(60))?;
+    let findings = check(Path::new(&fmu), &Conditions::default())?;
     for finding in &findings.all {
         println!("{:?}: {}", finding.rule.severity, finding.hit.full());
     }

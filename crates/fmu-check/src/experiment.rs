@@ -24,9 +24,10 @@ pub(crate) fn first_steps(whole: Schedule) -> Schedule {
     Schedule { stop: whole.stop.min(whole.start + STEPS * whole.step), ..whole }
 }
 
-/// The suggested experiment, or another where that is of no use.
-pub(crate) fn schedule(fmu: &Description) -> Schedule {
+/// The suggested experiment, or another where that is of no use, with this step or the suggested one.
+pub(crate) fn schedule(fmu: &Description, step: Option<f64>) -> Schedule {
     let mut schedule = Schedule::suggested(fmu);
+    schedule.step = step.unwrap_or(schedule.step);
     let passes = schedule.stop > schedule.start;
     if !passes {
         schedule.stop = schedule.start + 1.0;
@@ -44,7 +45,7 @@ pub(crate) fn schedule(fmu: &Description) -> Schedule {
 /// When the last step of a schedule's size ends before the suggested stop time, s: a shorter one may be refused.
 pub(crate) fn last_whole_step(fmu: &Description, schedule: &Schedule) -> f64 {
     let Schedule { start, step, .. } = *schedule;
-    start + ((self::schedule(fmu).stop - start) / step + 1e-6).floor() * step
+    start + ((self::schedule(fmu, None).stop - start) / step + 1e-6).floor() * step
 }
 
 /// The same number of steps, of another size.

@@ -29,7 +29,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-use fmu_import::{ArchiveError, FmuError, FmuFault, Package, Version, needed};
+use fmu_import::{ArchiveError, FmuError, FmuFault, Package, Value, Version, needed};
 use fmu_points::scratch::ScratchError;
 use fmu_points::stop;
 use thiserror::Error;
@@ -73,16 +73,33 @@ pub struct Findings {
     version: Version,
 }
 
+/// How the short simulations of a check are run.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Conditions {
+    /// How long each may take.
+    pub patience: Duration,
+    /// The communication step, s; as the FMU suggests otherwise.
+    pub step: Option<f64>,
+    /// Start values, by value reference.
+    pub set: Vec<(u32, Value)>,
+}
+
+impl Default for Conditions {
+    /// A minute each, as the FMU suggests.
+    fn default() -> Self {
+        Self { patience: Duration::from_secs(60), step: None, set: Vec::new() }
+    }
+}
+
 /// Looks at an FMU before it is used: first at the model description and the archive, then at short simulations, each in
-/// a process of its own and for no longer than `patience`. The processes are this program once more: see
-/// [`serve_if_probe`].
+/// a process of its own. The processes are this program once more: see [`serve_if_probe`].
 ///
 /// # Errors
 /// When there is no such file, when it is no archive, and when the system says no.
-pub fn check(fmu: &Path, patience: Duration) -> Result<Findings, CheckError> {
+pub fn check(fmu: &Path, conditions: &Conditions) -> Result<Findings, CheckError> {
     let mut findings = Findings { fmu: fmu.to_owned(), all: Vec::new(), ignored: Vec::new(), version: Version::Two };
     match Package::open(fmu) {
-        Ok(package) => findings.look(package, patience)?,
+        Ok(package) => findings.look(package, conditions)?,
         // An archive that is no FMU of this version, or damaged, is a finding; what is no archive, a mistake.
         Err(FmuError { fault, .. }) if fault.is_in_fmu() => match fault {
             FmuFault::Description(fault) => {
@@ -137,7 +154,7 @@ impl Findings {
         self.all.push(Finding { rule, hit });
     }
 
-    fn look(&mut self, mut package: Package, patience: Duration) -> Result<(), CheckError> {
+    fn look(&mut self, mut package: Package, conditions: &Conditions) -> Result<(), CheckError> {
         self.version = package.description().standard;
         self.described(&mut package)?;
         // Probes of the binary would only repeat the description's errors.
@@ -170,7 +187,7 @@ impl Findings {
             return Ok(());
         }
         let failed = |source| CheckError::Io { path: folder.path().to_owned(), source };
-        let mut probes = Probes::new(&package, &unpacked, folder.path(), patience).map_err(failed)?;
+        let mut probes = Probes::new(&package, &unpacked, folder.path(), conditions).map_err(failed)?;
         for (rule, hit) in probes.findings(described_well).map_err(failed)? {
             self.add(rule, hit);
         }

@@ -35,6 +35,8 @@ pub(crate) struct Setup {
     pub(crate) life: Life,
     pub(crate) schedule: Schedule,
     pub(crate) columns: Vec<Handle>,
+    /// Start values of every simulation, and of those in which parameters change.
+    pub(crate) set: Vec<(u32, Value)>,
     pub(crate) changed: Vec<(u32, Value)>,
     /// One row is kept of so many steps.
     pub(crate) every: u64,
@@ -222,7 +224,7 @@ impl Probe<'_> {
         let mut begin = || -> Result<(), Call> {
             let (instance, schedule) = (&mut live.instance, &self.schedule);
             instance.setup_experiment(schedule.start, schedule.stop, schedule.tolerance)?;
-            for (reference, value) in changed {
+            for (reference, value) in changed.iter().chain(&self.setup.set) {
                 instance.set(*reference, value)?;
             }
             instance.initialise()?;

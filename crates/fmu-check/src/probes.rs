@@ -10,7 +10,7 @@ use crate::child::{self, Outcome};
 use crate::compare::{Change, changes, difference};
 use crate::hit::{Breach, Hit};
 use crate::probe::{End, Life, Run, Setup};
-use crate::{experiment, simulated};
+use crate::{Conditions, experiment, simulated};
 use fmu_import::isolation::watch::Snapshot;
 use fmu_import::{Description, Package, Variable};
 use tempfile::TempDir;
@@ -38,15 +38,16 @@ impl<'a> Probes<'a> {
         package: &'a Package,
         unpacked: &Path,
         scratch: &'a Path,
-        patience: Duration,
+        conditions: &Conditions,
     ) -> io::Result<Self> {
         let fmu = package.description();
         let columns = experiment::columns(fmu);
         let setup = Setup {
             fmu: std::path::absolute(unpacked)?,
             life: Life::Alone,
-            schedule: experiment::first_steps(experiment::schedule(fmu)),
+            schedule: experiment::first_steps(experiment::schedule(fmu, conditions.step)),
             columns: columns.iter().map(|variable| variable.handle()).collect(),
+            set: conditions.set.clone(),
             changed: experiment::changed(fmu),
             every: 1,
             end: End::default(),
@@ -54,7 +55,7 @@ impl<'a> Probes<'a> {
         Ok(Self {
             fmu,
             columns,
-            patience,
+            patience: conditions.patience,
             original: package.path(),
             files: Snapshot::of(&setup.fmu),
             changed: None,

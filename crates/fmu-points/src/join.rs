@@ -138,6 +138,7 @@ mod tests {
             curve: None,
             detail: None,
             unit: None,
+            product: None,
         };
         let task = Task {
             observed: vec![probe.clone(), probe],

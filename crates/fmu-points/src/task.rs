@@ -9,7 +9,7 @@ mod slot;
 pub use curve::{CurveErrors, Delay, MeasuredCurve, Resampling};
 pub use inputs::{Series, Unseen, place};
 pub use schedule::{CommunicationPoints, Schedule};
-pub use slot::Slot;
+pub use slot::{SensorError, Slot};
 
 use std::sync::Arc;
 
@@ -89,6 +89,21 @@ pub struct Probe {
     /// The variable's unit, for people.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
+    /// Where it is the product of another variable and a recorded input: the rig multiplied by the reading, errors and all, and so
+    /// does the result.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub product: Option<Product>,
+}
+
+/// The factors of a variable.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Product {
+    /// The other variable.
+    pub of: Handle,
+    /// The recorded input.
+    pub by: Handle,
+    /// The variable over the product of both, which is 1 where their units are coherent.
+    pub factor: f64,
 }
 
 /// A number without which a statistic is not complete.
@@ -130,6 +145,7 @@ impl Probe {
             curve: None,
             detail: None,
             unit: variable.unit().map(str::to_owned),
+            product: None,
         })
     }
 
@@ -154,6 +170,13 @@ impl Probe {
     /// One that reads the variable at a time of the model's clock, s, in the unit of a measured curve.
     pub fn at_row(&self, curve: &MeasuredCurve, time: f64) -> Self {
         Self { curve: Some(Arc::new(curve.read_at(time))), ..self.clone() }
+    }
+
+    /// Whether another one takes the same statistic of the same part of the run.
+    pub fn looks_as(&self, other: &Self) -> bool {
+        self.curve.is_none()
+            && other.curve.is_none()
+            && (self.statistic, self.window, self.detail) == (other.statistic, other.window, other.detail)
     }
 
     /// When it reads a row of a curve, on the model's clock, s.

@@ -173,8 +173,7 @@ impl<'a> Aligned<'a> {
         let mean_friction =
             self.grid.mean(&bearing.torque, &of_both(&friction), |v| of_product(v, &[of_load, of_torque]));
         let scatter = [&friction_before, &friction].map(|values| variance(values, 0).sqrt() / mean(values).abs());
-        let mut warnings = self.warnings(&findings, scatter);
-        warnings.extend(lost);
+        let warnings = self.warnings(&findings, scatter);
         Ok(Synchronised {
             friction_before,
             friction,
@@ -183,6 +182,7 @@ impl<'a> Aligned<'a> {
             mean_friction: mean_friction.measured,
             findings,
             warnings,
+            doubts: lost,
             ..self.result
         })
     }

@@ -30,8 +30,9 @@ pub use spectrum::Noise;
 /// A gap in the record may be this many times as long as a step.
 const LONGEST_GAP: f64 = 10.0;
 
-/// The same of a signal that nothing is correlated with: what lies in its gaps does not count.
-const LONGEST_OF_OTHERS: f64 = 100.0;
+/// A signal that nothing is correlated with may have any gaps, as what lies in them does not count; but with them it has no more
+/// samples than memory has room for.
+const MOST_SAMPLES: f64 = 1e7;
 
 /// Aligns a recording and derives the criteria.
 ///
@@ -44,9 +45,9 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
         None => {
             let others = recording.others.iter().map(|channel| other(recording, channel, None));
             let (findings, concerns): (Vec<_>, Vec<_>) = others.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
-            let mut warnings: Vec<String> = findings.iter().filter_map(unsteady).collect();
-            warnings.extend(concerns.into_iter().flatten());
-            Synchronised { findings, warnings, ..Synchronised::default() }
+            let warnings = findings.iter().filter_map(unsteady).collect();
+            let doubts = concerns.into_iter().flatten().collect();
+            Synchronised { findings, warnings, doubts, ..Synchronised::default() }
         }
     };
     for channel in recording.signals() {
@@ -77,8 +78,12 @@ fn other(
 ) -> Result<(DerivedCriterion, Option<String>), SignalError> {
     let (time, values) = channel.within(recording.window());
     let cleaned = channel.clean(&values);
-    let spline = Spline::new(&channel.name, &time, &cleaned.values, LONGEST_OF_OTHERS)?;
+    let spline = Spline::new(&channel.name, &time, &cleaned.values, f64::INFINITY)?;
     let ((start, end), step) = (spline.span(), spline.step());
+    let holes = Holes::of(&time, &cleaned);
+    if let Some([from, to]) = holes.longest().filter(|_| (end - start) / step > MOST_SAMPLES) {
+        return Err(SignalError::Gap { name: channel.name.clone(), from, to });
+    }
     let even = Even::from_spline(&spline, start, end, step);
     let samples = even.values.len();
     let comb = comb.filter(|(_, load)| load.values.len() == samples && (load.step / step - 1.0).abs() < 1e-3);
@@ -87,7 +92,7 @@ fn other(
         None => Noise::by_rows(&cleaned.values),
     };
     let grid = Grid::new(recording, [start, step], samples);
-    Ok(grid.mean_of(channel, &even.values, &Holes::of(&time, &cleaned), noise))
+    Ok(grid.mean_of(channel, &even.values, &holes, noise))
 }
 
 /// Load and torque, aligned, and all criteria.

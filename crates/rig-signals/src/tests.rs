@@ -250,7 +250,7 @@ fn every_row_is_used_or_told() {
     let mut random = StdRng::seed_from_u64(9);
     for combination in 0..20_usize {
         let rates = [1000.0, [10.0, 100.0, 7.3, 1000.0, 1.0][combination % 5]];
-        let gap = [0, 1, 50, 3][combination / 5];
+        let gap = [0, 1, 50, 5000][combination / 5];
         let mut signal = |name: &str, rate: f64, clock: usize, start: f64| {
             let count = (20.0 * rate) as usize;
             let time: Vec<f64> = (0..count).map(|k| start + k as f64 / rate).collect();

@@ -11,11 +11,12 @@ use super::measured::Binder as CurveBinder;
 use super::samples::{self, Together};
 use super::values::{find, size_of, slot_of, value_of};
 use super::{CaseText, CriterionText, Name, ParameterText, Study, inputs, ssv};
+use crate::cases::SEPARATOR;
 use crate::concern::Concern;
 use fmu_import::quantity::Scale;
 use fmu_import::units::Conversion;
 use fmu_import::{Content, Description, Handle, Value, Variable};
-use fmu_points::task::{Detail, MeasuredCurve, Probe, Schedule, Slot, Task};
+use fmu_points::task::{Detail, MeasuredCurve, Probe, Product, Schedule, Slot, Task};
 use number_tables::files::FileError;
 use sampling::design::Joint;
 use sampling::statistics::Statistic;
@@ -32,8 +33,8 @@ pub(super) struct Bound {
     pub(super) outputs: Vec<Conversion>,
     /// The simulation.
     pub(super) task: Task,
-    /// The zero errors of its inputs.
-    pub(super) errors: Vec<inputs::ZeroError>,
+    /// The errors of its inputs' sensors.
+    pub(super) errors: Vec<inputs::InputError>,
     /// Doubts about its inputs.
     pub(super) concerns: Vec<Concern>,
 }
@@ -120,11 +121,36 @@ impl Binder<'_> {
             let probe = Probe {
                 curve: self.curve(name, criterion, &scale, &probe.handle, schedule)?,
                 detail: self.detail(name, criterion, variable, schedule)?,
+                product: self.product(criterion, variable),
                 ..probe
             };
             Ok((scale.conversion.inverse(), probe))
         };
         self.study.criteria.iter().map(bind).collect()
+    }
+
+    /// What a derived criterion is the product of, where one factor is a recorded input.
+    fn product(&self, text: &CriterionText, variable: &Variable) -> Option<Product> {
+        let derived = text.derived.as_ref()?;
+        let [from, by] = [&derived.from, &derived.by].map(|key| key.as_ref().as_str());
+        self.study.inputs.get(by)?;
+        // Other statistics of a product do not follow from those of its factors.
+        let is_linear = matches!(text.statistic.unwrap_or_default(), Statistic::Mean | Statistic::Final);
+        if !is_linear || text.percent.is_some() || text.level.is_some() {
+            return None;
+        }
+        let is_factor = |name: &str| name == from || text.case.is_some() && name.ends_with(&format!("{SEPARATOR}{from}"));
+        let mut criteria = self.study.criteria.iter();
+        let (_, factor) = criteria.find(|(name, _)| is_factor(name.as_ref()))?;
+        let of = find(self.fmu, factor.variable.as_ref()).ok()?;
+        let by = find(self.fmu, by).ok()?;
+        let to_base = |variable: &Variable| match variable.unit() {
+            None => Some(1.0),
+            Some(unit) => self.fmu.units.0.get(unit)?.base.map(|base| base.to_base.factor),
+        };
+        // Without the units' definitions they count as coherent.
+        let factor = to_base(of).zip(to_base(by)).zip(to_base(variable)).map_or(1.0, |((of, by), own)| of * by / own);
+        Some(Product { of: of.number_handle()?, by: by.number_handle()?, factor })
     }
 
     /// The number that a criterion's statistic needs.

@@ -1,7 +1,8 @@
 //! Inputs that follow a recording.
 
+use super::limit::{gain, part};
 use super::values::{find, slot_of};
-use super::{CaseText, Name, RecordingText, Study};
+use super::{CaseText, CriterionText, Name, RecordingText, Study};
 use crate::cases::SEPARATOR;
 use crate::concern::{Code, Concern};
 use conformity::uncertainty::Uncertainty;
@@ -9,17 +10,22 @@ use fmu_import::description::Interface;
 use fmu_import::quantity::{Quantity, Scale, Sense};
 use fmu_import::units::{Conversion, known};
 use fmu_import::{Causality, Content, Description, Variability, Variable};
-use fmu_points::task::{Schedule, Series, Slot, place};
+use fmu_points::task::{Probe, Schedule, SensorError, Series, Slot, place};
 use number_tables::Table;
 use number_tables::files::FileError;
 use sampling::statistics::moments::{quantile, sorted};
+
+/// How the name of a sensor's zero error ends behind `/`, and its key in a study.
+pub const OFFSET: &str = "offset";
+/// The same of its gain error.
+pub const GAIN: &str = "gain";
 
 /// The recordings of a study for an FMU.
 pub(super) struct Recordings {
     /// What the inputs follow.
     pub(super) series: Vec<Series>,
-    /// Their zero errors.
-    pub(super) errors: Vec<ZeroError>,
+    /// The errors of their sensors.
+    pub(super) errors: Vec<InputError>,
     /// Doubts about them.
     pub(super) concerns: Vec<Concern>,
 }
@@ -51,9 +57,8 @@ pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> R
         in_seconds(&mut table, time).map_err(in_file)?;
         let unit = number_tables::agreed(column, table.units[1].as_deref(), recording.unit.as_deref());
         let scale = Scale::new(unit.map_err(in_file)?, fmu, variable).map_err(named)?;
-        let offset = recording.offset.as_ref().map_or(Ok(0.0), |offset| known_offset(offset, &slot, &scale));
-        let offset = offset.map_err(named)?;
-        table.rows.iter_mut().for_each(|row| row[1] -= offset);
+        let [offset, gain] = known_errors(recording, &slot, &scale).map_err(named)?;
+        table.rows.iter_mut().for_each(|row| row[1] = (row[1] - offset) / (1.0 + gain));
         let mut series = follow(&table, time, slot, scale.conversion)
             .map_err(|message| named(format!("{}: {message}", path.display())))?;
         series.hold = recording.hold || is_discrete(variable, &series.slot);
@@ -65,7 +70,7 @@ pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> R
                 .map_err(|message| named(format!("{}: {message}", path.display())))?;
         }
         concerns.extend(doubts(&series, schedule, &scale));
-        errors.extend(ZeroError::new(name, recording, &series, &scale).map_err(named)?);
+        errors.extend(InputError::all(name, recording, &series.slot, &scale).map_err(named)?);
         Ok(series)
     };
     let inputs = study.inputs.iter().map(&mut bind);
@@ -74,53 +79,81 @@ pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> R
     Ok(Recordings { series, errors, concerns })
 }
 
-/// A zero error of a recorded input that nobody knows: by how much the sensor reads too high.
+/// An unknown error of the sensor that recorded an input.
 #[derive(Clone, Debug)]
-pub struct ZeroError {
+pub struct InputError {
     /// The input in the study.
     pub key: Name,
     /// Its name among a point's values: `drive.u/offset`, after that of the case where another case has another sensor.
     pub name: String,
-    /// The recording's unit.
+    /// The unit of its values.
     pub unit: Option<String>,
-    /// The standard uncertainty, in that unit.
+    /// Their standard deviation about 0, in that unit.
     pub spread: f64,
     /// From that unit to the FMU's.
     pub conversion: Conversion,
     /// Takes it off the recording.
     pub slot: Slot,
-    /// The numbers of the cases that have it: those in which the same uncertainty is stated of the same input.
+    /// The numbers of the cases that have it: those in which the same is stated of the same input.
     pub cases: Vec<usize>,
 }
 
-impl ZeroError {
-    /// The error of one case; none where the recording states no uncertainty.
+impl InputError {
+    /// The errors of one case's input that are stated.
     ///
     /// # Errors
-    /// When the uncertainty is no positive number in the input's unit, or the input takes no zero error.
-    fn new(key: &Name, recording: &RecordingText, series: &Series, scale: &Scale<'_>) -> Result<Option<Self>, String> {
-        let Some(stated) = &recording.uncertainty else {
-            return Ok(None);
+    /// When one is no positive number in its unit, or the input has no real values.
+    fn all(key: &Name, recording: &RecordingText, slot: &Slot, scale: &Scale<'_>) -> Result<Vec<Self>, String> {
+        let in_unit = |what: &str, stated: &Quantity| {
+            let number = match stated.unit.as_deref() {
+                Some("%") => None,
+                _ => Some(scale.number(stated, Sense::Difference)?),
+            };
+            let number = number.filter(|number| *number > 0.0 && number.is_finite());
+            number.ok_or_else(|| format!("the {what} {stated} must be a positive number in the input's unit"))
         };
-        if series.slot.handle.content != Content::Real {
-            return Err("only a real input has a zero error; remove `uncertainty`".to_owned());
+        let mut all = Vec::new();
+        let mut add = |name: &str, error, unit: Option<&str>, spread, conversion| {
+            all.push(Self {
+                key: key.clone(),
+                name: format!("{}/{name}", key.as_ref()),
+                unit: unit.map(str::to_owned),
+                spread,
+                conversion,
+                slot: Slot { error: Some(error), ..slot.clone() },
+                cases: Vec::new(),
+            });
+        };
+        let unit = scale.unit.as_deref();
+        let differences = scale.conversion.of_differences();
+        if let Some(stated) = &recording.uncertainty {
+            let spread = in_unit("uncertainty", stated)? / Uncertainty::USUAL;
+            add(OFFSET, SensorError::Offset, unit, spread, differences);
         }
-        let expanded = match stated.unit.as_deref() {
-            Some("%") => None,
-            _ => Some(scale.number(stated, Sense::Difference)?),
-        };
-        let expanded = expanded.filter(|number| *number > 0.0 && number.is_finite());
-        let expanded = expanded
-            .ok_or_else(|| format!("the uncertainty {stated} must be a positive number in the input's unit"))?;
-        Ok(Some(Self {
-            key: key.clone(),
-            name: format!("{}/offset", key.as_ref()),
-            unit: scale.unit.clone(),
-            spread: expanded / Uncertainty::USUAL,
-            conversion: scale.conversion.of_differences(),
-            slot: Slot { shifts: true, ..series.slot.clone() },
-            cases: Vec::new(),
-        }))
+        if let Some(stated) = &recording.gain_uncertainty {
+            let spread = 100.0 * gain(stated)? / Uncertainty::USUAL;
+            let error = SensorError::Gain { about: scale.conversion.value(0.0) };
+            add(GAIN, error, Some("%"), spread, Conversion { factor: 0.01, offset: 0.0 });
+        }
+        if let Some(stated) = &recording.noise {
+            let deviation = differences.value(in_unit("noise", stated)?).abs();
+            add("noise", SensorError::Noise { deviation }, None, 1.0, Conversion::IDENTITY);
+        }
+        match all.is_empty() || slot.handle.content == Content::Real {
+            true => Ok(all),
+            false => Err("only a real input has errors of a sensor; remove `uncertainty`, `gain-uncertainty` and `noise`".to_owned()),
+        }
+    }
+
+    /// Whether a measured product has it and the model's has not: a statistic that is none of the factors', or noise.
+    pub(super) fn is_missed(&self, text: &CriterionText, probe: &Probe) -> bool {
+        let is_factor = text.derived.as_ref().is_some_and(|derived| derived.by.as_ref() == self.key.as_ref());
+        is_factor && (self.is_noise() || probe.product.is_none())
+    }
+
+    /// Whether its values are numbers by which noise is drawn.
+    pub fn is_noise(&self) -> bool {
+        matches!(self.slot.error, Some(SensorError::Noise { .. }))
     }
 
     /// Adds that of a case to those of the cases before.
@@ -146,21 +179,27 @@ impl ZeroError {
     }
 }
 
-/// A verdict whose points have no zero error of an input.
-pub fn taken_as_exact(key: &str, points: &str) -> Concern {
+/// A verdict whose points have none of a stated error.
+pub fn taken_as_exact(error: &str, points: &str) -> Concern {
     let text = format!(
-        "{key}: {points} take the recorded input as exact, though its uncertainty is stated: no risk and no error bar has it"
+        "{error}: {points} take the recorded input as free of this error, though it is stated: no risk and no error bar has it"
     );
-    Concern::new(Code::InputTakenAsExact, text)
-        .remedied("Take a design that draws its points, such as `sobol`, or let `identify` find the zero error.")
+    let remedy = "Take a design that draws its points, such as `sobol`; `identify` finds offsets and gains, too.";
+    Concern::new(Code::InputTakenAsExact, text).remedied(remedy)
 }
 
-/// A known zero error in the recording's unit.
-fn known_offset(stated: &Quantity, slot: &Slot, scale: &Scale<'_>) -> Result<f64, String> {
-    let is_real = slot.handle.content == Content::Real && stated.unit.as_deref() != Some("%");
-    let offset = is_real.then(|| scale.number(stated, Sense::Difference)).transpose()?;
-    let wrong = || format!("the offset {stated} must be a number in the unit of a real input");
-    offset.filter(|offset| offset.is_finite()).ok_or_else(wrong)
+/// The known offset, in the recording's unit, and gain of its sensor.
+fn known_errors(recording: &RecordingText, slot: &Slot, scale: &Scale<'_>) -> Result<[f64; 2], String> {
+    let is_real = slot.handle.content == Content::Real;
+    let number = |stated: &Option<Quantity>, what, of: &dyn Fn(&Quantity) -> Option<f64>| match stated {
+        None => Ok(0.0),
+        Some(stated) => of(stated).filter(|number| is_real && number.is_finite()).ok_or_else(|| format!("the {what} {stated} must be {}", match what {
+            OFFSET => "a number in the unit of a real input",
+            _ => "a share of a real input such as `0.5 %`, above -100 %",
+        })),
+    };
+    let in_unit = |stated: &Quantity| scale.number(stated, Sense::Difference).ok().filter(|_| stated.unit.as_deref() != Some("%"));
+    Ok([number(&recording.offset, OFFSET, &in_unit)?, number(&recording.gain, GAIN, &|stated| part(stated).filter(|part| *part > -1.0))?])
 }
 
 /// Whether a recording covers a run. `words` are how to set start and stop, and how to let the ends hold.

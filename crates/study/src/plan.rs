@@ -4,7 +4,7 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::bind::Binder;
-use super::inputs::{ZeroError, taken_as_exact};
+use super::inputs::{InputError, taken_as_exact};
 use super::{Study, points};
 use crate::concern::{Code, Concern};
 use fmu_import::Description;
@@ -27,7 +27,7 @@ pub struct Plan {
     pub cases: Vec<Case>,
     /// The variables that take the parameters' values.
     pub slots: Vec<Slot>,
-    /// The parameters, in the order of the study; after them the zero errors of recorded inputs.
+    /// The parameters, in the order of the study; after them the errors of recorded inputs.
     pub inputs: Vec<Input>,
     /// From the FMU's unit to the study's, a criterion each.
     pub outputs: Vec<Conversion>,
@@ -37,8 +37,8 @@ pub struct Plan {
     pub correlation: Option<Correlation>,
     /// The parameters that are drawn from samples, by file; those of one file together.
     pub joints: Vec<Joint>,
-    /// What the sensors of recorded inputs may read too high.
-    pub zero_errors: Vec<ZeroError>,
+    /// What the sensors of recorded inputs may read wrong.
+    pub input_errors: Vec<InputError>,
     /// Doubts about recordings.
     of_inputs: Vec<Concern>,
 }
@@ -61,13 +61,19 @@ impl Plan {
         let joints = binder.samples(&mut inputs)?;
         binder.within(&inputs, &varied)?;
         let (mut cases, mut outputs, mut of_inputs) = (Vec::new(), Vec::new(), Vec::new());
-        let mut zero_errors = Vec::new();
+        let mut input_errors = Vec::new();
         for (case, study) in study.by_case() {
             study.once(fmu, study.set())?;
             let binder = Binder { study: &study, fmu };
             let bound = binder.task(case, varied.clone())?;
             outputs.extend(bound.outputs);
-            bound.errors.into_iter().for_each(|error| error.join(&mut zero_errors, cases.len(), case));
+            for error in bound.errors {
+                let pairs = study.criteria.iter().zip(&bound.task.observed);
+                for ((name, _), _) in pairs.filter(|((_, text), probe)| error.is_missed(text, probe)) {
+                    of_inputs.push(taken_as_exact(&error.name, &format!("the product {}", name.as_ref())));
+                }
+                error.join(&mut input_errors, cases.len(), case);
+            }
             let stated = case.iter().flat_map(|case| &case.concerns);
             let remedy =
                 "Look at the recordings that `synchronise` doubts, and measure again where a sensor was at fault.";
@@ -81,10 +87,10 @@ impl Plan {
         let mut slots = varied;
         let mut levels: Vec<Option<u64>> =
             study.parameters.values().map(|p| p.levels.as_ref().map(|levels| *levels.as_ref())).collect();
-        for error in &zero_errors {
+        for error in &input_errors {
             // A grid has no place between its levels.
             if study.design.method.is_by_levels() {
-                of_inputs.push(taken_as_exact(error.key.as_ref(), "the points of a grid"));
+                of_inputs.push(taken_as_exact(&error.name, "the points of a grid"));
                 continue;
             }
             for (number, case) in cases.iter_mut().enumerate() {
@@ -107,7 +113,7 @@ impl Plan {
             inputs,
             outputs,
             levels,
-            zero_errors,
+            input_errors,
             joints,
             of_inputs,
         })

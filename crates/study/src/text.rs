@@ -175,11 +175,17 @@ pub struct RecordingText {
     pub time: Option<String>,
     /// The unit of the column.
     pub unit: Option<String>,
-    /// How much all its rows together may be off, expanded (k = 2): the zero error of the sensor. It is drawn as a parameter is;
-    /// `identify` finds it with the parameters.
+    /// How much all its rows together may be off, expanded (k = 2): the zero error of the sensor. Like a parameter it is drawn, and
+    /// found by `identify`; so is the error of its gain.
     pub uncertainty: Option<Quantity>,
+    /// The expanded uncertainty of its gain, as a part of the value.
+    pub gain_uncertainty: Option<Quantity>,
+    /// The standard deviation of the errors of single rows, which are drawn.
+    pub noise: Option<Quantity>,
     /// By how much all its rows are known to be too high: it is taken off them. `identify` writes the one that it finds.
     pub offset: Option<Quantity>,
+    /// By what part of the value they are known to be too high, likewise.
+    pub gain: Option<Quantity>,
     /// Whether a value holds until the next row; straight lines otherwise.
     #[serde(default)]
     pub hold: bool,
@@ -319,7 +325,7 @@ pub enum NominalFrom {
 pub struct DerivedText {
     /// The criterion with the first factor.
     pub from: Name,
-    /// The criterion with the other one, or an input or a parameter, which is known exactly.
+    /// The criterion with the other one, an input or a parameter. An input counts with what its sensor read.
     pub by: Name,
 }
 

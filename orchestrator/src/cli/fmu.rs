@@ -23,6 +23,12 @@ pub struct Inspect {
 pub struct Check {
     /// The FMU
     pub fmu: PathBuf,
+    /// A start value, with or without a unit, such as that of an input that starts at 0; may be repeated
+    #[arg(long, value_name = "NAME=VALUE")]
+    pub set: Vec<String>,
+    /// The communication step, s [default: as the FMU suggests]
+    #[arg(long, value_name = "H", allow_negative_numbers = true)]
+    pub step: Option<f64>,
     /// The format of the findings: text, JSON, or SARIF for editors and build servers
     #[arg(long, value_enum, default_value_t)]
     pub format: Format,

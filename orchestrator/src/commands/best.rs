@@ -28,8 +28,8 @@ pub(super) fn write(folder: &Path, plan: &Plan, fmu: &Description, summary: &Sum
     };
     let first = plan.cases.first().map_or(&[][..], |case| &case.task.fixed);
     let fixed = first.iter().filter(|setting| common(setting)).cloned();
-    // What a sensor reads too high is no start value of the model.
-    let varied = plan.slots.iter().zip(&values).filter(|(slot, _)| !slot.shifts);
+    // What a sensor reads wrong is no start value of the model.
+    let varied = plan.slots.iter().zip(&values).filter(|(slot, _)| slot.error.is_none());
     let varied = varied.map(|(slot, &value)| (slot.handle.reference, slot.value(value)));
     let named = fixed.chain(varied).filter_map(|(reference, value)| {
         let variable = variable(fmu, reference, &value)?;

@@ -5,11 +5,12 @@ use std::path::Path;
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
-use fmu_check::{CheckError, Finding, Findings, RULES, Severity, check};
+use fmu_check::{CheckError, Conditions, Finding, Findings, RULES, Severity, check};
 use fmu_points::names::{did_you_mean, nearest};
+use fmu_import::{Package, Value};
 use serde::Deserialize;
 
-use super::output;
+use super::{output, simulate};
 use crate::cli::{Check, Format};
 use crate::error::Error;
 use crate::junit::{self, Outcome, Test};
@@ -36,7 +37,8 @@ pub(super) fn run(options: &Check) -> Result<ExitCode, Error> {
     let begun = Instant::now();
     let known = options.ignore.as_deref().map(known).transpose()?;
     let patience = Duration::try_from_secs_f64(options.patience).unwrap_or(Duration::MAX);
-    let mut findings = check(&options.fmu, patience).map_err(|error| match error {
+    let conditions = Conditions { patience, step: options.step, set: start_values(options)? };
+    let mut findings = check(&options.fmu, &conditions).map_err(|error| match error {
         CheckError::Fmu(error) => Error::from(error),
         CheckError::Scratch(error) => Error::from(error),
         CheckError::Io { path, source } => Error::io(&path)(source),
@@ -65,6 +67,23 @@ pub(super) fn run(options: &Check) -> Result<ExitCode, Error> {
         Some(severity) if severity >= enough => ExitCode::FAILURE,
         _ => ExitCode::SUCCESS,
     })
+}
+
+/// The start values that the user gives.
+fn start_values(options: &Check) -> Result<Vec<(u32, Value)>, Error> {
+    if options.step.is_some_and(|step| !(step > 0.0 && step.is_finite())) {
+        return Err(Error::option("step", "it must be a positive, finite number of seconds".to_owned()));
+    }
+    if options.set.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut package = Package::open(&options.fmu)?;
+    let sizes = package.description().sizes.clone();
+    let values = simulate::settings(&options.set, &mut package)?;
+    match package.description().sizes == sizes {
+        true => Ok(values),
+        false => Err(Error::option("set", "check leaves the sizes of arrays as they are".to_owned())),
+    }
 }
 
 /// Reads the findings that are known.

@@ -43,7 +43,7 @@ pub struct Bound {
     pub readings: Vec<Reading>,
     /// The free parameters that are lags of curves, and none of the FMU's.
     pub lags: Vec<String>,
-    /// The free parameters that are zero errors of recorded inputs.
+    /// The free parameters that are errors of recorded inputs.
     pub offsets: Vec<String>,
     /// What is assumed beyond what the study states, a sentence each.
     pub notes: Vec<String>,
@@ -182,8 +182,8 @@ impl Binder<'_> {
         self.refuse_doubles()?;
         let plan = Plan::new(self.study, self.fmu)?;
         plan.tell_of_inputs();
-        for error in &plan.zero_errors {
-            tell::line!("note: {}", taken_as_exact(error.key.as_ref(), "the cases of a table"));
+        for error in &plan.input_errors {
+            tell::line!("note: {}", taken_as_exact(&error.name, "the cases of a table"));
         }
         let mut bound = Bound {
             simulations: plan.cases.into_iter().map(bare).collect(),

@@ -1,5 +1,5 @@
-//! Zero errors of recorded inputs: by how much a sensor reads too high is an unknown, and the model gets the recording less
-//! that.
+//! Offsets and gains of recorded inputs: by how much a sensor reads too high is an unknown, and the model gets the recording
+//! less that.
 
 use std::collections::BTreeSet;
 
@@ -12,12 +12,20 @@ use number_tables::files::FileError;
 use study::Study;
 use study::plan::Plan;
 
-/// Adds the zero errors of the recorded inputs of a study's cases to its unknowns, and says which inputs count as exact.
+/// Adds the errors of the recorded inputs of a study's cases to its unknowns, and says which inputs count as exact.
 ///
 /// # Errors
 /// When the FMU does not allow one.
 pub(super) fn add(study: &Study, plan: &Plan, bound: &mut Bound) -> Result<(), FileError> {
-    for error in &plan.zero_errors {
+    let (noisy, unknown): (Vec<_>, Vec<_>) = plan.input_errors.iter().partition(|error| error.is_noise());
+    let noisy: BTreeSet<&str> = noisy.iter().map(|error| error.name.as_str()).collect();
+    if !noisy.is_empty() {
+        bound.notes.push(format!(
+            "The intervals have no part from {}: where it matters, `verify` shows by how much.",
+            Vec::from_iter(noisy).join(", ")
+        ));
+    }
+    for error in unknown {
         bound.offsets.push(error.name.clone());
         let free = Free {
             name: error.name.clone(),
@@ -34,7 +42,7 @@ pub(super) fn add(study: &Study, plan: &Plan, bound: &mut Bound) -> Result<(), F
     }
     let cases = study.by_case();
     let all = cases.iter().flat_map(|(_, of_case)| &of_case.inputs);
-    let exact = all.filter(|(_, recording)| recording.uncertainty.is_none());
+    let exact = all.filter(|(_, recording)| recording.uncertainty.is_none() && recording.gain_uncertainty.is_none());
     let exact: BTreeSet<&str> = exact.map(|(name, _)| name.as_ref().as_str()).collect();
     if !exact.is_empty() {
         bound.notes.push(format!(

@@ -254,8 +254,8 @@ fn possible(task: &Task) -> Result<(), String> {
     if let Some(slot) = task.varied.iter().find(|slot| !number(slot.handle.content)) {
         return cannot(format!("parameters that are no numbers, such as {}", slot.name));
     }
-    if let Some(slot) = task.varied.iter().find(|slot| slot.shifts) {
-        return cannot(format!("the zero error of a recorded input, {}", slot.name));
+    if let Some(slot) = task.varied.iter().find(|slot| slot.error.is_some()) {
+        return cannot(format!("the errors of a recorded input, {}", slot.name));
     }
     for probe in &task.observed {
         let name = &probe.name;

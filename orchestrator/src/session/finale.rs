@@ -97,8 +97,8 @@ impl Verification {
             let repeated = session.plan.concerns_of_samples(summary.points);
             summary.concerns.extend(repeated);
         }
-        let exact = session.plan.zero_errors.iter().filter(|error| self.source.lacks(&session.plan.inputs, error));
-        summary.concerns.extend(exact.map(|error| taken_as_exact(error.key.as_ref(), "the points of a table")));
+        let exact = session.plan.input_errors.iter().filter(|error| self.source.lacks(&session.plan.inputs, error));
+        summary.concerns.extend(exact.map(|error| taken_as_exact(&error.name, "the points of a table")));
         let mut conduct = finished.conduct();
         conduct.reproducibility = conduct.told_reproducibility();
         summary.conduct = Some(conduct);

@@ -68,6 +68,21 @@ fn a_good_fmu_has_nothing() {
     assert_eq!((said.code, said.out.trim()), (0, "lag.fmu: nothing found"));
 }
 
+/// An FMU that works with some start values and steps only is checked with these.
+#[test]
+fn a_check_takes_start_values_and_a_step() {
+    let bench = Bench::new();
+    bench.fmu("coarse.fmu", &["COARSE"], &crate::support::model("", ""));
+    let check = |options: &[&str]| bench.run(&[&["check", "coarse.fmu"], options].concat());
+    assert_eq!(check(&[]).code, 0);
+    for (options, told) in [(["--step", "0.0005"], "SIGSEGV"), (["--set", "lag.fault=Fail"], "fmi2DoStep")] {
+        let said = check(&options);
+        assert!(said.code == 1 && said.out.contains(told), "{options:?}: {}{}", said.out, said.err);
+    }
+    check(&["--set", "lag.fail=1"]).is_mistake(&["lag.fault"]);
+    check(&["--step", "0"]).is_mistake(&["--step"]);
+}
+
 /// A new rule comes with a fault that it finds.
 #[test]
 fn every_rule_has_a_case() {

@@ -279,8 +279,6 @@ criteria.Y = {{ variable = "lag.y", nominal = {end}, tolerance = 0.1, uncertaint
     assert!((both / one - 1.0).abs() < 0.01, "{one} {both}");
 }
 
-/// An input of 1 that was recorded 0.05 too high, in the first two of three cases: its zero error is found with the rate. As an exact
-/// one it would become one of the rate.
 /// A correlation is that of the whole errors, noise as well as offsets: two values of the same quantity with the standard
 /// uncertainty u and a correlation of 0.8 leave u sqrt((1 + 0.8) / 2).
 #[test]
@@ -305,6 +303,8 @@ fn correlated_errors_are_whole_ones() {
     }
 }
 
+/// An input of 1 that was recorded 0.05 too high, in the first two of three cases: its zero error is found with the rate. As an exact
+/// one it would become one of the rate.
 #[test]
 fn a_recorded_input_has_a_zero_error() {
     let bench = Bench::new();
@@ -432,4 +432,75 @@ tolerance = 0.02
     bench.write("run.csv", &record(1.01, 0.003));
     let (said, outcome) = identify(&bench, study, &[]);
     assert!(outcome["suspects"].is_null() && !said.out.contains("cause"), "{}", said.out);
+}
+
+/// Offset, gain and noise of a recorded input's sensor against the closed form: held for steps of h, u becomes y = (1 - a) sum of
+/// a^k u_(n-k) with a = exp(-rate h). A product by the input is formed with what the sensor read.
+#[test]
+fn the_sensor_of_an_input_has_offset_gain_and_noise() {
+    let bench = Bench::new();
+    let rows: String = (0..=20).map(|k| format!("{},2\n", 0.05 * f64::from(k))).collect();
+    bench.write("u.csv", &format!("time,u\n{rows}"));
+    let (rate, end) = (1.1_f64, 1.0 - (-1.1_f64).exp());
+    let study = |errors: &str, of_product: &str| {
+        format!(
+            "fmu = \"lag.fmu\"\n[simulation]\nstop = 1\nstep = 0.05\n[design]\nmethod = \"monte-carlo\"\npoints = 400\n\
+             [parameters.\"lag.rate\"]\ndistribution = \"uniform\"\nmin = 1.0999999\nmax = 1.1000001\n\
+             [inputs.\"drive.u\"]\nfile = \"u.csv\"\ncolumn = \"u\"\nhold = true\n{errors}\n\
+             [criteria.Y]\nvariable = \"lag.y\"\nnominal = {}\ntolerance = 0.5\nuncertainty = 0.02\n{of_product}",
+            2.0 * end
+        )
+    };
+    let errors = "uncertainty = 0.1\ngain-uncertainty = \"4 %\"\nnoise = 0.03\n";
+    // For the model product and factor are one variable, so that each is tried on its own.
+    let product = "[criteria.P]\nvariable = \"lag.y\"\nnominal = 2.5\ntolerance = 2\nderived = { from = \"Y\", by = \"drive.u\" }\n";
+    bench.write("s.toml", &study(errors, product));
+    let header = "lag.rate,drive.u/offset,drive.u/gain,drive.u/noise\n";
+    let given = [[0.0; 3], [0.1, 0.0, 0.0], [0.0, 2.0, 0.0], [0.1, 2.0, 0.0], [0.0, 0.0, 0.7]];
+    let lines = given.map(|[offset, gain, noise]| format!("{rate},{offset},{gain},{noise}\n"));
+    bench.write("p.csv", &(header.to_owned() + &lines.concat()));
+    let said = bench.run(&["verify", "s.toml", "--points-from", "p.csv", "--output", "table"]);
+    assert!(said.code < 2, "{}", said.err);
+    let points = |folder: &str, column: &str| -> Vec<f64> {
+        let text = bench.read(&format!("{folder}/points.csv"));
+        let mut lines = text.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(',').collect::<Vec<_>>());
+        let place = lines.next().unwrap().iter().position(|name| *name == column).unwrap();
+        lines.map(|row| row[place].parse().unwrap()).collect()
+    };
+    let (found, products) = (points("table", "Y"), points("table", "P"));
+    for (k, [offset, gain, _]) in given[..4].iter().enumerate() {
+        let value = (2.0 - offset) / (1.0 + gain / 100.0) * end;
+        assert!((found[k] - value).abs() < 1e-9, "{k}: {} {value}", found[k]);
+        let product = (1.0 + gain / 100.0) * value + offset * value;
+        assert!((products[k] - product).abs() < 1e-9, "{k}: {} {product}", products[k]);
+    }
+    assert!((found[4] - found[0]).abs() > 1e-4, "{found:?}");
+    let summary = bench.summary("table").to_string();
+    assert!(summary.contains("drive.u/noise: the product P"), "{summary}");
+    // Drawn, each has the spread of its closed form.
+    let one = (-rate * 0.05_f64).exp();
+    let of_noise = 0.03 * (1.0 - one) * (0..20).map(|k| one.powi(2 * k)).sum::<f64>().sqrt();
+    let cases = [("uncertainty = 0.1", 0.05 * end), ("gain-uncertainty = \"4 %\"", 0.02 * 2.0 * end), ("noise = 0.03", of_noise)];
+    for (k, (error, expected)) in cases.into_iter().enumerate() {
+        bench.write("s.toml", &study(error, ""));
+        let folder = k.to_string();
+        let said = bench.run(&["verify", "s.toml", "--output", &folder]);
+        assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+        let values = points(&folder, "Y");
+        let mean = values.iter().sum::<f64>() / 400.0;
+        let deviation = (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / 399.0).sqrt();
+        // Four standard errors of a deviation from 400 points.
+        assert!((deviation / expected - 1.0).abs() < 0.15, "{error}: {deviation} {expected}");
+    }
+    // What identify finds of the gain is taken off the recording: it was 4 % too high.
+    let fit = study("gain-uncertainty = \"10 %\"", "").replace(&format!("nominal = {}", 2.0 * end), &format!("nominal = {}", 2.0 / 1.04 * end));
+    let fit = fit.replace("tolerance = 0.5\nuncertainty = 0.02", "tolerance = 0.01\nuncertainty = 0.002");
+    let (_, outcome) = identify(&bench, &fit, &[]);
+    let [low, high] = ends(&outcome["free"][1]["interval"]);
+    assert!(outcome["free"][1]["name"] == "drive.u/gain" && low < 4.0 && 4.0 < high && high - low < 1.0, "{low} {high}");
+    let optimum: toml::Table = bench.read("out/optimum.toml").parse().unwrap();
+    let gain = optimum["inputs"]["drive.u"]["gain"].as_str().unwrap();
+    bench.write("s.toml", &fit.replace("gain-uncertainty = \"10 %\"", &format!("gain = \"{gain}\"")));
+    let said = bench.run(&["verify", "s.toml", "--output", "at"]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
 }

@@ -245,6 +245,7 @@ mod tests {
             curve: Some(Arc::new(curve)),
             detail: None,
             unit: None,
+            product: None,
         }
     }
 

@@ -6,8 +6,9 @@ use super::gauge::Gauge;
 use super::watched::Watched;
 use crate::names::behind;
 use crate::notices::Notices;
-use crate::task::{Detail, Probe, Task, place};
+use crate::task::{Detail, Probe, Product, SensorError, Slot, Task, place};
 use fmu_import::{Call, Content, End, Instance};
+use sampling::random::{Purpose, Random};
 use sampling::statistics::Direction;
 
 /// A case, and what is gathered while it is simulated.
@@ -23,9 +24,16 @@ pub(super) struct Scene {
     /// The other probes that are read there: all of them where one has a window, or looks at another variable, too.
     pub(super) gauges: Vec<Gauge>,
     pub(super) has_windows: bool,
-    /// By how much each recorded input is too high in this point.
-    shifts: Vec<f64>,
+    /// The rows of each input as they were recorded, and how its sensor read in this point.
+    recorded: Vec<(Vec<f64>, Reading)>,
     pub(super) results: Vec<f64>,
+}
+
+/// How a sensor reads: a multiple of the true value, and a shift.
+#[derive(Clone, Copy, Debug)]
+struct Reading {
+    factor: f64,
+    shift: f64,
 }
 
 /// The numbers of probes in groups: those that read a curve row by row need one look for all rows.
@@ -42,8 +50,43 @@ pub(super) fn together(observed: &[Probe], numbers: impl Iterator<Item = usize>)
     groups
 }
 
+/// Takes the errors that the sensors have in a point off the recorded inputs.
+fn correct(task: &mut Task, recorded: &mut [(Vec<f64>, Reading)], values: &[f64]) {
+    let Task { varied, inputs, .. } = task;
+    for (series, (recorded, reading)) in inputs.iter_mut().zip(recorded) {
+        let handle = series.slot.handle;
+        let own = varied.iter().zip(values).filter(|(slot, _)| !slot.idle && slot.handle == handle);
+        (reading.factor, reading.shift) = (1.0, 0.0);
+        let mut noise = None;
+        for (error, &value) in own.filter_map(|(slot, value)| Some((slot.error?, value))) {
+            match error {
+                SensorError::Offset => reading.shift += value,
+                SensorError::Gain { about } => {
+                    reading.factor = 1.0 + value;
+                    reading.shift -= value * about;
+                }
+                SensorError::Noise { .. } if value == 0.0 => {}
+                SensorError::Noise { deviation } => {
+                    noise = Some((deviation, Random::new(value.to_bits(), Purpose::Row, handle.reference)));
+                }
+            }
+        }
+        for (value, row) in series.values.iter_mut().zip(recorded) {
+            let of_row = noise.as_mut().map_or(0.0, |(deviation, random)| *deviation * random.normal());
+            *value = (*row - reading.shift) / reading.factor - of_row;
+        }
+    }
+}
+
+
 impl Scene {
     pub(super) fn new(number: usize, mut task: Task) -> Self {
+        let exact = Reading { factor: 1.0, shift: 0.0 };
+        let mut recorded: Vec<_> = task.inputs.iter().map(|series| (series.values.clone(), exact)).collect();
+        // With noise every row is a turn.
+        let has_noise = |slot: &Slot| matches!(slot.error, Some(SensorError::Noise { .. }));
+        let noisy: Vec<f64> = task.varied.iter().map(|slot| f64::from(has_noise(slot))).collect();
+        correct(&mut task, &mut recorded, &noisy);
         let stops = place(&mut task.inputs, &task.schedule);
         let special = |probe: &Probe| probe.window.is_some() || probe.companion().is_some();
         let has_windows = task.observed.iter().any(special);
@@ -57,9 +100,9 @@ impl Scene {
         let gauges = others.into_iter();
         Self {
             number,
+            recorded,
             gauges: gauges.map(|probes| Gauge::new(probes, &task.observed, usual)).collect(),
             has_windows,
-            shifts: vec![0.0; task.inputs.len()],
             watched: Watched::new(&task, probes),
             results: vec![0.0; task.observed.len()],
             stops,
@@ -69,7 +112,7 @@ impl Scene {
 
     /// Sets the start values and initialises.
     pub(super) fn start(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
-        self.shift(values);
+        correct(&mut self.task, &mut self.recorded, values);
         let (task, schedule) = (&self.task, &self.task.schedule);
         instance.setup_experiment(schedule.start, schedule.stop, schedule.tolerance)?;
         instance.resize(&task.sizes)?;
@@ -77,31 +120,33 @@ impl Scene {
             instance.set(*reference, value)?;
         }
         let taken = task.varied.iter().zip(values);
-        for (slot, &value) in taken.filter(|(slot, _)| !slot.idle && !slot.shifts) {
+        for (slot, &value) in taken.filter(|(slot, _)| !slot.idle && slot.error.is_none()) {
             instance.set(slot.handle.reference, &slot.value(value))?;
         }
         self.feed(instance, schedule.start)?;
         instance.initialise()
     }
 
-    /// Notes by how much the recorded inputs are too high.
-    fn shift(&mut self, values: &[f64]) {
-        self.shifts.fill(0.0);
-        let taken = self.task.varied.iter().zip(values);
-        for (slot, &value) in taken.filter(|(slot, _)| slot.shifts && !slot.idle) {
-            let inputs = self.task.inputs.iter();
-            for (series, shift) in inputs.zip(&mut self.shifts) {
-                if series.slot.handle == slot.handle {
-                    *shift += value;
-                }
+    /// Multiplies by what the sensors read where the rig did: a linear statistic of f (a i + b) is a times that of f i, and b
+    /// times that of f.
+    fn multiply_by_readings(&mut self) {
+        for (number, probe) in self.task.observed.iter().enumerate() {
+            let Some(Product { of, by, factor }) = probe.product else { continue };
+            let mut inputs = self.task.inputs.iter().zip(&self.recorded);
+            let reading = inputs.find(|(series, _)| series.slot.handle == by).map(|(_, (_, reading))| *reading);
+            let mut probes = self.task.observed.iter();
+            let other = probes.position(|other| other.handle == of && other.looks_as(probe));
+            if let (Some(reading), Some(other)) = (reading, other) {
+                self.results[number] =
+                    reading.factor * self.results[number] + factor * reading.shift * self.results[other];
             }
         }
     }
 
     /// Sets the inputs that change over time.
     fn feed(&self, instance: &mut Instance, time: f64) -> Result<(), Call> {
-        for (series, shift) in self.task.inputs.iter().zip(&self.shifts) {
-            let value = series.slot.value(series.at(time) - shift);
+        for series in &self.task.inputs {
+            let value = series.slot.value(series.at(time));
             instance.set(series.slot.handle.reference, &value)?;
         }
         Ok(())
@@ -176,6 +221,7 @@ impl Scene {
                 *result = probe.read(instance)?;
             }
         }
+        self.multiply_by_readings();
         Ok(())
     }
 }

@@ -174,7 +174,7 @@ mod tests {
                 max: None,
                 items: Vec::new(),
                 idle: false,
-                shifts: false,
+                error: None,
             },
             hold: false,
             ramp: true,

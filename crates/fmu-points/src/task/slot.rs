@@ -19,9 +19,26 @@ pub struct Slot {
     pub items: Vec<i128>,
     /// Whether the value is that of another case, and this simulation leaves the variable as it is.
     pub idle: bool,
-    /// Whether the value is by how much the recorded input of this variable is too high: it is taken off every row.
-    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
-    pub shifts: bool,
+    /// What the value says of the sensor that recorded this input, where it is no value of the variable.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error: Option<SensorError>,
+}
+
+/// An error of the sensor that recorded an input: the model gets the recording without it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum SensorError {
+    /// The value is by how much all rows are too high.
+    Offset,
+    /// The value is by what part of their distance from `about`, the zero of the recording's unit, all rows are too high.
+    Gain {
+        /// In the FMU's unit.
+        about: f64,
+    },
+    /// The value is a number by which the errors of the single rows are drawn; 0: they have none.
+    Noise {
+        /// The standard deviation of one row, in the FMU's unit.
+        deviation: f64,
+    },
 }
 
 impl Slot {
@@ -41,7 +58,7 @@ impl Slot {
             max,
             items,
             idle: false,
-            shifts: false,
+            error: None,
         })
     }
 
@@ -54,8 +71,12 @@ impl Slot {
         if !value.is_finite() {
             return Err(format!("{name} = {value} is not a finite number"));
         }
-        if self.shifts {
-            return Ok(());
+        if self.error.is_some() {
+            let is_gain = matches!(self.error, Some(SensorError::Gain { .. }));
+            return match is_gain && value <= -1.0 {
+                true => Err(format!("a gain error of {value} leaves nothing of the recording of {name}")),
+                false => Ok(()),
+            };
         }
         // The limits apply to the number that the FMU gets, after rounding.
         let stored = match self.handle.content {
@@ -131,7 +152,7 @@ mod tests {
             max: Some(4.0),
             items: Vec::new(),
             idle: false,
-            shifts: false,
+            error: None,
         };
         for (value, allowed) in [(0.51, true), (4.49, true), (0.49, false), (4.51, false)] {
             assert_eq!(slot.check(value).is_ok(), allowed, "{value}");
@@ -149,7 +170,7 @@ mod tests {
             max: None,
             items: vec![1, 2, 5],
             idle: false,
-            shifts: false,
+            error: None,
         };
         for (value, allowed) in [(0.4, false), (0.6, true), (2.4, true), (3.0, false), (5.4, true), (5.6, false)] {
             assert_eq!(slot.check(value).is_ok(), allowed, "{value}");

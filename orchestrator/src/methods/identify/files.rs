@@ -10,10 +10,9 @@ use number_tables::csv_file::{self, CsvFile};
 use point_journal::files::{write_table, write_text, write_texts};
 use std::path::{Path, PathBuf};
 use study::cases::SEPARATOR;
+use study::inputs::{GAIN, OFFSET};
+use study::limit::part;
 use study::{Identification, Study};
-
-/// How the name of a recorded input's zero error ends.
-const OFFSET: &str = "/offset";
 
 /// Writes all files.
 pub(super) fn write(
@@ -39,12 +38,15 @@ pub(super) fn write(
     Ok(())
 }
 
-/// The zero errors of recorded inputs that the search found, with what is left of their uncertainty, as keys of these inputs.
+/// The offsets and gains of recorded inputs that the search found, with what is left of their uncertainty, as keys of these inputs.
 fn offsets(study: &Study, outcome: &IdentificationOutcome, place: usize) -> String {
     let cases = study.by_case();
-    let mut section = String::new();
+    let (mut section, mut begun) = (String::new(), "");
     for free in outcome.optima.get(place).iter().flat_map(|optimum| &optimum.free) {
-        let Some(path) = free.name.strip_suffix(OFFSET) else { continue };
+        let Some((path, what)) = free.name.rsplit_once('/') else { continue };
+        if ![OFFSET, GAIN].contains(&what) {
+            continue;
+        }
         // The first case that has the input says what was taken off before the search.
         let stated = cases.iter().find_map(|(case, of_case)| {
             let own = case.and_then(|case| path.strip_prefix(case.name.as_ref().as_str())?.strip_prefix(SEPARATOR));
@@ -61,27 +63,35 @@ fn offsets(study: &Study, outcome: &IdentificationOutcome, place: usize) -> Stri
             Some(own) if own != unit => known::between(own, unit).map(|way| way.difference(stated.number)),
             _ => Some(stated.number),
         };
+        let gain = text.gain.as_ref().and_then(part).unwrap_or(0.0);
         let before = text.offset.as_ref().map_or(Some(0.0), in_unit);
-        if let (None, Some(stated)) = (before, &text.offset) {
+        if let (OFFSET, None, Some(stated)) = (what, before, &text.offset) {
             section += &format!("# to be added to the stated offset of {stated}:\n");
         }
-        let before = before.unwrap_or(0.0);
+        // One after the other they are taken off the recording.
+        let (found, uncertainty) = match what {
+            GAIN => (100.0 * gain + (1.0 + gain) * free.value, "gain-uncertainty"),
+            _ => (before.unwrap_or(0.0) + (1.0 + gain) * free.value, "uncertainty"),
+        };
         let unit = behind(Some(unit).filter(|unit| *unit != "1"));
         let half = (free.interval[1] - free.interval[0]) / 2.0;
-        if of_case {
+        if of_case && begun != path {
             section += &format!(
                 "# of the case {} alone:\n",
                 path.strip_suffix(key).unwrap_or(path).trim_end_matches(SEPARATOR)
             );
         }
-        section += &format!("[inputs.\"{key}\"]  # beside its `file`\n");
-        section += &format!("offset = \"{}{unit}\"\n", text::digits(before + free.value));
-        section += &format!("uncertainty = \"{}{unit}\"\n", text::digits(half));
+        if begun != path {
+            section += &format!("[inputs.\"{key}\"]  # beside its `file`\n");
+        }
+        begun = path;
+        section += &format!("{what} = \"{}{unit}\"\n", text::digits(found));
+        section += &format!("{uncertainty} = \"{}{unit}\"\n", text::digits(half));
     }
     match section.as_str() {
         "" => section,
         _ => format!(
-            "\n# The recorded inputs read too high by `offset`; the values above hold with these alone.\n{section}"
+            "\n# The recorded inputs read too high by `offset` and `gain`; the values above hold with these alone.\n{section}"
         ),
     }
 }
