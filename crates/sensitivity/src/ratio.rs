@@ -150,7 +150,7 @@ pub fn half_width(over: &Parts, under: &Parts, ratio_of_all: f64) -> Option<f64>
     let independent = (0..points).map(influence).sum::<f64>().sqrt() / (n * below);
     let of_points = quantile(over.used())? * independent;
     let of_nets = quantile(filled.len())? * jackknife(&without);
-    Some(of_points.max(of_nets) * (1.0 + BLOCKS as f64 / points as f64))
+    Some(of_points.max(of_nets) * (1.0 + 2.0 * BLOCKS as f64 / points as f64))
 }
 
 /// The standard error of an estimate from its values with each group left out.

@@ -415,6 +415,38 @@ mod tests {
         assert_eq!(Shapley.shown(&told)[0].estimates, shapley.effects);
     }
 
+    /// Of outputs that are 1 where each of the first `of` parameters of three lies above a limit, so that they have equal effects:
+    /// how many of these seeds state an interval, and in how many of them each holds.
+    fn held_of_corner(base: u64, of: usize, share: f64, seeds: u64) -> (u64, Vec<u64>) {
+        let limit = 1.0 - share.powf(1.0 / of as f64);
+        let (mut stated, mut held) = (0, vec![0; 3]);
+        for seed in 0..seeds {
+            let flag = |u: &[f64]| f64::from(u8::from(u[..of].iter().all(|u| *u > limit)));
+            let found = run(3, None, &settled(base, 5000 + seed), flag).effects;
+            if found[0].low.is_nan() {
+                continue;
+            }
+            stated += 1;
+            for (k, effect) in found.iter().enumerate() {
+                held[k] += u64::from(effect.contains(if k < of { 1.0 / of as f64 } else { 0.0 }));
+            }
+        }
+        println!("base {base}, corner of {of}, share {share}: {stated} of {seeds} stated, held {held:?}");
+        (stated, held)
+    }
+
+    #[test]
+    #[ignore = "takes minutes; run by scripts/test --long"]
+    fn effects_of_two_values_hold() {
+        for base in [64, 256, 1024] {
+            for of in [1, 2, 3] {
+                for share in [0.01, 0.02, 0.05, 0.1, 0.2, 0.5] {
+                    held_of_corner(base, of, share, 1000);
+                }
+            }
+        }
+    }
+
     /// A normal score of the ends of the cube would be infinite. Scores that are as far as numbers tell stand for them.
     #[test]
     fn correlated_points_at_the_ends_of_the_cube_stay_in_it() {
