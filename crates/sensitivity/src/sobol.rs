@@ -7,7 +7,7 @@
 
 use crate::method::{Facts, FirstOrder, FromRuns, Measure, Settled, Space, Told, read};
 use crate::pairs::pairs;
-use crate::rare;
+use crate::rare::{Shared, where_seen, widened};
 use crate::ratio::{self, Parts};
 use sampling::statistics::estimate::Estimate;
 use sampling::statistics::moments::mean;
@@ -87,6 +87,9 @@ pub struct Indices {
     pub failed: usize,
 }
 
+/// Of two values, so many independent runs with the rarer one tell no interval of an index.
+const FEW: usize = 4;
+
 /// Computes the indices from the outputs of the rows of [`design`], in its order.
 ///
 /// The outputs are first shifted to mean 0, because the estimators are biased for others. All indices of a constant output
@@ -134,11 +137,13 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
             FirstOrder::Saltelli => ratio::estimate(&Parts::of(saltelli()), &variance, 0.0)?,
             FirstOrder::Jansen => ratio::estimate(&Parts::of(jansen()), &variance, 1.0)?,
         };
-        let pairs = || rows.iter().map(|row| [row[i], row[width - 1]]);
-        result.first.push(rare::widened(first, &ends, pairs));
-        result.total.push(ratio::estimate(&total, &variance, 0.0)?);
+        let with = |end: usize| rows.iter().map(move |row| [row[i], row[end]]);
+        result.first.push(widened(first, Shared::Parameter, &ends, || with(width - 1)));
+        result.total.push(widened(ratio::of_squares(&total, &variance)?, Shared::Others, &ends, || with(0)));
         result.used.push(total.used());
     }
+    let shifted: Vec<f64> = rows.concat();
+    [&mut result.first, &mut result.total].into_iter().for_each(|all| where_seen(all, &shifted, &ends, FEW));
     Some(result)
 }
 
@@ -157,7 +162,7 @@ pub fn convergence(outputs: &[f64], parameters: usize, estimator: FirstOrder) ->
 mod tests {
     use super::*;
     use crate::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
-    use crate::testing::{holds, lattice, near, settled};
+    use crate::testing::{holds, holds_nearly, lattice, near, of_corners, settled};
     use rand::{RngExt, SeedableRng, rngs::StdRng};
 
     /// Pairs as the command takes them.
@@ -312,6 +317,34 @@ mod tests {
                 if false { assert!(off.iter().flatten().all(|&off| off <= 20), "{base}, {name}: {off:?} of 2000"); }
             }
         }
+    }
+
+    /// Of outputs that are 1 where each of the first `of` parameters of three lies above a limit: how many of these seeds state an
+    /// interval, and in how many of them each holds, first order and total.
+    fn held_of_corner(base: u64, of: usize, share: f64, seeds: u64) -> (u64, Vec<u64>) {
+        let alone = share.powf(1.0 / of as f64);
+        let exact = [share * (1.0 / alone - 1.0) / (1.0 - share), 1.0 - (alone - share) / (1.0 - share)];
+        let (mut stated, mut held) = (0, vec![0; 6]);
+        for seed in 0..seeds {
+            let flag = |u: &[f64]| f64::from(u8::from(u[..of].iter().all(|u| *u > 1.0 - alone)));
+            let s = indices(&evaluate(&scrambled_pairs(base, 3, 7000 + seed), flag), 3, FirstOrder::default()).unwrap();
+            // Nothing is told, or that all runs are the same.
+            if s.first[0].low.is_nan() || s.total.iter().all(|index| index.value == 0.0) {
+                continue;
+            }
+            stated += 1;
+            for (k, index) in s.first.iter().chain(&s.total).enumerate() {
+                held[k] += u64::from(holds_nearly(index, if k % 3 < of { exact[k / 3] } else { 0.0 }));
+            }
+        }
+        println!("base {base}, corner of {of}, share {share}: {stated} of {seeds} stated, held {held:?}");
+        (stated, held)
+    }
+
+    #[test]
+    #[ignore = "takes minutes; run by scripts/test --long"]
+    fn indices_of_two_values_hold() {
+        of_corners(held_of_corner);
     }
 
     #[test]
