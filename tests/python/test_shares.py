@@ -78,7 +78,7 @@ def tried(folder, kind, design, seed):
     """All ways that a design allows, with one seed."""
     study, told = folder / f"{kind}-{seed}.toml", {}
     written(study, design, seed)
-    plain = ["--seed", seed, "--jobs", "1", "--extra-runs", "0"]
+    plain = ["--seed", seed, "--jobs", "1", "--extra-runs", "0", "--isolation", "none"]
 
     def way(name, *options):
         out = f"{kind}-{seed}-{name}"
@@ -125,8 +125,8 @@ def count(bench, seeds):
 
 
 def test_a_few_studies(bench):
-    for name, held in count(bench, range(4)).items():
-        assert all(held[key] >= 3 for key in (*OUTPUTS, "all")) and held["wrong"] <= 1, name
+    for name, held in count(bench, range(1)).items():
+        assert sum(held[key] for key in (*OUTPUTS, "all")) >= 4 and not held["wrong"], name
 
 
 @pytest.mark.parametrize("method", ["halton", "optimised-latin-hypercube", "sobol"])
