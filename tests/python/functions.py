@@ -6,7 +6,7 @@ import zipfile
 from python_package import ROOT
 
 SOURCE = ROOT / "orchestrator" / "tests" / "fixtures" / "functions.c"
-REFERENCES = {"wave": 101, "product": 105, "linear": 108}
+REFERENCES = {"wave": 101, "product": 105, "linear": 108, "sum": 111}
 
 
 def variables(parameters, outputs):

@@ -1,9 +1,12 @@
 """Probabilities that a part conforms, given uncertain measured values, against draws of the measurement's errors."""
 
+import csv
 import json
 import subprocess
 
 import numpy as np
+import pytest
+from scipy import optimize, stats
 from test_acceptance import PROGRAM
 
 # Tolerance about 0, standard uncertainty.
@@ -55,3 +58,82 @@ def test_joint_probabilities_are_those_of_drawn_errors(tmp_path):
         np.testing.assert_allclose(found, drawn, rtol=0, atol=4 * 0.5 / DRAWS**0.5)
         expected.append(drawn[0])
     assert abs(expected[0] - expected[1]) > 0.004, "the correlations must matter"
+
+
+def of_error(expanded, coverage, rectangular, gain, noise, repeats, value):
+    """The distribution of a measured value's error: normal, Student's and rectangular parts by convolution; its expanded
+    uncertainty; standard uncertainty, its Student's part and the degrees of freedom of that."""
+    half = expanded if rectangular else 0
+    normal = np.hypot(0 if rectangular else expanded / coverage, gain / (2 if rectangular else coverage) * value)
+    student = noise / np.sqrt(repeats) if repeats > 1 else 0
+    normal = normal if repeats > 1 else np.hypot(normal, noise)
+
+    # Student's part by the middles of equally probable cells, so that no tail is cut off.
+    parts = student * stats.t(repeats - 1).ppf((np.arange(40_000) + 0.5) / 40_000) if student else np.zeros(1)
+
+    def cdf(x, more=0):
+        sigma = max(np.hypot(normal, more), 1e-7)
+
+        def without(z):
+            if not half:
+                return stats.norm.cdf(z / sigma)
+            low, high = (z - half) / sigma, (z + half) / sigma
+            area = high * stats.norm.cdf(high) + stats.norm.pdf(high) - low * stats.norm.cdf(low) - stats.norm.pdf(low)
+            return sigma * area / (2 * half)
+        return without(x - parts).mean()
+
+    def half_interval(probability, more=0):
+        return optimize.brentq(lambda x: 2 * cdf(x, more) - 1 - probability, 1e-9, 1e3, xtol=1e-9)
+
+    standard = np.sqrt(normal**2 + student**2 + half**2 / 3)
+    plain = not (half or student)
+    return cdf, half_interval, coverage * normal if plain else half_interval(0.95), standard, student
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_probabilities_and_e_n_are_those_of_scipy(tmp_path, seed):
+    """Conformance of each point, acceptance by `point-risk`, E_n, k and effective degrees of freedom (ISO 13528, 9.7; GUM, G.4.1),
+    for tolerances to one side, to two unlike ones, and to both."""
+    draw = np.random.default_rng(seed)
+    value, expanded, coverage = draw.uniform(5, 50), draw.uniform(0.2, 1), draw.choice([2, 1.96, 3])
+    rectangular, gain, noise, repeats = bool(seed % 2), draw.choice([0, 0.01]), draw.choice([0.1, 0.5]), int(draw.choice([1, 2, 3, 5, 10]))
+    minus, plus = [(1, 1), (0.6, 1.5), (np.inf, 0)][seed % 3]
+    cdf, half_interval, of_measured, standard, student = of_error(expanded, coverage, rectangular, gain, noise, repeats, value)
+    limits = {1: "tolerance = 1", 0.6: "tolerance = { minus = 0.6, plus = 1.5 }"}.get(minus)
+    said = f"nominal = {value!r}\n{limits}" if limits else f"at-most = {value!r}\nmeasured = {value!r}"
+    text = f"""fmu = "none.fmu"
+[design]
+method = "monte-carlo"
+points = 30
+[criteria.y]
+variable = "y"
+{said}
+uncertainty = {expanded!r}
+noise = {noise}
+""" + (f"gain-uncertainty = {gain}\n" if gain else "") + (f"repeats = {repeats}\n" if repeats > 1 else "")
+    text += 'uncertainty-distribution = "rectangular"\n' if rectangular else f"coverage = {coverage}\n"
+    text += '[verdict]\nshare = "5 %"\npoint-risk = "10 %"\n'
+    (tmp_path / "study.toml").write_text(text)
+    values = value + draw.uniform(-2, 2, 30)
+    (tmp_path / "table.csv").write_text("y\n" + "\n".join(repr(float(one)) for one in values) + "\n")
+    asked = [PROGRAM, "judge", tmp_path / "study.toml", tmp_path / "table.csv", "--output", tmp_path / "out"]
+    done = subprocess.run(asked, capture_output=True, text=True)
+    assert done.returncode in (0, 1, 3), done.stderr
+    rows = list(csv.DictReader((tmp_path / "out" / "points.csv").open()))
+    for row, model in zip(rows, values, strict=True):
+        low = cdf(model - value - plus) if np.isfinite(plus) else 0
+        high = cdf(model - value + minus) if np.isfinite(minus) else 1
+        conforming = high - low
+        assert float(row["conformance"]) == pytest.approx(conforming, abs=1e-4), model
+        accepted = -minus <= model - value <= plus and conforming >= 0.9
+        assert row["accepted"] == str(accepted).lower(), (model, conforming)
+    told = json.loads((tmp_path / "out" / "summary.json").read_text())["validation"]["y"]
+    error, of_input = values.mean() - value, values.std(ddof=1)
+    of_all = np.hypot(standard, of_input)
+    assert told["e_n"] == pytest.approx(error / np.hypot(2 * of_input, of_measured), abs=1e-4)
+    assert told["u_val"] == pytest.approx(of_all, abs=1e-4)
+    if student:
+        assert told["freedom"] == pytest.approx((repeats - 1) * (of_all / student) ** 4, rel=1e-4)
+        assert told["coverage"] * of_all == pytest.approx(half_interval(0.954499736, of_input), abs=1e-4)
+    else:
+        assert (told["freedom"], told["coverage"]) == (None, 2)

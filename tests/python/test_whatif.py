@@ -8,6 +8,7 @@ import random
 import subprocess
 
 import pytest
+from functions import pack
 from test_acceptance import PROGRAM
 from test_report import browser, pytestmark  # noqa: F401
 
@@ -259,6 +260,28 @@ def test_a_slider_changes_verdict_and_boxes_and_comes_back(browser, tmp_path):  
     assert browser.get_log("browser") == []
     controls = browser.execute_script("return [...document.querySelectorAll('#whatif input')].filter(i => !i.ariaLabel && !i.closest('label')).length")
     assert controls == 0
+
+
+def test_some_points_of_nets_have_no_interval(browser, tmp_path):  # noqa: F811
+    """Of 60 columns the page holds 6,250 points: not all 8,000 of sixteen nets, of which nobody can tell any more which belong together."""
+    pack(tmp_path, 30, "linear")
+    text = 'fmu = "functions.fmu"\n[design]\nmethod = "sobol"\nreplicates = 16\nseed = 1\npoints = 8000\n[verdict]\nshare = "50 %"\n'
+    for k in range(1, 31):
+        text += f'[parameters.x{k}]\ndistribution = "uniform"\nmin = 0\nmax = 1\n[criteria.c{k}]\nvariable = "linear"\nnominal = 3\ntolerance = 2\n'
+    (tmp_path / "study.toml").write_text(text)
+    for points, has_interval in ((1600, True), (8000, False)):
+        out = tmp_path / str(points)
+        asked = [PROGRAM, "verify", tmp_path / "study.toml", "--points", str(points), "--isolation", "none", "--extra-runs", "0", "--output", out]
+        done = subprocess.run(asked, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        assert json.loads((out / "summary.json").read_text())["verified_interval"] is not None
+        browser.get((out / "report.html").as_uri())
+        found = browser.execute_script("return WhatIf.ask({criteria: {c1: {nominal: 2.9}}})")
+        shares = [found["verified"], *found["criteria"]]
+        assert [bool(one["interval"]) for one in shares] == [has_interval] * len(shares)
+        assert bool(found["interval"]) == has_interval
+        assert (found["verdict"] == "verified") == has_interval
+    assert browser.get_log("browser") == []
 
 
 # Points of some normal parameters and a linear value, whose share within a tolerance is known for any means and deviations.

@@ -312,6 +312,7 @@ mod tests {
     fn clean_records_are_hardly_ever_doubted() {
         let mut random = StdRng::seed_from_u64(5);
         let doubted = (0..200).filter(|_| line(&noise(&mut random), 0.0).fit() != Fit::Good).count();
-        assert!(doubted <= 16, "{doubted}");
+        println!("{doubted} of 200 clean records doubted");
+        assert!(doubted <= 10, "{doubted}");
     }
 }

@@ -271,6 +271,7 @@ mod tests {
                     told.model_error[0] <= 0.0 && 0.0 <= told.model_error[1]
                 });
                 let held = held.count();
+                println!("mean of {repeats} beside a known part of {known}: {held} of 1,000 hold");
                 assert!(held >= 930, "{repeats} {known}: {held}");
             }
         }

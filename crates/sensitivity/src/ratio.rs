@@ -99,6 +99,14 @@ pub fn estimate(over: &Parts, under: &Parts, offset: f64) -> Option<Estimate> {
     scattering(over, over, under, offset)
 }
 
+/// A ratio of squares, whose few largest terms carry much of it: its width is once more a part of 32 over the number of base points
+/// larger. Without that the totals of a product of three were off by more than 1.5 half widths in 1.9 % of seeds at 64 base points, in
+/// 1.4 % at 128.
+pub fn of_squares(over: &Parts, under: &Parts) -> Option<Estimate> {
+    let Estimate { value, high, .. } = estimate(over, under, 0.0)?;
+    Some(Estimate::around(value, (high - value) * (1.0 + 2.0 * BLOCKS as f64 / over.sums.len() as f64)))
+}
+
 /// The same, where other terms than those of the estimate show how far it scatters.
 pub fn scattering(over: &Parts, scatter: &Parts, under: &Parts, offset: f64) -> Option<Estimate> {
     let half = half_width(scatter, under, ratio(scatter, under, |_| true))?;

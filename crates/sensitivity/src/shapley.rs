@@ -15,6 +15,7 @@
 
 use crate::method::{Facts, FromRuns, Measure, Settled, Space, Told, read};
 use crate::pairs::pairs;
+use crate::rare::where_seen;
 use crate::ratio::{self, Parts};
 use nalgebra::{DMatrix, DVector};
 use sampling::random::{Purpose, Random};
@@ -179,13 +180,17 @@ fn conditional(a: &DVector<f64>, b: &DVector<f64>, set: &[usize], matrix: &DMatr
 /// Shapley effects of one output.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Effects {
-    /// Each parameter's part of the variance. Without failed runs they sum to 1.
+    /// Each parameter's part of the variance. Without failed runs they sum to 1. Of two values of which one was hardly seen they have
+    /// no intervals.
     pub effects: Vec<Estimate>,
     /// Base points of which all runs that the parameter's effect needs have values.
     pub used: Vec<usize>,
     /// Runs without a finite value.
     pub failed: usize,
 }
+
+/// Of two values, so many independent runs with the rarer one tell no interval of an effect.
+const FEW: usize = 20;
 
 /// Computes the effects from the outputs of the rows of a [`design`] with the same size and seed, in its order. All effects of
 /// a constant output are 0.
@@ -222,6 +227,7 @@ pub fn effects(outputs: &[f64], parameters: usize, settled: &Settled) -> Option<
         result.used.push(part.used());
         result.effects.push(ratio::estimate(&part, &variance, 0.0)?);
     }
+    where_seen(&mut result.effects, outputs, &ends, FEW);
     Some(result)
 }
 
@@ -250,7 +256,7 @@ fn steps(values: &[f64], orders: &[Vec<usize>]) -> Vec<Vec<Step>> {
 mod tests {
     use super::*;
     use crate::functions::{ishigami, ishigami_indices};
-    use crate::testing::{holds, lattice, settled};
+    use crate::testing::{holds, holds_nearly, lattice, of_corners, settled};
 
     fn run(
         parameters: usize,
@@ -413,6 +419,33 @@ mod tests {
         shapley.effects.iter().for_each(|effect| holds(*effect, [0.0; 3]));
         let told = Shapley.tell(&[vec![0.5; 3]], &outputs, &settled);
         assert_eq!(Shapley.shown(&told)[0].estimates, shapley.effects);
+    }
+
+    /// Of outputs that are 1 where each of the first `of` parameters of three lies above a limit, so that they have equal effects:
+    /// how many of these seeds state an interval, and in how many of them each holds.
+    fn held_of_corner(base: u64, of: usize, share: f64, seeds: u64) -> (u64, Vec<u64>) {
+        let limit = 1.0 - share.powf(1.0 / of as f64);
+        let (mut stated, mut held) = (0, vec![0; 3]);
+        for seed in 0..seeds {
+            let flag = |u: &[f64]| f64::from(u8::from(u[..of].iter().all(|u| *u > limit)));
+            let found = run(3, None, &settled(base, 5000 + seed), flag).effects;
+            // Nothing is told, or that all runs are the same.
+            if found[0].low.is_nan() || found.iter().all(|effect| effect.value == 0.0) {
+                continue;
+            }
+            stated += 1;
+            for (k, effect) in found.iter().enumerate() {
+                held[k] += u64::from(holds_nearly(effect, if k < of { 1.0 / of as f64 } else { 0.0 }));
+            }
+        }
+        println!("base {base}, corner of {of}, share {share}: {stated} of {seeds} stated, held {held:?}");
+        (stated, held)
+    }
+
+    #[test]
+    #[ignore = "takes minutes; run by scripts/test --long"]
+    fn effects_of_two_values_hold() {
+        of_corners(held_of_corner);
     }
 
     /// A normal score of the ends of the cube would be infinite. Scores that are as far as numbers tell stand for them.

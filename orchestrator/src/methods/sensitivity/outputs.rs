@@ -61,7 +61,7 @@ impl Output {
         if all(|e| e.value == 0.0 && e.low == 0.0 && e.high == 0.0) {
             "all numbers are 0: the output is the same in all runs that have a value, so no parameter matters to it"
         } else if !all(|e| e.value.is_finite()) {
-            "a parameter has no number, as too few runs have values, so none can be called the most important"
+            "a parameter has no number, as too few runs tell it, so none can be called the most important"
         } else if surest.iter().any(|estimate| estimate.low.is_nan() || estimate.high.is_nan()) {
             "without intervals no parameter can be called the most important"
         } else {
