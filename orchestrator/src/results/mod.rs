@@ -19,6 +19,7 @@ mod probable;
 mod resampled;
 pub mod settled;
 pub mod summary;
+pub mod surrogate;
 pub mod survey;
 pub mod table;
 pub mod tally;
