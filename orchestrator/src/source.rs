@@ -17,6 +17,13 @@ pub enum Source {
     Design(Design),
     /// Given points.
     Table(Table),
+    /// Points of a design that were chosen, in the order in which they run.
+    Chosen {
+        /// The design.
+        design: Design,
+        /// Their places in it.
+        places: Vec<u64>,
+    },
 }
 
 impl Source {
@@ -74,6 +81,7 @@ impl Source {
         match self {
             Self::Design(design) => design.len(),
             Self::Table(table) => table.rows.len() as u64,
+            Self::Chosen { places, .. } => places.len() as u64,
         }
     }
 
@@ -87,13 +95,14 @@ impl Source {
         match self {
             Self::Design(design) => design.point(index),
             Self::Table(table) => table.rows[place(index)].clone(),
+            Self::Chosen { design, places } => design.point(places[place(index)]),
         }
     }
 
     /// A point's number: counted from 1, or the table's own.
     pub fn label(&self, index: u64) -> u64 {
         match self {
-            Self::Design(_) => index + 1,
+            Self::Design(_) | Self::Chosen { .. } => index + 1,
             Self::Table(table) => table.labels[place(index)],
         }
     }
@@ -101,7 +110,7 @@ impl Source {
     /// The index of the point that is called so.
     pub fn index_of(&self, label: u64) -> Option<u64> {
         match self {
-            Self::Design(design) => (1..=design.len()).contains(&label).then(|| label - 1),
+            Self::Design(_) | Self::Chosen { .. } => (1..=self.len()).contains(&label).then(|| label - 1),
             Self::Table(table) => {
                 let place = table.labels.iter().position(|&known| known == label);
                 place.map(|place| place as u64)
@@ -110,7 +119,7 @@ impl Source {
     }
 }
 
-/// The place of a point in a table, which is in the memory.
+/// The place of a point in a list, which is in the memory.
 fn place(index: u64) -> usize {
-    usize::try_from(index).expect("a table has no more rows than memory has places")
+    usize::try_from(index).expect("there are no more points than memory has places")
 }

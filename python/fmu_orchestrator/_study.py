@@ -147,6 +147,7 @@ class Study:
         output: StrPath | None = None,
         points_from: Given | None = None,
         until: str | None = None,
+        budget: int | None = None,
         validation: bool = False,
         extra_runs: int | None = None,
         **running: Unpack[Running],
@@ -155,11 +156,12 @@ class Study:
 
         ``points`` and ``seed`` replace the study's. ``points_from`` simulates given points instead: a file, a table of
         pandas, polars or pyarrow, or a mapping from names to values. ``until``, such as ``"verdict"`` or ``"ci 0.01"``,
-        ends when enough is known. ``output`` is the folder, ``results/`` and the study's name unless given.
+        ends when enough is known. ``budget`` runs the FMU at most so often, at chosen points. ``output`` is the folder, ``results/`` and the study's name unless given.
         """
         folder = self._folder(output)
         table = None if points_from is None else given(points_from, folder)
         options: dict[str, Value] = {"points": points, "seed": seed, "points_from": table, "until": until}
+        options["budget"] = budget
         options |= {"validation": validation, "extra_runs": extra_runs}
         done = self._run("verify", folder, options, running)
         return told(Verification(folder, done.text), done.said)

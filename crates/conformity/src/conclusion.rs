@@ -226,7 +226,8 @@ fn method(way: Way, samples: usize) -> String {
     }
 }
 
-fn by_share(verdict: Decision, required: &Requirement, of_which: &str) -> String {
+/// The verdict by a share in words; `of_which` says more of what was found.
+pub fn by_share(verdict: Decision, required: &Requirement, of_which: &str) -> String {
     let [low, high] = required.interval.unwrap_or([0.0, 1.0]).map(|limit| 100.0 * limit);
     let [share, confidence] = [required.rule.share, required.rule.confidence].map(percent);
     format!(

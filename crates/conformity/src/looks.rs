@@ -199,7 +199,7 @@ fn doublings(samples: u64, points: u64) -> u32 {
 
 /// The part of the probability of a wrong decision that a look may use up: 1/2, 1/6, 1/12 ... add up to 1, so that all
 /// looks together keep within the whole (Bonferroni's inequality).
-fn spent(look: u32) -> f64 {
+pub fn spent(look: u32) -> f64 {
     let k = f64::from(look);
     1.0 / ((k + 1.0) * (k + 2.0))
 }

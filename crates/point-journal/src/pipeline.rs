@@ -100,6 +100,11 @@ impl<'a> Pipeline<'a> {
         }
     }
 
+    /// No more points than this run a second time at the end.
+    pub fn repeat_at_most(&mut self, points: usize) {
+        self.again.most = points;
+    }
+
     /// How many points this run has computed.
     pub fn computed(&self) -> u64 {
         self.computed

@@ -1,7 +1,8 @@
 //! Sobol indices of an output, with intervals that contain the surrogate's error.
 
-use crate::share::{Doubt, LARGEST_ERROR};
-use crate::surrogate::Surrogate;
+use crate::share::{Doubt, LARGEST_ERROR, Limit, Possible, doubt};
+use crate::surrogate::{Run, Surrogate};
+use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Functions that are drawn from each member of an output's sample.
@@ -18,7 +19,7 @@ pub struct Index {
     pub interval: [f64; 2],
 }
 
-/// First and total index of each parameter. `a` and `b` are independent plain samples of as many points, at least 64, of
+/// First and total index of each parameter in an output. `a` and `b` are independent plain samples of as many points, at least 64, of
 /// parameters that are independent of each other (the halves of a net of twice the dimensions). Noise takes no part.
 ///
 /// Estimators: Saltelli et al. (2010), "Variance based sensitivity analysis of model output", table 2, b and f; draws of the
@@ -40,6 +41,41 @@ pub fn indices(
     }
     let functions = surrogate.functions(output, EACH);
     let at = |points: &[Vec<f64>]| functions.at(&surrogate.standard(points));
+    Ok(of_functions(at, relative * relative, [a, b], confidence))
+}
+
+/// The same for whether a point is good: it keeps all limits and does not fail. `runs` are those of the surrogate.
+///
+/// # Errors
+/// When the surrogate does not hold there.
+pub fn indices_of_good(
+    surrogate: &Surrogate,
+    limits: &[Limit],
+    runs: &[Run],
+    [a, b]: [&[Vec<f64>]; 2],
+    confidence: f64,
+) -> Result<Vec<[Index; 2]>, Doubt> {
+    if let Some(doubt) = doubt(surrogate, limits, runs) {
+        return Err(doubt);
+    }
+    let checks = surrogate.checks();
+    let relative = |limit: &Limit| checks[limit.output].error / surrogate.spread(limit.output);
+    let worst = limits.iter().map(relative).fold(0.0, f64::max);
+    let at = |points: &[Vec<f64>]| {
+        let margins = Possible::new(surrogate, limits, points, EACH, false).margins(limits);
+        margins.map(|margin| if margin >= 0.0 { 1.0 } else { 0.0 })
+    };
+    Ok(of_functions(at, worst * worst, [a, b], confidence))
+}
+
+/// The indices over all columns of `at`, the values of functions at points. `unexplained` is the part of the variance that these
+/// miss.
+fn of_functions(
+    at: impl Fn(&[Vec<f64>]) -> DMatrix<f64>,
+    unexplained: f64,
+    [a, b]: [&[Vec<f64>]; 2],
+    confidence: f64,
+) -> Vec<[Index; 2]> {
     let (of_a, of_b) = (at(a), at(b));
     let (points, draws) = of_a.shape();
     // Points of a net belong to the parts in turn, so that each part is spread like the whole.
@@ -73,9 +109,9 @@ pub fn indices(
                 }
             }
         }
-        [0, 1].map(|which| index(&by_draw[which], &by_part[which], relative * relative, confidence))
+        [0, 1].map(|which| index(&by_draw[which], &by_part[which], unexplained, confidence))
     };
-    Ok((0..a[0].len()).map(one).collect())
+    (0..a[0].len()).map(one).collect()
 }
 
 /// `unexplained` is the part of the variance that the surrogate misses when runs are left out. It may belong to any parameter, and

@@ -8,7 +8,7 @@ mod process;
 mod share;
 mod surrogate;
 
-pub use indices::{Index, indices};
+pub use indices::{Index, indices, indices_of_good};
 pub use output::{Check, Functions};
-pub use share::{Basis, Campaign, Doubt, Limit, Share, doubt, share, undecided};
+pub use share::{Answers, Basis, Campaign, Doubt, Limit, Share, doubt};
 pub use surrogate::{Run, Surrogate, Unfit};

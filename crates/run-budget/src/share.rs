@@ -63,78 +63,86 @@ pub enum Doubt {
     },
 }
 
-/// A share with its interval.
+/// A share, known as well as by some number of plain points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {
     /// The share of good points.
     pub estimate: f64,
-    /// The interval at the level of confidence asked for.
-    pub interval: [f64; 2],
+    /// So many independent plain points would leave as much open.
+    pub trials: f64,
     /// What it was found by.
     pub basis: Basis,
 }
 
-/// The margins of functions that the model may be: the least of all limits, and below 0 where a run would fail.
-pub(crate) fn margins(surrogate: &Surrogate, limits: &[Limit], points: &[Vec<f64>], each: usize) -> DMatrix<f64> {
-    let mut least = surrogate.success(each).map(|functions| functions.at(&surrogate.standard(points)));
-    let mut outputs: Vec<usize> = limits.iter().map(|limit| limit.output).collect();
-    outputs.sort_unstable();
-    outputs.dedup();
-    for output in outputs {
-        let functions = surrogate.functions(output, each);
-        let mut values = functions.at(&surrogate.standard(points));
-        let mut random = surrogate.random(4000 + output as u32);
-        for (mut column, error) in values.column_iter_mut().zip(functions.noise()) {
-            column.iter_mut().for_each(|v| *v += error * random.normal());
-        }
-        let unit = surrogate.spread(output);
-        let of_output = || limits.iter().filter(|limit| limit.output == output);
-        values.apply(|v| *v = of_output().map(|limit| limit.margin(*v) / unit).fold(f64::INFINITY, f64::min));
-        least = Some(match least {
-            None => values,
-            Some(before) => before.zip_map(&values, f64::min),
-        });
+impl Share {
+    /// Its interval (Clopper and Pearson's).
+    pub fn interval(&self, confidence: f64) -> [f64; 2] {
+        clopper_pearson(self.estimate * self.trials, self.trials, confidence)
     }
-    least.unwrap_or_else(|| DMatrix::repeat(points.len(), 1, 1.0))
 }
 
-/// The share of good points by the surrogate of `runs`. `sample` is a plain sample of the parameters, `plain` says which of the
-/// runs are one too (the others were chosen): they are counted where the surrogate does not hold.
-pub fn share(
-    surrogate: Option<&Surrogate>,
-    limits: &[Limit],
-    runs: &[Run],
-    plain: &[bool],
-    sample: &[Vec<f64>],
-    confidence: f64,
-) -> Share {
-    let doubt = match surrogate {
-        None => Some(Doubt::Unfit),
-        Some(surrogate) => doubt(surrogate, limits, runs),
-    };
-    let (Some(surrogate), None) = (surrogate, doubt) else {
-        return counted(limits, runs, plain, confidence, doubt.unwrap_or(Doubt::Unfit));
-    };
-    let margins = margins(surrogate, limits, sample, EACH);
-    let points = sample.len() as f64;
-    let good = |column: usize| margins.column(column).iter().filter(|m| **m >= 0.0).count() as f64 / points;
-    let shares: Vec<f64> = (0..margins.ncols()).map(good).collect();
-    let draws = shares.len() as f64;
-    let estimate = shares.iter().sum::<f64>() / draws;
-    let between = shares.iter().map(|s| (s - estimate).powi(2)).sum::<f64>() / (draws - 1.0).max(1.0);
-    // As many plain points as would leave as much open: surrogate's error and that of the sample, which is at most that of
-    // independent points. Half a point is always open.
-    let inner = estimate.clamp(0.5 / points, 1.0 - 0.5 / points);
-    let trials = inner * (1.0 - inner) / (inner * (1.0 - inner) / points + between);
-    Share { estimate, interval: clopper_pearson(estimate * trials, trials, confidence), basis: Basis::Surrogate }
+/// Values at points of functions that the model may be: a row a point, a column a function.
+#[derive(Clone, Debug)]
+pub(crate) struct Possible {
+    /// By output; none of an output without a limit.
+    values: Vec<Option<DMatrix<f64>>>,
+    /// Where it is negative a run would fail.
+    success: Option<DMatrix<f64>>,
+    spreads: Vec<f64>,
+    points: usize,
 }
 
-fn counted(limits: &[Limit], runs: &[Run], plain: &[bool], confidence: f64, doubt: Doubt) -> Share {
-    let good: Vec<bool> =
-        runs.iter().zip(plain).filter(|(_, plain)| **plain).map(|(run, _)| Limit::are_kept(limits, run)).collect();
-    let (hits, trials) = (good.iter().filter(|good| **good).count() as f64, good.len() as f64);
-    let estimate = if trials > 0.0 { hits / trials } else { 0.5 };
-    Share { estimate, interval: clopper_pearson(hits, trials, confidence), basis: Basis::Counted(doubt) }
+impl Possible {
+    /// `each` functions of each member of an output's sample, with noise or without it.
+    pub(crate) fn new(surrogate: &Surrogate, limits: &[Limit], points: &[Vec<f64>], each: usize, noise: bool) -> Self {
+        let standard = surrogate.standard(points);
+        let of = |output: usize| {
+            let functions = surrogate.functions(output, each);
+            let mut values = functions.at(&standard);
+            let mut random = surrogate.random(4000 + output as u32);
+            for (mut column, error) in values.column_iter_mut().zip(functions.noise()).filter(|_| noise) {
+                column.iter_mut().for_each(|v| *v += error * random.normal());
+            }
+            values
+        };
+        let count = surrogate.checks().len();
+        Self {
+            values: (0..count).map(|output| limits.iter().any(|l| l.output == output).then(|| of(output))).collect(),
+            success: surrogate.success(each).map(|functions| functions.at(&standard)),
+            spreads: (0..count).map(|output| surrogate.spread(output)).collect(),
+            points: points.len(),
+        }
+    }
+
+    /// The least margin over all limits, in deviations of the outputs, and below 0 where a run would fail.
+    pub(crate) fn margins(&self, limits: &[Limit]) -> DMatrix<f64> {
+        let mut least = self.success.clone();
+        for limit in limits {
+            let values = self.values[limit.output].as_ref().expect("the output was asked for");
+            let margins = values.map(|v| limit.margin(v) / self.spreads[limit.output]);
+            least = Some(match least {
+                None => margins,
+                Some(before) => before.zip_map(&margins, f64::min),
+            });
+        }
+        least.unwrap_or_else(|| DMatrix::repeat(self.points, 1, 1.0))
+    }
+
+    /// The share of good points in the mean over the functions, with what they and the points leave open.
+    fn share(&self, limits: &[Limit]) -> Share {
+        let margins = self.margins(limits);
+        let points = self.points as f64;
+        let good = |column: usize| margins.column(column).iter().filter(|m| **m >= 0.0).count() as f64 / points;
+        let shares: Vec<f64> = (0..margins.ncols()).map(good).collect();
+        let draws = shares.len() as f64;
+        let estimate = shares.iter().sum::<f64>() / draws;
+        let between = shares.iter().map(|s| (s - estimate).powi(2)).sum::<f64>() / (draws - 1.0).max(1.0);
+        // As many plain points as would leave as much open: surrogate's error and that of the sample, which is at most that
+        // of independent points. Half a point is always open.
+        let inner = estimate.clamp(0.5 / points, 1.0 - 0.5 / points);
+        let trials = inner * (1.0 - inner) / (inner * (1.0 - inner) / points + between);
+        Share { estimate, trials, basis: Basis::Surrogate }
+    }
 }
 
 /// What refutes the surrogate, if anything does: errors that are too large, or runs that are good or bad against what the others
@@ -176,8 +184,8 @@ fn normal_below(z: f64) -> f64 {
 
 /// Which of `candidates` to run next so that the share gets known best: in turn the one whose sign is least known, as far as
 /// those chosen before it do not tell it. Fewer than `count` where the signs of all others are known.
-pub fn undecided(surrogate: &Surrogate, limits: &[Limit], candidates: &[Vec<f64>], count: usize) -> Vec<usize> {
-    let mut margins = margins(surrogate, limits, candidates, EACH);
+fn undecided(surrogate: &Surrogate, limits: &[Limit], candidates: &[Vec<f64>], count: usize) -> Vec<usize> {
+    let mut margins = Possible::new(surrogate, limits, candidates, EACH, true).margins(limits);
     let draws = margins.ncols() as f64;
     let open = |i: usize| {
         let good = margins.row(i).iter().filter(|m| **m >= 0.0).count() as f64 / draws;
@@ -208,18 +216,21 @@ pub fn undecided(surrogate: &Surrogate, limits: &[Limit], candidates: &[Vec<f64>
     chosen
 }
 
-/// Runs in batches: plain ones first, then in each batch a part that is plain (it tests the surrogate) and the rest near limits.
+/// Runs in batches: plain ones first, then in each batch a half that is plain (it tests the surrogate) and a half near limits.
+/// What a batch is does not depend on how many are to follow.
 #[derive(Clone, Debug)]
 pub struct Campaign {
     limits: Vec<Limit>,
     sample: Vec<Vec<f64>>,
     start: usize,
     seed: u64,
-    points: Vec<Vec<f64>>,
-    plain: Vec<bool>,
+    /// The runs, as places in the sample.
+    places: Vec<usize>,
     outcomes: Vec<Option<Run>>,
+    /// So many plain points are taken.
     taken: usize,
-    surrogate: Option<Surrogate>,
+    /// The last surrogate, of fewer runs than there are now.
+    earlier: Option<Surrogate>,
 }
 
 impl Campaign {
@@ -227,58 +238,48 @@ impl Campaign {
     /// scrambled net, or independent points). Its first half gives the plain points, so it needs at least twice as many points
     /// as there will be runs; some 4,000 tell a share to 1.3 points.
     pub fn new(limits: Vec<Limit>, sample: Vec<Vec<f64>>, start: usize, seed: u64) -> Self {
-        let (points, plain, outcomes) = (Vec::new(), Vec::new(), Vec::new());
-        Self { limits, sample, start, seed, points, plain, outcomes, taken: 0, surrogate: None }
+        let (places, outcomes) = (Vec::new(), Vec::new());
+        Self { limits, sample, start, seed, places, outcomes, taken: 0, earlier: None }
     }
 
-    /// The numbers and points of the next batch of at most `count` runs. Empty as long as runs of an earlier one are missing, so
-    /// that a batch does not depend on the order in which they come back.
-    pub fn next(&mut self, count: usize) -> Vec<(usize, Vec<f64>)> {
+    /// The next batch of at most `count` runs, as places in the sample. Empty as long as outcomes of an earlier one are missing,
+    /// so that a batch does not depend on the order in which they come back.
+    pub fn next(&mut self, count: usize) -> Vec<usize> {
         if self.outcomes.iter().any(Option::is_none) {
             return Vec::new();
         }
-        let first = self.points.len();
+        let first = self.places.len();
         if self.taken < self.start {
             self.add_plain(count.min(self.start - self.taken));
         } else {
-            self.fit();
-            let near = count - count.div_ceil(5);
+            let runs = self.runs();
+            self.earlier = Surrogate::fit(&runs, &self.sample, self.earlier.as_ref(), self.seed).ok();
             // Plain points come from the first half, so that none of them was chosen before.
-            let half = self.sample.len() / 2;
-            let fresh = |i: &usize| !self.points.contains(&self.sample[*i]);
-            let candidates: Vec<usize> = (half..self.sample.len()).filter(fresh).take(2048).collect();
-            let of_candidates: Vec<Vec<f64>> = candidates.iter().map(|i| self.sample[*i].clone()).collect();
-            let trusted = self.surrogate.as_ref().filter(|s| doubt(s, &self.limits, &self.runs()).is_none());
-            let chosen = trusted.map_or(Vec::new(), |s| undecided(s, &self.limits, &of_candidates, near));
-            for i in chosen {
-                self.add(of_candidates[i].clone(), false);
-            }
-            self.add_plain(count - (self.points.len() - first));
+            let fresh = |place: &usize| !self.places.contains(place);
+            let candidates: Vec<usize> = (self.sample.len() / 2..self.sample.len()).filter(fresh).take(2048).collect();
+            let points: Vec<Vec<f64>> = candidates.iter().map(|place| self.sample[*place].clone()).collect();
+            let trusted = self.earlier.as_ref().filter(|s| doubt(s, &self.limits, &runs).is_none());
+            let chosen = trusted.map_or(Vec::new(), |s| undecided(s, &self.limits, &points, count / 2));
+            self.places.extend(chosen.into_iter().map(|chosen| candidates[chosen]));
+            self.add_plain(count - (self.places.len() - first));
         }
-        (first..self.points.len()).map(|i| (i, self.points[i].clone())).collect()
+        self.outcomes.resize(self.places.len(), None);
+        self.places[first..].to_vec()
     }
 
     fn add_plain(&mut self, count: usize) {
         let last = (self.taken + count).min(self.sample.len() / 2);
-        for i in self.taken..last {
-            self.add(self.sample[i].clone(), true);
-        }
+        self.places.extend(self.taken..last);
         self.taken = last;
     }
 
-    fn add(&mut self, point: Vec<f64>, plain: bool) {
-        self.points.push(point);
-        self.plain.push(plain);
-        self.outcomes.push(None);
-    }
-
-    /// Tells what a run of a batch gave; `None`: it failed.
+    /// Tells what the run of this number gave, counted over all batches; `None`: it failed.
     ///
     /// # Panics
     /// When no batch had this number.
     pub fn tell(&mut self, number: usize, values: Option<Vec<f64>>) {
-        self.outcomes[number] = Some(Run { point: self.points[number].clone(), values });
-        self.surrogate = None;
+        let point = self.sample[self.places[number]].clone();
+        self.outcomes[number] = Some(Run { point, values });
     }
 
     /// The runs told, in the order of their numbers.
@@ -286,24 +287,70 @@ impl Campaign {
         self.outcomes.iter().flatten().cloned().collect()
     }
 
-    fn fit(&mut self) {
-        if self.surrogate.is_none() {
-            self.surrogate = Surrogate::fit(&self.runs(), &self.sample, None, self.seed).ok();
+    /// What all runs told so far say.
+    pub fn answers(&self) -> Answers {
+        let told = self.places.iter().zip(&self.outcomes);
+        let is_plain = |(place, run): (&usize, &Option<Run>)| run.is_some().then_some(*place < self.sample.len() / 2);
+        let plain = told.filter_map(is_plain).collect();
+        Answers::new(self.runs(), plain, &self.sample, self.earlier.as_ref(), self.seed)
+    }
+}
+
+/// What runs say of a plain sample.
+#[derive(Clone, Debug)]
+pub struct Answers {
+    /// The runs.
+    pub runs: Vec<Run>,
+    /// Which of the runs are a plain sample of the parameters, too. The others were chosen.
+    pub plain: Vec<bool>,
+    /// The surrogate; none where none fits.
+    pub surrogate: Option<Surrogate>,
+    possible: Option<Possible>,
+}
+
+impl Answers {
+    /// What `runs` say of a plain `sample`; `plain` tells which of them are one, too.
+    pub fn new(runs: Vec<Run>, plain: Vec<bool>, sample: &[Vec<f64>], earlier: Option<&Surrogate>, seed: u64) -> Self {
+        let surrogate = Surrogate::fit(&runs, sample, earlier, seed).ok();
+        let possible = surrogate.as_ref().map(|surrogate| {
+            let range = [f64::NEG_INFINITY, f64::INFINITY];
+            let all: Vec<Limit> = (0..surrogate.checks().len()).map(|output| Limit { output, range }).collect();
+            Possible::new(surrogate, &all, sample, EACH, true)
+        });
+        Self { runs, plain, surrogate, possible }
+    }
+
+    /// The share of points that keep all limits and do not fail: by the surrogate, or by counting plain runs where it does not
+    /// hold.
+    pub fn share(&self, limits: &[Limit]) -> Share {
+        match self.surrogate.as_ref().zip(self.possible.as_ref()) {
+            None => self.counted(limits, Doubt::Unfit),
+            Some((surrogate, possible)) => match doubt(surrogate, limits, &self.runs) {
+                Some(doubt) => self.counted(limits, doubt),
+                None => possible.share(limits),
+            },
         }
     }
 
-    /// The share by all runs told so far.
-    pub fn share(&mut self, confidence: f64) -> Share {
-        self.fit();
-        let told = |(plain, run): (&bool, &Option<Run>)| run.is_some().then_some(*plain);
-        let plain: Vec<bool> = self.plain.iter().zip(&self.outcomes).filter_map(told).collect();
-        share(self.surrogate.as_ref(), &self.limits, &self.runs(), &plain, &self.sample, confidence)
+    /// Outcomes at the points of the sample, those of each point by another function that the model may be; `None` at a point
+    /// where the run would fail. Nothing where no surrogate fits.
+    pub fn outcomes(&self) -> Vec<Option<Vec<f64>>> {
+        let Some(Possible { values, success, points, .. }) = &self.possible else { return Vec::new() };
+        let columns = values.iter().flatten().map(DMatrix::ncols).next().unwrap_or(1);
+        let outcome = |i: usize| {
+            let k = i % columns;
+            let fails = success.as_ref().is_some_and(|success| success[(i, k)] < 0.0);
+            (!fails).then(|| values.iter().flatten().map(|values| values[(i, k)]).collect())
+        };
+        (0..*points).map(outcome).collect()
     }
 
-    /// The surrogate of all runs told so far. `None` where none fits.
-    pub fn surrogate(&mut self) -> Option<&Surrogate> {
-        self.fit();
-        self.surrogate.as_ref()
+    fn counted(&self, limits: &[Limit], doubt: Doubt) -> Share {
+        let plain = self.runs.iter().zip(&self.plain).filter(|(_, plain)| **plain);
+        let good: Vec<bool> = plain.map(|(run, _)| Limit::are_kept(limits, run)).collect();
+        let (hits, trials) = (good.iter().filter(|good| **good).count() as f64, good.len() as f64);
+        let estimate = if trials > 0.0 { hits / trials } else { 0.5 };
+        Share { estimate, trials, basis: Basis::Counted(doubt) }
     }
 }
 

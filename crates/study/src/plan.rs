@@ -208,6 +208,15 @@ impl Plan {
         self.with_samples(&places, point)
     }
 
+    /// A point as a surrogate sees it: a model changes evenly with the logarithm of a quantity that is normal in it.
+    pub fn coordinates(&self, point: &[f64]) -> Vec<f64> {
+        let one = |(input, &value): (&Input, &f64)| match &input.distribution {
+            Distribution::Lognormal { .. } => value.ln(),
+            _ => value,
+        };
+        self.inputs.iter().zip(point).map(one).collect()
+    }
+
     /// Whether every parameter varies on its own.
     pub fn is_independent(&self) -> bool {
         self.correlation.is_none() && !self.joints.iter().any(Joint::binds)

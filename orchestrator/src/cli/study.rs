@@ -39,6 +39,14 @@ pub struct Verify {
     /// The seed, instead of the study's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,
+    /// For an FMU whose runs are dear: at most N runs in all, at points that are chosen while they come in; a surrogate tells the
+    /// share with its interval, or counts where it does not hold
+    #[arg(
+        long,
+        value_name = "N",
+        conflicts_with_all = ["points", "points_from", "shard", "shard_index", "validation", "rare", "carried"]
+    )]
+    pub budget: Option<u64>,
     /// Simulate the points of a table (csv or Parquet) instead of sampling
     #[arg(long, value_name = "TABLE.csv", conflicts_with_all = ["points", "seed"])]
     pub points_from: Option<PathBuf>,
@@ -49,7 +57,7 @@ pub struct Verify {
     #[arg(long)]
     pub parquet: bool,
     /// End early: "ci 0.01" when the 95 % interval of the share is 0.01 wide, "verdict" when the study's [verdict] is decided;
-    /// at the latest at --points, or a million
+    /// at the latest at --points, --budget, or a million
     #[arg(long, value_name = "CONDITION", conflicts_with_all = ["shard", "shard_index"])]
     pub until: Option<Until>,
     /// Run some points with finer communication steps, too, to find the numerical uncertainty (ASME V&V 20)

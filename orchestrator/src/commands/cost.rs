@@ -63,7 +63,7 @@ fn text(point: f64, points: u64, jobs: usize) -> String {
 }
 
 /// A time in the unit that people would use.
-fn span(seconds: f64) -> String {
+pub(super) fn span(seconds: f64) -> String {
     const UNITS: [(f64, &str); 6] =
         [(1e-6, "us"), (1e-3, "ms"), (1.0, "s"), (60.0, "min"), (3600.0, "h"), (86400.0, "days")];
     // Two of a unit are the least, so that the number tells enough.

@@ -61,7 +61,7 @@ fn join_verification(options: &Merge, shards: &Shards<'_>, request: Request) -> 
     let mut taken = place.take(verification.parts(), &verification.header, || Ok(()))?;
     shards.fill(&mut taken.journal)?;
     let run = Run::since(start, 0, 0);
-    let summary = verification.conclude(output, Some(run), None, &mut looked);
+    let summary = verification.conclude(output, Some(run), None, &mut looked, None);
     let summary = summary.map_err(|error| match error {
         Error::Incomplete { missing, points, .. } => shards.incomplete([missing, points], &named, "verify STUDY"),
         error => error,
@@ -81,6 +81,7 @@ fn join_verification(options: &Merge, shards: &Shards<'_>, request: Request) -> 
     let jobs = available_parallelism().map_or(1, Into::into);
     let wish = Wish {
         most: MOST_EXTRA_RUNS,
+        dear: false,
         validation: false,
         limits: Limits { time: Duration::from_secs(3600), memory: 16 << 30 },
         jobs,

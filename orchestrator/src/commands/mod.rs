@@ -5,6 +5,7 @@ mod check;
 mod compare;
 mod completion;
 mod cost;
+mod dear;
 mod gate;
 mod init;
 mod inspect;
@@ -26,6 +27,7 @@ use std::process::ExitCode;
 use crate::cli::{Cli, Command};
 use crate::error::Error;
 use crate::junit::{self, Outcome, Test};
+use crate::methods::Method;
 use crate::methods::asking::Delivery;
 use crate::methods::rare;
 use crate::report::Report;
@@ -81,6 +83,10 @@ fn dispatch(cli: Cli) -> Result<ExitCode, Error> {
         Command::Merge(options) => merge::run(&options),
         Command::Compare(options) => compare::run(&options),
         Command::Report(options) => report::run(&options),
+        Command::Method(Method::Sensitivity(options)) if options.budget.is_some() => {
+            let runs = options.budget.unwrap_or_default();
+            deliver(dear::sensitivity(options, runs)?)
+        }
         Command::Method(method) => deliver(method.run()?),
         Command::Synchronise(options) => synchronise::run(&options),
     }

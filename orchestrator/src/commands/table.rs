@@ -10,6 +10,7 @@ use crate::results::Summary;
 use crate::results::answer::{Answer, further};
 use crate::results::asides::Asides;
 use crate::results::summary::{Count, FailedPoint, FailureKind};
+use crate::results::surrogate;
 use fmu_points::Conduct;
 use result_document::wrapped;
 use study::concern::Concern;
@@ -116,7 +117,8 @@ fn least_met(summary: &Summary, most: usize) -> String {
 /// The heads of the lines of criteria.
 fn heads(summary: &Summary) -> String {
     let interval = summary.verified_interval.map_or("", |_| "   95 % interval");
-    format!("{:<34}{:>10}{:>10}{interval}\n", "meets", "points", "share")
+    let way = surrogate::way(summary);
+    format!("{:<34}{:>10}{:>10}{interval}{way}\n", "meets", "points", "share")
 }
 
 /// The counts of points by criterion.

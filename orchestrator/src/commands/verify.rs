@@ -10,7 +10,7 @@ use std::time::Instant;
 use indexmap::{IndexMap, IndexSet};
 use toml::Spanned;
 
-use super::{best, complete, cost, gate, left_out, output, table};
+use super::{best, complete, cost, dear, gate, left_out, output, table};
 use crate::cli::{Gate, Verify};
 use crate::error::Error;
 use crate::methods::asking;
@@ -36,6 +36,9 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
     if options.gate.junit.is_some() && options.work.parts.shard()?.is_some() {
         let message = "a part of the points has no verdict; give this option to `merge`";
         return Err(Error::option("junit", message));
+    }
+    if let Some(runs) = options.budget {
+        return dear::run(options, runs);
     }
     let mut verification = Verification::open(request(options)?)?;
     asking::warn(&verification.session.judge);
@@ -65,7 +68,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
     };
     let mut hosts = BTreeMap::new();
     let (computed, _kept) = setup::run(&mut verification, &header, taken, work, |of, pipeline| {
-        let enough = compute(of, pipeline, ending.as_ref())?;
+        let enough = compute(of, pipeline, ending.as_ref(), jobs)?;
         let (done, computed) = (pipeline.done(), pipeline.computed());
         let halt = pipeline.interrupted();
         hosts = pipeline.answered();
@@ -80,12 +83,13 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
         return Ok(ExitCode::SUCCESS);
     }
     let run = Run { hosts, ..Run::since(begun, computed, jobs) };
-    let summary = verification.conclude(&folder, Some(run), ending.as_ref(), &mut looked)?;
+    let summary = verification.conclude(&folder, Some(run), ending.as_ref(), &mut looked, None)?;
     if options.parquet {
         parquet::convert(&folder, &summary)?;
     }
     let jobs = means.jobs_here().min(jobs);
-    let wish = Wish { most: options.extra_runs, validation: options.validation, limits: means.limits(jobs)?, jobs };
+    let limits = means.limits(jobs)?;
+    let wish = Wish { most: options.extra_runs, validation: options.validation, dear: false, limits, jobs };
     conclude(&mut verification, &folder, summary, &wish, (&options.gate, options.verbose))
 }
 
@@ -135,14 +139,19 @@ pub(super) fn conclude(
     wish: &Wish,
     (gate, verbose): (&Gate, bool),
 ) -> Result<ExitCode, Error> {
-    let again = reruns::run(verification, folder, &mut summary, wish);
-    again.unwrap_or_else(|error| left_out("no point was run once more", &error));
-    let Session { plan, package, .. } = &verification.session;
-    let best = best::write(folder, plan, package.description(), &summary);
-    best.unwrap_or_else(|error| left_out("the best point is in no file", &error));
-    complete(folder);
+    finish(verification, folder, &mut summary, wish);
     output::print(&table::told(&summary, Some(folder), verbose));
     gate::verdict(&summary, gate)
+}
+
+/// Completes the folder of a study whose verdict is known and written.
+pub(super) fn finish(verification: &mut Verification, folder: &Path, summary: &mut Summary, wish: &Wish) {
+    let again = reruns::run(verification, folder, summary, wish);
+    again.unwrap_or_else(|error| left_out("no point was run once more", &error));
+    let Session { plan, package, .. } = &verification.session;
+    let best = best::write(folder, plan, package.description(), summary);
+    best.unwrap_or_else(|error| left_out("the best point is in no file", &error));
+    complete(folder);
 }
 
 /// A number of things.
@@ -151,7 +160,7 @@ fn counted(number: u64, thing: &str) -> String {
 }
 
 /// The plan of the run, for `--dry-run`.
-fn plan(verification: &Verification, folder: &Path) -> String {
+pub(super) fn plan(verification: &Verification, folder: &Path) -> String {
     let session = &verification.session;
     let simulated = |case: &Case| {
         let schedule = &case.task.schedule;
@@ -214,7 +223,7 @@ fn set(session: &Session) -> String {
     lines.into_iter().collect()
 }
 
-fn request(options: &Verify) -> Result<Request, Error> {
+pub(super) fn request(options: &Verify) -> Result<Request, Error> {
     Ok(Request {
         study: options.work.study.clone(),
         fmu: options.work.means.fmu.clone(),
@@ -228,7 +237,12 @@ fn request(options: &Verify) -> Result<Request, Error> {
 }
 
 /// Runs all points that are not finished; says whether no further ones are needed.
-fn compute(verification: &Verification, pipeline: &mut Pipeline<'_>, ending: Option<&Ending>) -> Result<bool, Error> {
+fn compute(
+    verification: &Verification,
+    pipeline: &mut Pipeline<'_>,
+    ending: Option<&Ending>,
+    jobs: usize,
+) -> Result<bool, Error> {
     let judge = &verification.session.judge;
     let job = |index| verification.job(index);
     let finished = pipeline.finished();
@@ -251,7 +265,12 @@ fn compute(verification: &Verification, pipeline: &mut Pipeline<'_>, ending: Opt
     let left = usize::try_from(left).unwrap_or(usize::MAX);
     let is_open = |index: &u64| !finished.as_ref().is_some_and(|f| f.has(*index));
     let open = verification.indexes().filter(is_open).take(left);
+    let (begun, mut done) = (Instant::now(), 0);
     pipeline.compute(open, &job, |index, outcome| {
+        done += 1;
+        if done == 2 * jobs {
+            dear::remark(begun.elapsed() / 2, left, jobs);
+        }
         if let Some((ending, front)) = &mut front {
             enough = enough || front.add(index, ending.counts(judge, &outcome));
         }

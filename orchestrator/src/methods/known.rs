@@ -43,6 +43,18 @@ pub(super) fn points_of(folder: &Path, study: &Study) -> Result<(Summary, PointT
     Ok((summary, table))
 }
 
+/// Refuses points of a budget, which were chosen near the limits, where a share of the points counts.
+pub(super) fn as_sample(folder: &Path, summary: &Summary) -> Result<(), Error> {
+    if summary.surrogate.is_none() {
+        return Ok(());
+    }
+    let message = format!(
+        "the points in {} were chosen near the limits by --budget, and are no sample; `verify` without it into another folder",
+        folder.display()
+    );
+    Err(Error::option("from", message))
+}
+
 /// A digest that identifies the points of a finished study.
 pub(super) fn digest_of(folder: &Path) -> Result<String, Error> {
     let path = folder.join("points.csv");

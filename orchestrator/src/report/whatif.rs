@@ -82,8 +82,8 @@ impl WhatIf {
         if summary.points > shown as u64 {
             return None;
         }
-        // Without a measured value there is nothing to judge by.
-        if summary.has_own_values() {
+        // Without a measured value there is nothing to judge by, and points that were chosen stand for no share.
+        if summary.has_own_values() || summary.surrogate.is_some() {
             return None;
         }
         let required = summary.conclusion.as_ref()?.required.as_ref();

@@ -43,6 +43,9 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Ve
         let file = history::file(case.name.as_ref().map(|_| number));
         let share = budget.part(1.0 / (cases - number as f64));
         let mut tries = vec![for_a_plot(case.task.schedule), case.task.schedule];
+        if reruns.wish.dear {
+            tries.remove(0);
+        }
         tries.dedup();
         let coarsest = tries.len();
         let mut failed = None;

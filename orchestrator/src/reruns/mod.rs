@@ -36,6 +36,8 @@ pub struct Wish {
     pub most: usize,
     /// Whether the numerical uncertainty is asked for.
     pub validation: bool,
+    /// Whether a run is dear, so that each kind takes one at the most.
+    pub dear: bool,
     /// Limits of each run.
     pub limits: Limits,
     /// How many runs at a time.

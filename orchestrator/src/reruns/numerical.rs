@@ -26,7 +26,7 @@ const PART: f64 = 1.0 / 3.0;
 /// Adds to the summary what the refinement shows; says what is left out.
 pub(super) fn observe(reruns: &Reruns<'_>, summary: &mut Summary) -> Option<String> {
     let asked = reruns.wish.validation;
-    let is_affordable = summary.points >= AFFORDABLE && reruns.wish.most > 0;
+    let is_affordable = reruns.wish.dear || summary.points >= AFFORDABLE && reruns.wish.most > 0;
     let is_random = summary.conduct.as_ref().and_then(|c| c.reproducible) == Some(false);
     let halved = ((asked || is_affordable) && !is_random).then(|| with_half_the_step(reruns, summary));
     let (mut doubts, left_out) = match halved {
@@ -73,7 +73,7 @@ fn with_half_the_step(reruns: &Reruns<'_>, summary: &Summary) -> Result<Vec<Doub
         let coarse = coarse.map(|value| value.unwrap_or(f64::NAN)).collect();
         tried.push((best.point, coarse, run(&finer, &values)?));
     }
-    let others = (summary.points / AMONG).min(MOST_OTHERS);
+    let others = if reruns.wish.dear { 0 } else { (summary.points / AMONG).min(MOST_OTHERS) };
     for number in 0..others {
         let index = number * reruns.verification.source.len() / others;
         let job = reruns.verification.job(index);

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use super::improvement::{Halved, Sign as Gain};
 use super::summary::CriterionCount;
+use super::surrogate::{self, BySurrogate};
 use super::words::{accepted, beyond_validity, capitalised, enough, firmness, guard, looked, unknown};
 use super::{Summary, resampled::presumed};
 use conformity::conclusion::{Conclusion, Requirement, grouped, percent};
@@ -162,10 +163,12 @@ fn answer(summary: &Summary, decision: Decision) -> String {
     if summary.has_own_values() {
         return format!("{} {}", moves(summary), own());
     }
+    let by = surrogate::way(summary);
     let Some(requirement) = required(summary) else {
         let interval =
             summary.verified_interval.map_or_else(String::new, |ends| format!(", 95 % interval {}", range(ends)));
-        let share = format!("{:.1} %{interval}", 100.0 * summary.verified_fraction);
+        let of = if by.is_empty() { "" } else { " of the space" };
+        let share = format!("{:.1} %{of}{interval}{by}", 100.0 * summary.verified_fraction);
         return match summary.verified {
             0 => format!("No: it does at none of {points} ({share})."),
             n => format!(
@@ -178,6 +181,19 @@ fn answer(summary: &Summary, decision: Decision) -> String {
     let Some(interval) = requirement.interval else {
         return own();
     };
+    if summary.surrogate.is_some() {
+        let way = by.trim_matches([' ', '(', ')']);
+        let found = format!(
+            "{way}, it does in {} of the space at a confidence of {} %",
+            range(interval),
+            percent(requirement.rule.confidence)
+        );
+        return match decision {
+            Decision::Verified => format!("Yes: {found}."),
+            Decision::NotVerified => format!("No: {found}."),
+            Decision::Inconclusive => format!("The runs do not tell: {found}."),
+        };
+    }
     let accepted = summary.conclusion.as_ref().map_or(0, |c| c.accepted);
     let found = format!(
         "{} of {points}, which is {} of the space at a confidence of {} %",
@@ -211,6 +227,7 @@ fn decides(summary: &Summary) -> Vec<String> {
     let mut list = Vec::new();
     let compared = summary.failed < summary.points && !summary.has_own_values();
     let conclusion = summary.conclusion.as_ref().filter(|_| compared);
+    list.extend(summary.surrogate.as_ref().map(BySurrogate::sentence));
     list.extend(conclusion.map(|conclusion| match &conclusion.risk {
         Some(risk) => accepted(conclusion.accepted, risk, summary),
         None => unknown(summary),
@@ -222,7 +239,8 @@ fn decides(summary: &Summary) -> Vec<String> {
     list.extend(doubts(summary));
     list.extend(conclusion.and_then(|_| beyond_validity(summary)));
     list.extend(conclusion.and_then(guard));
-    list.extend(conclusion.and_then(|_| decisive(summary)));
+    // Points near the limits miss criteria more often than others.
+    list.extend(conclusion.filter(|_| summary.surrogate.is_none()).and_then(|_| decisive(summary)));
     list
 }
 
@@ -310,6 +328,9 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
                 "`orchestrator identify` finds the parameters that fit best, and what would explain that none does."
                     .to_owned(),
             );
+        }
+        Decision::Inconclusive if summary.surrogate.is_some() => {
+            list.push("A larger --budget with --resume goes on from these runs.".to_owned());
         }
         Decision::Inconclusive => list.extend(conclusion.and_then(needed)),
     }

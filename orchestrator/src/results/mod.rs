@@ -18,6 +18,7 @@ pub mod points;
 mod resampled;
 pub mod settled;
 pub mod summary;
+pub mod surrogate;
 pub mod survey;
 pub mod table;
 pub mod tally;

@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::asides::Asides;
 use super::improvement::Improvements;
 use super::settled::Settled;
+use super::surrogate::BySurrogate;
 use crate::judge::{Criterion, Judge};
 use conformity::conclusion::Conclusion;
 use conformity::decision::Decision;
@@ -84,6 +85,9 @@ pub struct Summary {
     /// How the model compares with the measurement, by criterion (ASME V&V 20); of two points with a result or more.
     #[serde(default)]
     pub validation: IndexMap<String, Comparison>,
+    /// What a surrogate of few runs tells, where points were chosen by one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub surrogate: Option<BySurrogate>,
     /// Improvements by their effect on the verdict, the best first.
     pub improvements: Option<Improvements>,
     /// How the points were computed, and whether the FMU gave the same again.

@@ -149,6 +149,12 @@ pub(super) fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String 
         (before, interval) => format!(" ({before}; {interval})"),
     };
     let wrong = "outside of a tolerance of the true values, since the measured values are uncertain";
+    if let Some(told) = &summary.surrogate {
+        return format!(
+            "Of all accepted points of the space {share_of} % ({}) are expected to be {wrong}.",
+            told.way()
+        );
+    }
     match accepted {
         1 => format!("With a probability of {share_of} %{} the accepted point is {wrong}.", behind("")),
         n => format!(

@@ -4,10 +4,11 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 
-use conformity::looks::Look;
+use conformity::looks::{Look, Looks};
 use conformity::risk::Guard;
 use tempfile::NamedTempFile;
 
+use super::budget::{self, Told};
 use super::{Ending, Front, Session, Verification};
 use crate::error::Error;
 use crate::judge::{Judge, PointVerdict};
@@ -36,15 +37,17 @@ impl Verification {
         run: Option<Run>,
         ending: Option<&Ending>,
         looked: &mut Looked,
+        told: Option<&Told>,
     ) -> Result<Summary, Error> {
         let session = &self.session;
         let finished = Finished::read(folder)?;
         let mut outcomes = finished.outcomes()?;
         let provenance = self.provenance();
         let replicates = provenance.replicates.unwrap_or(1);
-        let sample = match self.header.table {
-            Some(_) => Sample::Independent,
-            None => Sample::of(session.study.design.method, replicates),
+        let sample = match (told, &self.header.table) {
+            (Some(_), _) => Sample::Dependent,
+            (None, Some(_)) => Sample::Independent,
+            (None, None) => Sample::of(session.study.design.method, replicates),
         };
         let mut tally = Tally::new(&session.judge, sample);
         let mut survey = Survey::new(&session.judge, Some(&session.plan), self.is_drawn());
@@ -80,10 +83,14 @@ impl Verification {
         let awaited = ending.and_then(Ending::looks);
         let samples = usize::try_from(replicates).unwrap_or(usize::MAX);
         let history = &mut looked.history;
-        let looks = awaited.unwrap_or_else(|| history.at(tally.points, samples));
+        let looks = awaited.unwrap_or_else(|| match told {
+            Some(_) => Looks::default(),
+            None => history.at(tally.points, samples),
+        });
+        let is_awaited = awaited.is_some() || told.is_some_and(|told| told.awaited);
         let mut look = 1;
         if session.judge.rule.is_some() {
-            look = history.note(Look { points: tally.points, way: looks.way, awaited: awaited.is_some() });
+            look = history.note(Look { points: tally.points, way: looks.way, awaited: is_awaited });
             // Nobody may see the verdict before it is noted.
             looked.write(folder)?;
         }
@@ -91,6 +98,9 @@ impl Verification {
         let mut summary = tally.summary(session.study.title.clone(), provenance, parameters);
         summary.asides = Some(asides);
         survey.complete(&mut summary);
+        if let Some(told) = told {
+            told.complete(session, &looked.history, &mut summary);
+        }
         summary.settled = Some(survey.to_watch(&summary));
         summary.concerns.extend(session.plan.concerns());
         if summary.provenance.method != "table" {
@@ -110,7 +120,7 @@ impl Verification {
 
     /// Whether the points were drawn from the parameters' distributions: not those of a table, nor those of a grid.
     fn is_drawn(&self) -> bool {
-        self.header.table.is_none() && !self.is_grid()
+        self.header.table.is_none() && self.session.request.budget.is_none() && !self.is_grid()
     }
 
     fn is_grid(&self) -> bool {
@@ -129,9 +139,13 @@ impl Verification {
             fmu_version: fmu.version.clone(),
             fmu_guid: Some(fmu.guid.clone()),
             fmu_sha256: Some(header.fmu.clone()),
-            method: if given { "table".to_owned() } else { study.design.method.name() },
+            method: match (given, &request.budget) {
+                (true, _) => "table".to_owned(),
+                (false, Some(_)) => budget::ANALYSIS.to_owned(),
+                (false, None) => study.design.method.name(),
+            },
             seed: (!given).then_some(header.seed),
-            replicates: Some(study.design.replicates).filter(|&n| !given && n > 1),
+            replicates: Some(study.design.replicates).filter(|&n| !given && request.budget.is_none() && n > 1),
             ..provenance(study)
         }
     }

@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
+use super::budget::Budget;
 use crate::error::Error;
 use point_journal::files::{write_json, write_text};
 use point_journal::pipeline::Shard;
@@ -31,6 +32,9 @@ pub struct Request {
     pub points_from: Option<PathBuf>,
     /// A part of the points.
     pub shard: Option<Shard>,
+    /// A number of runs that chosen points share, instead of a design.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub budget: Option<Budget>,
     /// The analysis that asks for points, where that is another one than `verify`.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub analysis: Option<Asking>,

@@ -3,7 +3,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use super::{Ending, Request, Session, Until};
+use super::{Ending, Request, Session, Until, budget};
 use crate::error::Error;
 use crate::results::Looked;
 use crate::source::Source;
@@ -33,13 +33,17 @@ impl Verification {
     pub fn open(request: Request) -> Result<Self, Error> {
         let session = Session::open_with_risk(request)?;
         let Session { study, plan, .. } = &session;
-        let (source, table) = match &session.request.points_from {
-            Some(path) => {
+        let (source, table) = match (&session.request.points_from, &session.request.budget) {
+            (None, Some(budget)) => {
+                let design = budget::sample(&session)?;
+                (Source::Chosen { design, places: budget.places.clone() }, None)
+            }
+            (Some(path), _) => {
                 let source = Source::from_table(study, &plan.inputs, path)?;
                 let digest = files::digest(path).map_err(Error::io(path))?;
                 (source, Some(digest))
             }
-            None => {
+            (None, None) => {
                 let design = plan.design(&study.design);
                 let design = design.map_err(|message| match session.request.points {
                     Some(points) => study.error(format!("--points {points}: {message}")),
@@ -48,7 +52,10 @@ impl Verification {
                 (Source::Design(design), None)
             }
         };
-        let header = Header { table, ..session.header(study.design.seed, Some(source.len()))? };
+        let budget = session.request.budget.as_ref();
+        let points = budget.is_none().then(|| source.len());
+        let analysis = budget.map(|_| budget::ANALYSIS.to_owned());
+        let header = Header { table, analysis, ..session.header(study.design.seed, points)? };
         Ok(Self { session, source, header })
     }
 
@@ -78,8 +85,7 @@ impl Verification {
 
     /// How many points are to be run.
     pub fn expected(&self) -> u64 {
-        let count = self.part().count();
-        count.expect("the points of a verification are counted")
+        self.part().count().unwrap_or_else(|| self.source.len())
     }
 
     /// When the study may end before its last point.

@@ -4,6 +4,7 @@
 
 mod analysis;
 mod broken;
+mod budget;
 mod cases;
 mod commands;
 mod compared;

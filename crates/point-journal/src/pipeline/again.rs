@@ -64,6 +64,8 @@ pub(super) struct Again {
     earlier: usize,
     drawn: BTreeMap<Option<String>, Draw>,
     random: StdRng,
+    /// No more of them run again.
+    pub(super) most: usize,
     found: Option<(bool, String)>,
 }
 
@@ -76,6 +78,7 @@ impl Again {
             earlier: 0,
             drawn: BTreeMap::new(),
             random: StdRng::seed_from_u64(0),
+            most: usize::MAX,
             found: None,
         }
     }
@@ -133,7 +136,7 @@ impl Again {
                 true => LITTLE.max(whole / PART),
                 false => LITTLE_OF_DRAWN.max(whole / PART_OF_DRAWN),
             };
-            if stopped() || count > 0 && spent > room {
+            if stopped() || count > 0 && spent > room || count >= self.most {
                 break;
             }
             let Recorded { job, outcome, when, host } = point;
@@ -171,6 +174,7 @@ impl Again {
             return Ok(());
         }
         let which = match self.earlier {
+            0 if count == 1 => "1 point".to_owned(),
             0 => format!("{count} points"),
             _ => format!("{count} points of this run and of an earlier one"),
         };

@@ -132,6 +132,7 @@ impl Asked {
     /// The points of the finished study, to which results they belong, and a large sample of its distributions.
     fn known(&self, study: &Study, plan: Option<&Plan>) -> Result<(Origin, PointTable, Vec<Vec<f64>>), Error> {
         let (summary, table) = known::points_of(&self.from, study)?;
+        known::as_sample(&self.from, &summary)?;
         let cloud = cloud(plan, &table, self.seed)?;
         Ok((Origin::of_points(&summary), table, cloud))
     }

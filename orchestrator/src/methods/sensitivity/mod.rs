@@ -2,6 +2,7 @@
 
 mod document;
 mod failures;
+mod from_points;
 mod outputs;
 
 use std::path::{Path, PathBuf};
@@ -51,9 +52,12 @@ pub struct Options {
     /// The study, how its points are run, and where the results go
     #[command(flatten)]
     pub work: Work,
-    /// The folder of a finished study, whose points cannot serve
-    #[arg(long, value_name = "DIR", hide = true)]
+    /// Indices by a surrogate of the points of a finished study, without a further run
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["method", "size", "base", "morris", "shapley", "estimator"])]
     pub from: Option<PathBuf>,
+    /// The same from at most N runs of the FMU in all: those of `verify --budget N` in this folder, where they are there
+    #[arg(long, value_name = "N", conflicts_with_all = ["from", "method", "size", "base", "morris", "shapley", "estimator", "shard", "shard_index"])]
+    pub budget: Option<u64>,
     /// The method, such as sobol, morris or shapley [default: the study's, or sobol]
     #[arg(long, value_name = "NAME", conflicts_with_all = ["base", "morris", "shapley"])]
     pub method: Option<String>,
@@ -90,14 +94,24 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 pub fn run(options: &Options) -> Result<Delivery, Error> {
     let study = Study::read(&options.work.study)?;
     let analysis = Asked::new(options, &study)?;
-    if options.from.is_some() {
-        let message = "the points of a study tell no indices: `sensitivity STUDY` runs a design of its own, \
-                       `--morris 20` the smallest one";
-        return Err(Error::option("from", message));
+    if let Some(from) = &options.from {
+        return of_points(options, from, analysis.seed);
     }
     let session = asking::open(&options.work, &analysis)?;
     let folder = options.work.folder(Some(Asked::NAME))?;
     asking::run(session, &analysis, &options.work, folder)
+}
+
+/// Indices from the points in a folder.
+fn of_points(options: &Options, from: &Path, seed: u64) -> Result<Delivery, Error> {
+    let work = &options.work;
+    let request = Request { study: work.study.clone(), fmu: work.means.fmu.clone(), ..Request::default() };
+    let session = Session::open(request)?;
+    let result = from_points::find(&session, from, seed)?;
+    let origin = asking::origin(&session)?;
+    let text = document(&result).as_text();
+    let folder = work.output.clone().unwrap_or_else(|| from.to_owned());
+    Delivery::without_runs(AnalysisResult::new(&result, origin, text, FILE), work, folder)
 }
 
 /// An analysis by runs of its own.

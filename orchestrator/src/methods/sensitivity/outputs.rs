@@ -128,6 +128,16 @@ pub fn from_runs(method: &dyn FromRuns, design: &[Vec<f64>], rows: &PointTable, 
     }
 }
 
+/// Indices that a surrogate told of an output, if it told any.
+pub fn from_indices(name: String, indices: Option<Indices>, parameters: &[String], seed: u64) -> Output {
+    let mut told = unused(seed);
+    if let Some(indices) = indices {
+        told.insert("sobol".to_owned(), serde_json::json!(indices));
+    }
+    let shown: Vec<Measure> = RUNS.iter().flat_map(|method| method.shown(&told)).collect();
+    Output { missing: 0, dominant: most_important(&shown, parameters), name, told }
+}
+
 /// The parameters whose first-order index lies above the total one by more than the error of both.
 fn first_above_total(told: &Told, parameters: &[String]) -> Vec<String> {
     let indices = told.get("sobol").and_then(|told| serde_json::from_value::<Indices>(told.clone()).ok());

@@ -1,0 +1,163 @@
+//! `verify --budget N`: few runs of an FMU whose runs are dear.
+
+use std::fs;
+use std::path::Path;
+use std::process::ExitCode;
+use std::time::{Duration, Instant};
+
+use super::cost::span;
+use super::{cost, gate, output, table, verify};
+use crate::cli::{Cli, Command, Verify};
+use crate::error::Error;
+use crate::methods::asking::{self, Delivery};
+use crate::methods::sensitivity;
+use crate::methods::setup::{self, Place, Source as _, Work};
+use crate::reruns::Wish;
+use crate::results::summary::Run;
+use crate::results::{self, Summary, parquet};
+use crate::session::budget::{self, Budget};
+use crate::session::{Request, Until, Verification};
+use crate::source::Source;
+use clap::Parser;
+use conformity::conclusion::grouped;
+use sampling::design::Design;
+
+/// Runs the command.
+pub(super) fn run(options: &Verify, runs: u64) -> Result<ExitCode, Error> {
+    let folder = options.work.folder(None)?;
+    let verification = open(options, runs, &folder)?;
+    if options.dry_run {
+        return tried(options, verification, &folder);
+    }
+    let summary = answered(options, verification, &folder)?;
+    output::print(&table::told(&summary, Some(&folder), options.verbose));
+    gate::verdict(&summary, &options.gate)
+}
+
+/// Runs `sensitivity --budget N`: the points are those of `verify --budget N`, and what is there of them is not run again.
+pub(super) fn sensitivity(mut options: sensitivity::Options, runs: u64) -> Result<Delivery, Error> {
+    let folder = options.work.folder(None)?;
+    let line = ["orchestrator".into(), "verify".into(), options.work.study.clone().into_os_string()];
+    let Ok(Command::Verify(mut verify)) = Cli::try_parse_from(line).map(|cli| cli.command) else {
+        unreachable!("`verify STUDY` is a command")
+    };
+    let then = Request::read(&folder).ok().and_then(|request| request.budget);
+    verify.work = options.work;
+    verify.work.parts.resume |= !verify.work.parts.force && then.is_some();
+    verify.seed = options.seed;
+    // What is there already may be more than is asked for now.
+    let runs = then.map_or(runs, |then| then.runs.max(runs));
+    let verification = open(&verify, runs, &folder)?;
+    answered(&verify, verification, &folder)?;
+    options.work = verify.work;
+    options.from = Some(folder);
+    sensitivity::run(&options)
+}
+
+/// Says what a budget costs and what it can be expected to answer.
+fn tried(options: &Verify, mut verification: Verification, folder: &Path) -> Result<ExitCode, Error> {
+    let spent = verification.session.request.budget.clone().unwrap_or_default();
+    // The first points are plain; the others take as long.
+    let places = (0..spent.points() as u64).collect();
+    verification.source = Source::Chosen { design: net(&verification), places };
+    output::print(&verify::plan(&verification, folder));
+    output::print(&budget::expected(&verification.session.plan, &spent));
+    let jobs = options.work.means.jobs_of(spent.points())?;
+    output::print(&cost::of(&mut verification, &options.work.means, jobs)?);
+    Ok(ExitCode::SUCCESS)
+}
+
+fn net(verification: &Verification) -> Design {
+    match &verification.source {
+        Source::Chosen { design, .. } => design.clone(),
+        _ => unreachable!("a request with a budget has chosen points"),
+    }
+}
+
+/// Runs the points, and completes the folder.
+fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> Result<Summary, Error> {
+    let begun = Instant::now();
+    let means = &options.work.means;
+    let net = net(&verification);
+    let session = &verification.session;
+    asking::warn(&session.judge);
+    if !session.judge.guard.leaves_something(&session.judge.measurement) {
+        let message = "the guard band is as wide as a tolerance, so that no point can be accepted; change [verdict]";
+        return Err(session.study.error(message).into());
+    }
+    budget::guard(&session.judge).map_err(|message| session.study.error(message))?;
+    if let (Some(Until::Verdict), None) = (options.until, session.judge.rule) {
+        let message = "there is no verdict to wait for: add [verdict] with the required share";
+        return Err(Error::option("until", message));
+    }
+    let spent = session.request.budget.clone().unwrap_or_default();
+    let jobs = means.jobs_of(spent.points())?;
+    let mut looked = verification.looked(folder, &[])?;
+    let place = Place { output: folder, analysis: None, earlier: options.work.parts.earlier() };
+    let (header, summary) = (verification.header.clone(), folder.join("summary.json"));
+    let taken = place.take(verification.parts(), &header, || {
+        // What was complete is so no more.
+        match options.work.parts.resume && spent.places.is_empty() && summary.exists() {
+            true => fs::remove_file(&summary).map_err(Error::io(&summary)),
+            false => Ok(()),
+        }
+    })?;
+    let work = Work { means, jobs, ends: false };
+    let history = looked.history.clone();
+    let until = options.until.map(|until| (until, &history));
+    let ((told, computed, hosts), _kept) = setup::run(&mut verification, &header, taken, work, |of, pipeline| {
+        let told = budget::run(&of.session, &net, pipeline, until)?;
+        Ok((told, pipeline.computed(), pipeline.answered()))
+    })?;
+    if summary.exists() && computed == 0 {
+        return results::table::summary(folder);
+    }
+    verification.source = Source::Chosen { design: net, places: told.places.clone() };
+    if let Some(budget) = &mut verification.session.request.budget {
+        budget.places.clone_from(&told.places);
+    }
+    let session = &verification.session;
+    session.request.write(folder, &session.study)?;
+    let run = Run { hosts, ..Run::since(begun, computed, jobs) };
+    let mut summary = verification.conclude(folder, Some(run), None, &mut looked, Some(&told))?;
+    if options.parquet {
+        parquet::convert(folder, &summary)?;
+    }
+    let here = means.jobs_here().min(jobs);
+    let wish = Wish { most: 0, validation: false, dear: true, limits: means.limits(here)?, jobs: here };
+    verify::finish(&mut verification, folder, &mut summary, &wish);
+    Ok(summary)
+}
+
+/// The study with its budget, which goes on from what the folder holds where that is resumed.
+fn open(options: &Verify, runs: u64, folder: &Path) -> Result<Verification, Error> {
+    let resumed = options.work.parts.resume && Request::is_in(folder);
+    let then = if resumed { Request::read(folder)?.budget } else { None };
+    let mut request = verify::request(options)?;
+    request.budget = Some(Budget::default());
+    let mut verification = Verification::open(request)?;
+    let jobs = options.work.means.jobs_of(usize::MAX)?;
+    let cases = verification.session.plan.cases.len().max(1);
+    let budget = Budget::new(runs, jobs, cases, then).map_err(|message| Error::option("budget", message))?;
+    verification.session.request.budget = Some(budget);
+    Ok(verification)
+}
+
+/// Says what a budget would give, where so many points take long.
+pub(super) fn remark(point: Duration, left: usize, jobs: usize) {
+    const DEAR: f64 = 1.0;
+    const LONG: f64 = 3600.0;
+    const RUNS: f64 = 100.0;
+    let point = point.as_secs_f64();
+    let of = |points: f64| point * points / jobs as f64;
+    if point > DEAR && of(left as f64) > LONG {
+        fmu_points::tell::line!(
+            "note: a point takes {}, so {} of them take about {}; `--budget {RUNS}` takes about {} and tells the share by a \
+             surrogate, with an interval, where that holds",
+            span(point),
+            grouped(left as u64),
+            span(of(left as f64)),
+            span(of(RUNS))
+        );
+    }
+}

@@ -1,0 +1,242 @@
+//! What a surrogate of few runs tells, beside the counts of these.
+
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+
+use super::Row;
+use super::improvement::{improvements, most_points};
+use super::summary::{Count, Summary};
+use crate::judge::Judge;
+use conformity::conclusion::{by_share, grouped};
+use conformity::measured::{Limits, Measured};
+use conformity::risk::RiskTally;
+use conformity::validation::{Comparison, Numerical, Spread};
+use result_document::format::number;
+use run_budget::{Answers, Basis, Doubt, Limit, Share};
+use study::plan::Plan;
+
+/// The answer by a surrogate, or by counting plain points where that does not hold.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BySurrogate {
+    /// All runs of the FMU: points, and those beside them.
+    pub runs: u64,
+    /// Points that are a plain sample of the parameters.
+    pub plain: u64,
+    /// Points that were chosen near the limits.
+    pub chosen: u64,
+    /// The share of the space that meets all criteria.
+    pub share: f64,
+    /// Its 95 % interval.
+    pub interval: [f64; 2],
+    /// By criterion.
+    pub criteria: IndexMap<String, Fit>,
+    /// Whether the surrogate does not hold, so that plain points were counted.
+    pub refuted: bool,
+    /// Why it does not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub reason: Option<String>,
+}
+
+/// How well a criterion's surrogate predicts points that are left out.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Fit {
+    /// The root mean square error, in tolerances.
+    pub error: f64,
+    /// The part of the points that lies in the 95 % band of the others.
+    pub held: f64,
+}
+
+impl BySurrogate {
+    /// How the share was found, in a few words.
+    pub fn way(&self) -> &'static str {
+        if self.refuted { "counted" } else { "by surrogate" }
+    }
+
+    /// How good the surrogate is.
+    pub fn sentence(&self) -> String {
+        let runs = grouped(self.runs);
+        if let Some(reason) = &self.reason {
+            return format!(
+                "Counted instead, from {} plain points of {runs} runs: the surrogate does not hold here, as {reason}.",
+                self.plain
+            );
+        }
+        let worst = self.criteria.iter().max_by(|a, b| a.1.error.total_cmp(&b.1.error));
+        let worst = worst.map_or_else(String::new, |(name, fit)| {
+            format!(
+                " Points that are left out are missed by {} tolerances (rms) or less ({name}).",
+                number(fit.error, 2)
+            )
+        });
+        format!(
+            "By surrogate from {runs} runs: {} points are plain, {} chosen near the limits.{worst}",
+            self.plain, self.chosen
+        )
+    }
+}
+
+/// How the shares of a summary were found, behind their heading.
+pub fn way(summary: &Summary) -> String {
+    summary.surrogate.as_ref().map_or_else(String::new, |surrogate| format!(" ({})", surrogate.way()))
+}
+
+/// What the criteria ask of the outputs: their limits, drawn in by a guard band.
+pub fn limits(judge: &Judge, guard: f64) -> Vec<Limit> {
+    let one = |(output, measured): (usize, &Measured)| {
+        let band = measured.error.as_ref().map_or(0.0, |error| guard * error.expanded);
+        let [low, high] = measured.limits.ends();
+        Limit { output, range: [low + band, high - band] }
+    };
+    judge.measurement.criteria().iter().enumerate().map(one).collect()
+}
+
+/// What few runs tell of a study.
+#[derive(Clone, Copy, Debug)]
+pub struct Evidence<'a> {
+    /// The criteria.
+    pub judge: &'a Judge,
+    /// The parameters.
+    pub plan: &'a Plan,
+    /// What the runs say of the sample.
+    pub answers: &'a Answers,
+    /// The parameters at the sample's points, in the study's units.
+    pub sample: &'a [Vec<f64>],
+    /// The same at the runs' points.
+    pub points: &'a [Vec<f64>],
+    /// All runs of the FMU.
+    pub runs: u64,
+    /// The factor of the guard band, and the confidence of the verdict.
+    pub verdict: [f64; 2],
+}
+
+impl Evidence<'_> {
+    /// Puts into the summary of chosen runs what they tell of the sampled space: shares, verdict, risks, spread of the values,
+    /// improvements. The numbers of points stay those of runs.
+    pub fn complete(&self, summary: &mut Summary) {
+        let Self { judge, answers, .. } = *self;
+        let all = limits(judge, 0.0);
+        let whole = answers.share(&all);
+        self.shares(summary, &all, &whole);
+        let checks = answers.surrogate.as_ref().map(run_budget::Surrogate::checks).unwrap_or_default();
+        let fits = judge.criteria.iter().zip(checks);
+        let fits = fits.map(|(criterion, check)| {
+            (criterion.name.clone(), Fit { error: check.error / criterion.room(), held: check.held })
+        });
+        let plain = answers.plain.iter().filter(|plain| **plain).count() as u64;
+        let told = BySurrogate {
+            runs: self.runs,
+            plain,
+            chosen: summary.points - plain,
+            share: whole.estimate,
+            interval: whole.interval(0.95),
+            criteria: fits.collect(),
+            refuted: whole.basis != Basis::Surrogate,
+            reason: match whole.basis {
+                Basis::Surrogate => None,
+                Basis::Counted(doubt) => Some(reason(judge, doubt)),
+            },
+        };
+        summary.interval_method = match told.refuted {
+            false => format!("by surrogate from {} runs, with its own error", told.runs),
+            true => "Clopper and Pearson's, from the plain points".to_owned(),
+        };
+        let compared = summary.failed < summary.points && !summary.has_own_values();
+        if let Some(conclusion) = summary.conclusion.as_mut().filter(|_| compared)
+            && let Some(required) = &mut conclusion.required
+        {
+            let [guard, confidence] = self.verdict;
+            let interval = answers.share(&limits(judge, guard)).interval(confidence);
+            required.interval = Some(interval);
+            required.method.clone_from(&summary.interval_method);
+            conclusion.verdict = required.rule.decide(interval);
+            let way = format!(" {}", told.way());
+            conclusion.verdict_words = by_share(conclusion.verdict, required, &way);
+        }
+        if summary.failed < summary.points {
+            self.of_the_space(summary, told.refuted);
+        }
+        summary.surrogate = Some(told);
+    }
+
+    fn shares(&self, summary: &mut Summary, all: &[Limit], whole: &Share) {
+        let Self { judge, answers, .. } = *self;
+        let put = |count: &mut Count, limits: &[Limit]| {
+            let share = answers.share(limits);
+            (count.fraction, count.interval) = (share.estimate, Some(share.interval(0.95)));
+        };
+        (summary.verified_fraction, summary.verified_interval) = (whole.estimate, Some(whole.interval(0.95)));
+        for (count, limit) in summary.criteria.values_mut().zip(all) {
+            put(&mut count.count, &[*limit]);
+        }
+        let of = |all: &[Limit], members: &[usize]| -> Vec<Limit> { members.iter().map(|&k| all[k]).collect() };
+        for (count, (_, members)) in summary.groups.values_mut().zip(&judge.groups) {
+            put(count, &of(all, members));
+        }
+        for (count, case) in summary.cases.values_mut().zip(&judge.cases) {
+            put(&mut count.count, &all[case.members.clone()]);
+        }
+        for (count, variant) in summary.variants.values_mut().zip(&judge.variants) {
+            let one = |(output, limits): (usize, &Limits)| Limit { output, range: limits.ends() };
+            let all: Vec<Limit> = variant.limits.iter().enumerate().map(one).collect();
+            put(&mut count.verified, &all);
+            count.criteria.values_mut().zip(&all).for_each(|(count, limit)| put(count, &[*limit]));
+            let groups = count.groups.values_mut().zip(&judge.groups);
+            groups.for_each(|(count, (_, members))| put(count, &of(&all, members)));
+        }
+    }
+
+    /// What a plain sample would tell: one that the surrogate gives, or the plain points.
+    fn of_the_space(&self, summary: &mut Summary, refuted: bool) {
+        let Self { judge, answers, .. } = *self;
+        let rows: Vec<Row> = match refuted {
+            false => self.sample.iter().cloned().zip(answers.outcomes()).collect(),
+            true => {
+                let runs = self.points.iter().zip(&answers.runs).zip(&answers.plain);
+                let plain = runs.filter(|(_, plain)| **plain);
+                plain.map(|((point, run), _)| (point.clone(), run.finite().map(<[f64]>::to_vec))).collect()
+            }
+        };
+        let mut tally = RiskTally::new(&judge.measurement, judge.guard, 1);
+        let mut spreads = vec![Spread::default(); judge.criteria.len()];
+        for (_, values) in &rows {
+            let conformity = values.as_ref().map(|values| judge.measurement.assess(values));
+            tally.add(conformity.as_ref());
+            spreads.iter_mut().zip(values.iter().flatten()).for_each(|(spread, value)| spread.add(*value));
+        }
+        let statement = tally.statement_of_no_sample();
+        if let Some(conclusion) = &mut summary.conclusion {
+            conclusion.risk = statement.all;
+        }
+        for (k, (criterion, spread)) in judge.criteria.iter().zip(&spreads).enumerate() {
+            let (name, count) = summary.criteria.get_index_mut(k).expect("each criterion is counted");
+            count.risk.clone_from(&statement.criteria[k]);
+            let comparison = spread.result().and_then(|spread| {
+                let compared = summary.validation.contains_key(name);
+                compared.then(|| Comparison::new(&criterion.measured(), spread, Numerical::default())).flatten()
+            });
+            if let Some(comparison) = comparison {
+                summary.validation.insert(name.clone(), comparison);
+            }
+        }
+        let rows = &rows[..rows.len().min(most_points(judge.criteria.len()))];
+        let gains = improvements(judge, Some(self.plan), rows).filter(|_| !summary.has_own_values());
+        summary.improvements = gains.map(super::improvement::Improvements::without_intervals);
+    }
+}
+
+/// Why a surrogate does not hold, in the words of a study.
+pub fn reason(judge: &Judge, doubt: Doubt) -> String {
+    match doubt {
+        Doubt::Unfit => "too few runs have values".to_owned(),
+        Doubt::Error { output, relative } => format!(
+            "points that are left out are missed by {} of the spread of {}, more than a fifth",
+            number(relative, 2),
+            judge.criteria[output].name
+        ),
+        Doubt::Failures => "runs fail, and others do not tell where".to_owned(),
+        Doubt::Signs { deviations } => format!(
+            "points that are left out contradict it about their side of a limit by {} deviations",
+            number(deviations, 2)
+        ),
+    }
+}

@@ -1,0 +1,174 @@
+//! `verify --budget`: every run of the FMU counts, and the answer is that of the exact share.
+
+use std::fs;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::Duration;
+
+use crate::durability::{KEYS_OF_HOW, without};
+use crate::support::{Bench, Said, model};
+
+/// Two parameters of a lag, one of them with a logarithm that is normal.
+const LAG: &str = r#"
+fmu = "lag.fmu"
+[simulation]
+stop = 2
+step = 0.1
+[parameters."lag.rate"]
+distribution = "normal"
+mean = 1
+deviation = 0.1
+[parameters."lag.length"]
+distribution = "lognormal"
+mean = 0.02
+deviation = 0.004
+unit = "mm"
+[criteria.Y]
+variable = "lag.y"
+nominal = 0.86
+tolerance = 0.02
+[criteria.L]
+variable = "lag.micrometres"
+nominal = 17.2
+tolerance = 4
+[verdict]
+share = "40 %"
+"#;
+
+/// Three normal parameters; the criteria are completed by each test.
+fn functions(lines: &str) -> String {
+    let parameter = |k: usize| format!("[parameters.x{k}]\ndistribution = \"normal\"\nmean = 0\ndeviation = 1\n");
+    let parameters: String = (1..=3).map(parameter).collect();
+    format!("fmu = \"functions.fmu\"\n[simulation]\nstop = 1\n{parameters}{lines}")
+}
+
+fn lag() -> Bench {
+    let bench = Bench::empty();
+    bench.fmu("lag.fmu", &["NAP=2000"], &model("", ""));
+    bench.write("study.toml", LAG);
+    bench
+}
+
+/// A run whose FMU counts its own instances in a file.
+fn counted(bench: &Bench, folder: &str, log: &str, options: &[&str]) -> Said {
+    let arguments = [&["verify", "study.toml", "--jobs", "2", "--output", folder], options].concat();
+    let mut command = bench.command(&arguments);
+    command.env("LAG_INSTANCES", bench.path(log)).output().unwrap().into()
+}
+
+fn instances(bench: &Bench, log: &str) -> usize {
+    fs::read(bench.path(log)).map_or(0, |bytes| bytes.len())
+}
+
+fn files(bench: &Bench, folder: &str) -> [String; 2] {
+    [bench.read(&format!("{folder}/points.csv")), without(&bench.summary(folder), &KEYS_OF_HOW)]
+}
+
+#[test]
+fn the_fmu_counts_no_more_runs_than_the_budget_and_a_larger_one_goes_on() {
+    let bench = lag();
+    let said = counted(&bench, "out", "log", &["--budget", "40"]);
+    assert!([0, 1, 3].contains(&said.code), "{}", said.err);
+    assert!(said.out.contains("y surrogate from 40 runs"), "{}", said.out);
+    assert_eq!(instances(&bench, "log"), 40, "{}", said.out);
+    let first = bench.read("out/points.csv");
+    assert_eq!(first.lines().count(), 1 + 37);
+    // Once more: nothing is run, and the answer is the same.
+    let again = counted(&bench, "out", "log", &["--budget", "40", "--resume"]);
+    assert_eq!((again.code, again.out), (said.code, said.out));
+    assert_eq!(instances(&bench, "log"), 40);
+    let more = counted(&bench, "out", "log", &["--budget", "60", "--resume"]);
+    assert!(more.out.contains("y surrogate from 60 runs"), "{}{}", more.out, more.err);
+    assert_eq!(instances(&bench, "log"), 60);
+    assert!(bench.read("out/points.csv").starts_with(&first));
+    counted(&bench, "out", "log", &["--budget", "40", "--resume"]).is_mistake(&["budget", "60"]);
+    // A point of the budget can be run again.
+    let replayed = bench.run(&["replay", "out", "33"]);
+    assert_eq!(replayed.code, 0, "{}", replayed.err);
+}
+
+#[test]
+fn a_killed_budget_goes_on_to_the_same_answer() {
+    let bench = lag();
+    assert!([0, 1, 3].contains(&counted(&bench, "whole", "log", &["--budget", "40"]).code));
+    let whole = files(&bench, "whole");
+    for patience in [150, 400, 700] {
+        let arguments = ["verify", "study.toml", "--jobs", "1", "--output", "out", "--budget", "40", "--resume"];
+        let mut command = bench.command(&arguments);
+        command.stdout(Stdio::null()).stderr(Stdio::null());
+        let mut child = command.spawn().unwrap();
+        sleep(Duration::from_millis(patience));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    let said = counted(&bench, "out", "log", &["--budget", "40", "--resume"]);
+    assert!([0, 1, 3].contains(&said.code), "{}", said.err);
+    assert!(files(&bench, "out") == whole);
+}
+
+/// P(-1 <= x1 + 2 x2 + 3 x3 <= 4) of normal numbers, whose sum has the variance 14.
+#[test]
+fn the_interval_holds_the_exact_share_and_decides() {
+    let bench = Bench::functions();
+    let criterion =
+        "[criteria.C]\nvariable = \"linear\"\nnominal = 1.5\ntolerance = 2.5\n[verdict]\nshare = \"40 %\"\n";
+    bench.write("study.toml", &functions(criterion));
+    let junit = ["verify", "study.toml", "--output", "out", "--budget", "60", "--junit", "out.xml"];
+    let said = bench.run(&junit);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    let summary = bench.summary("out");
+    let exact = 0.462_786;
+    let interval = summary["verified_interval"].as_array().unwrap();
+    let [low, high] = [0, 1].map(|k| interval[k].as_f64().unwrap());
+    assert!(low < exact && exact < high && high - low < 0.05, "{low} {high}");
+    assert_eq!(summary["surrogate"]["runs"], 60);
+    assert_eq!(summary["surrogate"]["refuted"], false);
+    assert!(summary["surrogate"]["criteria"]["C"]["error"].as_f64().unwrap() < 0.01);
+    assert!(summary["verdict_words"].as_str().unwrap().contains("by surrogate"), "{}", summary["verdict_words"]);
+    assert!(bench.read("out.xml").contains("failures=\"0\""));
+    // It ends when that is decided.
+    let said = bench.run(&["verify", "study.toml", "--output", "soon", "--budget", "100", "--until", "verdict"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(bench.summary("soon")["points"].as_u64().unwrap() <= 72);
+    // The same points tell the indices: 1, 4 and 9 of 14.
+    let said = bench.run(&["sensitivity", "study.toml", "--from", "out"]);
+    assert_eq!(said.code, 0, "{}", said.err);
+    let told: serde_json::Value = serde_json::from_str(&bench.read("out/sensitivity.json")).unwrap();
+    for (k, part) in [1.0, 4.0, 9.0].iter().enumerate() {
+        for which in ["first", "total"] {
+            let index = &told["outputs"][0]["sobol"][which][k];
+            let [value, low, high] = ["value", "low", "high"].map(|key| index[key].as_f64().unwrap());
+            assert!((value - part / 14.0).abs() < 0.02 && low < part / 14.0 && part / 14.0 < high, "{index}");
+        }
+    }
+    assert_eq!(told["outputs"][1]["name"], "verified");
+}
+
+/// Of the stripes, whose runs fail in no place that a few runs could tell, 40 % have a value.
+#[test]
+fn what_no_surrogate_follows_is_counted() {
+    let bench = Bench::functions();
+    let criterion = "[criteria.C]\nvariable = \"stripes\"\nnominal = 0\ntolerance = 9\n";
+    bench.write("study.toml", &functions(criterion));
+    let said = bench.run(&["verify", "study.toml", "--output", "out", "--budget", "60"]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    assert!(said.out.contains("Counted instead"), "{}", said.out);
+    let surrogate = &bench.summary("out")["surrogate"];
+    assert_eq!(surrogate["refuted"], true);
+    let [low, high] = [0, 1].map(|k| surrogate["interval"][k].as_f64().unwrap());
+    assert!(low < 0.4 && 0.4 < high && high - low > 0.2, "{surrogate}");
+    bench.run(&["sensitivity", "study.toml", "--from", "out"]);
+    assert!(bench.read("out/sensitivity.json").contains("--base N"));
+}
+
+#[test]
+fn budgets_that_cannot_be_kept_are_refused() {
+    let bench = lag();
+    counted(&bench, "out", "log", &["--budget", "5"]).is_mistake(&["budget", "20 to 1000"]);
+    bench.write("study.toml", &LAG.replace("share = \"40 %\"", "share = \"40 %\"\nrisk = \"5 %\""));
+    counted(&bench, "out", "log", &["--budget", "40"]).is_mistake(&["guard-band"]);
+    assert_eq!(instances(&bench, "log"), 0);
+    bench.write("study.toml", LAG);
+    let said = counted(&bench, "out", "log", &["--budget", "40", "--dry-run"]);
+    assert!(said.out.contains("40 runs: 37 points, and 3 runs beside them"), "{}", said.out);
+}
