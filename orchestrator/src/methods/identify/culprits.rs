@@ -54,7 +54,7 @@ fn reach(bound: &Bound) -> Vec<[f64; 2]> {
     let free = bound.problem.free.iter().enumerate();
     let ends = free.map(|(k, free)| match (slots.get(k), bound.inputs.get(k)) {
         _ if bound.lags.contains(&free.name) => [free.min, free.max],
-        (Some(slot), Some(conversion)) if !slot.shifts => {
+        (Some(slot), Some(conversion)) if slot.error.is_none() => {
             let back = conversion.inverse();
             let end = |limit: Option<f64>, otherwise: f64| limit.map_or(otherwise, |limit| back.value(limit));
             [end(slot.min, f64::NEG_INFINITY), end(slot.max, f64::INFINITY)]
