@@ -41,9 +41,9 @@ pub(crate) fn widened<P: Iterator<Item = [f64; 2]>>(
     let [low, high] = clopper_pearson(both as f64, count as f64, 0.95).map(index);
     let [low, high] = match shared {
         Shared::Parameter => [low, high],
-        Shared::Others => [1.0 - high, 1.0 - low],
+        Shared::Others => [(1.0 - high).max(0.0), 1.0 - low],
     };
-    Estimate { low: estimate.low.min(low.max(-1.0)), high: estimate.high.max(high.min(1.0)), ..estimate }
+    Estimate { low: estimate.low.min(low), high: estimate.high.max(high.min(1.0)), ..estimate }
 }
 
 /// The estimates, without intervals where the output has two values and the rarer one was seen in no more than so `few` of the
@@ -117,9 +117,11 @@ mod tests {
         ends.reverse();
         let turned = widened(Estimate::around(-0.3, 0.01), Shared::Parameter, &ends, one);
         holds(turned, [-0.3, interval.low, interval.high]);
-        // Of a total index it is the same from above.
+        // A total index is 1 minus that, and no more than 1 by it.
+        let total = widened(Estimate::around(0.9, 0.01), Shared::Others, &ends, one);
+        holds(total, [0.9, 0.89, 1.0]);
         let total = widened(Estimate::around(1.3, 0.01), Shared::Others, &ends, one);
-        holds(total, [1.3, 1.0 - interval.high, 1.0 - interval.low]);
+        holds(total, [1.3, 1.0 - interval.high, 1.31]);
         let wide = Estimate::around(-0.3, 0.9);
         assert_eq!(widened(wide, Shared::Parameter, &ends, one), wide);
     }

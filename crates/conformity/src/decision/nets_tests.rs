@@ -1,6 +1,7 @@
 //! How often intervals of a share hold where coordinates of a net hang together: for the worst pairs and triples that a search
 //! finds among 60 of them.
 
+use std::f64::consts::PI;
 use std::ops::Range;
 
 use super::*;
@@ -276,6 +277,58 @@ fn intervals_hold_for_the_worst_pairs_and_triples() {
 fn single_nets_do_not_count_as_independent_points() {
     let told = once((Method::Sobol, 1), 64, 0..60, &worst(64, 2));
     assert!(told.least() < 50, "{told:?}");
+}
+
+/// Whether an even number of some coordinates lies in their upper halves: where the leading digits of a net's coordinates depend
+/// on each other, all points of a net do, or none.
+fn is_even(coordinates: &[usize], point: &[f64]) -> bool {
+    coordinates.iter().filter(|&&k| point[k] >= 0.5).count() % 2 == 0
+}
+
+/// The parities of three coordinates that scatter most in nets of so many points.
+fn worst_parities(points: u64) -> Vec<[usize; 3]> {
+    let nets: Vec<_> = (0..6).map(|seed| cube(DIMENSIONS, points, 900 + seed, 1).unwrap()).collect();
+    let all = (0..24).flat_map(|c| (0..c).flat_map(move |b| (0..b).map(move |a| [a, b, c])));
+    let scatter = |three: &[usize; 3]| -> f64 {
+        let share =
+            |net: &Vec<Vec<f64>>| net.iter().filter(|point| is_even(three, point)).count() as f64 / points as f64;
+        nets.iter().map(|net| (share(net) - 0.5).powi(2)).sum()
+    };
+    let mut all: Vec<_> = all.map(|three| (scatter(&three), three)).collect();
+    all.sort_by(|a, b| b.0.total_cmp(&a.0));
+    all.into_iter().take(3).map(|(_, three)| three).collect()
+}
+
+/// Parities, a board, a ball, a corner and a vote, whose shares are known.
+#[test]
+fn intervals_hold_for_regions_that_suit_no_net() {
+    type Region = (&'static str, f64, Box<dyn Fn(&[f64]) -> bool>);
+    for points in [64, 128, 512] {
+        let [one, two, three] = worst_parities(points / NETS)[..] else { panic!("three") };
+        let square = |point: &[f64]| point[..6].iter().map(|x| (x - 0.5).powi(2)).sum::<f64>();
+        let regions: [Region; 7] = [
+            ("parity", 0.5, Box::new(move |point| is_even(&one, point))),
+            ("two parities", 0.25, Box::new(move |point| is_even(&one, point) && is_even(&two, point))),
+            ("three parities", 0.125, Box::new(move |point| [one, two, three].iter().all(|of| is_even(of, point)))),
+            ("board", 0.5, Box::new(|point| ((8.0 * point[13]) as u32 + (8.0 * point[23]) as u32).is_multiple_of(2))),
+            ("ball", PI.powi(3) / 384.0, Box::new(move |point| square(point) <= 0.25)),
+            ("corner", 0.2401, Box::new(|point| point[20..24].iter().all(|x| *x < 0.7))),
+            // More than 14 of 24: 2,579,130 of 2^24.
+            ("vote", 0.153_728, Box::new(|point| point[..24].iter().filter(|x| **x > 0.5).count() > 14)),
+        ];
+        let mut held = [0; 7];
+        for seed in 0..200 {
+            let cube = cube_of(REPLICATED, points, seed);
+            for (held, (_, share, is_inside)) in held.iter_mut().zip(&regions) {
+                let hits: Vec<bool> = cube.iter().map(|point| is_inside(point)).collect();
+                let [low, high] = randomised(&counts(&hits, points, NETS), points, 0.95);
+                *held += u64::from(low <= *share && *share <= high);
+            }
+        }
+        let names: Vec<_> = regions.iter().map(|(name, ..)| name).zip(held).collect();
+        println!("{points} points: {names:?} of 200");
+        assert!(held.iter().all(|held| *held >= 186), "{points}: {names:?}");
+    }
 }
 
 const SIZES: [u64; 4] = [64, 128, 256, 512];
