@@ -13,6 +13,7 @@ import filecmp
 import importlib
 import json
 import os
+import signal
 import subprocess
 import sys
 from collections import Counter
@@ -61,11 +62,14 @@ def convert(path: str | Path, folder: str | Path | None = None, zero: str | None
     paths = os.pathsep.join([str(here), *filter(None, [os.environ.get("PYTHONPATH")])])
     # One thread: each thread of a library of linear algebra reserves memory of its own.
     surroundings = {**os.environ, "PYTHONPATH": paths, "PYTHONIOENCODING": "utf-8", **dict.fromkeys(THREADS, "1")}
-    command = [sys.executable, "-m", "fmu_orchestrator", "convert", "--one", json.dumps({**task, "memory": MEMORY + 40 * size})]
+    command = [sys.executable, "-m", "fmu_orchestrator", "convert", "--one", json.dumps({**task, "memory": MEMORY + 40 * size, "seconds": allowed})]
     try:
-        done = subprocess.run(command, env=surroundings, capture_output=True, timeout=allowed, encoding="utf-8", errors="replace", check=False)
+        # A busy machine takes longer for the same work.
+        done = subprocess.run(command, env=surroundings, capture_output=True, timeout=10 * allowed, encoding="utf-8", errors="replace", check=False)
     except subprocess.TimeoutExpired:
-        raise OrchestratorError(f"{path}: not read within {allowed} s; it is damaged, or no {path.suffix}; export it as csv") from None
+        done = None
+    if done is None or done.returncode == -getattr(signal, "SIGXCPU", 0) != 0:
+        raise OrchestratorError(f"{path}: not read within {allowed} s; it is damaged, or no {path.suffix}; export it as csv")
     told = done.stderr.splitlines()
     if done.returncode == 0:
         *lines, last = done.stdout.splitlines()
@@ -80,7 +84,7 @@ def convert(path: str | Path, folder: str | Path | None = None, zero: str | None
     raise OrchestratorError(f"{path}: {why}; it is damaged, or no {path.suffix}; export it as csv")
 
 
-# A file may take so many seconds, and one more for so many bytes; so many bytes of memory, and 40 times its own.
+# A file may take so many seconds of the processor, and one more for so many bytes; so many bytes of memory, and 40 times its own.
 SECONDS, SPEED, MEMORY = 30, 500_000, 450 << 20
 THREADS = ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "ARROW_NUM_THREADS"]
 
@@ -91,6 +95,7 @@ def _one(task: Mapping[str, Any]) -> None:
         import resource
 
         resource.setrlimit(resource.RLIMIT_DATA, (task["memory"], task["memory"]))
+        resource.setrlimit(resource.RLIMIT_CPU, (task["seconds"], task["seconds"] + 1))
         resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     except (ImportError, ValueError, OSError):
         pass  # Windows has no such limits; the time's limit stays.

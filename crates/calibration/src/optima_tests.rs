@@ -91,12 +91,14 @@ fn root(mut a: f64, mut b: f64, f: impl Fn(f64) -> f64) -> Option<f64> {
 
 #[test]
 fn a_curved_valley_is_one_optimum_that_is_not_determined() {
-    // Only the product is measured: its solutions are one connected curve, whose ends are far apart.
-    let problem = one_case(&[(0.1, 2.0), (0.1, 2.0)], &[(0.5, 0.005)]);
-    let product = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] * p[1]]);
-    let (optima, outcome) = solved(&problem, &product);
-    assert_eq!(optima.len(), 1, "{optima:?}");
-    assert!(!outcome.ambiguous && outcome.directions[0].undetermined);
+    // Only the product is measured: its solutions are one connected curve, whose ends are far apart, however narrow it is.
+    for accuracy in [5e-3, 1e-4, 1e-6] {
+        let problem = one_case(&[(0.1, 2.0), (0.1, 2.0)], &[(0.5, accuracy)]);
+        let product = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] * p[1]]);
+        let (optima, outcome) = solved(&problem, &product);
+        assert_eq!(optima.len(), 1, "{accuracy}: {optima:?}");
+        assert!(!outcome.ambiguous && outcome.directions[0].undetermined, "{accuracy}");
+    }
 }
 
 #[test]
@@ -151,28 +153,4 @@ fn an_optimum_amid_failing_runs_is_no_minimum_and_no_error() {
         assert!(text.contains(words), "{text}");
     }
     assert!(!text.contains("determine every parameter"), "{text}");
-}
-
-#[test]
-fn trial_valleys() {
-    type Model = fn(&[f64]) -> Vec<f64>;
-    let cases: [(&str, Model, Vec<(f64, f64)>, Vec<(f64, f64)>); 8] = [
-        ("sum 1e-5", |p| vec![p[0] + p[1]], vec![(0.0, 10.0); 2], vec![(5.0, 1e-5)]),
-        ("sum 1e-2 three", |p| vec![p[0] + p[1] + p[2]], vec![(0.0, 10.0); 3], vec![(5.0, 1e-2)]),
-        ("ratio", |p| vec![p[0] / p[1]], vec![(0.5, 10.0), (0.5, 10.0)], vec![(2.0, 1e-3)]),
-        ("ratio decays", |p| (1..20).map(|k| (-0.1 * f64::from(k) * p[0] / p[1]).exp()).collect(), vec![(0.5, 10.0); 2], (1..20).map(|k| ((-0.2 * f64::from(k)).exp(), 1e-3)).collect()),
-        ("ratio decays noisy model", |p| (1..20).map(|k| (-0.1 * f64::from(k) * p[0] / p[1]).exp() + 5e-4 * (1e4 * (p[0] * 7.1 + p[1] * f64::from(k))).sin()).collect(), vec![(0.5, 10.0); 2], (1..20).map(|k| ((-0.2 * f64::from(k)).exp(), 1e-3)).collect()),
-        ("ratio decays noisier model", |p| (1..20).map(|k| (-0.1 * f64::from(k) * p[0] / p[1]).exp() + 2e-3 * (1e4 * (p[0] * 7.1 + p[1] * f64::from(k))).sin()).collect(), vec![(0.5, 10.0); 2], (1..20).map(|k| ((-0.2 * f64::from(k)).exp(), 1e-3)).collect()),
-        ("ratio tiny", |p| (1..200).map(|k| (-0.01 * f64::from(k) * p[0] / p[1]).exp()).collect(), vec![(0.5, 10.0); 2], (1..200).map(|k| ((-0.02 * f64::from(k)).exp() + 1e-3 * (12.9898 * f64::from(k)).sin(), 1e-5)).collect()),
-        ("three: k/m and d/m", |p| (1..40).map(|k| { let t = 0.25 * f64::from(k); let (w, d) = (p[0] / p[1], p[2] / p[1]); (-0.5 * d * t).exp() * ((w - 0.25 * d * d).max(0.0).sqrt() * t).cos() }).collect(), vec![(1.0, 10.0), (0.5, 5.0), (0.05, 1.0)], (1..40).map(|k| { let t = 0.25 * f64::from(k); ((-0.5 * 0.2 * t).exp() * ((2.0 - 0.01_f64).sqrt() * t).cos() + 5e-3 * (12.9898 * f64::from(k)).sin(), 5e-3) }).collect()),
-    ];
-    for (name, model, bounds, data) in cases {
-        let problem = one_case(&bounds, &data);
-        let simulate = move |_: usize, p: &[f64], _: &[f64]| Ok(model(p));
-        let (optima, outcome) = solved(&problem, &simulate);
-        println!("{name}: {} optima, undetermined {}", optima.len(), outcome.directions.iter().filter(|d| d.undetermined).count());
-        for optimum in &optima {
-            println!("   {:?} cost {} weight {}", problem.free_values(&optimum.minimum.places), optimum.minimum.misfit.cost(), optimum.weight);
-        }
-    }
 }
