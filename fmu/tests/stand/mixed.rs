@@ -78,6 +78,16 @@ fn friction_is_continuous_in_load_and_tilt() {
     }
 }
 
+/// Between smooth surfaces nothing carries but the film, also where the journal is tilted.
+#[test]
+fn smooth_surfaces_do_not_touch() {
+    let mut stand = under(200.0, 300.0);
+    stand.film.model = FilmModel::Reynolds;
+    stand.bearing.surface.roughness = 0.0;
+    stand.bearing.resolution.tilt = [5e-6, 0.0];
+    assert_eq!(after(0.02, stand).contact_share, 0.0);
+}
+
 /// Sander's bearing in mixed lubrication (torques as given with the public test 13 of `mboct-mbdyn-pkg`): 47.8 mm by 17.2 mm under
 /// 10 MPa. The torque includes the support bearings. Assumed, and the same at all speeds: 20 um of radial clearance, oil of 26 mPa.s,
 /// a roughness of 0.62 um, a boundary friction of 0.14 and 0.0004 for the support.

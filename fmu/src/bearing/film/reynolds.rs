@@ -185,8 +185,9 @@ impl TransientFilm for ReynoldsJournal {
         let mut touch = self.contact.at(ratio, clearance);
         if !self.plain {
             touch.normal = report.contact_normal;
-            let carried = (drive.load_after - report.film_load).norm();
-            touch.force = carried / 1f64.hypot(friction);
+            // Where nothing touches, the film's error of the load is all that is left.
+            let carried = (drive.load_after - report.film_load).norm() / 1f64.hypot(friction);
+            touch.force = if touch.normal > 0.0 { carried } else { 0.0 };
         }
         let velocity = report.velocity.into();
         let place = eccentricity.into();
