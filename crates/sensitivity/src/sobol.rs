@@ -311,10 +311,10 @@ mod tests {
 
     #[test]
     #[ignore = "takes minutes; run by scripts/test --long"]
-    fn no_index_is_far_off_in_more_than_1_per_cent_of_seeds() {
+    fn no_index_of_any_base_is_far_off() {
         for base in [64, 128, 256, 512] {
             for (name, off) in far_off(base, 1000..3000) {
-                if false { assert!(off.iter().flatten().all(|&off| off <= 20), "{base}, {name}: {off:?} of 2000"); }
+                assert!(off.iter().flatten().all(|&off| off <= 20), "{base}, {name}: {off:?} of 2000");
             }
         }
     }

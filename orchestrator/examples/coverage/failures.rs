@@ -1,11 +1,9 @@
 //! Sobol indices where runs fail: how often the conditional intervals hold the conditional indices.
 
 use rayon::prelude::*;
-use sensitivity::Estimate;
 use sensitivity::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
-use sensitivity::method::{FirstOrder, Settled};
+use sensitivity::method::FirstOrder;
 use sensitivity::pairs::pairs;
-use sensitivity::shapley;
 use sensitivity::sobol::{design, indices};
 
 use crate::{Case, G, percent};
@@ -30,9 +28,6 @@ const LARGE: f64 = 9.35;
 
 pub fn print(repetitions: u64) -> Result<(), String> {
     println!("\nFailed runs, Sobol indices: % of {repetitions} that hold (mean width)");
-    for (base, share) in [(64, 0.05), (256, 0.01), (256, 0.05), (1024, 0.01), (1024, 0.05)] {
-        failing(base, share, repetitions)?;
-    }
     let (first, total) = ishigami_indices();
     let (g_first, g_total) = sobol_g_indices(&G);
     let ishigami = Case::new("Ishigami", 3, ishigami, &first, &total);
@@ -118,50 +113,6 @@ fn held(case: &Case, base: u64, place: Place, part: f64, repetitions: u64) -> Re
         percent(mean(0)),
         mean(2),
         percent(mean(1)),
-    );
-    Ok(())
-}
-
-/// The indices of `failed`, where runs fail in a corner of two of three parameters.
-fn failing(base: u64, share: f64, repetitions: u64) -> Result<(), String> {
-    let side = share.sqrt();
-    let exact = [side / (1.0 + side), 1.0 / (1.0 + side)];
-    let one = |seed: u64| -> Result<[f64; 5], String> {
-        let rows = design(&pairs(3, base, 4000 + seed)?);
-        let fails = |u: &Vec<f64>| f64::from(u8::from(u[0].min(u[1]) > 1.0 - side));
-        let flags: Vec<f64> = rows.iter().map(fails).collect();
-        let Some(found) = indices(&flags, 3, FirstOrder::default()) else {
-            return Err("too few points".to_owned());
-        };
-        let held = |of: &[Estimate], exact: f64| {
-            let both = of[..2].iter().filter(|e| e.contains(exact)).count();
-            both as f64 / 2.0
-        };
-        let idle = f64::from(u8::from(found.total[2].contains(0.0)));
-        let settled = Settled { size: base, estimator: FirstOrder::default(), seed };
-        let rows = shapley::design(&pairs(3, base, 5000 + seed)?, None, seed)?;
-        let flags: Vec<f64> = rows.iter().map(fails).collect();
-        let divided = shapley::effects(&flags, 3, &settled).ok_or("too few points")?;
-        let told = found.total[0].low.min(found.total[1].low) > found.total[2].high;
-        Ok([
-            held(&found.first, exact[0]),
-            held(&found.total, exact[1]),
-            idle,
-            f64::from(u8::from(told)),
-            held(&divided.effects, 0.5),
-        ])
-    };
-    let all: Vec<[f64; 5]> = (0..repetitions).into_par_iter().map(one).collect::<Result<_, _>>()?;
-    let mean = |k: usize| percent(all.iter().map(|r| r[k]).sum::<f64>() / repetitions as f64);
-    println!(
-        "  `failed`, {base:>4} base points, {:>2.0} % fail in a corner of two of three parameters: first order {:>5.1}, total {:>5.1}, \
-         of the third {:>5.1}; the two are told from the third in {:>5.1}; Shapley effects {:>5.1}",
-        percent(share),
-        mean(0),
-        mean(1),
-        mean(2),
-        mean(3),
-        mean(4),
     );
     Ok(())
 }
