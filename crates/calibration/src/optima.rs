@@ -266,7 +266,8 @@ impl<'a, 'b> Optima<'a, 'b> {
         };
         let line = (1..=BETWEEN).map(|k| at(k as f64 / (BETWEEN + 1) as f64));
         let misfits = self.objective.misfits(&line.collect::<Vec<_>>())?;
-        let rise = |misfit: &Result<Misfit, String>| misfit.as_ref().map_or(f64::INFINITY, |misfit| misfit.cost() - higher);
+        let rise =
+            |misfit: &Result<Misfit, String>| misfit.as_ref().map_or(f64::INFINITY, |misfit| misfit.cost() - higher);
         let rise = misfits.iter().map(rise).fold(0.0, f64::max);
         if rise <= BARRIER || bends == 0 {
             return Ok(rise <= BARRIER || rise.is_finite() && rise <= SMOOTH * whole);

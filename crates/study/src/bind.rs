@@ -139,7 +139,8 @@ impl Binder<'_> {
         if !is_linear || text.percent.is_some() || text.level.is_some() {
             return None;
         }
-        let is_factor = |name: &str| name == from || text.case.is_some() && name.ends_with(&format!("{SEPARATOR}{from}"));
+        let is_factor =
+            |name: &str| name == from || text.case.is_some() && name.ends_with(&format!("{SEPARATOR}{from}"));
         let mut criteria = self.study.criteria.iter();
         let (_, factor) = criteria.find(|(name, _)| is_factor(name.as_ref()))?;
         let of = find(self.fmu, factor.variable.as_ref()).ok()?;

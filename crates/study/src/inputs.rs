@@ -141,7 +141,10 @@ impl InputError {
         }
         match all.is_empty() || slot.handle.content == Content::Real {
             true => Ok(all),
-            false => Err("only a real input has errors of a sensor; remove `uncertainty`, `gain-uncertainty` and `noise`".to_owned()),
+            false => {
+                Err("only a real input has errors of a sensor; remove `uncertainty`, `gain-uncertainty` and `noise`"
+                    .to_owned())
+            }
         }
     }
 
@@ -193,13 +196,23 @@ fn known_errors(recording: &RecordingText, slot: &Slot, scale: &Scale<'_>) -> Re
     let is_real = slot.handle.content == Content::Real;
     let number = |stated: &Option<Quantity>, what, of: &dyn Fn(&Quantity) -> Option<f64>| match stated {
         None => Ok(0.0),
-        Some(stated) => of(stated).filter(|number| is_real && number.is_finite()).ok_or_else(|| format!("the {what} {stated} must be {}", match what {
-            OFFSET => "a number in the unit of a real input",
-            _ => "a share of a real input such as `0.5 %`, above -100 %",
-        })),
+        Some(stated) => of(stated).filter(|number| is_real && number.is_finite()).ok_or_else(|| {
+            format!(
+                "the {what} {stated} must be {}",
+                match what {
+                    OFFSET => "a number in the unit of a real input",
+                    _ => "a share of a real input such as `0.5 %`, above -100 %",
+                }
+            )
+        }),
     };
-    let in_unit = |stated: &Quantity| scale.number(stated, Sense::Difference).ok().filter(|_| stated.unit.as_deref() != Some("%"));
-    Ok([number(&recording.offset, OFFSET, &in_unit)?, number(&recording.gain, GAIN, &|stated| part(stated).filter(|part| *part > -1.0))?])
+    let in_unit = |stated: &Quantity| {
+        scale.number(stated, Sense::Difference).ok().filter(|_| stated.unit.as_deref() != Some("%"))
+    };
+    Ok([
+        number(&recording.offset, OFFSET, &in_unit)?,
+        number(&recording.gain, GAIN, &|stated| part(stated).filter(|part| *part > -1.0))?,
+    ])
 }
 
 /// Whether a recording covers a run. `words` are how to set start and stop, and how to let the ends hold.

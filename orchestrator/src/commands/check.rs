@@ -6,8 +6,8 @@ use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
 use fmu_check::{CheckError, Conditions, Finding, Findings, RULES, Severity, check};
-use fmu_points::names::{did_you_mean, nearest};
 use fmu_import::{Package, Value};
+use fmu_points::names::{did_you_mean, nearest};
 use serde::Deserialize;
 
 use super::{output, simulate};

@@ -463,7 +463,8 @@ fn the_sensor_of_an_input_has_offset_gain_and_noise() {
     assert!(said.code < 2, "{}", said.err);
     let points = |folder: &str, column: &str| -> Vec<f64> {
         let text = bench.read(&format!("{folder}/points.csv"));
-        let mut lines = text.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(',').collect::<Vec<_>>());
+        let mut lines =
+            text.lines().filter(|line| !line.starts_with('#')).map(|line| line.split(',').collect::<Vec<_>>());
         let place = lines.next().unwrap().iter().position(|name| *name == column).unwrap();
         lines.map(|row| row[place].parse().unwrap()).collect()
     };
@@ -480,7 +481,11 @@ fn the_sensor_of_an_input_has_offset_gain_and_noise() {
     // Drawn, each has the spread of its closed form.
     let one = (-rate * 0.05_f64).exp();
     let of_noise = 0.03 * (1.0 - one) * (0..20).map(|k| one.powi(2 * k)).sum::<f64>().sqrt();
-    let cases = [("uncertainty = 0.1", 0.05 * end), ("gain-uncertainty = \"4 %\"", 0.02 * 2.0 * end), ("noise = 0.03", of_noise)];
+    let cases = [
+        ("uncertainty = 0.1", 0.05 * end),
+        ("gain-uncertainty = \"4 %\"", 0.02 * 2.0 * end),
+        ("noise = 0.03", of_noise),
+    ];
     for (k, (error, expected)) in cases.into_iter().enumerate() {
         bench.write("s.toml", &study(error, ""));
         let folder = k.to_string();
@@ -493,11 +498,15 @@ fn the_sensor_of_an_input_has_offset_gain_and_noise() {
         assert!((deviation / expected - 1.0).abs() < 0.15, "{error}: {deviation} {expected}");
     }
     // What identify finds of the gain is taken off the recording: it was 4 % too high.
-    let fit = study("gain-uncertainty = \"10 %\"", "").replace(&format!("nominal = {}", 2.0 * end), &format!("nominal = {}", 2.0 / 1.04 * end));
+    let fit = study("gain-uncertainty = \"10 %\"", "")
+        .replace(&format!("nominal = {}", 2.0 * end), &format!("nominal = {}", 2.0 / 1.04 * end));
     let fit = fit.replace("tolerance = 0.5\nuncertainty = 0.02", "tolerance = 0.01\nuncertainty = 0.002");
     let (_, outcome) = identify(&bench, &fit, &[]);
     let [low, high] = ends(&outcome["free"][1]["interval"]);
-    assert!(outcome["free"][1]["name"] == "drive.u/gain" && low < 4.0 && 4.0 < high && high - low < 1.0, "{low} {high}");
+    assert!(
+        outcome["free"][1]["name"] == "drive.u/gain" && low < 4.0 && 4.0 < high && high - low < 1.0,
+        "{low} {high}"
+    );
     let optimum: toml::Table = bench.read("out/optimum.toml").parse().unwrap();
     let gain = optimum["inputs"]["drive.u"]["gain"].as_str().unwrap();
     bench.write("s.toml", &fit.replace("gain-uncertainty = \"10 %\"", &format!("gain = \"{gain}\"")));

@@ -78,7 +78,6 @@ fn correct(task: &mut Task, recorded: &mut [(Vec<f64>, Reading)], values: &[f64]
     }
 }
 
-
 impl Scene {
     pub(super) fn new(number: usize, mut task: Task) -> Self {
         let exact = Reading { factor: 1.0, shift: 0.0 };
