@@ -87,8 +87,11 @@ fn what_depends_on_more_than_the_parameters_is_told() {
         assert!(remark.contains("Warning: not reproducible: ") && remark.contains(" recorded, "), "{remark}");
         assert!(bench.read("out/report.html").contains("Not reproducible: "));
         assert_eq!(bench.summary("out")["reproducible"], false, "{seed}");
-        let said = bench.run(&["replay", "out", "2"]);
-        assert!(said.out.contains("warning: these are not the results that out holds: "), "{seed}: {}", said.out);
+        // What lies in unwritten memory may be the same by chance where one point runs again.
+        if seed != "UNWRITTEN" {
+            let said = bench.run(&["replay", "out", "2"]);
+            assert!(said.out.contains("warning: these are not the results that out holds: "), "{seed}: {}", said.out);
+        }
         let said = bench.run(&["check", "lag.fmu", "--format", "json"]);
         let rule = if seed == "UNWRITTEN" { "\"memory-written\"" } else { "\"reproducible\"" };
         assert!(said.out.contains(rule), "{seed}: {}", said.out);
