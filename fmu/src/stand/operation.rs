@@ -26,7 +26,7 @@ impl Default for Permitted {
     }
 }
 
-/// The least film thickness, um, of ISO 7902-3:1998, as in Roloff/Matek, Maschinenelemente, table TB 15-16: a row up to each of
+/// The least film thickness, um, of ISO 7902-3:1998, second-hand (Roloff/Matek, Maschinenelemente, TB 15-16): a row up to each of
 /// these diameters, m, and a column up to each of these sliding speeds, m/s. The shaft's surface has Rz of up to 4 um.
 const DIAMETERS: [f64; 5] = [0.063, 0.16, 0.4, 1.0, 2.5];
 const SPEEDS: [f64; 5] = [1.0, 3.0, 10.0, 30.0, f64::INFINITY];
