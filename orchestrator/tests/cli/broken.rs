@@ -50,7 +50,7 @@ fn a_good_fmu_has_nothing() {
 #[test]
 fn a_check_takes_start_values_and_a_step() {
     let bench = Bench::new();
-    bench.fmu("coarse.fmu", &["COARSE"], &crate::support::model("", ""));
+    bench.fmu("coarse.fmu", &["COARSE"], &model("", ""));
     let check = |options: &[&str]| bench.run(&[&["check", "coarse.fmu"], options].concat());
     assert_eq!(check(&[]).code, 0);
     for (options, told) in [(["--step", "0.0005"], "SIGSEGV"), (["--set", "lag.fault=Fail"], "fmi2DoStep")] {
