@@ -190,7 +190,7 @@ pub struct Effects {
 }
 
 /// Of two values, so many independent runs with the rarer one tell no interval of an effect.
-const FEW: usize = 20;
+const FEW: usize = 30;
 
 /// Computes the effects from the outputs of the rows of a [`design`] with the same size and seed, in its order. All effects of
 /// a constant output are 0.

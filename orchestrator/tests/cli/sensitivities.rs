@@ -48,7 +48,7 @@ fn number(value: &Value) -> f64 {
 #[test]
 fn a_failure_of_one_output_costs_that_output_only() {
     let seeds = ["1", "2", "3", "4"];
-    let results = seeds.map(|seed| holed(&["--base", "128", "--seed", seed]));
+    let results = seeds.map(|seed| holed(&["--base", "256", "--seed", seed]));
     let mean = |of: &dyn Fn(&Value) -> f64| results.iter().map(of).sum::<f64>() / 4.0;
     // The corner is one of x1 and x2.
     let total = |both: &Value, k: usize, of: &str| number(&output(both, "failed")["sobol"]["total"][k][of]);
@@ -75,7 +75,7 @@ fn holed(options: &[&str]) -> Value {
     assert_eq!(linear["sobol"], output(&alone, "linear")["sobol"]);
     let missing = number(&output(&both, "holed")["missing"]);
     assert!(missing > 20.0 && both["failed"] == missing, "{both}");
-    for words in ["holed: ", " of 768 runs have no value of it", "would be others if"] {
+    for words in ["holed: ", " of 1536 runs have no value of it", "would be others if"] {
         assert!(said.out.contains(words), "no `{words}` in {}", said.out);
     }
     // The runs' table has the values that there are.
