@@ -48,7 +48,7 @@ pub struct Budget {
     pub ends: Vec<u64>,
     /// Simulations beside the points, for earlier budgets and this one.
     pub beside: u64,
-    /// The points, as places in the net.
+    /// The points, as places in the net, once the folder is complete.
     pub places: Vec<u64>,
 }
 
@@ -129,7 +129,7 @@ pub fn guard(judge: &Judge) -> Result<f64, String> {
 }
 
 /// The values of a run as a surrogate sees it: none of one that failed or has no number.
-pub fn values(outcome: &Outcome) -> Option<Vec<f64>> {
+fn values(outcome: &Outcome) -> Option<Vec<f64>> {
     outcome.as_ref().ok().cloned()
 }
 

@@ -117,7 +117,7 @@ fn the_interval_holds_the_exact_share_and_decides() {
     let said = bench.run(&junit);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     let summary = bench.summary("out");
-    let exact = 0.462_786;
+    let exact = 0.462_841;
     let interval = summary["verified_interval"].as_array().unwrap();
     let [low, high] = [0, 1].map(|k| interval[k].as_f64().unwrap());
     assert!(low < exact && exact < high && high - low < 0.05, "{low} {high}");
@@ -144,7 +144,7 @@ fn the_interval_holds_the_exact_share_and_decides() {
     assert_eq!(told["outputs"][1]["name"], "verified");
 }
 
-/// Of the stripes, whose runs fail in no place that a few runs could tell, 40 % have a value.
+/// Of the stripes, whose runs fail in no place that a few runs could tell, those below 0 have a value, and 40 % of those above.
 #[test]
 fn what_no_surrogate_follows_is_counted() {
     let bench = Bench::functions();
@@ -156,7 +156,7 @@ fn what_no_surrogate_follows_is_counted() {
     let surrogate = &bench.summary("out")["surrogate"];
     assert_eq!(surrogate["refuted"], true);
     let [low, high] = [0, 1].map(|k| surrogate["interval"][k].as_f64().unwrap());
-    assert!(low < 0.4 && 0.4 < high && high - low > 0.2, "{surrogate}");
+    assert!(low < 0.7 && 0.7 < high && high - low > 0.2, "{surrogate}");
     bench.run(&["sensitivity", "study.toml", "--from", "out"]);
     assert!(bench.read("out/sensitivity.json").contains("--base N"));
 }
