@@ -113,11 +113,6 @@ fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> 
         return results::table::summary(folder);
     }
     verification.source = Source::Chosen { design: net, places: told.places.clone() };
-    if let Some(budget) = &mut verification.session.request.budget {
-        budget.places.clone_from(&told.places);
-    }
-    let session = &verification.session;
-    session.request.write(folder, &session.study)?;
     let run = Run { hosts, ..Run::since(begun, computed, jobs) };
     let mut summary = verification.conclude(folder, Some(run), None, &mut looked, Some(&told))?;
     if options.parquet {
@@ -126,6 +121,12 @@ fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> 
     let here = means.jobs_here().min(jobs);
     let wish = Wish { most: 0, validation: false, dear: true, limits: means.limits(here)?, jobs: here };
     verify::finish(&mut verification, folder, &mut summary, &wish);
+    // Last, as what is written here is complete.
+    if let Some(budget) = &mut verification.session.request.budget {
+        budget.places = told.places;
+    }
+    let session = &verification.session;
+    session.request.write(folder, &session.study)?;
     Ok(summary)
 }
 

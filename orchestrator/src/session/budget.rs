@@ -29,8 +29,8 @@ const SAMPLE: u64 = 4096;
 /// Plain points before any is chosen, and the least of a batch.
 const START: usize = 20;
 const LEAST_BATCH: usize = 10;
-/// Runs of each case beside the points: one point once more, the best one for its picture, and with half its steps.
-const BESIDE: u64 = 3;
+/// Runs of each case beside the points: one before the first, one point once more, the best one for its picture and with half its steps.
+const BESIDE: u64 = 4;
 /// Fewer runs leave nothing to choose; with more of them a fit takes minutes.
 const RUNS: [u64; 2] = [20, 1000];
 /// Looks while a study waits for its answer: the first at so many points, each later one at so many times as many.
@@ -48,7 +48,7 @@ pub struct Budget {
     pub ends: Vec<u64>,
     /// Simulations beside the points, for earlier budgets and this one.
     pub beside: u64,
-    /// The points, as places in the net.
+    /// The points, as places in the net, once the folder is complete.
     pub places: Vec<u64>,
 }
 
@@ -129,7 +129,7 @@ pub fn guard(judge: &Judge) -> Result<f64, String> {
 }
 
 /// The values of a run as a surrogate sees it: none of one that failed or has no number.
-pub fn values(outcome: &Outcome) -> Option<Vec<f64>> {
+fn values(outcome: &Outcome) -> Option<Vec<f64>> {
     outcome.as_ref().ok().cloned()
 }
 
@@ -252,7 +252,7 @@ pub fn expected(plan: &Plan, budget: &Budget) -> String {
     let (points, varied) = (budget.points(), plan.varied().len());
     let plain = START + points.saturating_sub(START).div_ceil(2);
     format!(
-        "{} runs: {points} points, and {} runs beside them (one point again, the best one's picture, half its steps)\n\
+        "{} runs: {points} points, and {} runs beside them (one before the first, one again, the best one's picture, half its steps)\n\
          a surrogate in {varied} parameters tells the share with an interval, which holds its error; where it does not hold, \
          {plain} plain points are counted, which tell a share to +-{:.0} points at most\n",
         budget.runs,
@@ -269,10 +269,10 @@ mod tests {
     #[test]
     fn all_runs_are_counted_and_a_larger_budget_goes_on_behind_the_points_that_are_there() {
         let first = Budget::new(100, 2, 1, None).unwrap();
-        assert_eq!((first.points(), first.beside, first.batch), (97, 3, 10));
+        assert_eq!((first.points(), first.beside, first.batch), (96, 4, 10));
         assert_eq!(Budget::new(100, 8, 1, Some(first.clone())).unwrap().ends, first.ends);
         let second = Budget::new(200, 2, 1, Some(first.clone())).unwrap();
-        assert_eq!((second.points(), second.beside), (194, 6));
+        assert_eq!((second.points(), second.beside), (192, 8));
         let sizes = |budget: &Budget| {
             let mut done = vec![0];
             while *done.last().unwrap() < budget.points() {
@@ -283,7 +283,7 @@ mod tests {
         };
         assert!(sizes(&second).starts_with(&sizes(&first)), "{:?} {:?}", sizes(&first), sizes(&second));
         assert!(Budget::new(60, 2, 1, Some(second)).is_err());
-        assert_eq!(Budget::new(100, 2, 3, None).unwrap().points(), 30);
+        assert_eq!(Budget::new(100, 2, 3, None).unwrap().points(), 29);
         assert!(Budget::new(50, 2, 3, None).unwrap_err().contains("3 cases"));
         assert_eq!(Budget::new(100, 32, 1, None).unwrap().batch, 32);
     }

@@ -72,7 +72,7 @@ fn the_fmu_counts_no_more_runs_than_the_budget_and_a_larger_one_goes_on() {
     assert!(said.out.contains("y surrogate from 40 runs"), "{}", said.out);
     assert_eq!(instances(&bench, "log"), 40, "{}", said.out);
     let first = bench.read("out/points.csv");
-    assert_eq!(first.lines().count(), 1 + 37);
+    assert_eq!(first.lines().count(), 1 + 36);
     // Once more: nothing is run, and the answer is the same.
     let again = counted(&bench, "out", "log", &["--budget", "40", "--resume"]);
     assert_eq!((again.code, again.out), (said.code, said.out));
@@ -117,7 +117,7 @@ fn the_interval_holds_the_exact_share_and_decides() {
     let said = bench.run(&junit);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     let summary = bench.summary("out");
-    let exact = 0.462_786;
+    let exact = 0.462_841;
     let interval = summary["verified_interval"].as_array().unwrap();
     let [low, high] = [0, 1].map(|k| interval[k].as_f64().unwrap());
     assert!(low < exact && exact < high && high - low < 0.05, "{low} {high}");
@@ -144,7 +144,7 @@ fn the_interval_holds_the_exact_share_and_decides() {
     assert_eq!(told["outputs"][1]["name"], "verified");
 }
 
-/// Of the stripes, whose runs fail in no place that a few runs could tell, 40 % have a value.
+/// Of the stripes, whose runs fail in no place that a few runs could tell, those below 0 have a value, and 40 % of those above.
 #[test]
 fn what_no_surrogate_follows_is_counted() {
     let bench = Bench::functions();
@@ -156,7 +156,7 @@ fn what_no_surrogate_follows_is_counted() {
     let surrogate = &bench.summary("out")["surrogate"];
     assert_eq!(surrogate["refuted"], true);
     let [low, high] = [0, 1].map(|k| surrogate["interval"][k].as_f64().unwrap());
-    assert!(low < 0.4 && 0.4 < high && high - low > 0.2, "{surrogate}");
+    assert!(low < 0.7 && 0.7 < high && high - low > 0.2, "{surrogate}");
     bench.run(&["sensitivity", "study.toml", "--from", "out"]);
     assert!(bench.read("out/sensitivity.json").contains("--base N"));
 }
@@ -170,5 +170,5 @@ fn budgets_that_cannot_be_kept_are_refused() {
     assert_eq!(instances(&bench, "log"), 0);
     bench.write("study.toml", LAG);
     let said = counted(&bench, "out", "log", &["--budget", "40", "--dry-run"]);
-    assert!(said.out.contains("40 runs: 37 points, and 3 runs beside them"), "{}", said.out);
+    assert!(said.out.contains("40 runs: 36 points, and 4 runs beside them"), "{}", said.out);
 }
