@@ -87,15 +87,22 @@ fn holed(options: &[&str]) -> Value {
 }
 
 #[test]
-fn points_of_a_study_tell_no_indices() {
+fn points_of_a_study_tell_indices_where_a_surrogate_holds() {
     let bench = Bench::functions();
     bench.write("study.toml", &format!("{HEAD}{}", criteria(&["linear", "holed"])));
     assert!(bench.run(&["verify", "study.toml", "--output", "out"]).code < 2);
-    bench.run(&["sensitivity", "study.toml", "--from", "out"]).is_mistake(&[
-        "--from",
-        "a design of its own",
-        "--morris 20",
-    ]);
+    // By closed form x2 has 4 of 14; where runs fail without a pattern a design is asked for.
+    let said = bench.run(&["sensitivity", "study.toml", "--from", "out"]);
+    assert!(
+        said.out.contains("from 250 of the 512 points") && said.out.contains("--base N"),
+        "{}{}",
+        said.out,
+        said.err
+    );
+    let told: serde_json::Value = serde_json::from_str(&bench.read("out/sensitivity.json")).unwrap();
+    let total = &told["outputs"][0]["sobol"]["total"][1];
+    let [value, low, high] = ["value", "low", "high"].map(|key| total[key].as_f64().unwrap());
+    assert!((value - 4.0 / 14.0).abs() < 0.01 && low < 4.0 / 14.0 && 4.0 / 14.0 < high, "{total}");
     // Surrogates are told of failed runs.
     let said = bench.run(&["robustness", "study.toml", "--from", "out"]);
     assert!(said.out.contains("of 512 points failed"), "{}{}", said.out, said.err);
