@@ -398,7 +398,7 @@ fn a_misfit_names_its_cause() {
         let mut table = "t,y\n".to_owned();
         for k in 1..=40 {
             let t = 0.05 * f64::from(k);
-            let noise = 0.005 * (1.0 + f64::from(k * k % 17) / 16.0) * (f64::from(k) * 37.0).sin();
+            let noise = 0.006 * (f64::from(k * k) * 1.234).sin();
             writeln!(table, "{t},{}", 1.0 - (-rate * t).exp() + zero + noise).unwrap();
         }
         table

@@ -184,14 +184,13 @@ fn found(bound: &Bound, fmu: &Description) -> Vec<(Slot, Free, f64)> {
 pub(super) fn document(outcome: &IdentificationOutcome) -> Option<Document> {
     const SHOWN: usize = 4;
     let suspects = outcome.suspects.as_ref()?;
+    // That nothing was found stands in the headline.
+    let first = suspects.first()?;
     let mut told = Document::new("causes", "Causes", "What would explain the misfit");
-    match suspects.first() {
-        None => told.say(NOTHING.to_owned()),
-        Some(first) if first.explains() => {
-            told.say("Each of these alone, the likeliest first, with the parameters fitted again.".to_owned());
-        }
-        Some(_) => told.say("Nothing that was tried explains all of it. Most of it goes with these, each alone.".to_owned()),
-    }
+    told.say(match first.explains() {
+        true => "Each of these alone, the likeliest first, with the parameters fitted again.",
+        false => "Nothing that was tried explains all of it. Most of it goes with these, each alone.",
+    });
     // What leaves far more than the first is no rival.
     let rivals = suspects.iter().filter(|suspect| suspect.explains() == suspects[0].explains());
     let sentences = rivals.take(SHOWN).map(|suspect| {
