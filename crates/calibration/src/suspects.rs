@@ -6,6 +6,8 @@
 //! Psychometrika 54, 371-384) says by how much the sum of squares would fall. The most promising ones are then fitted by runs:
 //! what is told has been simulated.
 
+use std::time::Instant;
+
 use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
@@ -18,7 +20,6 @@ use super::objective::{Differences, Objective};
 use super::optima::Optimum;
 use super::problem::{Effect, Free, NoPrediction, Problem, SharedKind, Simulate, Source, Spacing};
 use super::remembered::Remembered;
-use super::rounds::Task;
 
 /// What may be wrong.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -113,8 +114,14 @@ pub struct Constant<'a> {
 
 /// What is looked at.
 pub struct Inquiry<'a> {
-    /// The search that was made, with its starts.
-    pub task: Task<'a>,
+    /// The problem.
+    pub problem: &'a Problem,
+    /// The distance of simulations for a derivative, as a part of that of the bounds.
+    pub difference: f64,
+    /// Where the search began.
+    pub starts: &'a [Vec<f64>],
+    /// When time is up.
+    pub deadline: Option<Instant>,
     /// The optimum that misses.
     pub optimum: &'a Optimum,
     /// The model of that search.
@@ -175,14 +182,10 @@ impl Inquiry<'_> {
         Ok(suspects)
     }
 
-    fn problem(&self) -> &Problem {
-        self.task.problem
-    }
-
     /// Parameters that are at a bound, or far from where they were expected, and would go on.
     fn ranges(&self, linear: &Linear) -> Vec<Candidate> {
         const FAR: f64 = 2.0;
-        let problem = self.problem();
+        let problem = self.problem;
         let free = problem.free.iter().enumerate().zip(&self.optimum.minimum.places);
         let candidates = free.filter_map(|((k, free), &place)| {
             let known = free.prior_place().map(|(centre, deviation)| (place - centre) / deviation);
@@ -216,9 +219,9 @@ impl Inquiry<'_> {
                 patterns.push((Fault::Delay, curves.collect()));
             }
             for (fault, pattern) in patterns {
-                let mut column = DVector::zeros(self.problem().values());
+                let mut column = DVector::zeros(self.problem.values());
                 for (&[case, quantity], part) in sensor.group.values.iter().zip(pattern) {
-                    column[case * self.problem().quantities.len() + quantity] = part;
+                    column[case * self.problem.quantities.len() + quantity] = part;
                 }
                 let weighted = column.component_div(&linear.accuracies);
                 if let Some((fall, size)) = linear.score(&weighted, None) {
@@ -246,7 +249,7 @@ impl Inquiry<'_> {
 
     /// The problem with a constant as a last free parameter.
     fn with(&self, constant: &Constant<'_>) -> Problem {
-        let mut problem = self.problem().clone();
+        let mut problem = self.problem.clone();
         problem.free.push(constant.free.clone());
         problem
     }
@@ -254,7 +257,7 @@ impl Inquiry<'_> {
     /// The optimum's places with that of a constant.
     fn placed(&self, place: f64) -> Vec<f64> {
         let mut places = self.optimum.minimum.places.clone();
-        places.insert(self.problem().free.len(), place);
+        places.insert(self.problem.free.len(), place);
         places
     }
 
@@ -263,8 +266,8 @@ impl Inquiry<'_> {
         /// A unit is wrong by far or not at all.
         const PART: f64 = 0.25;
         let now = self.optimum.minimum.misfit.cost();
-        let unknowns = self.problem().unknowns();
-        let starts = self.task.starts.iter().map(|start| {
+        let unknowns = self.problem.unknowns();
+        let starts = self.starts.iter().map(|start| {
             let mut start = start.clone();
             start.resize(unknowns, 0.5);
             start
@@ -275,7 +278,7 @@ impl Inquiry<'_> {
             for (which, confusion) in sensor.confusions.iter().enumerate() {
                 let problem = self.read_as(sensor, confusion);
                 // All of these runs were made.
-                let misfits = Objective::new(&problem, self.model, self.task.difference).misfits(&places)?;
+                let misfits = Objective::new(&problem, self.model, self.difference).misfits(&places)?;
                 let costs =
                     misfits.iter().zip(&places).filter_map(|(misfit, at)| Some((misfit.as_ref().ok()?.cost(), at)));
                 let best = costs.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(cost, _)| *cost < PART * now);
@@ -293,7 +296,7 @@ impl Inquiry<'_> {
 
     /// The problem with a sensor's values in another unit.
     fn read_as(&self, sensor: &Sensor, confusion: &Confusion) -> Problem {
-        let mut problem = self.problem().clone();
+        let mut problem = self.problem.clone();
         for &[case, quantity] in &sensor.group.values {
             let measured = &mut problem.cases[case].measured[quantity];
             measured.value = confusion.factor * measured.value + confusion.offset;
@@ -321,8 +324,8 @@ impl Inquiry<'_> {
     }
 
     fn minimised(&self, problem: &Problem, model: &dyn Simulate, start: Vec<f64>) -> Result<Minimum, NoPrediction> {
-        let limits = Limits { iterations: 12, decrease: 1e-3, deadline: self.task.effort.deadline };
-        let objective = Objective::new(problem, model, self.task.difference);
+        let limits = Limits { iterations: 12, decrease: 1e-3, deadline: self.deadline };
+        let objective = Objective::new(problem, model, self.difference);
         minimise(&objective, start, &[], Differences::Forward, &limits)
     }
 
@@ -346,7 +349,7 @@ impl Inquiry<'_> {
 
     /// A parameter with a wider range and without a prior.
     fn beyond(&self, k: usize, place: f64) -> Result<Suspect, NoPrediction> {
-        let old = &self.problem().free[k];
+        let old = &self.problem.free[k];
         let (low, high) = (2.0 * place.min(0.0) - 0.5, 2.0 * place.max(1.0) - 0.5);
         let ends = [low, high.max(1.5)].map(|place| wide(old, place));
         let mut free = Free { prior: None, ..old.clone() };
@@ -355,7 +358,7 @@ impl Inquiry<'_> {
         if old.min > 0.0 {
             free.min = free.min.max(0.05 * old.min);
         }
-        let mut problem = self.problem().clone();
+        let mut problem = self.problem.clone();
         let mut start = self.optimum.minimum.places.clone();
         start[k] = free.place(old.value(start[k]));
         problem.free[k] = free;
@@ -388,7 +391,7 @@ impl Inquiry<'_> {
         let start = self.placed(place.clamp(0.02, 0.98));
         let minimum = self.minimised(&problem, &model, start)?;
         let free = &constant.free;
-        let value = free.value(minimum.places[self.problem().free.len()]);
+        let value = free.value(minimum.places[self.problem.free.len()]);
         let departure = match constant.value {
             0.0 => 2.0,
             known => ((value - known) / (ODD * known)).abs(),
@@ -412,12 +415,12 @@ impl Inquiry<'_> {
         /// The prior of the amount is so wide that it costs nothing.
         const WIDE: f64 = 30.0;
         let scale = WIDE * size.abs().max(f64::MIN_POSITIVE);
-        let quantities = self.problem().quantities.len();
+        let quantities = self.problem.quantities.len();
         let effect = |&[case, quantity]: &[usize; 2]| {
             let change = scale * pattern[case * quantities + quantity];
             Effect { case, quantity, change, part: None }
         };
-        let mut problem = self.problem().clone();
+        let mut problem = self.problem.clone();
         problem.sources.push(Source { effects: sensor.group.values.iter().map(effect).collect(), rectangular: false });
         let minimum = self.minimised(&problem, self.model, self.optimum.minimum.places.clone())?;
         let amount = minimum.misfit.sources(&problem).last().copied().unwrap_or(0.0) * scale;
@@ -425,7 +428,7 @@ impl Inquiry<'_> {
             Fault::Gain => SharedKind::Gain,
             _ => SharedKind::Offset,
         };
-        let channels = self.problem().channels.iter();
+        let channels = self.problem.channels.iter();
         let is_its = |name: &str| sensor.criteria.iter().any(|criterion| criterion == name);
         let stated = channels.filter(|channel| is_its(&channel.name) && channel.kind == kind);
         let stated = stated.map(|channel| channel.limit).reduce(f64::max).filter(|_| *fault != Fault::Delay);
@@ -459,7 +462,7 @@ impl Inquiry<'_> {
 
     /// The middle accuracy of a sensor's values.
     fn accuracy(&self, sensor: &Sensor) -> f64 {
-        let of = |&[case, quantity]: &[usize; 2]| self.problem().cases[case].measured[quantity].accuracy;
+        let of = |&[case, quantity]: &[usize; 2]| self.problem.cases[case].measured[quantity].accuracy;
         let mut all: Vec<f64> = sensor.group.values.iter().map(of).collect();
         all.sort_by(f64::total_cmp);
         all.get(all.len() / 2).copied().unwrap_or(0.0)
@@ -506,7 +509,7 @@ struct Linear<'a> {
 
 impl<'a> Linear<'a> {
     fn new(inquiry: &Inquiry<'a>) -> Option<Self> {
-        let (problem, minimum) = (inquiry.task.problem, &inquiry.optimum.minimum);
+        let (problem, minimum) = (inquiry.problem, &inquiry.optimum.minimum);
         let posterior = &inquiry.optimum.posterior;
         let (errors, n, values) = (Errors::new(problem), problem.unknowns(), problem.values());
         let full = errors.with_sources(&posterior.precision, &posterior.slopes[1]);

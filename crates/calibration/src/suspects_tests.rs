@@ -6,7 +6,7 @@ use rand_distr::StandardNormal;
 
 use super::super::fit::Fit;
 use super::super::problem::{Channel, Measured, Prior};
-use super::super::rounds::{Searched, searched};
+use super::super::rounds::{Searched, Task, searched};
 use super::super::testing::{effort, free, problem, starts};
 use super::*;
 
@@ -109,7 +109,10 @@ fn record(planted: Planted, seed: u64) -> (Vec<Suspect>, Fit) {
         values
     };
     let inquiry = Inquiry {
-        task: Task { problem: &problem, ..task },
+        problem: &problem,
+        difference: 1e-4,
+        starts: &starts,
+        deadline: None,
         optimum: &optima[0],
         model: &simulate,
         sensors: &sensors,
@@ -197,7 +200,10 @@ fn a_prior_is_no_bound() {
     let task = Task { problem: &problem, difference: 1e-4, starts: &starts, effort: effort(2, 40) };
     let Searched { problem, optima, .. } = searched(&task, &model, &|_| ()).unwrap();
     let inquiry = Inquiry {
-        task: Task { problem: &problem, ..task },
+        problem: &problem,
+        difference: 1e-4,
+        starts: &starts,
+        deadline: None,
         optimum: &optima[0],
         model: &model,
         sensors: &[],

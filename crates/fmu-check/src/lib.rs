@@ -4,6 +4,7 @@ mod aliases;
 mod child;
 mod combinations;
 mod compare;
+mod conditions;
 mod definitions;
 mod dependencies;
 mod document;
@@ -27,13 +28,13 @@ mod variables;
 
 use std::io;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
 
-use fmu_import::{ArchiveError, FmuError, FmuFault, Package, Value, Version, needed};
+use fmu_import::{ArchiveError, FmuError, FmuFault, Package, Version, needed};
 use fmu_points::scratch::ScratchError;
 use fmu_points::stop;
 use thiserror::Error;
 
+pub use conditions::Conditions;
 use document::Document;
 use finding::Find;
 pub use finding::{Finding, Rule, Severity};
@@ -71,24 +72,6 @@ pub struct Findings {
     pub ignored: Vec<(Finding, String)>,
     /// The standard of its description; FMI 2.0 where that cannot be read.
     version: Version,
-}
-
-/// How the short simulations of a check are run.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Conditions {
-    /// How long each may take.
-    pub patience: Duration,
-    /// The communication step, s; as the FMU suggests otherwise.
-    pub step: Option<f64>,
-    /// Start values, by value reference.
-    pub set: Vec<(u32, Value)>,
-}
-
-impl Default for Conditions {
-    /// A minute each, as the FMU suggests.
-    fn default() -> Self {
-        Self { patience: Duration::from_secs(60), step: None, set: Vec::new() }
-    }
 }
 
 /// Looks at an FMU before it is used: first at the model description and the archive, then at short simulations, each in

@@ -8,9 +8,10 @@ use std::time::{Duration, Instant};
 
 use crate::child::{self, Outcome};
 use crate::compare::{Change, changes, difference};
+use crate::conditions::Conditions;
 use crate::hit::{Breach, Hit};
 use crate::probe::{End, Life, Run, Setup};
-use crate::{Conditions, experiment, simulated};
+use crate::{experiment, simulated};
 use fmu_import::isolation::watch::Snapshot;
 use fmu_import::{Description, Package, Variable};
 use tempfile::TempDir;

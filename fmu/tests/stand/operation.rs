@@ -93,7 +93,8 @@ fn what_is_worst_decides() {
     };
     let (.., margin) = decides(&|_| ());
     assert!(margin > 1.0, "{margin}");
-    let criteria: [(i32, &dyn Fn(&mut Stand)); 4] = [
+    type Change<'a> = &'a dyn Fn(&mut Stand);
+    let criteria: [(i32, Change<'_>); 4] = [
         (1, &|stand| stand.permitted.specific_load = 1e6),
         (2, &|stand| stand.oil.viscosity_scale *= 0.15),
         (3, &|stand| stand.thermal.initial_bearing = 373.15),

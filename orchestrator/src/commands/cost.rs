@@ -1,5 +1,7 @@
 //! Estimates the time of a study: runs some points and assumes that the others take as long.
 
+use conformity::conclusion::grouped;
+
 use crate::error::Error;
 use crate::options::Means;
 use crate::session::Verification;
@@ -72,6 +74,25 @@ pub(super) fn span(seconds: f64) -> String {
     let number = seconds / size;
     let digits = usize::from(number < 10.0);
     format!("{number:.digits$} {unit}")
+}
+
+/// Says what a budget would give, where so many points take long.
+pub(super) fn remark(point: Duration, left: usize, jobs: usize) {
+    const DEAR: f64 = 1.0;
+    const LONG: f64 = 3600.0;
+    const RUNS: f64 = 100.0;
+    let point = point.as_secs_f64();
+    let of = |points: f64| point * points / jobs as f64;
+    if point > DEAR && of(left as f64) > LONG {
+        fmu_points::tell::line!(
+            "note: a point takes {}, so {} of them take about {}; `--budget {RUNS}` takes about {} and tells the share by a \
+             surrogate, with an interval, where that holds",
+            span(point),
+            grouped(left as u64),
+            span(of(left as f64)),
+            span(of(RUNS))
+        );
+    }
 }
 
 #[cfg(test)]

@@ -3,9 +3,8 @@
 use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
-use super::cost::span;
 use super::{cost, gate, output, table, verify};
 use crate::cli::{Cli, Command, Verify};
 use crate::error::Error;
@@ -19,11 +18,11 @@ use crate::session::budget::{self, Budget};
 use crate::session::{Request, Until, Verification};
 use crate::source::Source;
 use clap::Parser;
-use conformity::conclusion::grouped;
 use sampling::design::Design;
 
 /// Runs the command.
 pub(super) fn run(options: &Verify, runs: u64) -> Result<ExitCode, Error> {
+    verify::refuse_verdict_of_part(options)?;
     let folder = options.work.folder(None)?;
     let verification = open(options, runs, &folder)?;
     if options.dry_run {
@@ -142,23 +141,4 @@ fn open(options: &Verify, runs: u64, folder: &Path) -> Result<Verification, Erro
     let budget = Budget::new(runs, jobs, cases, then).map_err(|message| Error::option("budget", message))?;
     verification.session.request.budget = Some(budget);
     Ok(verification)
-}
-
-/// Says what a budget would give, where so many points take long.
-pub(super) fn remark(point: Duration, left: usize, jobs: usize) {
-    const DEAR: f64 = 1.0;
-    const LONG: f64 = 3600.0;
-    const RUNS: f64 = 100.0;
-    let point = point.as_secs_f64();
-    let of = |points: f64| point * points / jobs as f64;
-    if point > DEAR && of(left as f64) > LONG {
-        fmu_points::tell::line!(
-            "note: a point takes {}, so {} of them take about {}; `--budget {RUNS}` takes about {} and tells the share by a \
-             surrogate, with an interval, where that holds",
-            span(point),
-            grouped(left as u64),
-            span(of(left as f64)),
-            span(of(RUNS))
-        );
-    }
 }

@@ -75,7 +75,10 @@ fn dispatch(cli: Cli) -> Result<ExitCode, Error> {
         Command::Verify(options) => match options.rare {
             Some(event) => deliver(rare::run(&options.rare(event))?),
             None if pack::is_fmu(&options.work.study) => pack::run_carried(*options),
-            None => verify::run(&options),
+            None => match options.budget {
+                Some(runs) => dear::run(&options, runs),
+                None => verify::run(&options),
+            },
         },
         Command::Pack(options) => pack::run(&options),
         Command::Judge(options) => judge::run(&options),

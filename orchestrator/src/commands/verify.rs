@@ -10,7 +10,7 @@ use std::time::Instant;
 use indexmap::{IndexMap, IndexSet};
 use toml::Spanned;
 
-use super::{best, complete, cost, dear, gate, left_out, output, table};
+use super::{best, complete, cost, gate, left_out, output, table};
 use crate::cli::{Gate, Verify};
 use crate::error::Error;
 use crate::methods::asking;
@@ -31,15 +31,18 @@ use study::{Name, Setting};
 /// With `--until`, a study has as many points as needed, but for a limit.
 const MOST_POINTS: u64 = 1_000_000;
 
-pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
-    let begun = Instant::now();
+/// Refuses to write a verdict of a part of the points.
+pub(super) fn refuse_verdict_of_part(options: &Verify) -> Result<(), Error> {
     if options.gate.junit.is_some() && options.work.parts.shard()?.is_some() {
         let message = "a part of the points has no verdict; give this option to `merge`";
         return Err(Error::option("junit", message));
     }
-    if let Some(runs) = options.budget {
-        return dear::run(options, runs);
-    }
+    Ok(())
+}
+
+pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
+    let begun = Instant::now();
+    refuse_verdict_of_part(options)?;
     let mut verification = Verification::open(request(options)?)?;
     asking::warn(&verification.session.judge);
     let means = &options.work.means;
@@ -269,7 +272,7 @@ fn compute(
     pipeline.compute(open, &job, |index, outcome| {
         done += 1;
         if done == 2 * jobs {
-            dear::remark(begun.elapsed() / 2, left, jobs);
+            cost::remark(begun.elapsed() / 2, left, jobs);
         }
         if let Some((ending, front)) = &mut front {
             enough = enough || front.add(index, ending.counts(judge, &outcome));

@@ -5,9 +5,10 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
+use super::by_surrogate::BySurrogate;
 use super::improvement::{Halved, Sign as Gain};
 use super::summary::CriterionCount;
-use super::surrogate::{self, BySurrogate};
+use super::surrogate;
 use super::words::{accepted, beyond_validity, capitalised, enough, firmness, guard, looked, unknown};
 use super::{Summary, resampled::presumed};
 use conformity::conclusion::{Conclusion, Requirement, grouped, percent};

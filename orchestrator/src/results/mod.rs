@@ -7,6 +7,7 @@
 
 pub mod answer;
 pub mod asides;
+pub mod by_surrogate;
 pub mod choice;
 pub mod concerns;
 mod failed;

@@ -8,9 +8,9 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
 use super::asides::Asides;
+use super::by_surrogate::BySurrogate;
 use super::improvement::Improvements;
 use super::settled::Settled;
-use super::surrogate::BySurrogate;
 use crate::judge::{Criterion, Judge};
 use conformity::conclusion::Conclusion;
 use conformity::decision::Decision;

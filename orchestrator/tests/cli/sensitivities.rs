@@ -99,7 +99,7 @@ fn points_of_a_study_tell_indices_where_a_surrogate_holds() {
         said.out,
         said.err
     );
-    let told: serde_json::Value = serde_json::from_str(&bench.read("out/sensitivity.json")).unwrap();
+    let told: Value = serde_json::from_str(&bench.read("out/sensitivity.json")).unwrap();
     let total = &told["outputs"][0]["sobol"]["total"][1];
     let [value, low, high] = ["value", "low", "high"].map(|key| total[key].as_f64().unwrap());
     assert!((value - 4.0 / 14.0).abs() < 0.01 && low < 4.0 / 14.0 && 4.0 / 14.0 < high, "{total}");

@@ -13,7 +13,7 @@ use fmu_import::{Content, Description, Value};
 use fmu_points::names::behind;
 use fmu_points::task::Slot;
 use indexmap::IndexMap;
-use result_document::Document;
+use result_document::{Block, Document};
 use result_document::format::number;
 use study::cases::SEPARATOR;
 
@@ -37,7 +37,10 @@ pub(super) fn ask(
     let most = usize::try_from(progress.failures.asked).unwrap_or(usize::MAX);
     let constants = constants((bound, fmu), problem, &optima[0].minimum.places, (model, most))?;
     let inquiry = Inquiry {
-        task: Task { problem, ..*task },
+        problem,
+        difference: task.difference,
+        starts: task.starts,
+        deadline: task.effort.deadline,
         optimum: &optima[0],
         model: remembered,
         sensors: &sensors(bound),
@@ -197,7 +200,7 @@ pub(super) fn document(outcome: &IdentificationOutcome) -> Option<Document> {
         let [before, after] = suspect.cost.map(|cost| number(cost, 3));
         format!("{}: the sum of squares falls from {before} to {after}.", sentence(suspect))
     });
-    super::document::items(&mut told, sentences.collect());
+    told.blocks.push(Block::List(sentences.collect()));
     Some(told)
 }
 

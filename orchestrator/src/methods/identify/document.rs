@@ -543,7 +543,7 @@ fn list(told: &mut Document, sentences: Vec<String>) {
 }
 
 /// Adds a list, unless it is empty.
-pub(super) fn items(told: &mut Document, sentences: Vec<String>) {
+fn items(told: &mut Document, sentences: Vec<String>) {
     if !sentences.is_empty() {
         told.blocks.push(Block::List(sentences));
     }
