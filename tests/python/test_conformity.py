@@ -71,8 +71,8 @@ def of_error(expanded, coverage, rectangular, gain, noise, repeats, value):
     # Student's part by the middles of equally probable cells, so that no tail is cut off.
     parts = student * stats.t(repeats - 1).ppf((np.arange(40_000) + 0.5) / 40_000) if student else np.zeros(1)
 
-    def cdf(x, more=0):
-        sigma = max(np.hypot(normal, more), 1e-7)
+    def cdf(x):
+        sigma = max(normal, 1e-7)
 
         def without(z):
             if not half:
@@ -82,8 +82,15 @@ def of_error(expanded, coverage, rectangular, gain, noise, repeats, value):
             return sigma * area / (2 * half)
         return without(x - parts).mean()
 
-    def half_interval(probability, more=0):
-        return optimize.brentq(lambda x: 2 * cdf(x, more) - 1 - probability, 1e-9, 1e3, xtol=1e-9)
+    def half_interval(probability, points=None):
+        # Beside the scatter of points, by Gauss and Legendre's rule.
+        nodes, weights = np.polynomial.legendre.leggauss(200)
+        others, weights = (0, 1) if points is None else (12 * points.std() * nodes, 12 * points.std() * weights)
+        weights = weights if points is None else weights * points.pdf(others)
+
+        def share(x):
+            return sum(weight * (2 * cdf(x + other) - 1) for other, weight in np.broadcast(others, weights))
+        return optimize.brentq(lambda x: share(x) - probability, 1e-9, 1e3, xtol=1e-7)
 
     standard = np.sqrt(normal**2 + student**2 + half**2 / 3)
     plain = not (half or student)
@@ -128,12 +135,13 @@ noise = {noise}
         accepted = -minus <= model - value <= plus and conforming >= 0.9
         assert row["accepted"] == str(accepted).lower(), (model, conforming)
     told = json.loads((tmp_path / "out" / "summary.json").read_text())["validation"]["y"]
-    error, of_input = values.mean() - value, values.std(ddof=1)
+    error, of_input, of_points = values.mean() - value, values.std(ddof=1), len(values)
     of_all = np.hypot(standard, of_input)
-    assert told["e_n"] == pytest.approx(error / np.hypot(2 * of_input, of_measured), abs=1e-4)
+    # The value with the true parameters about the mean of the points, which errs, too.
+    input_error = stats.t(of_points - 1, scale=of_input * np.sqrt(1 + 1 / of_points))
+    of_model = input_error.ppf(0.5 + 0.954499736 / 2)
+    assert told["e_n"] == pytest.approx(error / np.hypot(of_model, of_measured), abs=1e-4)
     assert told["u_val"] == pytest.approx(of_all, abs=1e-4)
-    if student:
-        assert told["freedom"] == pytest.approx((repeats - 1) * (of_all / student) ** 4, rel=1e-4)
-        assert told["coverage"] * of_all == pytest.approx(half_interval(0.954499736, of_input), abs=1e-4)
-    else:
-        assert (told["freedom"], told["coverage"]) == (None, 2)
+    parts = (student / of_all) ** 4 / max(repeats - 1, 1) + (of_input / of_all) ** 4 / (of_points - 1)
+    assert told["freedom"] == pytest.approx(1 / parts, rel=1e-4)
+    assert told["coverage"] * of_all == pytest.approx(half_interval(0.954499736, input_error), abs=1e-4)
