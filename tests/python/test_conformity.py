@@ -6,7 +6,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from scipy import optimize, stats
+from scipy import optimize, special, stats
 from test_acceptance import PROGRAM
 
 # Tolerance about 0, standard uncertainty.
@@ -82,19 +82,24 @@ def of_error(expanded, coverage, rectangular, gain, noise, repeats, value):
             return sigma * area / (2 * half)
         return without(x - parts).mean()
 
-    def half_interval(probability, points=None):
-        # Beside the scatter of points, by Gauss and Legendre's rule.
-        nodes, weights = np.polynomial.legendre.leggauss(200)
-        others, weights = (0, 1) if points is None else (12 * points.std() * nodes, 12 * points.std() * weights)
-        weights = weights if points is None else weights * points.pdf(others)
-
-        def share(x):
-            return sum(weight * (2 * cdf(x + other) - 1) for other, weight in np.broadcast(others, weights))
-        return optimize.brentq(lambda x: share(x) - probability, 1e-9, 1e3, xtol=1e-7)
+    def half_interval(probability):
+        return optimize.brentq(lambda x: 2 * cdf(x) - 1 - probability, 1e-9, 1e3, xtol=1e-9)
 
     standard = np.sqrt(normal**2 + student**2 + half**2 / 3)
     plain = not (half or student)
-    return cdf, half_interval, coverage * normal if plain else half_interval(0.95), standard, student
+    def beside_points(probability, scale, freedom):
+        # The sum with the scatter of points, by its characteristic function (Gil-Pelaez).
+        def of_student(t, scale, nu):
+            z = np.sqrt(nu) * scale * t
+            return special.kv(nu / 2, z) * z ** (nu / 2) / (special.gamma(nu / 2) * 2 ** (nu / 2 - 1))
+
+        nodes, weights = np.polynomial.legendre.leggauss(1000)
+        t, weights = 6 / scale * (nodes + 1), 6 / scale * weights
+        of_all = np.exp(-((normal * t) ** 2) / 2) * np.sinc(half * t / np.pi) * of_student(t, scale, freedom)
+        of_all = of_all * of_student(t, student, repeats - 1) if student else of_all
+        return optimize.brentq(lambda x: 2 / np.pi * np.sum(weights * of_all * np.sin(t * x) / t) - probability, 1e-9, 50 * scale)
+
+    return cdf, beside_points, coverage * normal if plain else half_interval(0.95), standard, student
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -105,7 +110,7 @@ def test_probabilities_and_e_n_are_those_of_scipy(tmp_path, seed):
     value, expanded, coverage = draw.uniform(5, 50), draw.uniform(0.2, 1), draw.choice([2, 1.96, 3])
     rectangular, gain, noise, repeats = bool(seed % 2), draw.choice([0, 0.01]), draw.choice([0.1, 0.5]), int(draw.choice([1, 2, 3, 5, 10]))
     minus, plus = [(1, 1), (0.6, 1.5), (np.inf, 0)][seed % 3]
-    cdf, half_interval, of_measured, standard, student = of_error(expanded, coverage, rectangular, gain, noise, repeats, value)
+    cdf, beside_points, of_measured, standard, student = of_error(expanded, coverage, rectangular, gain, noise, repeats, value)
     limits = {1: "tolerance = 1", 0.6: "tolerance = { minus = 0.6, plus = 1.5 }"}.get(minus)
     said = f"nominal = {value!r}\n{limits}" if limits else f"at-most = {value!r}\nmeasured = {value!r}"
     text = f"""fmu = "none.fmu"
@@ -137,11 +142,11 @@ noise = {noise}
     told = json.loads((tmp_path / "out" / "summary.json").read_text())["validation"]["y"]
     error, of_input, of_points = values.mean() - value, values.std(ddof=1), len(values)
     of_all = np.hypot(standard, of_input)
-    # The value with the true parameters about the mean of the points, which errs, too.
-    input_error = stats.t(of_points - 1, scale=of_input * np.sqrt(1 + 1 / of_points))
-    of_model = input_error.ppf(0.5 + 0.954499736 / 2)
+    # The value with the true parameters lies about the mean of the points, which errs, too.
+    scale, freedom = of_input * np.sqrt(1 + 1 / of_points), of_points - 1
+    of_model = scale * stats.t(freedom).ppf(0.5 + 0.954499736 / 2)
     assert told["e_n"] == pytest.approx(error / np.hypot(of_model, of_measured), abs=1e-4)
     assert told["u_val"] == pytest.approx(of_all, abs=1e-4)
-    parts = (student / of_all) ** 4 / max(repeats - 1, 1) + (of_input / of_all) ** 4 / (of_points - 1)
+    parts = (student / of_all) ** 4 / max(repeats - 1, 1) + (of_input / of_all) ** 4 / freedom
     assert told["freedom"] == pytest.approx(1 / parts, rel=1e-4)
-    assert told["coverage"] * of_all == pytest.approx(half_interval(0.954499736, input_error), abs=1e-4)
+    assert told["coverage"] * of_all == pytest.approx(beside_points(0.954499736, scale, freedom), abs=1e-4)
