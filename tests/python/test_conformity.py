@@ -6,7 +6,7 @@ import subprocess
 
 import numpy as np
 import pytest
-from scipy import optimize, stats
+from scipy import optimize, special, stats
 from test_acceptance import PROGRAM
 
 # Tolerance about 0, standard uncertainty.
@@ -71,8 +71,8 @@ def of_error(expanded, coverage, rectangular, gain, noise, repeats, value):
     # Student's part by the middles of equally probable cells, so that no tail is cut off.
     parts = student * stats.t(repeats - 1).ppf((np.arange(40_000) + 0.5) / 40_000) if student else np.zeros(1)
 
-    def cdf(x, more=0):
-        sigma = max(np.hypot(normal, more), 1e-7)
+    def cdf(x):
+        sigma = max(normal, 1e-7)
 
         def without(z):
             if not half:
@@ -82,12 +82,24 @@ def of_error(expanded, coverage, rectangular, gain, noise, repeats, value):
             return sigma * area / (2 * half)
         return without(x - parts).mean()
 
-    def half_interval(probability, more=0):
-        return optimize.brentq(lambda x: 2 * cdf(x, more) - 1 - probability, 1e-9, 1e3, xtol=1e-9)
+    def half_interval(probability):
+        return optimize.brentq(lambda x: 2 * cdf(x) - 1 - probability, 1e-9, 1e3, xtol=1e-9)
 
     standard = np.sqrt(normal**2 + student**2 + half**2 / 3)
     plain = not (half or student)
-    return cdf, half_interval, coverage * normal if plain else half_interval(0.95), standard, student
+    def beside_points(probability, scale, freedom):
+        # The sum with the scatter of points, by its characteristic function (Gil-Pelaez).
+        def of_student(t, scale, nu):
+            z = np.sqrt(nu) * scale * t
+            return special.kv(nu / 2, z) * z ** (nu / 2) / (special.gamma(nu / 2) * 2 ** (nu / 2 - 1))
+
+        nodes, weights = np.polynomial.legendre.leggauss(1000)
+        t, weights = 6 / scale * (nodes + 1), 6 / scale * weights
+        of_all = np.exp(-((normal * t) ** 2) / 2) * np.sinc(half * t / np.pi) * of_student(t, scale, freedom)
+        of_all = of_all * of_student(t, student, repeats - 1) if student else of_all
+        return optimize.brentq(lambda x: 2 / np.pi * np.sum(weights * of_all * np.sin(t * x) / t) - probability, 1e-9, 50 * scale)
+
+    return cdf, beside_points, coverage * normal if plain else half_interval(0.95), standard, student
 
 
 @pytest.mark.parametrize("seed", range(12))
@@ -98,7 +110,7 @@ def test_probabilities_and_e_n_are_those_of_scipy(tmp_path, seed):
     value, expanded, coverage = draw.uniform(5, 50), draw.uniform(0.2, 1), draw.choice([2, 1.96, 3])
     rectangular, gain, noise, repeats = bool(seed % 2), draw.choice([0, 0.01]), draw.choice([0.1, 0.5]), int(draw.choice([1, 2, 3, 5, 10]))
     minus, plus = [(1, 1), (0.6, 1.5), (np.inf, 0)][seed % 3]
-    cdf, half_interval, of_measured, standard, student = of_error(expanded, coverage, rectangular, gain, noise, repeats, value)
+    cdf, beside_points, of_measured, standard, student = of_error(expanded, coverage, rectangular, gain, noise, repeats, value)
     limits = {1: "tolerance = 1", 0.6: "tolerance = { minus = 0.6, plus = 1.5 }"}.get(minus)
     said = f"nominal = {value!r}\n{limits}" if limits else f"at-most = {value!r}\nmeasured = {value!r}"
     text = f"""fmu = "none.fmu"
@@ -128,12 +140,13 @@ noise = {noise}
         accepted = -minus <= model - value <= plus and conforming >= 0.9
         assert row["accepted"] == str(accepted).lower(), (model, conforming)
     told = json.loads((tmp_path / "out" / "summary.json").read_text())["validation"]["y"]
-    error, of_input = values.mean() - value, values.std(ddof=1)
+    error, of_input, of_points = values.mean() - value, values.std(ddof=1), len(values)
     of_all = np.hypot(standard, of_input)
-    assert told["e_n"] == pytest.approx(error / np.hypot(2 * of_input, of_measured), abs=1e-4)
+    # The value with the true parameters lies about the mean of the points, which errs, too.
+    scale, freedom = of_input * np.sqrt(1 + 1 / of_points), of_points - 1
+    of_model = scale * stats.t(freedom).ppf(0.5 + 0.954499736 / 2)
+    assert told["e_n"] == pytest.approx(error / np.hypot(of_model, of_measured), abs=1e-4)
     assert told["u_val"] == pytest.approx(of_all, abs=1e-4)
-    if student:
-        assert told["freedom"] == pytest.approx((repeats - 1) * (of_all / student) ** 4, rel=1e-4)
-        assert told["coverage"] * of_all == pytest.approx(half_interval(0.954499736, of_input), abs=1e-4)
-    else:
-        assert (told["freedom"], told["coverage"]) == (None, 2)
+    parts = (student / of_all) ** 4 / max(repeats - 1, 1) + (of_input / of_all) ** 4 / freedom
+    assert told["freedom"] == pytest.approx(1 / parts, rel=1e-4)
+    assert told["coverage"] * of_all == pytest.approx(beside_points(0.954499736, scale, freedom), abs=1e-4)

@@ -157,7 +157,7 @@ impl Uncertainty {
 
 /// The distribution of the error of a measured value, which is symmetric about 0: that of a sum of up to three independent
 /// parts.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Law {
     /// The standard deviation of the normal part.
     pub normal: f64,
@@ -277,14 +277,21 @@ impl Law {
 
     /// Half the interval about 0 that holds this probability.
     pub fn half_interval(&self, probability: f64) -> f64 {
+        Self::default().half_interval_with(*self, probability)
+    }
+
+    /// The same of the sum of this error, which has no rectangular part, and an independent one: Behrens and Fisher's
+    /// interval where both have Student's part.
+    pub fn half_interval_with(&self, other: Self, probability: f64) -> f64 {
         let upper = 0.5 + 0.5 * probability;
-        let (mut low, mut high) = (0.0, self.standard());
-        while self.cdf(high) < upper {
+        let cdf = |error| self.mean(|scale| other.with_normal(scale).cdf(error));
+        let (mut low, mut high) = (0.0, self.standard().hypot(other.standard()));
+        while cdf(high) < upper {
             (low, high) = (high, 2.0 * high);
         }
         for _ in 0..40 {
             let middle = 0.5 * (low + high);
-            match self.cdf(middle) < upper {
+            match cdf(middle) < upper {
                 true => low = middle,
                 false => high = middle,
             }

@@ -4,6 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::measured::Measured;
+use crate::uncertainty::Law;
 
 /// The comparison for one criterion, in its unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -19,6 +20,9 @@ pub struct Comparison {
     pub u_num_note: String,
     /// u_input, that of the parameters: the standard deviation over the points.
     pub u_input: f64,
+    /// From how many points S and u_input are; 0 in files that do not tell.
+    #[serde(default)]
+    pub points: u64,
     /// u_D, that of the measured value; none where the study does not state it.
     pub u_d: Option<f64>,
     /// u_val, the root of the sum of the squares of those that are known.
@@ -28,11 +32,11 @@ pub struct Comparison {
     /// The effective degrees of freedom of u_val (Welch and Satterthwaite); none where they are as good as infinite.
     #[serde(default)]
     pub freedom: Option<f64>,
-    /// E_n = E / sqrt(U_S^2 + U_D^2), with the expanded uncertainties of model (k = 2) and measured value (ISO 13528, 9.7);
-    /// none where the latter is not stated, or both are 0.
+    /// E_n = E / sqrt(U_S^2 + U_D^2), with the expanded uncertainties of model (k as below) and measured value (ISO 13528,
+    /// 9.7); none where the latter is not stated, or both are 0.
     #[serde(default)]
     pub e_n: Option<f64>,
-    /// The coverage factor of the interval: 2, or of few repeats what holds as much as 2 does of a normal number.
+    /// The coverage factor of the interval: what holds as much as 2 does of a normal number, of so many points and repeats.
     pub coverage: f64,
     /// E - k u_val and E + k u_val, between which the model's error lies.
     pub model_error: [f64; 2],
@@ -56,24 +60,31 @@ impl Default for Numerical {
 }
 
 impl Comparison {
-    /// The comparison with a measured value, given mean and standard deviation of the model's value over the points. None where
-    /// nothing is measured, or one of its numbers would be beyond all numbers.
-    pub fn new(measured: &Measured, [mean, deviation]: [f64; 2], numerical: Numerical) -> Option<Self> {
+    /// The comparison with a measured value, given the model's values. None where nothing is measured, or one of its numbers
+    /// would be beyond all numbers.
+    pub fn new(measured: &Measured, values: Scatter, numerical: Numerical) -> Option<Self> {
         /// That of two standard deviations of a normal number (GUM, table G.2).
         const PROBABILITY: f64 = 0.954_499_736_103_642;
+        let Scatter { mean, deviation, points } = values;
         let u_d = measured.error.map(|error| error.standard());
         let known = [("numerical", numerical.standard), ("input", Some(deviation)), ("measurement", u_d)];
         // Squares of large numbers would be beyond all numbers.
         let u_val = known.iter().filter_map(|(_, u)| *u).fold(0.0, f64::hypot);
-        let of_model = numerical.standard.unwrap_or(0.0).hypot(deviation);
-        let freedom = measured.error.and_then(|law| law.freedom_within(u_val));
         // Student's factor of the effective degrees of freedom would hold 88 % with two repeats beside a known part; the
         // distribution of the sum itself holds 95 % or more.
-        let few = measured.error.filter(|law| law.student > 0.0);
-        let coverage = few.map_or(2.0, |law| law.with_normal(of_model).half_interval(PROBABILITY) / u_val);
+        let [scatter, input] = values.laws();
+        let of_measured = measured.error.unwrap_or_default();
+        let of_solution = numerical.standard.unwrap_or(0.0);
+        let rest = of_measured.with_normal(of_solution);
+        let freedom = [of_measured, scatter].into_iter().filter_map(|law| law.freedom_within(u_val));
+        let freedom = freedom.map(f64::recip).reduce(|a, b| a + b).map(f64::recip);
+        let coverage = match freedom {
+            Some(_) => input.half_interval_with(rest, PROBABILITY) / u_val,
+            None => 2.0,
+        };
         let error = mean - measured.value?;
-        let e_n =
-            measured.error.map(|law| error / (2.0 * of_model).hypot(law.expanded)).filter(|ratio| ratio.is_finite());
+        let of_model = input.with_normal(of_solution).half_interval(PROBABILITY);
+        let e_n = measured.error.map(|law| error / of_model.hypot(law.expanded)).filter(|ratio| ratio.is_finite());
         let largest = known.iter().max_by(|a, b| {
             let [a, b] = [a.1, b.1].map(|u| u.unwrap_or(0.0));
             a.total_cmp(&b)
@@ -86,6 +97,7 @@ impl Comparison {
             u_num: numerical.standard,
             u_num_note: numerical.note,
             u_input: deviation,
+            points,
             u_d,
             u_val,
             complete: known.iter().all(|(_, u)| u.is_some()),
@@ -206,10 +218,32 @@ impl Spread {
     }
 
     /// Mean and standard deviation, of two numbers or more.
-    pub fn result(&self) -> Option<[f64; 2]> {
+    pub fn result(&self) -> Option<Scatter> {
         let deviation = (self.squares / (self.count - 1.0)).sqrt();
         let unit = if self.large { UNIT } else { 1.0 };
-        (self.count > 1.0).then_some([unit * self.mean, unit * deviation])
+        let [mean, deviation] = [self.mean, deviation].map(|number| unit * number);
+        (self.count > 1.0).then_some(Scatter { mean, deviation, points: self.count as u64 })
+    }
+}
+
+/// The model's values over the points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scatter {
+    /// Their mean.
+    pub mean: f64,
+    /// Their standard deviation.
+    pub deviation: f64,
+    /// How many they are, two or more.
+    pub points: u64,
+}
+
+impl Scatter {
+    /// The distribution of the values about their true mean, as far as independent normal ones tell it: Student's with n - 1
+    /// degrees of freedom; and that of the value with the true parameters about the mean of the points, which errs, too.
+    fn laws(&self) -> [Law; 2] {
+        let points = self.points.max(2) as f64;
+        let scatter = Law { student: self.deviation, freedom: points - 1.0, ..Law::default() };
+        [scatter, scatter.times((1.0 + points.recip()).sqrt())]
     }
 }
 
@@ -224,16 +258,23 @@ mod tests {
         Measured::within(82.0, 0.6, uncertainty.map(|expanded| Uncertainty::normal(expanded, 2.0).law(82.0)))
     }
 
+    /// So many points that their standard deviation is as good as known.
+    fn many(mean: f64, deviation: f64) -> Scatter {
+        Scatter { mean, deviation, points: 1_000_000_000 }
+    }
+
     #[test]
     fn the_model_error_lies_about_the_comparison_error() {
         let numerical = Numerical { standard: Some(0.4), note: String::new() };
-        let told = Comparison::new(&measured(Some(0.6)), [81.0, 1.2], numerical).unwrap();
+        let told = Comparison::new(&measured(Some(0.6)), many(81.0, 1.2), numerical).unwrap();
         // 0.4, 1.2 and 0.3 make 1.3.
         assert!((told.u_val - 1.3).abs() < 1e-12 && told.complete);
-        assert!((told.model_error[0] + 3.6).abs() < 1e-12 && (told.model_error[1] - 1.6).abs() < 1e-12);
+        assert!((told.model_error[0] + 3.6).abs() < 1e-7 && (told.model_error[1] - 1.6).abs() < 1e-7);
         assert_eq!(told.dominant, "input");
         // U_S is twice the root of 0.16 + 1.44, U_D is 0.6: together 2.6.
-        assert!((told.e_n.unwrap() + 1.0 / 2.6).abs() < 1e-12);
+        assert!((told.e_n.unwrap() + 1.0 / 2.6).abs() < 1e-7);
+        // Nothing but what is known.
+        let told = Comparison::new(&measured(Some(0.6)), many(81.0, 0.0), Numerical::default()).unwrap();
         assert_eq!((told.freedom, told.coverage), (None, 2.0));
     }
 
@@ -244,8 +285,8 @@ mod tests {
         let repeated = Uncertainty { noise: 3.0_f64.sqrt(), repeats: Some(3), ..Uncertainty::normal(0.0, 2.0) };
         let measured = Measured::within(82.0, 0.6, Some(repeated.law(82.0)));
         for (input, freedom, half) in [(0.0, 2.0, 4.5266), (1.0, 8.0, SUM_OF_BOTH)] {
-            let told = Comparison::new(&measured, [81.0, input], Numerical::default()).unwrap();
-            assert!((told.freedom.unwrap() - freedom).abs() < 1e-9, "{told:?}");
+            let told = Comparison::new(&measured, many(81.0, input), Numerical::default()).unwrap();
+            assert!((told.freedom.unwrap() - freedom).abs() < 1e-6, "{told:?}");
             assert!((told.coverage * told.u_val / half - 1.0).abs() < 1e-4, "{told:?}");
             assert!((told.model_error[1] + 1.0 - told.coverage * told.u_val).abs() < 1e-12);
         }
@@ -267,7 +308,7 @@ mod tests {
                     let noise = (squares / f64::from(repeats - 1)).sqrt();
                     let stated = Uncertainty { noise, repeats: Some(repeats), ..Uncertainty::normal(2.0 * known, 2.0) };
                     let measured = Measured::within(mean + known * normal(), 0.6, Some(stated.law(0.0)));
-                    let told = Comparison::new(&measured, [0.0, 0.0], Numerical::default()).unwrap();
+                    let told = Comparison::new(&measured, many(0.0, 0.0), Numerical::default()).unwrap();
                     told.model_error[0] <= 0.0 && 0.0 <= told.model_error[1]
                 });
                 let held = held.count();
@@ -277,9 +318,86 @@ mod tests {
         }
     }
 
+    /// Of n points alone Student's factor with n - 1 degrees of freedom, wider by the error of the mean: `stats.t.ppf` of scipy.
+    /// Beside the mean of as few repeats Behrens and Fisher's interval: `optimize.brentq` of the mean of `stats.t.cdf`
+    /// over Student's numbers.
+    #[test]
+    fn few_points_have_few_degrees_of_freedom() {
+        for (points, repeats, freedom, half) in FEW {
+            let measured = match repeats {
+                0 => measured(None),
+                _ => {
+                    let noise = f64::from(repeats).sqrt();
+                    let repeated = Uncertainty { noise, repeats: Some(repeats), ..Uncertainty::normal(0.0, 2.0) };
+                    Measured::within(82.0, 0.6, Some(repeated.law(82.0)))
+                }
+            };
+            let values = Scatter { mean: 81.0, deviation: 1.0, points };
+            let told = Comparison::new(&measured, values, Numerical::default()).unwrap();
+            assert!((told.freedom.unwrap() - freedom).abs() < 1e-9, "{told:?}");
+            assert!((told.coverage * told.u_val / half - 1.0).abs() < 1e-4, "{told:?}");
+        }
+    }
+    /// Points, repeats of the measured value, effective degrees of freedom, half of the interval.
+    const FEW: [(u64, u32, f64, f64); 6] = [
+        (2, 0, 1.0, 17.106906),
+        (5, 0, 4.0, 3.143171),
+        (16, 0, 15.0, 2.248291),
+        (5, 2, 3.2, 14.207293),
+        (10, 3, 6.545454545454545, 5.037070),
+        (64, 3, 7.753846153846155, 4.861884),
+    ];
+
+    /// Of 50 intervals that hold with 95 %, 41 or more hold with a probability of 99.9 %.
+    #[test]
+    fn the_interval_of_few_points_holds_in_some_studies() {
+        intervals_of_few_points_hold(50, 41);
+    }
+
+    #[test]
+    #[ignore = "long: run by scripts/test --long"]
+    fn the_interval_of_few_points_holds() {
+        intervals_of_few_points_hold(1000, 930);
+    }
+
+    /// E +- k u_val of few points, of which each is as probable as the true parameters, of so many studies each: alone,
+    /// beside a known uncertainty as large, and beside the mean of three repeats as uncertain.
+    fn intervals_of_few_points_hold(studies: u32, least: usize) {
+        let mut random = StdRng::seed_from_u64(20);
+        let mut normal = || random.sample::<f64, _>(StandardNormal);
+        let mut scatter = |count: u32, size: f64| {
+            let mut spread = Spread::default();
+            (0..count).for_each(|_| spread.add(size * normal()));
+            (spread.result(), normal())
+        };
+        for points in [5_u32, 10, 16, 64] {
+            for (known, repeats) in [(0.0, None), (1.0, None), (0.0, Some(3))] {
+                let held = (0..studies).filter(|_| {
+                    let (values, true_value) = scatter(points, 1.0);
+                    let (mean, noise) = match repeats {
+                        Some(repeats) => {
+                            let readings = scatter(repeats, f64::from(repeats).sqrt()).0.unwrap();
+                            (readings.mean, readings.deviation)
+                        }
+                        None => (known * scatter(2, 1.0).1, 0.0),
+                    };
+                    let stated = Uncertainty { noise, repeats, ..Uncertainty::normal(2.0 * known, 2.0) };
+                    let measured = Measured::within(true_value + mean, 0.6, Some(stated.law(0.0)));
+                    let told = Comparison::new(&measured, values.unwrap(), Numerical::default()).unwrap();
+                    told.model_error[0] <= 0.0 && 0.0 <= told.model_error[1]
+                });
+                let held = held.count();
+                println!(
+                    "{points} points beside a known part of {known}, {repeats:?} repeats: {held} of {studies} hold"
+                );
+                assert!(held >= least, "{points} {known} {repeats:?}: {held}");
+            }
+        }
+    }
+
     #[test]
     fn what_is_not_known_is_not_0() {
-        let told = Comparison::new(&measured(None), [81.0, 1.2], Numerical::default());
+        let told = Comparison::new(&measured(None), many(81.0, 1.2), Numerical::default());
         let told = told.unwrap();
         assert_eq!((told.u_num, told.u_d, told.complete), (None, None, false));
         assert_eq!((told.u_num_note.as_str(), told.e_n), ("not observed", None));
@@ -340,13 +458,14 @@ mod tests {
             spread.result().unwrap()
         };
         for unit in [1.0, 1e-300, 1e160, 1e300] {
-            let [mean, deviation] = of(&[unit, 2.0 * unit, 6.0 * unit]);
+            let Scatter { mean, deviation, .. } = of(&[unit, 2.0 * unit, 6.0 * unit]);
             assert!((mean / unit - 3.0).abs() < 1e-12, "{unit}: {mean}");
             let expected = 7.0_f64.sqrt();
             assert!(unit < 1.0 || (deviation / unit / expected - 1.0).abs() < 1e-12, "{unit}: {deviation}");
         }
-        let [mean, deviation] = of(&[0.86, 1e160]);
+        let Scatter { mean, deviation, points } = of(&[0.86, 1e160]);
         assert!((mean / 5e159 - 1.0).abs() < 1e-12 && (deviation / 5e159 - 2.0_f64.sqrt()).abs() < 1e148);
+        assert_eq!(points, 2);
         // Beyond all numbers, there is no comparison.
         let spread = of(&[f64::MAX, -f64::MAX]);
         assert_eq!(Comparison::new(&measured(None), spread, Numerical::default()), None);

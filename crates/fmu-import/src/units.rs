@@ -114,7 +114,8 @@ impl Units {
         if let Some(way) = self.by_base(&from, to) {
             return Ok(way);
         }
-        let remedy = match to.filter(|unit| *unit != "1") {
+        let to = to.filter(|_| !self.is_no_unit(to));
+        let remedy = match to {
             Some(_) => "",
             None => ", of a recording `unit = \"1\"` and its `scale` in the settings of synchronise",
         };
@@ -128,19 +129,20 @@ impl Units {
             from,
             fault,
             remedy,
-            to: to.filter(|unit| *unit != "1").unwrap_or("no unit").to_owned(),
-            known: ways.into_iter().map(|(name, _)| name).collect(),
+            to: to.unwrap_or("no unit").to_owned(),
+            known: match ways.is_empty() {
+                true => vec!["a number alone".to_owned()],
+                false => ways.into_iter().map(|(name, _)| name).collect(),
+            },
         })
     }
 
     /// Every unit in which a value of unit `to` may be given, and how it converts.
     fn ways(&self, to: Option<&str>) -> Vec<(String, Conversion)> {
-        let Some(to) = to.filter(|unit| !matches!(*unit, "1" | "" | "-")) else {
-            let mut ways = vec![("1".to_owned(), Conversion::IDENTITY)];
-            if !self.defines("%") {
-                ways.push(("%".to_owned(), Conversion::scaled(0.01)));
-            }
-            return ways;
+        let Some(to) = to.filter(|_| !self.is_no_unit(to)) else {
+            let usual = [("1", 1.0, self.is_number("1")), ("%", 0.01, !self.defines("%"))].into_iter();
+            let usual = usual.filter(|(.., means_it)| *means_it);
+            return usual.map(|(name, factor, _)| (name.to_owned(), Conversion::scaled(factor))).collect();
         };
         let mut ways = vec![(to.to_owned(), Conversion::IDENTITY)];
         let Some(unit) = self.0.get(to) else {
@@ -162,18 +164,32 @@ impl Units {
 
     /// The way by the meanings of both names in SI base units.
     fn by_base(&self, from: &str, to: Option<&str>) -> Option<Conversion> {
-        let to = plain(to.filter(|unit| !matches!(*unit, "" | "-")).unwrap_or("1"));
-        let (given, wanted) = (self.meanings(from), self.meanings(&to));
+        let wanted = match to.filter(|_| !self.is_no_unit(to)) {
+            Some(to) => self.meanings(&plain(to)),
+            None => vec![BaseUnit::NUMBER],
+        };
+        let given = self.meanings(from);
         let pairs = given.iter().flat_map(|from| wanted.iter().map(move |to| (from, to)));
         let (one, other) = pairs.clone().find(|(from, to)| from.exponents == to.exponents)?;
         // Many FMUs leave out rad. Where the name of the FMU's unit does not say whether it is a frequency or an angular
         // velocity, a turn a minute could be either.
         let but_for_rad = |a: &BaseUnit, b: &BaseUnit| a.exponents[..7] == b.exponents[..7];
         let is_open = given.iter().any(|from| from.exponents != other.exponents && but_for_rad(from, other));
-        if is_open && known::meanings(&to).next().is_none() {
+        if is_open && to.is_some_and(|to| known::meanings(to).next().is_none()) {
             return None;
         }
         Some(one.to_base.then(other.to_base.inverse()))
+    }
+
+    /// Whether a value of this unit has none. An FMU may define `1` or `-` as anything; a variable without a unit has nothing of
+    /// that.
+    fn is_no_unit(&self, unit: Option<&str>) -> bool {
+        unit.is_none_or(|name| name.is_empty() || matches!(name, "1" | "-") && self.is_number(name))
+    }
+
+    /// Whether a name means a mere number.
+    fn is_number(&self, name: &str) -> bool {
+        self.meanings(name) == [BaseUnit::NUMBER]
     }
 
     /// What a name means: as the FMU defines it, else as people use it.
@@ -225,6 +241,9 @@ fn with_rad(name: &str, base: BaseUnit) -> BaseUnit {
 }
 
 impl BaseUnit {
+    /// A number without a unit.
+    const NUMBER: Self = Self { exponents: [0; 8], to_base: Conversion::IDENTITY };
+
     /// Whether values convert both ways.
     fn converts(&self) -> bool {
         self.to_base.factor != 0.0 && self.to_base.factor.is_finite() && self.to_base.offset.is_finite()

@@ -35,13 +35,17 @@ pub(crate) fn holds_nearly(estimate: &Estimate, exact: f64) -> bool {
 }
 
 /// Asks for outputs that are 1 in a corner, by base points, the number of parameters that make it, and its share, with 1,000 seeds:
-/// in how many an interval is stated, and how many of each hold. Where a tenth of the seeds states one, 93 % of them hold.
+/// in how many an interval is stated, and how many of each hold. Where a tenth of the seeds states one, 93 % of them hold;
+/// of 100 that hold with 95 % fewer do by chance in one row of six, so 6,000 seeds count where less than half state one.
 pub(crate) fn of_corners(held: impl Fn(u64, usize, f64, u64) -> (u64, Vec<u64>)) {
     let mut fails = Vec::new();
     for base in [64, 256, 1024] {
         for of in [1, 2, 3] {
             for share in [0.01, 0.02, 0.05, 0.1, 0.2, 0.5] {
-                let (stated, held) = held(base, of, share, 1000);
+                let (stated, held) = match held(base, of, share, 1000) {
+                    (100..500, _) => held(base, of, share, 6000),
+                    counts => counts,
+                };
                 if stated >= 100 && held.iter().any(|held| 100 * held < 93 * stated) {
                     fails.push(format!("base {base}, corner of {of}, share {share}: {held:?} of {stated}"));
                 }

@@ -180,6 +180,7 @@ mod tests {
             u_num: None,
             u_num_note: "not observed".into(),
             u_input: 0.5,
+            points: 40,
             u_d: None,
             u_val: 0.5,
             complete: false,

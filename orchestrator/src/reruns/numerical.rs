@@ -6,7 +6,7 @@ use super::finer::refined_case;
 use super::{Halt, Reruns};
 use crate::judge::Criterion;
 use crate::results::Summary;
-use conformity::validation::{Comparison, Numerical, Refined, refined};
+use conformity::validation::{Comparison, Numerical, Refined, Scatter, refined};
 use fmu_points::task::Case;
 use point_journal::pipeline::Model;
 use result_document::format::number;
@@ -128,8 +128,9 @@ fn validate(reruns: &Reruns<'_>, summary: &mut Summary) -> Vec<Numerical> {
         let place = summary.criteria.get_full(name);
         let numerical = place.and_then(|(number, ..)| all.get(number));
         if let (Some((_, _, count)), Some(numerical)) = (place, numerical) {
-            let spread = [comparison.model, comparison.u_input];
-            let refined = Comparison::new(&count.criterion.measured(), spread, numerical.clone());
+            let Comparison { model: mean, u_input: deviation, points, .. } = *comparison;
+            let values = Scatter { mean, deviation, points };
+            let refined = Comparison::new(&count.criterion.measured(), values, numerical.clone());
             *comparison = refined.unwrap_or_else(|| comparison.clone());
         }
     }

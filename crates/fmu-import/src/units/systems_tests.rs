@@ -118,6 +118,35 @@ fn no_unit_and_per_cent() {
     check(&[], "m", None, 5.0, None);
 }
 
+/// An FMU may define `1` or `-` as anything: that is the unit of variables that name it, never of those without a unit.
+#[test]
+fn a_defined_unit_named_like_a_number_is_not_no_unit() {
+    for name in ["1", "-"] {
+        let hundredth: &[Own] = &[(name, Some((NONE, 0.01, 0.0)), &[])];
+        check(hundredth, "%", None, 5.0, Some(0.05));
+        check(hundredth, "%", Some(""), 5.0, Some(0.05));
+        check(hundredth, "%", Some(name), 5.0, Some(5.0));
+        check(hundredth, name, Some(name), 5.0, Some(5.0));
+        // Written behind a value it is what the FMU says.
+        check(hundredth, name, None, 5.0, Some(0.05));
+        let metre: &[Own] = &[(name, Some((METRE, 1e-3, 0.0)), &[])];
+        check(metre, "%", None, 5.0, Some(0.05));
+        check(metre, "m", None, 5.0, None);
+        check(metre, "m", Some(name), 5.0, Some(5e3));
+        check(metre, "%", Some(name), 5.0, None);
+        check(metre, name, None, 5.0, None);
+        let number: &[Own] = &[(name, Some((NONE, 1.0, 0.0)), &[])];
+        check(number, "%", Some(name), 5.0, Some(0.05));
+        check(number, name, None, 5.0, Some(5.0));
+        // A factor of 0 converts nothing.
+        check(&[(name, Some((NONE, 0.0, 0.0)), &[])], "%", Some(name), 5.0, None);
+        check(&[(name, Some((NONE, 0.0, 0.0)), &[])], "%", None, 5.0, Some(0.05));
+    }
+    let both: &[Own] = &[("1", Some((METRE, 1.0, 0.0)), &[]), ("%", Some((METRE, 0.01, 0.0)), &[])];
+    let error = units(both).conversion("kg", None).unwrap_err().to_string();
+    assert!(error.contains("the value is in no unit; use a number alone"), "{error}");
+}
+
 #[test]
 fn incomplete_systems_take_the_usual_meaning() {
     check(&[("N.m", None, &[])], "N.mm", Some("N.m"), 5.0, Some(5e-3));
