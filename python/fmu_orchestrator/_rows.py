@@ -467,7 +467,8 @@ def _columns(
             continue
         if kinds[j] != "number":
             sample = next(cell for cell in cells[j] if cell)
-            told.append(f"column `{labels[j]}` holds no numbers (`{sample[:40]}`) and was left out")
+            held = "moments" if kinds[j] == "stamp" else "no numbers"
+            told.append(f"column `{labels[j]}` holds {held} (`{sample[:40]}`) and was left out")
             continue
         suffixes = {_suffix(cell) for cell in cells[j] if cell.lower() not in NOTHING} - {""}
         suffix = suffixes.pop() if len(suffixes) == 1 else ""
