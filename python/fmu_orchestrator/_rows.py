@@ -427,8 +427,8 @@ def _moment(cell: str, form: str | None) -> Moment | None:
                 return Moment(day, None)
             seconds = (at.replace(tzinfo=None) - datetime.datetime.combine(at.date(), datetime.time())).total_seconds()
             return Moment(day, seconds - (at.utcoffset() or datetime.timedelta()).total_seconds())
-        clock = _moment(cell, None) if dated else None
-        return clock if clock and clock.days is None else None
+        beside = _moment(cell, None) if dated else None
+        return beside if beside and beside.days is None else None
     if found := COMPACT.fullmatch(cell):
         cell = f"{found[1]}-{found[2]}-{found[3]} {found[4]}:{found[5]}{f':{found[6]}' if found[6] else ''}{found[7] or ''}"
     days, rest = None, cell
@@ -560,8 +560,8 @@ def _time(
             readings = {rising[0]: readings[rising[0]]}
         else:
             mark, year = next(letter for letter in sample if not letter.isdigit()), "%Y" if re.search(r"\d{4}", sample) else "%y"
-            clock = " %H:%M:%S"[: 3 * sample.count(":") + 3] if ":" in sample else ""
-            forms = " or ".join(f'"{mark.join((one, two, year))}{clock}"' for one, two in (("%d", "%m"), ("%m", "%d")))
+            rest = " %H:%M:%S"[: 3 * sample.count(":") + 3] if ":" in sample else ""
+            forms = " or ".join(f'"{mark.join((one, two, year))}{rest}"' for one, two in (("%d", "%m"), ("%m", "%d")))
             raise OrchestratorError(f"{path}: dates such as `{sample}` may have the day or the month first; say --format {forms}")
     order, row = next(iter(readings.items()))
     return _seconds(row, name + (f" ({order})" if order and len(readings) == 1 else ""), told)
