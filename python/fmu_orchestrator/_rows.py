@@ -418,12 +418,17 @@ def _days(one: str, mark: str, two: str, three: str) -> Mapping[str, datetime.da
 
 def _moment(cell: str, form: str | None) -> Moment | None:
     if form:
+        # The form of a date leaves the clock in a column beside it as it is.
+        dated = not any(letter in form for letter in ("%H", "%I", "%M", "%S", "%X", "%c"))
         with contextlib.suppress(ValueError):
             at = datetime.datetime.strptime(cell, form)
             day = {"": at.date()} if any(letter in form for letter in ("%d", "%j", "%x", "%c")) else None
+            if dated:
+                return Moment(day, None)
             seconds = (at.replace(tzinfo=None) - datetime.datetime.combine(at.date(), datetime.time())).total_seconds()
             return Moment(day, seconds - (at.utcoffset() or datetime.timedelta()).total_seconds())
-        return None
+        beside = _moment(cell, None) if dated else None
+        return beside if beside and beside.days is None else None
     if found := COMPACT.fullmatch(cell):
         cell = f"{found[1]}-{found[2]}-{found[3]} {found[4]}:{found[5]}{f':{found[6]}' if found[6] else ''}{found[7] or ''}"
     days, rest = None, cell
@@ -467,7 +472,8 @@ def _columns(
             continue
         if kinds[j] != "number":
             sample = next(cell for cell in cells[j] if cell)
-            told.append(f"column `{labels[j]}` holds no numbers (`{sample[:40]}`) and was left out")
+            held = "moments" if kinds[j] == "stamp" else "no numbers"
+            told.append(f"column `{labels[j]}` holds {held} (`{sample[:40]}`) and was left out")
             continue
         suffixes = {_suffix(cell) for cell in cells[j] if cell.lower() not in NOTHING} - {""}
         suffix = suffixes.pop() if len(suffixes) == 1 else ""
@@ -517,7 +523,7 @@ def _time(
         days, clocks, whole = ([j for j in group if j == wanted or (group is not whole and wanted in days + clocks)] for group in (days, clocks, whole))
     if not stamps:
         row = _calendar(labels, kinds, cells, number, taken)
-        return (None, None) if row is None else _seconds(row, "year, month, day", told)
+        return (None, None) if row is None else _seconds(row, ", ".join(f"`{labels[j]}`" for j in sorted(taken)), told)
     if len(whole) == 1 and not (days and clocks):
         chosen = whole
     elif not whole and len(days) == 1 and len(clocks) == 1:
@@ -553,7 +559,10 @@ def _time(
         elif len(rising) == 1:
             readings = {rising[0]: readings[rising[0]]}
         else:
-            raise OrchestratorError(f"{path}: dates such as `{sample}` may have the day or the month first; say --format \"%d/%m/%Y %H:%M:%S\" or \"%m/%d/%Y %H:%M:%S\"")
+            mark, year = next(letter for letter in sample if not letter.isdigit()), "%Y" if re.search(r"\d{4}", sample) else "%y"
+            rest = " %H:%M:%S"[: 3 * sample.count(":") + 3] if ":" in sample else ""
+            forms = " or ".join(f'"{mark.join((one, two, year))}{rest}"' for one, two in (("%d", "%m"), ("%m", "%d")))
+            raise OrchestratorError(f"{path}: dates such as `{sample}` may have the day or the month first; say --format {forms}")
     order, row = next(iter(readings.items()))
     return _seconds(row, name + (f" ({order})" if order and len(readings) == 1 else ""), told)
 

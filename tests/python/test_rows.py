@@ -87,6 +87,8 @@ def test_what_stands_in_a_name_need_not_be_a_unit(tmp_path):
 def test_thousands_and_signs(tmp_path):
     lines = ["t [s];P [MWh]", "0;4.300,00", "1;900,50", "2;\u22121'200,25".replace("'", ".")]
     assert [row[1] for row in converted(tmp_path, rows(*lines))[1]] == [4300.0, 900.5, -1200.25]
+    lines = rows("day;clock;P", "03-11-2026;12:00:00;1.5", "04-11-2026;12:10:00;2.5")
+    assert converted(tmp_path, lines, format="%d-%m-%Y")[1] == [[0.0, 1.5], [87000.0, 2.5]]
     lines = ["t [s];P [kN]", "0;1'200.5", "1;12.25"]
     assert [row[1] for row in converted(tmp_path, rows(*lines))[1]] == [1200.5, 12.25]
     assert converted(tmp_path, rows("t [s];T", "0;23.5 °C", "1;24.5 °C")) == (["t [s]", "T [degC]"], [[0.0, 23.5], [1.0, 24.5]])
@@ -96,6 +98,7 @@ def test_thousands_and_signs(tmp_path):
     (["t [s];P", "0;1.500", "1;2.500"], ['--decimal "."', '--decimal ","'], {"decimal": "."}),
     (["t [s];P", "0;0,5", "1;2.500"], ["2500", "2.500"], {"decimal": ","}),
     (["when;P", "03/11/2026 12:00;1.5", "04/11/2026 12:00;2.5", "05/11/2026 12:00;2.5"], ["%d/%m/%Y", "%m/%d/%Y"], {"format": "%d/%m/%Y %H:%M"}),
+    (["day;clock;P", "03-11-2026;12:00:00;1.5", "04-11-2026;12:10:00;2.5", "05-11-2026;12:00:00;2.5"], ['"%d-%m-%Y"', '"%m-%d-%Y"'], {"format": "%d-%m-%Y"}),
     (["when;P", "12:00;1.5", "12:01;2.5"], ["%H:%M", "%M:%S"], {"format": "%M:%S"}),
     (["von;bis;P", "02.06.2025 13:45;02.06.2025 14:45;1,5", "02.06.2025 14:45;02.06.2025 15:45;2,5"], ["--time", "von"], {"time": "von"}),
     (["a;b", "foo;baz", "0;1.5", "1;2.5"], ["--header"], {"header": 1}),

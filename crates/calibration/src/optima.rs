@@ -2,7 +2,9 @@
 //!
 //! Two ends are at one minimum when a way leads from one to the other that never rises much: near each other, in units
 //! of the posterior; else along the straight line; else, as a valley may be curved, through the minimum that is found
-//! from the middle of the line. Equal sums of squares say nothing of that: they are just as equal at two
+//! from the middle of the line, and so on with both halves. However narrow a smooth valley is, half a line rises little above it
+//! against the whole one (a 16th: the distance goes with the square of the length, the rise with the square of that); between
+//! two different minima it does not. Equal sums of squares say nothing of that: they are just as equal at two
 //! different exact solutions.
 //!
 //! The mass of each minimum is that of its Gaussian approximation (Laplace's method; Tierney & Kadane 1986, Accurate
@@ -29,6 +31,9 @@ const BETWEEN: usize = 7;
 
 /// How often a way may be bent in its middle.
 const BENDS: usize = 3;
+
+/// After the last bend a line may rise by this part of what the line rose from which it was bent.
+const SMOOTH: f64 = 1.0 / 8.0;
 
 /// Steps down from the middle of a straight line into the valley beside it. Few are enough to fall into it; along it the
 /// way leads back to one of the ends.
@@ -244,28 +249,28 @@ impl<'a, 'b> Optima<'a, 'b> {
         order.sort_by(|a, b| a.1.total_cmp(&b.1));
         for (index, distance) in order {
             let minimum = &self.optima[index].minimum;
-            if distance <= 1.0 || self.connected(minimum, end, BENDS)? {
+            if distance <= 1.0 || self.connected(minimum, end, (BENDS, f64::INFINITY))? {
                 return Ok(Some(index));
             }
         }
         Ok(None)
     }
 
-    /// Whether a way without a barrier leads from one place to the other.
-    fn connected(&self, a: &Minimum, b: &Minimum, bends: usize) -> Result<bool, NoPrediction> {
-        let most = a.misfit.cost().max(b.misfit.cost()) + BARRIER;
+    /// Whether a way without a barrier leads from one place to the other, bent so often at most; the line from which this one
+    /// was bent rose by `whole`.
+    fn connected(&self, a: &Minimum, b: &Minimum, (bends, whole): (usize, f64)) -> Result<bool, NoPrediction> {
+        let higher = a.misfit.cost().max(b.misfit.cost());
         let at = |part: f64| -> Vec<f64> {
             let pairs = a.places.iter().zip(&b.places);
             pairs.map(|(a, b)| a + part * (b - a)).collect()
         };
         let line = (1..=BETWEEN).map(|k| at(k as f64 / (BETWEEN + 1) as f64));
         let misfits = self.objective.misfits(&line.collect::<Vec<_>>())?;
-        let low = |misfit: &Result<Misfit, String>| misfit.as_ref().is_ok_and(|misfit| misfit.cost() <= most);
-        if misfits.iter().all(low) {
-            return Ok(true);
-        }
-        if bends == 0 {
-            return Ok(false);
+        let rise =
+            |misfit: &Result<Misfit, String>| misfit.as_ref().map_or(f64::INFINITY, |misfit| misfit.cost() - higher);
+        let rise = misfits.iter().map(rise).fold(0.0, f64::max);
+        if rise <= BARRIER || bends == 0 {
+            return Ok(rise <= BARRIER || rise.is_finite() && rise <= SMOOTH * whole);
         }
         let limits = Limits { iterations: STEPS_DOWN, decrease: 1e-4, ..self.limits };
         let middle = match minimise(self.objective, at(0.5), &[], Differences::Forward, &limits) {
@@ -273,10 +278,11 @@ impl<'a, 'b> Optima<'a, 'b> {
             Err(NoPrediction::Here(_)) => return Ok(false),
             Err(NoPrediction::Stopped) => return Err(NoPrediction::Stopped),
         };
-        if middle.misfit.cost() > most || !between(&a.places, &middle.places, &b.places) {
+        if middle.misfit.cost() > higher + BARRIER || !between(&a.places, &middle.places, &b.places) {
             return Ok(false);
         }
-        Ok(self.connected(a, &middle, bends - 1)? && self.connected(&middle, b, bends - 1)?)
+        let left = (bends - 1, rise);
+        Ok(self.connected(a, &middle, left)? && self.connected(&middle, b, left)?)
     }
 
     /// The minima that matter, those with the largest part of the posterior first.

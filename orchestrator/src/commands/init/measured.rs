@@ -125,7 +125,10 @@ impl<'a> Measured<'a> {
         if self.columns.is_empty() {
             let reasons = self.left.iter().map(|(name, reason)| format!("{name}: {reason}"));
             let reasons: Vec<String> = reasons.collect();
-            let message = format!("{file}: no column is an output of the FMU ({})", reasons.join("; "));
+            let message = format!(
+                "{file}: no column is an output of the FMU ({}); `synchronise` takes other names",
+                reasons.join("; ")
+            );
             return Err(Error::option("measured", message));
         }
         for (name, reason) in &self.left {
