@@ -544,10 +544,10 @@ def _time(
         raise OrchestratorError(f"{path}: `{' '.join(cells[j][bad] for j in chosen)}` of the time {name} (row {bad + 1}) is no time like the others; say --format")
     if head.days is None:
         return _of_day(joined, name, told), None
-    readings = {}
+    readings: dict[str, list[datetime.datetime | None]] = {}
     for order in ("", "day first", "month first"):
         if all(moment is None or moment.days and order in moment.days for moment in joined):
-            readings[order] = [moment and _at(moment, order) for moment in joined]
+            readings[order] = [_at(moment, order) if moment else None for moment in joined]
     if not readings:
         raise OrchestratorError(f"{path}: the dates of {name} are none; say --format")
     sample = cells[chosen[0]][0]
@@ -588,7 +588,7 @@ def _of_day(moments: Sequence[Moment | None], name: str, told: list[str]) -> lis
     there = [moment.seconds for moment in moments if moment and moment.seconds is not None]
     days, last, seconds = 0, there[0], []
     for moment in moments:
-        value = moment and moment.seconds
+        value = moment.seconds if moment else None
         if value is not None:
             days, last = days + (value < last - 43200), value
         seconds.append(None if value is None else round(value + 86400 * days - there[0], 9))

@@ -188,6 +188,7 @@ class Study:
         morris: int | None = None,
         shapley: int | None = None,
         estimator: Literal["combined", "jansen", "saltelli"] | None = None,
+        budget: int | None = None,
         seed: int | None = None,
         output: StrPath | None = None,
         **running: Unpack[Running],
@@ -195,11 +196,12 @@ class Study:
         """Tells which parameter matters: ``method="sobol"`` or another one, with a design of so large a ``size``.
 
         ``base``, ``morris`` and ``shapley`` are short for Sobol indices of N base points, Morris screening, and Shapley
-        effects of N base points, which take correlated parameters, too.
+        effects of N base points, which take correlated parameters, too. ``budget`` is the most runs, whose indices a surrogate
+        tells.
         """
         folder = self._folder(output)
         options: dict[str, Value] = {"method": method, "size": size, "base": base, "morris": morris, "shapley": shapley}
-        options |= {"estimator": estimator, "seed": seed}
+        options |= {"estimator": estimator, "budget": budget, "seed": seed}
         done = self._run("sensitivity", folder, options, running, state="sensitivity")
         return Sensitivity(folder, done.text)
 

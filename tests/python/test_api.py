@@ -118,8 +118,8 @@ def test_remarks_are_warnings(tmp_path):
 
 def test_sensitivity_is_the_command_lines(tmp_path):
     study = Study.load(PAPER)
-    ours = study.sensitivity(base=16, output=tmp_path / "ours")
-    command("sensitivity", PAPER, "--base", 16, "--output", tmp_path / "theirs")
+    ours = study.sensitivity(base=64, output=tmp_path / "ours")
+    command("sensitivity", PAPER, "--base", 64, "--output", tmp_path / "theirs")
     theirs = tmp_path / "theirs"
     assert ours.data == json.loads((theirs / "sensitivity.json").read_text())
     assert (ours.folder / "sensitivity-runs.csv").read_bytes() == (theirs / "sensitivity-runs.csv").read_bytes()

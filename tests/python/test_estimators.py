@@ -142,6 +142,10 @@ def test_shapley_effects_are_the_mean_of_salibs_in_both_directions(tmp_path):
         assert abs(values(found).sum() - 1) < 1e-10
         # The mean of both scatters no more than either. Ours comes from sixteen nets: Student's factor of 15 degrees of freedom
         # over 1.96, times 1 + 16 / 64 for few runs, is 1.36.
+        # Of yes or no there is an interval only where the rarer answer was seen often enough.
+        if found[0]["high"] is None:
+            assert name == "verified"
+            continue
         half = np.array([(estimate["high"] - estimate["low"]) / 2 for estimate in found])
         widest = np.max([each["shapley_normalized_conf"] for each in theirs], axis=0)
         assert np.all(half <= 1.02 * 1.36 * widest), (half, widest)

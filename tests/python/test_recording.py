@@ -62,8 +62,6 @@ def test_recordings_become_a_study(fmu, tmp_path):
     assert summary["cases"]["450 rpm"]["held_out"] and summary["verified"] > 0
     assert all(criterion["risk"] for criterion in summary["criteria"].values())
     assert 0 < summary["risk"]["conformance_probability"] < 1
-    page = (tmp_path / "space" / "report.html").read_text()
-    assert "verified points" in page and 'class="verified"' in page
 
 
 def test_the_engine_of_the_documents(tmp_path):
