@@ -13,8 +13,8 @@ use fmu_import::{Content, Description, Value};
 use fmu_points::names::behind;
 use fmu_points::task::Slot;
 use indexmap::IndexMap;
-use result_document::{Block, Document};
 use result_document::format::number;
+use result_document::{Block, Document};
 use study::cases::SEPARATOR;
 
 use crate::identify::bind::Bound;
@@ -138,11 +138,13 @@ fn constants<'m>(
         Err(NoPrediction::Here(_)) => return Ok(Vec::new()),
         Err(stopped) => return Err(stopped),
     };
-    let constants = all.into_iter().zip(others).zip(predicted.chunks(cases)).filter_map(|(((slot, free, value), other), by_case)| {
-        let moved: Result<Vec<Vec<f64>>, _> = by_case.iter().cloned().collect();
-        let model = Box::new(Extended { model, slots: vec![slot] });
-        Some(Constant { free, value, moved: (other, moved.ok()?), model })
-    });
+    let constants = all.into_iter().zip(others).zip(predicted.chunks(cases)).filter_map(
+        |(((slot, free, value), other), by_case)| {
+            let moved: Result<Vec<Vec<f64>>, _> = by_case.iter().cloned().collect();
+            let model = Box::new(Extended { model, slots: vec![slot] });
+            Some(Constant { free, value, moved: (other, moved.ok()?), model })
+        },
+    );
     Ok(constants.collect())
 }
 
@@ -227,7 +229,11 @@ fn sentence(suspect: &Suspect) -> String {
         Fault::Range => {
             let [low, high] = suspect.allowed.unwrap_or([f64::NAN; 2]);
             let (side, end) = if suspect.value > high { ("above", high) } else { ("below", low) };
-            let far = if end == 0.0 { String::new() } else { format!(", {} % {side} it", percent(suspect.value / end - 1.0)) };
+            let far = if end == 0.0 {
+                String::new()
+            } else {
+                format!(", {} % {side} it", percent(suspect.value / end - 1.0))
+            };
             format!("{name} is {value}{unit} instead of {} .. {}{unit}{far}", number(low, 4), number(high, 4))
         }
         Fault::Constant => {
