@@ -51,7 +51,10 @@ pub(super) fn observe(reruns: &Reruns<'_>, folder: &Path, summary: &mut Summary)
     }
     (settled.step, settled.until) = (step, until);
     if most == 0 {
-        settled.reason = Some("--extra-runs 0 asked for none".to_owned());
+        settled.reason = Some(match reruns.wish.dear {
+            true => "the budget has no runs for it".to_owned(),
+            false => "--extra-runs 0 asked for none".to_owned(),
+        });
     }
     if runs.is_empty() {
         let reason = settled.reason.as_deref().unwrap_or("no run was made");

@@ -211,10 +211,18 @@ const NOTHING: &str = "Nothing that was tried explains it: no parameter beyond i
 
 /// The likeliest cause in a sentence.
 pub(super) fn headline(outcome: &IdentificationOutcome) -> Option<String> {
+    /// Sums of squares this near do not tell causes apart.
+    const NEAR: f64 = 4.0;
     let suspects = outcome.suspects.as_ref()?;
     let Some(first) = suspects.first() else { return Some(NOTHING.to_owned()) };
     let part = if first.explains() { "Likeliest cause" } else { "Likeliest cause of most of it" };
-    Some(format!("{part}: {}.", sentence(first)))
+    let equals = suspects[1..].iter().filter(|other| other.cost[1] - first.cost[1] < NEAR);
+    let equals: Vec<&str> = equals.map(|other| other.name.as_str()).collect();
+    let as_well = match equals[..] {
+        [] => String::new(),
+        _ => format!(" The data do not tell it from other causes: {}.", equals.join(", ")),
+    };
+    Some(format!("{part}: {}.{as_well}", sentence(first)))
 }
 
 fn sentence(suspect: &Suspect) -> String {
