@@ -84,6 +84,7 @@ def convert(path: str | Path, folder: str | Path | None = None, zero: str | None
     raise OrchestratorError(f"{path}: {why}; it is damaged, or no {path.suffix}; export it as csv")
 
 
+OF_TIME = {"s", "ms", "us", "ns", "min", "h", "d"}
 # A file may take so many seconds of the processor, and one more for so many bytes; so many bytes of memory, and 40 times its own.
 SECONDS, SPEED, MEMORY = 30, 500_000, 450 << 20
 THREADS = ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "ARROW_NUM_THREADS"]
@@ -186,7 +187,8 @@ def _write(group: Group, path: Path, source: Path) -> Path:
         # Two loggers of a run often write files of one name.
         raise OrchestratorError(f"{path} is there already and holds something else; choose another folder with --output")
     part.replace(path)
-    timeless = "" if {name.rpartition("/")[2].partition(" [")[0].lower() for name in names} & TIMES else "; without a column of times: time = { rate = ... }"
+    timed = any(unit in OF_TIME or not unit and _rows.is_time_name(name.rpartition("/")[2]) for name, unit in map(_rows.split_name, names))
+    timeless = "" if timed else "; without a column of times: time = { rate = ... }"
     print(f"{path}: {len(columns[0])} rows of {', '.join(names[:6])}{' ...' if len(names) > 6 else ''}{timeless}")
     return path
 
@@ -302,12 +304,9 @@ def _by_length(items: Iterable[tuple[str, str, Any]], contents: Contents) -> Con
             group.channels.append((label, unit, column))
     for group in groups.values():
         # The time comes first.
-        group.channels.sort(key=lambda channel: channel[0].rpartition("/")[2].lower() not in TIMES)
+        group.channels.sort(key=lambda channel: not _rows.is_time_name(channel[0].rpartition("/")[2]))
     contents.groups.extend(groups.values())
     return contents
-
-
-TIMES = {"t", "ts", "time", "zeit", "timestamp", "timestamps", "tout"}
 
 
 def _hdf5(path: Path, _: object = None) -> Contents:
@@ -388,7 +387,7 @@ def _parquet(path: Path, _: object = None) -> Contents:
         elif isinstance(first, bool) or not isinstance(first, int | float):
             contents.left_out.append(name)
             continue
-        bare, own = _rows._named(name)
+        bare, own = _rows.split_name(name)
         group.channels.append((bare, unit or own, values))
     contents.groups.append(group)
     return contents

@@ -10,7 +10,9 @@ import csv
 import dataclasses
 import datetime
 import functools
+import math
 import re
+import unicodedata
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -24,31 +26,38 @@ SEPARATORS = {"tab": "\t", ";": ";", "|": "|", ",": ",", "space": " "}
 SAMPLE = 2000
 # Cells that say that there is no value, whoever wrote them.
 NOTHING = {"", "-", "--", "---", "nan", "n/a", "#n/a", "na", "null", "none", "<na>", "#n/v"}
-NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)*|[.,]\d+)([eE][+-]?\d+)?")
+NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)*|[.,]\d+)([eE][+-]?\d+|[dD][+-]\d+)?")
 OTHER = {".": ",", ",": "."}
 # One to three digits, then groups of three: thousands, or a number with three decimals.
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+")
-BLANKS = re.compile(r"(?<=\d)['\u2019\u00a0\u202f\u2009 ](?=\d{3}(?!\d))")
-DAY = re.compile(r"(?:[A-Za-z]{2,3}[.,]? )?(\d{1,4})([-./ ])(\d{1,2}|[^\W\d_]{3,9})\.?\2 ?(\d{2,4})")
+BLANKS = re.compile(r"[+-]?[1-9]\d{0,2}(['\u2019\u00a0\u202f\u2009 ])\d{3}(?:\1\d{3})*(?!\d)")
+DAY = re.compile(r"(?:[A-Za-z]{2,3}[.,]* )?(\d{1,4})([-./ ]) ?(\d{1,2}|[^\W\d_]{3,9}(?=[-. ]))(?:(?<=\D)\.)?([-./ ]) ?(\d{1,4})(?!\d)")
+MONTH_FIRST = re.compile(r"(?:[A-Za-z]{2,3}[.,]* )?([^\W\d_]{3,9})\.? (\d{1,2}),? (\d{4})(?!\d)")
 COMPACT = re.compile(r"((?:19|20)\d\d)([01]\d)([0-3]\d)[T :_]?(\d\d)(\d\d)(\d\d(?:[.,]\d+)?)?(Z|[+-]\d\d:?\d\d)?")
-HOURS = re.compile(r"(?:(\d+) ?d(?:ays?)?,? ?)?(\d{1,6}):(\d\d)(?::(\d\d)(?:[.,:](\d{1,12}))?)?(?: ?([AaPp])\.?[Mm]\.?)?(?: ?(Z|[+-]\d\d:?\d\d))?")
-MONTHS = {name: k // 3 + 1 for k, name in enumerate(
-    "jan jan jan feb feb feb mar mrz mär apr apr apr may mai mai jun jun jun jul jul jul aug aug aug sep sep sep oct okt okt "
-    "nov nov nov dec dez dez".split())}
+HOURS = re.compile(
+    r"(?:(\d+) ?d(?:ays?)?,? ?)?(\d{1,6}):(\d\d)(?::(\d\d))?(?:[.,](\d{1,12})|(?<=:\d\d:\d\d):(\d{3}))?(?: ?([AaPp])\.?[Mm]\.?)?(?: ?(Z|UTC|GMT|[+-]\d\d:?\d\d))?")
+# How months begin in English, German, French, Spanish and Italian, without accents.
+MONTHS = {name: k for k, names in enumerate("jan ene gen|feb fev|mar mrz|apr avr abr|may mai mag|jun juin giu|jul juil lug|aug aou ago|sep set|"
+                                            "oct okt ott|nov|dec dez dic".split("|"), 1) for name in names.split()}
+FORMS = {"day first": "%d{0}%m{0}{1}", "month first": "%m{0}%d{0}{1}", "year first": "{1}{0}%m{0}%d"}
+TIMES = {"t", "ts", "time", "zeit", "timestamp", "timestamps", "tout"}
+# Names of columns in a table that has a row for each value of each signal.
+SIGNALS = {"signal", "name", "channel", "variable", "parameter", "sensor", "tag", "id", "item", "kanal", "quantity", "measurement"}
+VALUES = {"value", "values", "val", "wert", "messwert", "reading"}
 PARTS = {"year": "year yr yyyy jahr", "month": "month mo mon mm monat", "day": "day dy dd tag", "hour": "hour hr hh stunde",
          "minute": "minute min mi minuten", "second": "second sec ss sekunde"}
 UNITS = {
-    "deg c": "degC", "°c": "degC", "℃": "degC", "degc": "degC", "grad c": "degC", "c°": "degC", "celsius": "degC", "deg f": "degF",
-    "°f": "degF", "℉": "degF", "degf": "degF", "fahrenheit": "degF", "kelvin": "K", "min⁻¹": "1/min", "min-1": "1/min",
-    "1/min": "1/min", "u/min": "rpm", "rpm": "rpm", "n m": "N.m", "n·m": "N.m", "n*m": "N.m", "nm": "Nm", "volt": "V", "volts": "V",
+    "deg c": "degC", "℃": "degC", "degc": "degC", "grad c": "degC", "cdeg": "degC", "celsius": "degC", "deg f": "degF",
+    "℉": "degF", "degf": "degF", "fahrenheit": "degF", "kelvin": "K", "min⁻¹": "1/min", "min-1": "1/min",
+    "u/min": "rpm", "rpm": "rpm", "n m": "N.m", "n*m": "N.m", "volt": "V", "volts": "V",
     "ampere": "A", "amps": "A", "second": "s", "seconds": "s", "sekunden": "s", "sec": "s", "minutes": "min", "hours": "h",
-    "psi": "psi", "newton": "N", "watt": "W", "meter": "m", "metre": "m", "percent": "%", "°": "deg", "m/s²": "m/s2", "m³/h": "m3/h",
-    "µm": "um", "μm": "um", "µs": "us", "μs": "us",
+    "psi": "psi", "newton": "N", "watt": "W", "meter": "m", "metre": "m", "percent": "%",
 }
-# Spellings that are right as they stand; only their case tells some of them apart (mN, MN).
+LETTERS = str.maketrans({"°": "deg", "·": ".", "²": "2", "³": "3", "µ": "u", "μ": "u"})
+# Spellings that are right as they stand; only their case tells some of them apart (mN, MN; nm, Nm; us, uS).
 KNOWN = set("1 % s ms us ns min h d Hz kHz MHz GHz m cm mm um km N kN mN MN N.m Nm N.mm Nmm kNm Pa hPa mbar kPa bar MPa psi W kW MW "
             "K degC degF deg rad rad/s deg/s rpm 1/min 1/s m/s mm/s km/h m/s2 g kg kg/s g/s kg/h m3/s m3/h l/min V mV kV A mA uA J kJ kWh MWh "
-            "Wh Ohm - W/m2 W/m^2 mg/m3 ppm".split())
+            "Wh Ohm - W/m2 W/m^2 mg/m3 ppm nm uS mS".split())
 
 
 @dataclass
@@ -76,19 +85,22 @@ class Columns:
 
 def unit(text: str) -> str:
     """A unit in the letters that the program knows; an unknown one stays."""
-    bare = text.strip().strip("[]()").strip()
-    if bare in KNOWN:
-        return bare
-    return UNITS.get(bare.lower()) or bare.replace("°", "deg").replace("·", ".").replace("²", "2").replace("³", "3")
+    bare = text.strip().strip("[]()").strip().translate(LETTERS)
+    return bare if bare in KNOWN else UNITS.get(bare.lower(), bare)
 
 
 def _is_unit(text: str) -> bool:
-    bare = text.strip().strip("[]()").strip()
+    bare = text.strip().strip("[]()").strip().translate(LETTERS)
     enclosed = len(text) > 2 and text[0] + text[-1] in ("[]", "()")
     return enclosed or bare in KNOWN or bare.lower() in UNITS
 
 
-def _named(name: str) -> tuple[str, str]:
+def is_time_name(name: str) -> bool:
+    """Whether a column is called time: `T` is a temperature."""
+    return name == "t" or name != "T" and name.lower() in TIMES
+
+
+def split_name(name: str) -> tuple[str, str]:
     """The name without its unit, and that."""
     name = " ".join(name.split())
     if found := re.fullmatch(r"(.*\S) ?\[([^][]+)\]", name):
@@ -166,8 +178,9 @@ def _is_number(cell: str) -> bool:
 
 
 def _plain(cell: str) -> str:
-    cell = cell.strip()
-    return cell if cell.isascii() and "'" not in cell and " " not in cell else BLANKS.sub("", cell.replace("\u2212", "-"))
+    cell = cell.strip().replace("\u2212", "-")
+    found = None if cell.isascii() and "'" not in cell and " " not in cell else BLANKS.match(cell)
+    return found[0].replace(found[1], "") + cell[found.end():] if found else cell
 
 
 def _is_stamp(cell: str) -> bool:
@@ -185,12 +198,12 @@ def _separator(path: Path, lines: Sequence[str]) -> str:
     best: list[tuple[float, str]] = []
     for letter in SEPARATORS.values():
         rows = [row for row in _split(path, sample, letter) if len(row) > 1]
-        widths = Counter(len(row) for row in rows if any(_is_value(cell) for cell in row))
+        widths = Counter(len(row) for row in rows if any(_is_value(cell) or _suffix(cell) for cell in row))
         if not widths:
             continue
         width, count = widths.most_common(1)[0]
         cells = [cell for row in rows if len(row) == width for cell in row if cell]
-        sound = sum(_is_value(cell) for cell in cells) / max(len(cells), 1)
+        sound = sum(_is_value(cell) or bool(_suffix(cell)) for cell in cells) / max(len(cells), 1)
         best.append((count / len(sample) * (0.5 + sound), letter))
     # Blanks stand within cells, too: they separate where nothing else does.
     best = [pair for pair in best if pair[1] != " "] or best
@@ -271,8 +284,16 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
         told.append(f"line {last + 1}, the last one, is cut off and was left out")
     others = [k for k in sorted({*range(first, len(rows))}.difference(good)) if any(rows[k]) and not (told and k == last)]
     if others:
+        above = rows[:first]
+        heads = {split_name(cell)[0] for row in above for cell in row}
+        again = next((k for k in others if rows[k] not in above and all(split_name(cell)[0] in heads or _is_unit(cell) for cell in rows[k] if cell)), None)
+        if again is not None:
+            raise OrchestratorError(f"{path}: another table begins on line {again + 1} (`{' '.join(rows[again])[:60]}`); save each as a file of its own")
         shown = " ".join(rows[others[0]])[:60]
         told.append(f"{len(others)} lines hold no row of the recording and were left out, line {others[0] + 1} first: `{shown}`")
+    short = [k for k in good if len(rows[k]) < width]
+    if short:
+        told.append(f"{len(short)} rows have fewer than {width} cells, line {short[0] + 1} first: their last columns are empty")
     cells = [[rows[k][j] if j < len(rows[k]) else "" for k in good] for j in range(width)]
     number = _numbers(path, [cells[j] for j in typed if kinds[j] == "number"], decimal, told)
     return _columns(path, names, units, kinds, cells, number, options, told)
@@ -379,7 +400,7 @@ def _numbers(path: Path, columns: Sequence[Sequence[str]], decimal: str | None, 
     between = OTHER[decimal]
     if decimal == "," or between in thousands or between in unclear:
         told.append(f"decimal mark: {decimal}" + (f"; `{between}` stands between thousands" if between in thousands or between in unclear else ""))
-    group = re.compile(rf"[+-]?[1-9]\d{{0,2}}(\{between}\d{{3}})+(\{decimal}\d*)?([eE][+-]?\d+)?")
+    group = re.compile(rf"[+-]?[1-9]\d{{0,2}}(\{between}\d{{3}})+(\{decimal}\d*)?([eEdD][+-]?\d+)?")
 
     def number(cell: str) -> float | None:
         plain = _plain(cell)
@@ -389,7 +410,8 @@ def _numbers(path: Path, columns: Sequence[Sequence[str]], decimal: str | None, 
             if not group.fullmatch(plain):
                 return None
             plain = plain.replace(between, "")
-        return float(plain.replace(",", "."))
+        value = float(plain.replace(",", ".").lower().replace("d", "e"))
+        return value if math.isfinite(value) else None
 
     return number
 
@@ -404,11 +426,16 @@ class Moment:
 
 
 @functools.lru_cache(1 << 14)
-def _days(one: str, mark: str, two: str, three: str) -> Mapping[str, datetime.date]:
-    month = two if two.isdigit() else str(MONTHS.get(two[:3].lower(), 0))
+def _days(one: str, mark: str, two: str, behind: str, three: str) -> Mapping[str, datetime.date]:
+    if sorted((len(one) // 3, len(three) // 3)) != [0, 1] and len(three) != 2 or two.isdigit() and mark != behind:
+        return {}
+    word = unicodedata.normalize("NFKD", two.lower()).encode("ascii", "ignore").decode()
+    month = two if two.isdigit() else str(MONTHS.get(word[:4]) or MONTHS.get(word[:3], 0))
     readings = {"": (one, month, three)} if len(one) == 4 else {"": (three, month, one)}
     if len(one) < 3 and two.isdigit() and mark in "/-":
         readings = {"day first": (three, two, one), "month first": (three, one, two)}
+        if len(one) == len(three) == 2:
+            readings["year first"] = (one, two, three)
     days = {}
     for order, (year, at, day) in readings.items():
         with contextlib.suppress(ValueError):
@@ -431,6 +458,8 @@ def _moment(cell: str, form: str | None) -> Moment | None:
         return beside if beside and beside.days is None else None
     if found := COMPACT.fullmatch(cell):
         cell = f"{found[1]}-{found[2]}-{found[3]} {found[4]}:{found[5]}{f':{found[6]}' if found[6] else ''}{found[7] or ''}"
+    if found := MONTH_FIRST.match(cell):
+        cell = f"{found[2]} {found[1]} {found[3]}{cell[found.end():]}"
     days, rest = None, cell
     if found := DAY.match(cell):
         days, rest = _days(*found.groups()), cell[found.end():].lstrip(" T,")
@@ -439,13 +468,20 @@ def _moment(cell: str, form: str | None) -> Moment | None:
         if not rest:
             return Moment(days, None)
     clock = HOURS.fullmatch(rest)
-    if clock is None or int(clock[3]) > 59 or int(clock[4] or 0) > 60:
+    if clock is None:
         return None
-    hours = int(clock[2]) if not clock[6] else int(clock[2]) % 12 + (12 if clock[6] in "pP" else 0)
-    seconds = int(clock[1] or 0) * 86400 + hours * 3600 + int(clock[3]) * 60 + int(clock[4] or 0) + float(f"0.{clock[5] or 0}")
-    if zone := (clock[7] or "Z").strip("Z").replace(":", ""):
+    above, first, second, third, part, thousandths, half, zone = clock.groups()
+    if part and third is None:
+        # Only seconds have parts.
+        first, second, third = "0", first, second
+    if int(second) > 59 and first != "0" or int(third or 0) > 60 or third and part and clock[4] is None and (days or above or half):
+        return None
+    hours = int(first) if not half else int(first) % 12 + (12 if half in "pP" else 0)
+    seconds = int(above or 0) * 86400 + hours * 3600 + int(second) * 60 + int(third or 0) + float(f"0.{part or thousandths or 0}")
+    if zone and zone[0] in "+-":
+        zone = zone.replace(":", "")
         seconds -= (int(zone[1:3]) * 3600 + int(zone[3:]) * 60) * (-1 if zone[0] == "-" else 1)
-    return Moment(days, seconds, not (clock[4] or days or clock[6]))
+    return Moment(days, seconds, not (third or days or half))
 
 
 def _columns(
@@ -454,7 +490,7 @@ def _columns(
 ) -> Columns:
     width = len(cells)
     names = [names[j] if j < len(names) and names[j] else str(j + 1) for j in range(width)]
-    parts = [_named(name) for name in names]
+    parts = [split_name(name) for name in names]
     labels = [bare for bare, _ in parts]
     said = [units[j] if j < len(units) and units[j] not in ("", "-") else parts[j][1] for j in range(width)]
     for column, given in options.units.items():
@@ -463,6 +499,7 @@ def _columns(
         said[labels.index(column) if column in labels else names.index(column)] = given
     taken: set[int] = set()
     time, start = _time(path, labels, names, kinds, cells, number, options, told, taken)
+    _refuse_signals_in_rows(path, labels, kinds, cells, time, taken)
     channels: list[tuple[str, str, Sequence[Any]]] = []
     for j in range(width):
         if j in taken:
@@ -471,7 +508,7 @@ def _columns(
             told.append(f"column `{labels[j]}` is empty and was left out")
             continue
         if kinds[j] != "number":
-            sample = next(cell for cell in cells[j] if cell)
+            sample = next((cell for cell in cells[j] if cell and not _is_number(cell)), "")
             held = "moments" if kinds[j] == "stamp" else "no numbers"
             told.append(f"column `{labels[j]}` holds {held} (`{sample[:40]}`) and was left out")
             continue
@@ -499,6 +536,21 @@ def _columns(
     if not channels:
         raise OrchestratorError(f"{path}: no column of numbers beside the time; say --delimiter or --header")
     return Columns(time, channels, start, told)
+
+
+def _refuse_signals_in_rows(
+    path: Path, labels: list[str], kinds: list[str], cells: list[list[str]], time: Sequence[Any] | None, taken: set[int]
+) -> None:
+    """A table with a row for each value of each signal would become one column of all of them."""
+    times = time or next((cells[j] for j, label in enumerate(labels) if is_time_name(label) and kinds[j] == "number"), [])
+    for j, label in enumerate(labels):
+        found = list(dict.fromkeys(cells[j]))
+        named = label.lower() in SIGNALS and any(other.lower() in VALUES for other in labels)
+        # Several rows of one time, each with another text.
+        several = kinds[j] == "text" and 0 < 2 * len(set(times)) <= len(times) == len(set(zip(times, cells[j], strict=True)))
+        if j not in taken and 1 < len(found) <= len(cells[j]) / 2 and (named or several):
+            shown = "`, `".join(found[:3])
+            raise OrchestratorError(f"{path}: column `{label}` says in each row whose value it is (`{shown}`); save a column for each, or a file for each")
 
 
 def _time(
@@ -545,24 +597,25 @@ def _time(
     if head.days is None:
         return _of_day(joined, name, told), None
     readings: dict[str, list[datetime.datetime | None]] = {}
-    for order in ("", "day first", "month first"):
+    for order in ("", *FORMS):
         if all(moment is None or moment.days and order in moment.days for moment in joined):
             readings[order] = [_at(moment, order) if moment else None for moment in joined]
     if not readings:
         raise OrchestratorError(f"{path}: the dates of {name} are none; say --format")
     sample = cells[chosen[0]][0]
-    if len(readings) == 2:
+    if len(readings) > 1:
         differences = [[at and at - min(filter(None, row)) for at in row] for row in readings.values()]
         rising = [order for order, row in readings.items() if _rises(row)]
-        if differences[0] == differences[1]:
-            told.append(f"`{sample}` may have the day or the month first: the same seconds either way, so time 0 is known but for its date")
+        possible = " or the ".join(order.removesuffix(" first") for order in readings)
+        if all(one == differences[0] for one in differences):
+            told.append(f"`{sample}` may have the {possible} first: the same seconds either way, so time 0 is known but for its date")
         elif len(rising) == 1:
             readings = {rising[0]: readings[rising[0]]}
         else:
             mark, year = next(letter for letter in sample if not letter.isdigit()), "%Y" if re.search(r"\d{4}", sample) else "%y"
             rest = " %H:%M:%S"[: 3 * sample.count(":") + 3] if ":" in sample else ""
-            forms = " or ".join(f'"{mark.join((one, two, year))}{rest}"' for one, two in (("%d", "%m"), ("%m", "%d")))
-            raise OrchestratorError(f"{path}: dates such as `{sample}` may have the day or the month first; say --format {forms}")
+            forms = " or ".join(f'"{FORMS[order].format(mark, year)}{rest}"' for order in readings)
+            raise OrchestratorError(f"{path}: dates such as `{sample}` may have the {possible} first; say --format {forms}")
     order, row = next(iter(readings.items()))
     return _seconds(row, name + (f" ({order})" if order and len(readings) == 1 else ""), told)
 
@@ -592,17 +645,20 @@ def _of_day(moments: Sequence[Moment | None], name: str, told: list[str]) -> lis
         if value is not None:
             days, last = days + (value < last - 43200), value
         seconds.append(None if value is None else round(value + 86400 * days - there[0], 9))
-    most = max(value for value in seconds if value is not None)
-    told.append(f"time: {name}, 0 .. {most:.12g} s" + (f", over midnight {days} times" if days else ""))
+    _tell_time(seconds, name + (f", over midnight {days} times" if days else ""), told)
     return seconds
+
+
+def _tell_time(seconds: Sequence[float | None], name: str, told: list[str]) -> None:
+    there = [value for value in seconds if value is not None]
+    falls = sum(after < before for before, after in pairwise(there))
+    told.append(f"time: {name}, {min(there):.12g} .. {max(there):.12g} s" + (f"; it falls {falls} times (a clock that was set back?)" if falls else ""))
 
 
 def _seconds(row: Sequence[datetime.datetime | None], name: str, told: list[str]) -> tuple[list[float | None], datetime.datetime]:
     zero = next(at for at in row if at is not None)
     seconds = [None if at is None else (at - zero).total_seconds() for at in row]
-    there = [value for value in seconds if value is not None]
-    falls = sum(after < before for before, after in pairwise(there))
-    told.append(f"time: {name}, {min(there):.12g} .. {max(there):.12g} s" + (f"; it falls {falls} times (a clock that was set back)" if falls else ""))
+    _tell_time(seconds, name, told)
     return seconds, zero
 
 

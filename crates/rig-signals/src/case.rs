@@ -292,6 +292,8 @@ impl<'a> Case<'a> {
         let late = self.curves.iter().map(|curve| self.late(curve, frame));
         let early = late.map(|late| -late).fold(0.0, f64::max);
         let last = (0..self.tables.len()).map(|table| self.span(table)[1]).fold(0.0, f64::max);
+        // What is judged ends with the window.
+        let last = last.min(self.recording.window()[1] - self.begin);
         let end = self.inputs_end();
         if end < last {
             out += &format!("# Note: an input ends at {end:.6} s, so what was measured later is not judged.\n");
@@ -510,9 +512,9 @@ fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }
 
-/// A time in whole microseconds, not before the time itself.
+/// A time in whole microseconds, not before the time itself; 0 has no sign.
 fn up(time: f64) -> f64 {
-    (time * 1e6 - 1e-3).ceil() / 1e6
+    (time * 1e6 - 1e-3).ceil() / 1e6 + 0.0
 }
 
 /// A name as a cell of csv.

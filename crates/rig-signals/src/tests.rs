@@ -389,6 +389,29 @@ fn rows_before_the_models_start_are_left_out_and_told() {
     assert!(text.contains("extrapolate = \"hold\"") && text.contains("window = { from = 2, "), "{text}");
 }
 
+/// Of a minute the model starts at 14.305 s and is judged until 30 s.
+#[test]
+fn the_model_runs_until_the_window_ends() {
+    let time: Vec<f64> = (0..6000).map(|k| f64::from(k) / 100.0).collect();
+    let (mut recording, drives) = with_drive(time.clone(), time);
+    (recording.start, recording.window) = (Some(14.305), Some([2.0, 30.0]));
+    let result = synchronise(&recording).unwrap();
+    let text = case::Case::new(&recording, &result, &drives).to_toml(&frame());
+    let study: toml::Table = text.parse().unwrap();
+    assert_eq!(study["cases"][0]["simulation"]["stop"].as_float(), Some(15.695), "{text}");
+    let window = &study["cases"][0]["criteria"]["T"]["window"];
+    assert_eq!([&window["from"], &window["to"]].map(|end| end.as_float()), [Some(0.005), Some(15.695)], "{text}");
+    // A window that ends later than the recording changes nothing, and one from its start on begins at 0.
+    (recording.start, recording.window) = (Some(0.0), Some([0.0, 90.0]));
+    let result = synchronise(&recording).unwrap();
+    let text = case::Case::new(&recording, &result, &drives).to_toml(&frame());
+    assert!(text.contains("stop = 59.99 ") && !text.contains("window"), "{text}");
+    recording.window = Some([0.0, 30.0]);
+    let result = synchronise(&recording).unwrap();
+    let text = case::Case::new(&recording, &result, &drives).to_toml(&frame());
+    assert!(text.contains("stop = 30 ") && text.contains("window = { from = 0, to = 30 }"), "{text}");
+}
+
 /// Criteria and case leave out the same rows.
 #[test]
 fn marks_of_missing_values_count_and_are_told() {

@@ -78,11 +78,7 @@ impl Slot {
                 false => Ok(()),
             };
         }
-        // The limits apply to the number that the FMU gets, after rounding.
-        let stored = match self.handle.content {
-            Content::Integer => value.round(),
-            Content::Real | Content::Boolean | Content::Text => value,
-        };
+        let stored = self.stored(value);
         if !self.items.is_empty() && !self.items.iter().any(|&item| item as f64 == stored) {
             return Err(format!(
                 "{name} = {value} is none of the enumeration's items {}",
@@ -129,9 +125,20 @@ impl Slot {
         format!("{} to {}", limit(self.min), limit(self.max))
     }
 
-    /// The value as the FMU stores it; whole numbers are rounded.
+    /// The value as the FMU gets it.
     pub fn value(&self, value: f64) -> Value {
-        self.handle.content.value(value)
+        self.handle.content.value(self.stored(value))
+    }
+
+    /// The number that the FMU gets, to which its limits apply: whole numbers are rounded, and what differs from a limit by the
+    /// rounding of a conversion (20 um are 1.9999999999999998e-5 m) is the limit.
+    fn stored(&self, value: f64) -> f64 {
+        const ROUNDING: f64 = 32.0 * f64::EPSILON;
+        if self.handle.content == Content::Integer {
+            return value.round();
+        }
+        let is_same = |limit: &f64| (value - limit).abs() <= ROUNDING * limit.abs();
+        [self.min, self.max].into_iter().flatten().find(is_same).unwrap_or(value)
     }
 }
 
@@ -159,6 +166,29 @@ mod tests {
         }
         assert!(matches!(slot.value(0.51), Value::Integer(1)));
         assert_eq!(slot.allowed(), [[0.5, 4.5]]);
+    }
+
+    /// 20 times 1e-6 is less than 2e-5 in binary, and 293.15 K less 273.15 K are no 20 degC.
+    #[test]
+    fn a_limit_in_another_unit_is_the_limit() {
+        let mut slot = Slot {
+            name: "c".to_owned(),
+            handle: handle(Content::Real),
+            min: Some(2e-5),
+            max: Some(20.0),
+            items: Vec::new(),
+            idle: false,
+            error: None,
+        };
+        for (converted, limit) in [(20.0 * 1e-6, 2e-5), (293.15 - 273.15, 20.0)] {
+            assert_ne!(converted, limit);
+            assert_eq!(slot.check(converted), Ok(()));
+            assert!(matches!(slot.value(converted), Value::Real(value) if value == limit));
+        }
+        assert!(slot.check(2e-5 * (1.0 - 1e-13)).is_err() && slot.check(20.0 * (1.0 + 1e-13)).is_err());
+        // A limit of 0 is exact in each unit without an offset.
+        slot.min = Some(0.0);
+        assert!(slot.check(-f64::MIN_POSITIVE).is_err() && slot.check(0.0).is_ok());
     }
 
     #[test]
