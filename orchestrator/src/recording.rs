@@ -371,6 +371,13 @@ impl Recorded<'_> {
         let name = self.time_name(file, Some(signal))?;
         let (values, _) = table.values(name, &[])?;
         let unit = match (&time.unit, &table.column(name)?.unit) {
+            // Seconds since 1970 have ten digits.
+            (None, None) if values.iter().any(|time| time.abs() > 1e11) => {
+                return Err(settings.wrong(format!(
+                    "time `{name}` has no unit and begins at {}, which is too much for s; say time = {{ unit = \"ms\" }}, or us or ns",
+                    values[0]
+                )));
+            }
             (None, None) => "s".to_owned(),
             (unit, _) => table.unit(name, unit.as_deref())?,
         };

@@ -53,6 +53,7 @@ UNITS = {
     "ampere": "A", "amps": "A", "second": "s", "seconds": "s", "sekunden": "s", "sec": "s", "minutes": "min", "hours": "h",
     "psi": "psi", "newton": "N", "watt": "W", "meter": "m", "metre": "m", "percent": "%",
 }
+BRACKETS = ("[]", "()")
 LETTERS = str.maketrans({"°": "deg", "·": ".", "²": "2", "³": "3", "µ": "u", "μ": "u"})
 # Spellings that are right as they stand; only their case tells some of them apart (mN, MN; nm, Nm; us, uS).
 KNOWN = set("1 % s ms us ns min h d Hz kHz MHz GHz m cm mm um km N kN mN MN N.m Nm N.mm Nmm kNm Pa hPa mbar kPa bar MPa psi W kW MW "
@@ -85,14 +86,13 @@ class Columns:
 
 def unit(text: str) -> str:
     """A unit in the letters that the program knows; an unknown one stays."""
-    bare = text.strip().strip("[]()").strip().translate(LETTERS)
+    bare = text.strip()
+    bare = (bare[1:-1].strip() if bare[:1] + bare[-1:] in BRACKETS else bare).translate(LETTERS)
     return bare if bare in KNOWN else UNITS.get(bare.lower(), bare)
 
 
 def _is_unit(text: str) -> bool:
-    bare = text.strip().strip("[]()").strip().translate(LETTERS)
-    enclosed = len(text) > 2 and text[0] + text[-1] in ("[]", "()")
-    return enclosed or bare in KNOWN or bare.lower() in UNITS
+    return unit(text) in KNOWN or len(text) > 2 and text[0] + text[-1] in BRACKETS
 
 
 def is_time_name(name: str) -> bool:
@@ -312,7 +312,8 @@ def _suffix(cell: str) -> str:
     """The unit behind a number."""
     if not cell or cell[-1].isdigit():
         return ""
-    found = re.fullmatch(NUMBER.pattern + r"\s*([^\d\s.,;][^\d]*)", _plain(cell))
+    # A minus behind a number is its sign in some files, and no unit.
+    found = re.fullmatch(NUMBER.pattern + r"\s*([^\d\s.,;-][^\d]*)", _plain(cell))
     return found[found.re.groups] if found and _is_unit(found[found.re.groups]) else ""
 
 

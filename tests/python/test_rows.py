@@ -4,6 +4,7 @@ import csv
 import datetime
 import os
 import random
+import re
 import sys
 
 import pandas
@@ -24,7 +25,7 @@ def converted(tmp_path, content, name="m.csv", encoding="utf-8", **said):
     with out.open(newline="") as file:
         header, *rows = list(csv.reader(file))
     out.unlink()
-    return header, [[float(cell) if cell.replace(".", "").replace("-", "").replace("e", "").isdigit() else cell for cell in row] for row in rows]
+    return header, [[float(cell) if re.fullmatch(r"-?\d+(\.\d*)?(e-?\d+)?", cell) else cell for cell in row] for row in rows]
 
 
 def rows(*lines):
@@ -38,7 +39,8 @@ def stamps(form, count=4, step=60):
 
 @pytest.mark.parametrize("form", [
     "%Y-%m-%d %H:%M:%S", "%Y-%m-%dT%H:%MZ", "%Y/%m/%d %H:%M", "%d.%m.%y %H:%M", "%d.%m.%Y %H:%M:%S.%f", "%d-%b-%Y %H:%M:%S",
-    "%m/%d/%Y %I:%M:%S %p", "%Y%m%d%H%M%S", "%Y%m%d:%H%M", "%Y-%m-%dT%H:%M:%S+01:00",
+    "%m/%d/%Y %I:%M:%S %p", "%Y%m%d%H%M%S", "%Y%m%d:%H%M", "%Y-%m-%dT%H:%M:%S+01:00", "%b %d, %Y %I:%M:%S %p", "%a, %d %b %Y %H:%M:%S GMT",
+    "%d. %B %Y %H:%M", "%H:%M:%S:000",
 ])
 def test_stamps_become_seconds(tmp_path, form):
     header, table = converted(tmp_path, rows("when;F [N]", *stamps(form)))
@@ -51,6 +53,13 @@ def test_stamps_become_seconds(tmp_path, form):
     (["0d 23:59:30", "1d 00:00:00"], [0, 30]),
     (["23:59:30", "00:00:00"], [0, 30]),
     (["13:15:07,25", "13:15:07,75"], [0, 0.5]),
+    (["59:59.5", "60:00.5"], [0, 1.0]),
+    # Months in other languages; days of one figure behind the year.
+    (["28 févr. 2026 10:00:00", "1 mars 2026 10:00:00"], [0, 86400.0]),
+    (["31. Juli 2026 10:00", "1. August 2026 10:00"], [0, 86400.0]),
+    (["30 juin 2026 10:00", "1 juil. 2026 10:00"], [0, 86400.0]),
+    (["31-dic-2026 10:00", "1-ene-2027 10:00"], [0, 86400.0]),
+    (["2026/9/30", "2026/10/1"], [0, 86400.0]),
 ])
 def test_hours_beyond_a_day_and_over_midnight(tmp_path, cells, seconds):
     _, table = converted(tmp_path, rows("Zeit;F [N]", *(f"{cell};1,5" for cell in cells)))
@@ -105,6 +114,12 @@ def test_thousands_and_signs(tmp_path):
     (["Albuquerque", "35.04 -106.6 1617 m version 1", "2019 56 2 25 0.5 79.9 102.6 1.5", "2019 56 2 25 1.5 79.8 102.5 1.5"], ["--header 0", "--header 3"], {"header": 0}),
     (["X,CH1,Start,Step", "0,1.5,", "1,2.5,"], ["--header 1"], {"header": 1}),
     (["t,F", "0,1,5", "1,2,5"], ["--delimiter", "decimal comma"], None),
+    (["when;P", "11-03-02;1.5", "11-03-03;2.5"], ['"%d-%m-%y" or "%m-%d-%y" or "%y-%m-%d"'], {"format": "%y-%m-%d"}),
+    (["t;F", "s;N", "0;1.5", "1;2.5", "t;F", "s;kN", "2;2.5"], ["another table begins on line 6 (`s kN`)"], None),
+    (["t [s],F [N]", "0,1.5", "1,2.5", "t [s],F [kN]", "2,2.5"], ["another table begins on line 4"], None),
+    (["time,signal,value", "0,F,1.5", "0,n,1500", "1,F,2.5", "1,n,1501"], ["`signal` says in each row whose value it is (`F`, `n`)"], None),
+    (["timestamp;id;value", "0.0;1;1.5", "0.1;2;1500", "0.2;1;2.5", "0.3;2;1501"], ["`id` says in each row"], None),
+    (["Zeit;Art;Messung", *(f"2026-11-03 10:00:0{k};{kind};1.5" for kind in "ab" for k in range(3))], ["`Art` says in each row"], None),
 ])
 def test_two_readings_are_asked_about(tmp_path, lines, words, said):
     with pytest.raises(OrchestratorError) as error:
@@ -112,6 +127,28 @@ def test_two_readings_are_asked_about(tmp_path, lines, words, said):
     assert all(word in str(error.value) for word in words) and len(str(error.value).splitlines()) == 1, error.value
     if said:
         converted(tmp_path, rows(*lines), **said)
+
+
+def test_units_that_their_case_tells_apart(tmp_path):
+    header, _ = converted(tmp_path, rows("t [s],h [nm],M [Nm],d [µm],k [µS],c [µM],p [bar(g)],q [PSI]", "0,1,2,3,4,5,6,7", "1,2,3,4,5,6,7,8"))
+    assert header == ["t [s]", "h [nm]", "M [Nm]", "d [um]", "k [uS]", "c [uM]", "p [bar(g)]", "q [psi]"]
+
+
+def test_numbers_that_are_none(tmp_path):
+    """Two numbers in a cell, a sign behind one: they stay for the program to ask. Fortran's exponents are read."""
+    lines = ["t;F", "0;12.5 100", "1;1.5D+03", "2;1.5-", "4;1 200.5", "5;2.5", "6;0 100", "7;3.5"]
+    assert [row[1] for row in converted(tmp_path, rows(*lines))[1]] == ["12.5 100", 1500.0, "1.5-", 1200.5, 2.5, "0 100", 3.5]
+
+
+def test_a_clock_that_falls_and_short_rows_are_told(tmp_path, capsys):
+    converted(tmp_path, rows("Time,F,n", "12:59:59,1.5,1", "01:00:00,2.5", "01:00:01,2.5,3"))
+    told = capsys.readouterr().out
+    assert "-43199 .. 0 s; it falls 1 times" in told and "1 rows have fewer than 3 cells, line 3 first" in told
+    # A column of states beside a time that comes again is none of signals' names; `T` is no time; frames are no parts of a second.
+    steps = rows("time [s],T,State", "0,1.5,R", "1,2.5,R", "1,2.6,C", "2,2.5,C", "3,2.5,C")
+    assert len(converted(tmp_path, steps)[1]) == 5
+    converted(tmp_path, rows("when,T", "13:15:00:01,1.5", "13:15:00:24,2.5"))
+    assert "without a column of times" in capsys.readouterr().out
 
 
 def test_what_is_left_out_is_told(tmp_path, capsys):
