@@ -397,11 +397,11 @@ def _xlsx(path: Path, options: _rows.Options) -> Contents:
     book = _library("openpyxl", path).load_workbook(path, read_only=True, data_only=True)
     contents = Contents()
     for sheet in book.worksheets:
-        rows = [[_cell(cell) for cell in row] for row in sheet.iter_rows(values_only=True)]
+        rows = [[_cell(cell) for cell in row] for row in sheet.iter_rows()]
         if sum(any(_rows._is_value(cell) for cell in row) for row in rows) < 2:
             contents.left_out.append(sheet.title)
             continue
-        columns = _rows.table(path, rows, options, ".")
+        columns = _rows.table(path, rows, options)
         contents.told.extend(columns.told)
         contents.start = contents.start or columns.start
         contents.groups.append(Group(sheet.title, columns.time, columns.channels))
@@ -410,13 +410,17 @@ def _xlsx(path: Path, options: _rows.Options) -> Contents:
 
 
 def _cell(cell: Any) -> str:
-    """A cell of a spreadsheet as text."""
-    if cell is None:
-        return ""
-    if isinstance(cell, datetime.timedelta):
-        seconds = cell.total_seconds()
+    """A cell of a spreadsheet as text, per cent as they are shown."""
+    value = cell.value
+    if isinstance(value, datetime.timedelta):
+        seconds = value.total_seconds()
         return f"{int(seconds // 3600)}:{int(seconds % 3600 // 60):02}:{seconds % 60:09.6f}"
-    return cell.isoformat() if hasattr(cell, "isoformat") else str(cell).strip()
+    if isinstance(value, float):
+        percent = "%" in cell.number_format
+        shown = f"{100 * value:.15g}" if percent else repr(value)
+        # With another zero, 1.234 is no number of thousands.
+        return shown + ("0" if "." in shown and "e" not in shown else "") + (" %" if percent else "")
+    return "" if value is None else value.isoformat() if hasattr(value, "isoformat") else str(value).strip()
 
 
 EXTRAS = {"asammdf": "mdf", "nptdms": "tdms", "h5py": "hdf5", "scipy": "mat", "openpyxl": "xlsx", "pyarrow": "parquet"}

@@ -592,7 +592,10 @@ def _time(
     head = next(moment for moment in joined if moment)
     if head.is_short and len(chosen) == 1:
         raise OrchestratorError(f"{path}: times such as `{cells[chosen[0]][0]}` may be hours and minutes or minutes and seconds; say --format \"%H:%M\" or \"%M:%S\"")
-    bad = next((k for k, moment in enumerate(joined) if moment is None and any(cells[j][k] for j in chosen)), None)
+    def differs(moment: Moment | None) -> bool:
+        return moment is None or (moment.days is None) != (head.days is None)
+
+    bad = next((k for k, moment in enumerate(joined) if differs(moment) and any(cells[j][k] for j in chosen)), None)
     if bad is not None:
         raise OrchestratorError(f"{path}: `{' '.join(cells[j][bad] for j in chosen)}` of the time {name} (row {bad + 1}) is no time like the others; say --format")
     if head.days is None:

@@ -263,3 +263,28 @@ def test_help_names_the_formats(capsys):
     with pytest.raises(SystemExit):
         main(["--help"])
     assert ".mf4" in capsys.readouterr().out
+
+
+def test_cells_of_a_spreadsheet_are_what_is_shown(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+
+    def read(rows, **formats):
+        book = openpyxl.Workbook()
+        for row in rows:
+            book.active.append(row)
+        for column, form in formats.items():
+            for cell in book.active[column][1:]:
+                cell.number_format = form
+        book.save(tmp_path / "m.xlsx")
+        [path] = convert_here(tmp_path / "m.xlsx", tmp_path / "out")
+        text = path.read_text().split()
+        path.unlink()
+        return text
+
+    # Excel keeps 98.5 % as 0.985.
+    assert read([["t", "eta"], [0.125, 0.985], [1.5, 0.9]], B="0.0%")[-3:] == ["[%]", "0.125,98.5", "1.5,90.0"]
+    with pytest.raises(OrchestratorError, match="1500 or 1.500"):
+        read([["t", "F"], [0.5, "1,500"], [1.5, "2,500"]])
+    # 1.01 days as a time of day are a date of the year 1900.
+    with pytest.raises(OrchestratorError, match="no time like the others"):
+        read([["t", "F"], [0.99, 1.5], [1.01, 2.5]], A="h:mm:ss")
