@@ -89,7 +89,9 @@ impl RecordedTable {
             table.rows += 1;
         }
         if let Some(name) = table.names_signals() {
-            let message = format!("column `{name}` says in each row whose value it is; save a column for each, or a file for each");
+            let message = format!(
+                "column `{name}` says in each row whose value it is; save a column for each, or a file for each"
+            );
             return Err(FileError::new(path, message));
         }
         let has_numbers = |column: &Column| column.values.iter().any(|value| value.is_finite());
@@ -101,7 +103,8 @@ impl RecordedTable {
 
     /// The column that says in each row of which signal the value is, where a table has such rows: its values are one column of all.
     fn names_signals(&self) -> Option<&str> {
-        const SIGNALS: [&str; 9] = ["signal", "name", "channel", "variable", "parameter", "sensor", "tag", "id", "item"];
+        const SIGNALS: [&str; 9] =
+            ["signal", "name", "channel", "variable", "parameter", "sensor", "tag", "id", "item"];
         const VALUES: [&str; 4] = ["value", "values", "wert", "reading"];
         let called = |column: &&Column, names: &[&str]| names.iter().any(|name| column.bare.eq_ignore_ascii_case(name));
         let again = |column: &&Column| {
@@ -111,7 +114,9 @@ impl RecordedTable {
             count > 1 && count <= self.rows / 2
         };
         let signals = self.columns.iter().filter(|column| called(column, &SIGNALS)).find(again);
-        signals.filter(|_| self.columns.iter().any(|column| called(&column, &VALUES))).map(|column| column.name.as_str())
+        signals
+            .filter(|_| self.columns.iter().any(|column| called(&column, &VALUES)))
+            .map(|column| column.name.as_str())
     }
 
     /// The file.
@@ -273,12 +278,18 @@ mod tests {
 
     #[test]
     fn a_row_for_each_value_of_each_signal_is_refused() {
-        for text in ["time,signal,value\n0,F,1.5\n0,n,1500\n1,F,2.5\n1,n,1501\n", "t;ID;Wert\n0;1;5\n1;2;6\n2;1;5\n3;2;6\n"] {
+        for text in
+            ["time,signal,value\n0,F,1.5\n0,n,1500\n1,F,2.5\n1,n,1501\n", "t;ID;Wert\n0;1;5\n1;2;6\n2;1;5\n3;2;6\n"]
+        {
             let error = read(text.as_bytes()).unwrap_err().to_string();
             assert!(error.contains("says in each row whose value it is"), "{error}");
         }
         // A running number, one name alone and columns of other names are none.
-        for text in ["id,value\n1,5\n2,6\n3,7\n", "t,name,value\n0,F,1\n1,F,2\n", "t,signal,F\n0,on,1\n1,off,2\n2,on,3\n3,off,4\n"] {
+        for text in [
+            "id,value\n1,5\n2,6\n3,7\n",
+            "t,name,value\n0,F,1\n1,F,2\n",
+            "t,signal,F\n0,on,1\n1,off,2\n2,on,3\n3,off,4\n",
+        ] {
             assert!(read(text.as_bytes()).is_ok(), "{text}");
         }
     }
