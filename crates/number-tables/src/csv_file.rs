@@ -2,7 +2,7 @@
 //! decimal commas where commas separate nothing.
 
 use std::borrow::Cow;
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, Take};
 use std::iter::Peekable;
@@ -33,12 +33,15 @@ pub(crate) struct Decimals {
     separator: u8,
     /// Whether a cell had a decimal comma, and whether one had points as between thousands.
     seen: Cell<[bool; 2]>,
+    /// Whether a cell shows that its mark is the decimal one, or that thousands have none; and the first cell whose mark may be either.
+    is_clear: Cell<bool>,
+    unclear: RefCell<Option<String>>,
 }
 
 impl Decimals {
     /// Those of a file with this separator between cells.
     pub fn new(separator: u8) -> Self {
-        Self { separator, seen: Cell::default() }
+        Self { separator, seen: Cell::default(), is_clear: Cell::new(separator == b','), unclear: RefCell::default() }
     }
 
     /// The number in a cell. Beside decimal commas `1.000` may be a thousand, and is none.
@@ -47,7 +50,22 @@ impl Decimals {
         let [comma, thousands] = self.seen.get();
         let seen = [comma || cell.contains(','), thousands || has_thousands(cell)];
         self.seen.set(seen);
+        if !self.is_clear.get() {
+            let is_mark = |sign: char| sign == '.' || sign == ',';
+            let digits = cell.trim_start_matches(['+', '-']).bytes().take_while(u8::is_ascii_digit).count();
+            match has_thousands(&cell.replace(',', ".")) {
+                true => {
+                    self.unclear.borrow_mut().get_or_insert_with(|| cell.to_owned());
+                }
+                false => self.is_clear.set(digits > 3 || cell.contains(is_mark)),
+            }
+        }
         (seen != [true, true]).then_some(number)
+    }
+
+    /// A cell whose mark may be the decimal one or stand between thousands, where none of the rows so far tells.
+    fn unclear(&self) -> Option<String> {
+        self.unclear.borrow().clone().filter(|_| !self.is_clear.get())
     }
 }
 
@@ -180,6 +198,10 @@ impl Rows for CsvRows {
 
     fn whole(&self, place: usize) -> Option<u64> {
         self.text(place).parse().ok()
+    }
+
+    fn unclear(&self) -> Option<String> {
+        self.file.decimals.unclear()
     }
 
     fn text(&self, place: usize) -> Cow<'_, str> {

@@ -88,6 +88,11 @@ impl RecordedTable {
             }
             table.rows += 1;
         }
+        if let Some(cell) = rows.unclear() {
+            let without = cell.replace(['.', ','], "");
+            let message = format!("`{cell}` may be {without} or {}; {}", cell.replace(',', "."), convert(path));
+            return Err(FileError::new(path, message));
+        }
         if let Some(name) = table.names_signals() {
             let message = format!(
                 "column `{name}` says in each row whose value it is; save a column for each, or a file for each"
@@ -273,6 +278,22 @@ mod tests {
         ] {
             let table = read(text.as_bytes()).unwrap();
             assert_eq!(table.time().ok(), time, "{text}");
+        }
+    }
+
+    #[test]
+    fn thousands_and_decimals_are_told_apart_or_asked_about() {
+        for text in ["t;F\n0;1.500\n1;2.250\n", "t;F\n0;950\n1;1.200\n", "t\tF\n0\t-1,500\n1\t2,250\n"] {
+            let error = read(text.as_bytes()).unwrap_err().to_string();
+            assert!(error.contains(" may be ") && error.contains("convert"), "{error}");
+        }
+        for (text, first) in [
+            ("t;F\n0;1.500\n1;0.25\n", 1.5),
+            ("t;F\n0,0;1,500\n1,5;2,250\n", 1.5),
+            ("t;F\n0;1.500\n1;1500\n", 1.5),
+            ("t,F\n0,1.500\n1,2.250\n", 1.5),
+        ] {
+            assert_eq!(read(text.as_bytes()).unwrap().get("F").unwrap().values[0], first, "{text}");
         }
     }
 

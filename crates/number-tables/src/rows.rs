@@ -21,6 +21,11 @@ pub trait Rows {
     /// A cell of this row as a count.
     fn whole(&self, place: usize) -> Option<u64>;
 
+    /// A number that has two readings, where the rows so far do not tell which is right.
+    fn unclear(&self) -> Option<String> {
+        None
+    }
+
     /// A cell of this row as it is written; empty where there is no value.
     fn text(&self, place: usize) -> Cow<'_, str>;
 
