@@ -168,24 +168,24 @@ mod tests {
         assert_eq!(slot.allowed(), [[0.5, 4.5]]);
     }
 
-    /// 20 times 1e-6 is less than 2e-5 in binary, and 293.15 K less 273.15 K are no 20 degC.
+    /// 20 times 1e-6 is less than 2e-5 in binary, and 333.25 K less 273.15 K are no 60.1 degC.
     #[test]
     fn a_limit_in_another_unit_is_the_limit() {
         let mut slot = Slot {
             name: "c".to_owned(),
             handle: handle(Content::Real),
             min: Some(2e-5),
-            max: Some(20.0),
+            max: Some(60.1),
             items: Vec::new(),
             idle: false,
             error: None,
         };
-        for (converted, limit) in [(20.0 * 1e-6, 2e-5), (293.15 - 273.15, 20.0)] {
+        for (converted, limit) in [(20.0 * 1e-6, 2e-5), (333.25 - 273.15, 60.1)] {
             assert_ne!(converted, limit);
             assert_eq!(slot.check(converted), Ok(()));
             assert!(matches!(slot.value(converted), Value::Real(value) if value == limit));
         }
-        assert!(slot.check(2e-5 * (1.0 - 1e-13)).is_err() && slot.check(20.0 * (1.0 + 1e-13)).is_err());
+        assert!(slot.check(2e-5 * (1.0 - 1e-13)).is_err() && slot.check(60.1 * (1.0 + 1e-13)).is_err());
         // A limit of 0 is exact in each unit without an offset.
         slot.min = Some(0.0);
         assert!(slot.check(-f64::MIN_POSITIVE).is_err() && slot.check(0.0).is_ok());
