@@ -3,8 +3,7 @@
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 use statrs::function::beta::beta_reg;
 
-/// The fewest independent nets whose scatter is trusted. Where a third of all nets hold next to no point of a set, eight nets miss
-/// all of these in one study of 25, and their interval held in 91 % of the studies of the worst triple of coordinates.
+/// The fewest independent nets whose mean has an interval. Each counts as one trial, so that fewer tell next to nothing.
 pub const LEAST_SAMPLES: usize = 16;
 
 /// Sums over a sample of numbers from 0 to 1, from which intervals are computed.
@@ -72,16 +71,15 @@ impl Moments {
 /// both hold: Clopper and Pearson's with the sum as the count (numbers between 0 and 1 scatter no more than zeros and ones of
 /// the same mean), and Student's, drawn out by what so many numbers may have missed.
 ///
-/// The points of a net may lie in clumps, of which no net says how large they are, so several nets have the **wider** ends:
-/// of Student's over the nets, with half of the probability outside (their means are skewed: of the worst triples of
-/// coordinates the plain one held in 92.5 %), of Clopper and Pearson's over all points, and, where fewer than half of the nets carry the
-/// mean, of Clopper and Pearson's with each net as one trial.
+/// The points of a net may lie in clumps, of which no net says how large they are: in small nets some coordinates share their
+/// first digits, so that a corner of five of them holds half of one net and no point of sixteen others. Scatter over the nets
+/// that were drawn says nothing of it, so each net is one trial, whose mean is a number between 0 and 1.
 pub fn of_mean(parts: &[Moments], confidence: f64) -> [f64; 2] {
     let total = Moments::total(parts);
     if parts.len() > 1 {
-        let means: Vec<f64> = parts.iter().map(Moments::mean).collect();
+        let nets = parts.len() as f64;
         return match parts.iter().all(|part| part.count > 0) {
-            true => of_nets(parts, &means, confidence),
+            true => clopper_pearson(parts.iter().map(Moments::mean).sum(), nets, confidence),
             false => [0.0, 1.0],
         };
     }
@@ -95,41 +93,16 @@ pub fn of_mean(parts: &[Moments], confidence: f64) -> [f64; 2] {
 
 /// The interval of the mean of the numbers of a random part of the sample, such as the accepted points.
 ///
-/// Given how many there are, they are a sample of their own (see [`of_mean`]). Of several nets the interval of Student is
-/// that of a ratio of means by its linearisation (Cochran 1977, "Sampling Techniques", 6.4).
+/// Given how many there are, they are a sample of their own (see [`of_mean`]). Of several nets, those that hold more of the part
+/// weigh more, so that they count as fewer trials: as many as carry the part (Kish 1965, "Survey Sampling", 11.7).
 pub fn of_part(parts: &[Moments], confidence: f64) -> [f64; 2] {
     let total = Moments::total(parts);
     if parts.len() < 2 || total.count == 0 {
         return of_mean(&[total], confidence);
     }
-    let (ratio, mean_count) = (total.mean(), total.count as f64 / parts.len() as f64);
-    let linear = |part: &Moments| ratio + (part.sum - ratio * part.count as f64) / mean_count;
-    of_nets(parts, &parts.iter().map(linear).collect::<Vec<f64>>(), confidence)
-}
-
-/// The wider ends for independent nets, from the value of each about the mean of all.
-fn of_nets(nets: &[Moments], values: &[f64], confidence: f64) -> [f64; 2] {
-    let total = Moments::total(nets);
-    let mean = total.mean();
-    let mut ends = student(mean, values, 0.5 + 0.5 * confidence);
-    let mut widen = |trials: f64| {
-        let [low, high] = clopper_pearson(mean * trials, trials, confidence);
-        ends = [ends[0].min(low), ends[1].max(high)];
-    };
-    widen(total.count as f64);
-    let filled = nets.iter().filter(|net| net.count > 0).count() as f64;
-    let hits = carriers(nets.iter().map(|net| net.sum));
-    let misses = carriers(nets.iter().map(|net| net.count as f64 - net.sum));
-    if hits.min(misses) < 0.5 * nets.len() as f64 {
-        widen(filled);
-    }
-    ends
-}
-
-/// How many of the numbers carry their sum: as many as there are where all are equal, 1 where one is all of it.
-fn carriers(numbers: impl Iterator<Item = f64>) -> f64 {
-    let [sum, squares] = numbers.fold([0.0, 0.0], |[sum, squares], x| [sum + x, squares + x * x]);
-    if squares > 0.0 { sum * sum / squares } else { 0.0 }
+    let counts = || parts.iter().map(|part| part.count as f64);
+    let trials = counts().sum::<f64>().powi(2) / counts().map(|count| count * count).sum::<f64>();
+    clopper_pearson(total.mean() * trials, trials, confidence)
 }
 
 /// Draws an interval out by the largest part of a population that so many independent numbers miss with a probability that
@@ -179,15 +152,6 @@ pub(super) fn crossing(grows: impl Fn(f64) -> f64) -> [f64; 2] {
         }
     }
     [low, high]
-}
-
-/// Student's interval about a centre, from independent values that scatter about it.
-pub(super) fn student(centre: f64, values: &[f64], confidence: f64) -> [f64; 2] {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
-    let half = student_limit(confidence, n - 1.0) * (squares / (n - 1.0) / n).sqrt();
-    [(centre - half).max(0.0), (centre + half).min(1.0)]
 }
 
 /// Within this many standard deviations a normal number lies with the given probability.
@@ -263,10 +227,6 @@ mod tests {
     fn equal_numbers_have_no_interval_of_width_zero() {
         let [low, high] = of_mean(&[moments([0.16; 5])], 0.95);
         assert!(low < 0.08 && high > 0.5, "{low} {high}");
-        let parts = vec![moments([0.16; 5]); 16];
-        let [low, high] = of_mean(&parts, 0.95);
-        let expected = clopper_pearson(12.8, 80.0, 0.95);
-        assert!((low - expected[0]).abs() < 1e-9 && (high - expected[1]).abs() < 1e-9, "{low} {high}");
     }
 
     /// For many numbers the interval is the normal one of the mean, but for what they may have
@@ -294,20 +254,6 @@ mod tests {
         assert_eq!(with_zeros, moments([0.1, 0.5, 1.0, 0.0, 0.0]));
     }
 
-    /// 16 nets whose means are known: Student's interval by hand, where it is the wider one.
-    #[test]
-    fn several_nets_have_students_interval() {
-        let part = |k: usize| moments((0..1000).map(move |i| if i < 400 + 60 * (k % 3) { 0.5 } else { 0.1 }));
-        let parts: Vec<Moments> = (0..16).map(part).collect();
-        let means: Vec<f64> = parts.iter().map(Moments::mean).collect();
-        let mean = means.iter().sum::<f64>() / 16.0;
-        let variance = means.iter().map(|m| (m - mean).powi(2)).sum::<f64>() / 15.0;
-        let half = 2.489_879_703 * (variance / 16.0).sqrt();
-        let [low, high] = of_mean(&parts, 0.95);
-        assert!((low - (mean - half)).abs() < 1e-8);
-        assert!((high - (mean + half)).abs() < 1e-8);
-    }
-
     /// Eight nets without a hit, or with all hits in one of them, are eight trials.
     #[test]
     fn hits_of_few_nets_count_each_net_once() {
@@ -315,19 +261,22 @@ mod tests {
         assert_eq!(of_mean(&none, 0.95), clopper_pearson(0.0, 8.0, 0.95));
         let mut one = none;
         one[3] = moments([1.0; 64]);
-        let [low, high] = of_mean(&one, 0.95);
-        assert!(low == 0.0 && high == clopper_pearson(1.0, 8.0, 0.95)[1], "{low} {high}");
+        assert_eq!(of_mean(&one, 0.95), clopper_pearson(1.0, 8.0, 0.95));
     }
 
-    /// Equal nets have the interval of independent points, not one without width.
+    /// However equal the nets are: another one may hold none of the points that count, or all.
     #[test]
-    fn equal_nets_have_the_interval_of_their_points() {
+    fn each_net_is_one_trial() {
         let half = |k: usize| f64::from(u8::from(k < 32));
         let nets = vec![moments((0..64).map(half)); 8];
-        assert_eq!(of_mean(&nets, 0.95), clopper_pearson(256.0, 512.0, 0.95));
-        assert_eq!(of_part(&nets, 0.95), clopper_pearson(256.0, 512.0, 0.95));
+        assert_eq!(of_mean(&nets, 0.95), clopper_pearson(4.0, 8.0, 0.95));
+        assert_eq!(of_part(&nets, 0.95), clopper_pearson(4.0, 8.0, 0.95));
         let empty = [moments([0.2, 0.4]), Moments::default()];
         assert_eq!(of_mean(&empty, 0.95), [0.0, 1.0]);
+        // Two nets, of which one holds nine of ten points of the part: 1.22 trials.
+        let uneven = [moments([1.0; 9]), moments([0.0; 1])];
+        let trials = 100.0 / 82.0;
+        assert_eq!(of_part(&uneven, 0.95), clopper_pearson(0.9 * trials, trials, 0.95));
     }
 }
 

@@ -308,7 +308,12 @@ impl Reader {
                     Some(DisplayUnit { name: text(display, "name")?, from_unit: self.conversion(display) })
                 })
                 .collect();
-            units.0.insert(name, Unit { base, display });
+            let unit = Unit { base, display };
+            match units.0.get_mut(&name) {
+                // Of two meanings nobody knows the right one, so that the unit converts to none.
+                Some(first) if *first != unit => *first = Unit { base: Some(BaseUnit::OPEN), display: Vec::new() },
+                _ => drop(units.0.insert(name, unit)),
+            }
         }
         units
     }

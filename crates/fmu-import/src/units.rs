@@ -244,6 +244,9 @@ impl BaseUnit {
     /// A number without a unit.
     const NUMBER: Self = Self { exponents: [0; 8], to_base: Conversion::IDENTITY };
 
+    /// What an FMU defines twice, in two ways.
+    pub(crate) const OPEN: Self = Self { exponents: [0; 8], to_base: Conversion::scaled(0.0) };
+
     /// Whether values convert both ways.
     fn converts(&self) -> bool {
         self.to_base.factor != 0.0 && self.to_base.factor.is_finite() && self.to_base.offset.is_finite()

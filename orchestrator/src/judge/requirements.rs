@@ -278,8 +278,7 @@ fn refuse_grid(study: &Study, required: &Spanned<Required>) -> Result<(), FileEr
     }
     let message = format!(
         "[verdict] needs points that are drawn at random: those of a {} grid are not, so that no share of the space can be \
-         stated with a confidence; use method = \"sobol\" with replicates = 16 or \"monte-carlo\" under [design], or \
-         remove [verdict]",
+         stated with a confidence; use method = \"monte-carlo\" under [design], or remove [verdict]",
         method.name()
     );
     Err(study.error_at(required, message))

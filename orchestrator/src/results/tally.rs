@@ -346,8 +346,11 @@ impl<'a> Tally<'a> {
             (_, method) if self.is_dependent => {
                 format!("none: the points of {method} depend on each other, and nothing tells how much")
             }
+            (1, "table") => {
+                "Clopper and Pearson's, for rows that were drawn independently, as [design] says".to_owned()
+            }
             (1, _) => "Clopper and Pearson's".to_owned(),
-            (n, _) => format!("the wider of Student's over {n} independently scrambled nets and Clopper and Pearson's"),
+            (n, _) => format!("Clopper and Pearson's, with each of {n} independently scrambled nets as one trial"),
         }
     }
 
@@ -381,8 +384,8 @@ fn untold(conclusion: &mut Conclusion, points: u64) {
     };
     conclusion.verdict = Decision::Inconclusive;
     conclusion.verdict_words = format!(
-        "inconclusive: {} of {} points are accepted, but they are one net, from which nothing tells how far that share is off; \
-         add `replicates = {LEAST_SAMPLES}` to method = \"sobol\" under [design], or use method = \"monte-carlo\"",
+        "inconclusive: {} of {} points are accepted, but they were not drawn independently, and nothing tells how far that share \
+         is off; use method = \"monte-carlo\" under [design]",
         grouped(conclusion.accepted),
         grouped(points)
     );

@@ -46,7 +46,8 @@ impl Verification {
         let replicates = provenance.replicates.unwrap_or(1);
         let sample = match (told, &self.header.table) {
             (Some(_), _) => Sample::Dependent,
-            (None, Some(_)) => Sample::Independent,
+            // Rows of a table are drawn as the study says, and nobody knows which belong to one net.
+            (None, Some(_)) => Sample::of(session.study.design.method, 1),
             (None, None) => Sample::of(session.study.design.method, replicates),
         };
         let mut tally = Tally::new(&session.judge, sample);

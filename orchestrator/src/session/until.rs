@@ -138,15 +138,11 @@ fn way(design: Option<(Method, u64)>) -> Result<Way, String> {
     match design {
         Some((method, _)) if method.is_independent() => Ok(Way::EveryPoint),
         Some((_, replicates)) if replicates >= LEAST => Ok(Way::Doublings),
-        Some((method, _)) => Err(format!(
-            "the points of this design depend on each other, and while they come in nothing tells how much; use \
-             method = \"monte-carlo\"{}",
-            if method.has_replicates() {
-                format!(" or replicates = {LEAST} or more")
-            } else {
-                format!(", or sobol with replicates = {LEAST} or more")
-            }
-        )),
+        Some(_) => {
+            Err("the points of this design depend on each other, and while they come in nothing tells how much; use \
+             method = \"monte-carlo\""
+                .to_owned())
+        }
         None => Err("the points of a table need not be random in their order; sample them".to_owned()),
     }
 }

@@ -177,7 +177,7 @@ fn a_study_ends_when_its_verdict_is_known() {
 fn a_verdict_cannot_be_waited_for_where_nothing_tells_how_points_depend() {
     let bench = Bench::new();
     for (from, to, words) in [
-        ("monte-carlo", "sobol", ["until", "replicates = 16"]),
+        ("monte-carlo", "sobol", ["until", "use method = \"monte-carlo\""]),
         ("monte-carlo", "optimised-latin-hypercube", ["until", "this design needs all its points"]),
         ("[verdict]\nshare = \"5 %\"\n", "", ["until", "add [verdict]"]),
         ("share = \"5 %\"", "share = 0.05\nrisk = 0.1", ["until", "guard-band"]),
@@ -383,7 +383,7 @@ fn a_grid_has_neither_a_verdict_by_share_nor_intervals() {
         .replace("method = \"monte-carlo\"\npoints = 300\nseed = 3", "method = \"full-factorial\"")
         .replace("deviation = 0.3", "deviation = 0.3\nlevels = 8");
     bench.write("study.toml", &grid);
-    bench.run(&["verify", "study.toml"]).is_mistake(&["study.toml:19:", "full-factorial grid", "replicates = 16"]);
+    bench.run(&["verify", "study.toml"]).is_mistake(&["study.toml:19:", "full-factorial grid", "monte-carlo"]);
     let (before, after) = grid.split_once("[verdict]\nshare = \"5 %\"\n").unwrap();
     let (said, summary) = verify(&bench, &format!("{before}{after}"), &[]);
     assert_eq!(said.code, 0, "{}", said.err);

@@ -80,7 +80,7 @@ fn intervals_of_several_looks_are_wider() {
         let [low, high] = history(&[]).awaiting(way).interval(&accepted, 16 * 64, 0.95);
         high - low
     };
-    assert!(width(Way::Doublings) > 1.4 * width(Way::Once));
+    assert!(width(Way::Doublings) > width(Way::Once));
     // The third look has a twelfth of 5 %.
     let alone = randomised(&accepted, 16 * 64, 1.0 - 0.05 / 12.0);
     let doublings = history(&[]).awaiting(Way::Doublings);

@@ -57,6 +57,22 @@ fn a_relative_quantity_converts_without_offset() {
     assert_eq!((kelvin("rise"), kelvin("level")), (10.0, 283.15));
 }
 
+/// A unit that is defined twice alike is one; of two meanings nobody knows the right one.
+#[test]
+fn a_unit_of_two_meanings_converts_to_none() {
+    for (second, converts) in [("1e5", true), ("2e5", false)] {
+        let description = read(&format!(
+            r#"<UnitDefinitions><Unit name="Pa"><BaseUnit kg="1" m="-1" s="-2"/></Unit>
+            <Unit name="bar"><BaseUnit kg="1" m="-1" s="-2" factor="1e5"/></Unit>
+            <Unit name="bar"><BaseUnit kg="1" m="-1" s="-2" factor="{second}"/></Unit></UnitDefinitions>
+            <ModelVariables><ScalarVariable name="p" valueReference="1"><Real unit="bar"/></ScalarVariable></ModelVariables>"#
+        ));
+        let way = |unit: &str| description.conversion(unit, &description.variables["p"]).ok();
+        assert_eq!([way("Pa").is_some(), way("MPa").is_some()], [converts; 2], "{second}");
+        assert_eq!(way("bar").map(|way| way.value(1.0)), Some(1.0));
+    }
+}
+
 #[test]
 fn foreign_parts_are_ignored_and_doubtful_ones_remarked() {
     let description = read(

@@ -47,7 +47,7 @@ const KNOWN: &[(&str, Exponents, f64, f64)] = &[
     ("rad/s", TURNING, 1.0, 0.0),
     ("deg/s", TURNING, DEGREE, 0.0),
     ("rpm 1/min /min min-1 min^-1 RPM U/min r/min rev/min", TURNING, TURN / 60.0, 0.0),
-    ("1/s rev/s", TURNING, TURN, 0.0),
+    ("rev/s", TURNING, TURN, 0.0),
     ("rad", ANGLE, 1.0, 0.0),
     ("deg degCA", ANGLE, DEGREE, 0.0),
     ("m/s", VELOCITY, 1.0, 0.0),

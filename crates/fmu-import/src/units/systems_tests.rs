@@ -53,6 +53,8 @@ fn usual_systems() {
     let turning: &[Own] = &[("rad/s", Some((TURNING, 1.0, 0.0)), &[])];
     check(turning, "rpm", Some("rad/s"), 60.0, Some(TURN));
     check(turning, "Hz", Some("rad/s"), 1.0, None);
+    check(turning, "1/s", Some("rad/s"), 1.0, None);
+    check(turning, "rev/s", Some("rad/s"), 1.0, Some(TURN));
     check(&[("Pa", Some((PASCAL, 1.0, 0.0)), &[])], "bar", Some("Pa"), 1.5, Some(1.5e5));
 }
 

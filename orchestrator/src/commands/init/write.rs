@@ -6,7 +6,6 @@ use super::measured::{Column, Measured};
 use super::run::{SMALL, Signal, TOLERANCE};
 use crate::error::Error;
 use crate::results::points::number;
-use conformity::interval::LEAST_SAMPLES;
 use curves::Metric;
 use fmu_import::units::Conversion;
 use fmu_import::{Description, Kind, Variable};
@@ -328,9 +327,8 @@ impl Study<'_> {
             format!("step = {} # s{}", number(step), of_step.map_or_else(String::new, |told| format!("; {told}"))),
             String::new(),
             "[design]".to_owned(),
-            format!("method = \"sobol\" # or {}", Method::named(|method| method != Method::Sobol)),
+            format!("method = \"monte-carlo\" # or {}", Method::named(|method| method != Method::MonteCarlo)),
             "points = 64".to_owned(),
-            format!("replicates = {LEAST_SAMPLES} # independent nets: their scatter tells the error of a share"),
             "seed = 1".to_owned(),
             String::new(),
         ]);

@@ -35,29 +35,14 @@ const Moments = (() => {
     const half = Numbers.studentLimit(confidence, n - 1) * Math.sqrt(variance / n);
     return [centre - half, centre + half];
   };
-  // How many of the numbers carry their sum.
-  const carriers = numbers => {
-    const sum = numbers.reduce((a, b) => a + b, 0), squares = numbers.reduce((a, b) => a + b * b, 0);
-    return squares > 0 ? sum * sum / squares : 0;
-  };
-  // The wider ends for independent nets, from the value of each about the mean of all.
-  const ofNets = (nets, values, confidence) => {
-    const all = total(nets), centre = mean(all);
-    let ends = Numbers.student(centre, values, 0.5 + 0.5 * confidence);
-    const widen = trials => {
-      const [low, high] = Numbers.clopperPearson(centre * trials, trials, confidence);
-      ends = [Math.min(ends[0], low), Math.max(ends[1], high)];
-    };
-    widen(all.count);
-    const hits = carriers(nets.map(net => net.sum)), misses = carriers(nets.map(net => net.count - net.sum));
-    if (Math.min(hits, misses) < 0.5 * nets.length) widen(nets.filter(net => net.count > 0).length);
-    return ends;
-  };
-
   /** The interval of the mean of independent numbers, or of several nets that are independent of each other. */
   const ofMean = (parts, confidence) => {
     const all = total(parts);
-    if (parts.length > 1) return parts.every(part => part.count > 0) ? ofNets(parts, parts.map(mean), confidence) : [0, 1];
+    // Each net is one trial.
+    if (parts.length > 1) {
+      const sum = parts.reduce((a, part) => a + mean(part), 0);
+      return parts.every(part => part.count > 0) ? Numbers.clopperPearson(sum, parts.length, confidence) : [0, 1];
+    }
     const [low, high] = Numbers.clopperPearson(all.sum, all.count, confidence);
     if (all.count < 2) return [low, high];
     const scattering = drawnOut(ofNumbers(all, confidence), all, confidence);
@@ -68,8 +53,8 @@ const Moments = (() => {
   const ofPart = (parts, confidence) => {
     const all = total(parts);
     if (parts.length < 2 || all.count === 0) return ofMean([all], confidence);
-    const ratio = mean(all), usual = all.count / parts.length;
-    return ofNets(parts, parts.map(part => ratio + (part.sum - ratio * part.count) / usual), confidence);
+    const trials = all.count ** 2 / parts.reduce((a, part) => a + part.count ** 2, 0);
+    return Numbers.clopperPearson(mean(all) * trials, trials, confidence);
   };
 
   /** The interval of a share of points that belong in turn to independent nets, by the count of each. */

@@ -194,13 +194,5 @@ const Numbers = (() => {
     return [low, high];
   });
 
-  /** Student's interval about a centre, from independent values that scatter about it. */
-  const student = (centre, values, confidence) => {
-    const n = values.length, mean = values.reduce((a, b) => a + b, 0) / n;
-    const squares = values.reduce((sum, v) => sum + (v - mean) ** 2, 0);
-    const half = studentLimit(confidence, n - 1) * Math.sqrt(squares / (n - 1) / n);
-    return [Math.max(centre - half, 0), Math.min(centre + half, 1)];
-  };
-
-  return { below, between, betweenBoth, errorBelow, errorBetween, score, beta, clopperPearson, student, studentLimit };
+  return { below, between, betweenBoth, errorBelow, errorBetween, score, beta, clopperPearson, studentLimit };
 })();
