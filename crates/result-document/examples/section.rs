@@ -11,6 +11,6 @@ fn main() {
         svg: picture("plot", [200.0, 40.0], "The load", &text("title", [100.0, 24.0], "middle", "750 N")),
         ..Figure::default()
     };
-    document.blocks.push(Block::Figures("plots", vec![figure]));
+    document.blocks.push(Block::Figures("plots".into(), vec![figure]));
     println!("<!doctype html><style>{STYLE}</style>{}", document.as_html());
 }

@@ -1,14 +1,16 @@
 //! The parts of a result for people, in the order in which they are read.
 
-use serde::Serialize;
+use std::borrow::Cow;
+
+use serde::{Deserialize, Serialize};
 
 /// A result for people.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Document {
     /// The anchor of its section in the page.
-    pub id: &'static str,
+    pub id: Cow<'static, str>,
     /// The words of the link to it.
-    pub link: &'static str,
+    pub link: Cow<'static, str>,
     /// Its heading in the page.
     pub title: String,
     /// Its parts, in the order in which they are read.
@@ -16,7 +18,7 @@ pub struct Document {
 }
 
 /// A part of a document.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", content = "content", rename_all = "lowercase")]
 pub enum Block {
     /// A heading within the document.
@@ -34,18 +36,18 @@ pub enum Block {
     /// The meaning of the figures' marks.
     Legend(Vec<Key>),
     /// Figures, in a grid of this class of the style sheet. The terminal shows their numbers.
-    Figures(&'static str, Vec<Figure>),
+    Figures(Cow<'static, str>, Vec<Figure>),
     /// A part that a reader unfolds: its title, whether it is open at first, and its content.
     Folded(String, bool, Vec<Block>),
 }
 
 /// A table with a head.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Table {
     /// Its name for screen readers.
     pub name: String,
     /// Its look: a class of the style sheet.
-    pub class: &'static str,
+    pub class: Cow<'static, str>,
     /// The columns.
     pub columns: Vec<Column>,
     /// The cells, of which the first of a row names it.
@@ -53,7 +55,7 @@ pub struct Table {
 }
 
 /// The head of a column.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Column {
     /// Its words.
     pub name: String,
@@ -74,7 +76,7 @@ pub fn numbers(name: impl Into<String>) -> Column {
 }
 
 /// The meaning of a mark.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Key {
     /// A small picture of the mark.
     pub svg: String,
@@ -93,7 +95,7 @@ impl Key {
 }
 
 /// A picture.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Figure {
     /// The name of its file, without ending.
     pub file: String,
@@ -110,7 +112,7 @@ pub struct Figure {
 impl Document {
     /// A document without content; its parts follow.
     pub fn new(id: &'static str, link: &'static str, title: impl Into<String>) -> Self {
-        Self { id, link, title: title.into(), blocks: Vec::new() }
+        Self { id: id.into(), link: link.into(), title: title.into(), blocks: Vec::new() }
     }
 
     /// Adds a heading.

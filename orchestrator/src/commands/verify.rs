@@ -13,14 +13,16 @@ use toml::Spanned;
 use super::{best, complete, cost, gate, left_out, output, table};
 use crate::cli::{Gate, Verify};
 use crate::error::Error;
-use crate::methods::asking;
 use crate::methods::setup::{self, Place, Source, Work};
+use crate::methods::{asking, identify};
 use crate::reruns::{self, Wish};
 use crate::results::summary::Run;
 use crate::results::{Looked, Summary, parquet};
 use crate::session::{Ending, Front, Request, Session, Verification};
+use conformity::decision::Decision;
 use fmu_points::names::behind;
 use fmu_points::task::Case;
+use point_journal::files::write_json;
 use point_journal::pipeline::Pipeline;
 use point_journal::pipeline::folder::Earlier;
 use point_journal::{Journal, lines};
@@ -86,14 +88,46 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
         return Ok(ExitCode::SUCCESS);
     }
     let run = Run { hosts, ..Run::since(begun, computed, jobs) };
-    let summary = verification.conclude(&folder, Some(run), ending.as_ref(), &mut looked, None)?;
+    let mut summary = verification.conclude(&folder, Some(run), ending.as_ref(), &mut looked, None)?;
     if options.parquet {
         parquet::convert(&folder, &summary)?;
     }
     let jobs = means.jobs_here().min(jobs);
     let limits = means.limits(jobs)?;
     let wish = Wish { most: options.extra_runs, validation: options.validation, dear: false, limits, jobs };
-    conclude(&mut verification, &folder, summary, &wish, (&options.gate, options.verbose))
+    run_again(&mut verification, &folder, &mut summary, &wish);
+    if options.extra_runs > 0 {
+        explain(options, &folder, &mut summary);
+    }
+    complete(&folder);
+    output::print(&table::told(&summary, Some(&folder), options.verbose));
+    gate::verdict(&summary, &options.gate)
+}
+
+/// Looks for what would explain that the model is not verified, where that does not take long.
+fn explain(options: &Verify, folder: &Path, summary: &mut Summary) {
+    /// A search takes about so many runs of each case.
+    const RUNS: f64 = 1000.0;
+    /// The longest time that nobody asked for, s.
+    const LONGEST: f64 = 30.0;
+    let Some(run) = summary.run.as_ref().filter(|run| run.computed > 0) else { return };
+    let took = RUNS * run.wall_seconds / run.computed as f64;
+    let is_asked = summary.decision() == Decision::NotVerified && summary.failed < summary.points;
+    if !is_asked || summary.has_own_values() || took > LONGEST {
+        return;
+    }
+    // A search that was cut short goes on with the study.
+    let earlier = match options.work.parts.earlier() {
+        Earlier::Resumed => Earlier::Resumed,
+        _ => Earlier::Replaced,
+    };
+    let told = identify::causes(&options.work.study, &options.work.means, earlier, folder);
+    match told {
+        Ok(causes) => summary.causes = causes,
+        Err(error) => left_out("what would explain the verdict was not sought", &error),
+    }
+    let written = write_json(&folder.join("summary.json"), summary);
+    written.unwrap_or_else(|error| left_out("the causes are in no summary", &error));
 }
 
 /// When the study may end before its last point. Refuses options that the study's design cannot follow.
@@ -149,12 +183,17 @@ pub(super) fn conclude(
 
 /// Completes the folder of a study whose verdict is known and written.
 pub(super) fn finish(verification: &mut Verification, folder: &Path, summary: &mut Summary, wish: &Wish) {
+    run_again(verification, folder, summary, wish);
+    complete(folder);
+}
+
+/// Runs some points once more, and writes the files of the best one.
+fn run_again(verification: &mut Verification, folder: &Path, summary: &mut Summary, wish: &Wish) {
     let again = reruns::run(verification, folder, summary, wish);
     again.unwrap_or_else(|error| left_out("no point was run once more", &error));
     let Session { plan, package, .. } = &verification.session;
     let best = best::write(folder, plan, package.description(), summary);
     best.unwrap_or_else(|error| left_out("the best point is in no file", &error));
-    complete(folder);
 }
 
 /// A number of things.

@@ -84,7 +84,7 @@ impl Comparison {
         };
         Table {
             name: "Changes by criterion".into(),
-            class: "stack",
+            class: "stack".into(),
             columns: vec![
                 words("Criterion"),
                 numbers("Changed"),

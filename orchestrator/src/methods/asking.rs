@@ -8,7 +8,7 @@ use serde::Serialize;
 use super::setup::{self, Place, Source, SourceParts};
 use crate::error::Error;
 use crate::judge::Judge;
-use crate::options::Work;
+use crate::options::{Means, Work};
 use crate::results::origin::Origin;
 use crate::results::table;
 use crate::results::validity::Validity;
@@ -16,8 +16,8 @@ use crate::session::{Asking, Request, Session};
 use conformity::decision::Decision;
 use parameter_regions::table::PointTable;
 use point_journal::files::{make_folder, write_json};
-use point_journal::pipeline::Pipeline;
-use point_journal::pipeline::folder::Kept;
+use point_journal::pipeline::folder::{Earlier, Kept};
+use point_journal::pipeline::{Pipeline, Shard};
 use point_journal::{Header, Outcome};
 
 /// An analysis that asks for points of its own. Its fields are its options, as the request keeps them.
@@ -120,6 +120,12 @@ impl AnalysisResult {
         self.content.insert(name.to_owned(), serde_json::json!(value));
     }
 
+    /// Sentences that were added under a name.
+    pub(super) fn sentences(&self, name: &str) -> Vec<String> {
+        let all = self.content.get(name).and_then(|all| all.as_array());
+        all.into_iter().flatten().filter_map(|one| one.as_str().map(str::to_owned)).collect()
+    }
+
     /// Writes the file.
     ///
     /// # Errors
@@ -195,13 +201,18 @@ pub(super) fn open<A: Analysis>(work: &Work, analysis: &A) -> Result<A::Source, 
     if let (Some(_), Some(message)) = (shard, analysis.one_piece()) {
         return Err(Error::option("shard", message));
     }
-    analysis.open(Request {
-        study: work.study.clone(),
-        fmu: work.means.fmu.clone(),
+    analysis.open(request(&work.study, &work.means, shard, analysis))
+}
+
+/// What was asked for.
+pub(super) fn request<A: Analysis>(study: &Path, means: &Means, shard: Option<Shard>, analysis: &A) -> Request {
+    Request {
+        study: study.to_owned(),
+        fmu: means.fmu.clone(),
         shard,
         analysis: Some(Asking { name: A::NAME.to_owned(), options: serde_json::json!(analysis) }),
         ..Request::default()
-    })
+    }
 }
 
 /// The journal's header: which study, FMU and analysis its points belong to.
@@ -226,16 +237,26 @@ pub fn header<A: Analysis>(source: &A::Source, analysis: &A) -> Result<Header, E
 
 /// Runs an analysis whose results go into `folder`.
 pub(super) fn run<A: Analysis>(
-    mut source: A::Source,
+    source: A::Source,
     analysis: &A,
     work: &Work,
     folder: PathBuf,
 ) -> Result<Delivery, Error> {
+    run_by(source, analysis, (&work.means, work.parts.earlier()), folder)
+}
+
+/// The same by these processes, with this treatment of an earlier run.
+pub(super) fn run_by<A: Analysis>(
+    mut source: A::Source,
+    analysis: &A,
+    (means, earlier): (&Means, Earlier),
+    folder: PathBuf,
+) -> Result<Delivery, Error> {
     analysis.check(&source)?;
     let header = header(&source, analysis)?;
-    let place = Place { output: &folder, analysis: Some(A::NAME), earlier: work.parts.earlier() };
+    let place = Place { output: &folder, analysis: Some(A::NAME), earlier };
     let taken = place.take(source.parts(), &header, || Ok(()))?;
-    let means = setup::Work { means: &work.means, jobs: work.means.jobs_of(usize::MAX)?, ends: true };
+    let means = setup::Work { means, jobs: means.jobs_of(usize::MAX)?, ends: true };
     let (mut result, kept) =
         setup::run(&mut source, &header, taken, means, |source, pipeline| analysis.find(source, pipeline, &folder))?;
     result.tell_validity(source.parts(), &place.state())?;

@@ -52,7 +52,7 @@ pub fn risks(summary: &Summary) -> Vec<Block> {
     let total = total.chain(shares(all)).collect();
     let table = Table {
         name: "Risks".into(),
-        class: "risks stack",
+        class: "risks stack".into(),
         columns: vec![
             words("Criterion"),
             numbers("Tolerance"),
@@ -166,8 +166,12 @@ pub fn cases(summary: &Summary) -> Vec<Block> {
     columns.push(numbers("Points"));
     columns.extend(share_columns(intervals));
     columns.push(numbers("Failed"));
-    let table =
-        Table { name: "Shares by case".into(), class: "cases", columns, rows: summary.cases.iter().map(row).collect() };
+    let table = Table {
+        name: "Shares by case".into(),
+        class: "cases".into(),
+        columns,
+        rows: summary.cases.iter().map(row).collect(),
+    };
     let hint = "Share of the points that meet each criterion in each case, and points that hold in the case: meet all its \
                 criteria. A point is verified when it holds in every case. *Held out*: judged as any other case, but not used \
                 by `identify`.";
@@ -199,7 +203,7 @@ pub fn readings(summary: &Summary) -> Vec<Block> {
     columns.push(words("Criteria with other counts"));
     let table = Table {
         name: "Other readings of the tolerances".into(),
-        class: "stack",
+        class: "stack".into(),
         columns,
         rows: summary.variants.iter().map(row).collect(),
     };

@@ -19,7 +19,7 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
     };
     told.table(Table {
         name: "Validation comparison".into(),
-        class: "stack",
+        class: "stack".into(),
         columns: vec![
             words("Criterion"),
             numbers("E"),
@@ -115,7 +115,7 @@ fn table(improvements: &Improvements, intervals: bool) -> Table {
     let changes = improvements.changes.iter().map(change);
     let mut table = Table {
         name: "What to improve first".into(),
-        class: "stack wrap",
+        class: "stack wrap".into(),
         columns: vec![
             words("If halved"),
             words("Kind"),

@@ -142,8 +142,8 @@ pub fn render(report: &Report) -> Result<String, Error> {
 
 fn section(document: &Document) -> Value {
     context! {
-        id => document.id,
-        link => document.link,
+        id => &*document.id,
+        link => &*document.link,
         html => document.as_html(),
     }
 }

@@ -229,6 +229,7 @@ fn decides(summary: &Summary) -> Vec<String> {
     let compared = summary.failed < summary.points && !summary.has_own_values();
     let conclusion = summary.conclusion.as_ref().filter(|_| compared);
     list.extend(summary.surrogate.as_ref().map(BySurrogate::sentence));
+    list.extend(summary.causes.iter().cloned());
     list.extend(conclusion.map(|conclusion| match &conclusion.risk {
         Some(risk) => accepted(conclusion.accepted, risk, summary),
         None => unknown(summary),
@@ -325,10 +326,12 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
         }
         Decision::NotVerified => {
             list.extend(nearest(summary));
-            list.push(
-                "`orchestrator identify` finds the parameters that fit best, and what would explain that none does."
-                    .to_owned(),
-            );
+            if summary.causes.is_empty() {
+                list.push(
+                    "`orchestrator identify` finds the parameters that fit best, and what would explain that none does."
+                        .to_owned(),
+                );
+            }
         }
         Decision::Inconclusive if summary.surrogate.is_some() => {
             list.push("A larger --budget with --resume goes on from these runs.".to_owned());

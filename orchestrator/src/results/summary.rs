@@ -82,6 +82,9 @@ pub struct Summary {
     /// The work that was left out because it would have taken too long or been too large: a sentence.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub left_out: Option<String>,
+    /// What would explain that the model is not verified, where that was sought: sentences.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub causes: Vec<String>,
     /// How the model compares with the measurement, by criterion (ASME V&V 20); of two points with a result or more.
     #[serde(default)]
     pub validation: IndexMap<String, Comparison>,

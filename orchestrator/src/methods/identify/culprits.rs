@@ -2,6 +2,8 @@
 
 use std::collections::BTreeSet;
 
+use calibration::fit::Fit;
+use calibration::local::End;
 use calibration::next::Group;
 use calibration::outcome::IdentificationOutcome;
 use calibration::problem::{Free, NoPrediction, Problem, Query, Simulate, Spacing};
@@ -223,6 +225,27 @@ pub(super) fn headline(outcome: &IdentificationOutcome) -> Option<String> {
         _ => format!(" The data do not tell it from other causes: {}.", equals.join(", ")),
     };
     Some(format!("{part}: {}.{as_well}", sentence(first)))
+}
+
+/// What explains that points miss the measured values, for the first screen of the study: a cause, that nothing was found, or
+/// that the parameters alone do. Nothing where the search has no one answer.
+pub(super) fn causes(outcome: &IdentificationOutcome) -> Vec<String> {
+    /// Of a parameter that the data determine they leave less of the prior's deviation.
+    const DETERMINED: f64 = 0.5;
+    if outcome.end != End::Converged || outcome.fit() != Fit::Good || outcome.has_several() {
+        return headline(outcome).into_iter().collect();
+    }
+    let determined = outcome.free.iter().filter(|free| free.left < DETERMINED);
+    let values = determined.map(|free| {
+        let unit = behind(free.unit.as_deref().filter(|unit| *unit != "1"));
+        let [low, high] = free.interval.map(|end| number(end, 4));
+        format!("{} = {}{unit} ({low} .. {high}, 95 %)", free.name, number(free.value, 4))
+    });
+    let values: Vec<String> = values.collect();
+    match values.is_empty() {
+        true => Vec::new(),
+        false => vec![format!("The parameters alone would explain it: the model fits at {}.", values.join(", "))],
+    }
 }
 
 fn sentence(suspect: &Suspect) -> String {

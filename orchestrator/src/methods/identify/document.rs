@@ -74,11 +74,26 @@ impl Page<'_> {
         documents.into_iter().flatten().collect()
     }
 
+    /// The result as a section of the study's page.
+    pub(super) fn section(&self) -> Document {
+        let (_, headline, told) = self.headline();
+        let mut section = Document::new("identification", "Identification", "Which parameters fit the measured values");
+        section.warn(&self.warnings());
+        section.say(format!("{headline}."));
+        told.into_iter().for_each(|sentence| section.say(sentence));
+        for document in self.documents() {
+            section.heading(document.title);
+            section.blocks.extend(document.blocks);
+        }
+        section
+    }
+
     /// The result for the terminal.
     pub(super) fn as_text(&self) -> String {
         let (_, headline, told) = self.headline();
         let mut text: String = self.warnings().iter().map(|warning| format!("warning: {warning}\n")).collect();
-        text += &format!("{headline}.\n{told}\n");
+        text += &format!("{headline}.\n");
+        told.iter().for_each(|sentence| text += &format!("{sentence}\n"));
         for document in self.documents() {
             let content = document.as_text();
             if !content.is_empty() {
@@ -94,7 +109,7 @@ impl Page<'_> {
     /// When the system says no.
     pub(super) fn write(&self, folder: &Path) -> Result<(), Error> {
         let documents = self.documents();
-        let links: Vec<[&str; 2]> = documents.iter().map(|d| [d.id, d.link]).collect();
+        let links: Vec<[String; 2]> = documents.iter().map(|d| [&d.id, &d.link].map(|words| words.to_string())).collect();
         let (good, headline, told) = self.headline();
         let page = context! {
             title => self.title,
@@ -115,7 +130,7 @@ impl Page<'_> {
     }
 
     /// Whether all is well, what came of it, and how well it fits.
-    fn headline(&self) -> (bool, String, String) {
+    fn headline(&self) -> (bool, String, Vec<String>) {
         let outcome = self.outcome;
         let values = count(self.bound.problem.values());
         let fit = outcome.fit();
@@ -134,16 +149,18 @@ impl Page<'_> {
         if let (Some(p), true) = (outcome.probability.filter(|_| fit == Fit::Good), agreement.is_empty()) {
             agreement.push(format!("A right model misses by more in {} % of such tests.", number(100.0 * p, 2)));
         }
-        let told = format!(
-            "{values} measured value{}; sum of squares {} with {} degrees of freedom. {}",
-            if self.bound.problem.values() == 1 { "" } else { "s" },
-            number(outcome.cost, 4),
-            outcome.degrees_of_freedom,
-            agreement.join(" ")
+        agreement.insert(
+            0,
+            format!(
+                "{values} measured value{}; sum of squares {} with {} degrees of freedom.",
+                if self.bound.problem.values() == 1 { "" } else { "s" },
+                number(outcome.cost, 4),
+                outcome.degrees_of_freedom,
+            ),
         );
         let good =
             outcome.end == End::Converged && !outcome.has_several() && fit == Fit::Good && self.warnings().is_empty();
-        (good, headline, told)
+        (good, headline, agreement)
     }
 
     fn warnings(&self) -> Vec<String> {
@@ -182,7 +199,7 @@ impl Page<'_> {
                 let rows: Vec<&Residual> = rows.map(|k| self.residual(0, k)).collect();
                 fitted(&curve.name, unit(&curve.unit), &curve.times, &rows)
             });
-            told.blocks.push(Block::Figures("planes", figures.collect()));
+            told.blocks.push(Block::Figures("planes".into(), figures.collect()));
             let left = self.bound.curves.len().saturating_sub(MOST_CURVES);
             if left > 0 {
                 told.say(format!("{left} more curves are not drawn."));
@@ -210,7 +227,7 @@ impl Page<'_> {
         }
         told.table(values(rows));
         if !figures.is_empty() {
-            told.blocks.push(Block::Figures("thirds", figures));
+            told.blocks.push(Block::Figures("thirds".into(), figures));
             told.hint(
                 "Model less measurement of each case, in standard uncertainties; the band reaches to two of them.",
             );
@@ -354,7 +371,7 @@ impl Page<'_> {
             .push(Block::Legend(vec![Key::new("line before", "M0,7h14", "prior: what was known before"), posterior]));
         let all = 0..self.bound.problem.free.len();
         let figures = all.filter_map(|k| self.density(k)).chain(self.common());
-        told.blocks.push(Block::Figures("thirds", figures.collect()));
+        told.blocks.push(Block::Figures("thirds".into(), figures.collect()));
         told
     }
 
@@ -449,7 +466,7 @@ impl Page<'_> {
         pairs.sort_by(|p, q| correlation(q.0, q.1).abs().total_cmp(&correlation(p.0, p.1).abs()));
         let mut told = Document::new("pairs", "Pairs", "Which parameters the data tell only together");
         let figures = pairs.iter().take(MOST_PAIRS).filter_map(|&(a, b)| self.pair([a, b], correlation(a, b)));
-        told.blocks.push(Block::Figures("thirds", figures.collect()));
+        told.blocks.push(Block::Figures("thirds".into(), figures.collect()));
         told.hint(match self.sample {
             Some(_) => "Each point is a set of parameters from the posterior. A narrow, slanted cloud: the data tell the combination, not each one.",
             None => {

@@ -21,7 +21,8 @@ use crate::identify::bind::Bound;
 use crate::identify::from_study;
 use crate::identify::model::{Finer, FmuModel};
 use crate::identify::offsets;
-use crate::options::Work;
+use crate::options::{Means, Work};
+use crate::results::origin::Origin;
 use crate::session::Request;
 use calibration::failures::Excluded;
 use calibration::fit;
@@ -38,7 +39,9 @@ use calibration::sample::outcome::Evidence;
 use calibration::search::{self, Progress, SearchError};
 use fmu_import::Package;
 use fmu_points::names::{did_you_mean, nearest};
+use point_journal::files::write_json;
 use point_journal::pipeline::Pipeline;
+use point_journal::pipeline::folder::Earlier;
 use result_document::Document;
 use sampling::design::cube;
 use study::concern::{Code, Concern};
@@ -59,9 +62,31 @@ pub struct Options {
     pub asked: Asked,
 }
 
-/// The page of a finished study shows nothing of it: its points are others.
-pub(super) fn shown(_: &Finished<'_>) -> Option<Document> {
-    None
+/// What the page of a finished study shows of it, in the folder of its journal.
+const SECTION: &str = "identify/section.json";
+
+/// A result in the folder of a finished study, as its page shows it.
+pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
+    study.result::<Section>(SECTION).map(|section| section.document)
+}
+
+#[derive(Serialize, Deserialize)]
+struct Section {
+    origin: Origin,
+    document: Document,
+}
+
+/// What explains that a study is not verified, in the study's folder: a search with the usual options.
+///
+/// # Errors
+/// Says why nothing was sought or found.
+pub(crate) fn causes(study: &Path, means: &Means, earlier: Earlier, folder: &Path) -> Result<Vec<String>, Error> {
+    let asked = Asked::default();
+    let request = asking::request(study, means, None, &asked);
+    let fit = asked.open(request)?;
+    let Delivery { result, folder, .. } = asking::run_by(fit, &asked, (means, earlier), folder.to_owned())?;
+    result.write(&folder)?;
+    Ok(result.sentences("causes"))
 }
 
 /// Runs the command.
@@ -76,7 +101,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
 }
 
 /// A search for the most probable parameters.
-#[derive(Debug, Args, Serialize, Deserialize)]
+#[derive(Debug, Default, Args, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub struct Asked {
     /// How many starts are screened, instead of the study's number
@@ -213,9 +238,20 @@ impl Analysis for Asked {
             outcome: &outcome,
             sample: sample.as_ref(),
         };
-        page.write(folder)?;
-        let mut result = AnalysisResult::new(&outcome, None, page.as_text(), FILE);
+        let origin = Origin {
+            study_sha256: fit.study.digest(),
+            fmu_sha256: Some(fit.package.digest()?),
+            points: None,
+        };
+        let section = Section { origin: origin.clone(), document: page.section() };
+        write_json(&folder.join(SECTION), &section)?;
+        // A finished study has a page, which shows the section.
+        if !folder.join("summary.json").exists() {
+            page.write(folder)?;
+        }
+        let mut result = AnalysisResult::new(&outcome, origin, page.as_text(), FILE);
         result.add("fit", &outcome.fit());
+        result.add("causes", &culprits::causes(&outcome));
         result.add("concerns", &concerns(&outcome));
         result.code = code;
         Ok(result)

@@ -48,7 +48,7 @@ pub fn document(result: &Pareto) -> Document {
          largest deviation: every criterion keeps as much room as the worst of them can have.",
     );
     told.blocks.push(legend(result));
-    told.blocks.push(Block::Figures("thirds", plots(result)));
+    told.blocks.push(Block::Figures("thirds".into(), plots(result)));
     told
 }
 
@@ -65,7 +65,7 @@ fn members(result: &Pareto, best: &Member) -> Table {
     let columns = [words(""), numbers("largest"), numbers("distance")].into_iter();
     Table {
         name: "Best compromise".into(),
-        class: "best",
+        class: "best".into(),
         columns: columns.chain(result.criteria.iter().map(numbers)).chain(parameters).collect(),
         rows,
     }

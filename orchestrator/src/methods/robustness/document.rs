@@ -132,7 +132,7 @@ fn maps(result: &Robustness) -> Vec<Block> {
         };
         let [low, high] = range.map(|end| number(end, 4));
         let scale = Block::Legend(vec![Key { svg: String::new(), words: low }, Key { svg: shades(), words: high }]);
-        let figures = Block::Figures("maps", result.maps.iter().map(figure).collect());
+        let figures = Block::Figures("maps".into(), result.maps.iter().map(figure).collect());
         let title = format!("{name} over all pairs of parameters");
         Block::Folded(title, false, vec![scale, figures])
     };

@@ -25,7 +25,7 @@ pub fn document(result: &Sensitivity) -> Document {
     }
     let figures = result.outputs.iter();
     let figures = figures.map(|output| figure(&result.parameters, output));
-    told.blocks.push(Block::Figures("planes", figures.collect()));
+    told.blocks.push(Block::Figures("planes".into(), figures.collect()));
     told
 }
 

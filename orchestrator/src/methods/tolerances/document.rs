@@ -45,7 +45,7 @@ fn table(result: &Tolerances) -> Table {
     };
     Table {
         name: "Widest tolerances".into(),
-        class: "stack",
+        class: "stack".into(),
         columns: vec![
             words("Parameter"),
             words("Study"),
