@@ -212,17 +212,14 @@ impl Conclusion {
 }
 
 fn method(way: Way, samples: usize) -> String {
-    match (way, samples) {
-        (Way::Once, 1) => "Clopper and Pearson's".to_owned(),
-        (Way::Once, n) => {
-            format!("the wider of Student's over {n} replicates and Clopper and Pearson's")
-        }
-        (Way::EveryPoint, _) => "a confidence sequence, which may be looked at after every point".to_owned(),
-        (Way::Doublings, n) => {
-            format!(
-                "the wider of Student's over {n} replicates and Clopper and Pearson's, with the probability of a wrong verdict divided among the looks"
-            )
-        }
+    let counted = match samples {
+        1 => "Clopper and Pearson's".to_owned(),
+        n => format!("Clopper and Pearson's with each of {n} replicates as one trial"),
+    };
+    match way {
+        Way::Once => counted,
+        Way::EveryPoint => "a confidence sequence, which may be looked at after every point".to_owned(),
+        Way::Doublings => format!("{counted}, with the probability of a wrong verdict divided among the looks"),
     }
 }
 
