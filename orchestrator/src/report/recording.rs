@@ -1,17 +1,17 @@
 //! The page of a recording: the delay with its uncertainty, the signals before and after, what
 //! the tests of stationarity say, and the criteria.
 
-use super::plain::Page;
 use super::write_file;
 use crate::error::Error;
+use minijinja::value::{Serde, Value};
+use minijinja::{Environment, context};
+use result_document::Figure;
 use result_document::bins::axis_range;
 use result_document::format::number;
 use result_document::svg::{Frame, area, envelope, path};
-use result_document::{Block, Document, Figure, Key, Table, numbers, words};
-use rig_signals::stationarity::Stationarity;
-use rig_signals::{Channel, DerivedCriterion, RigRecording, Synchronised};
+use rig_signals::{Channel, DerivedCriterion, RigRecording, Synchronised, criteria};
 use sampling::statistics::moments::mean;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Length of the record's end that is drawn, s.
 const SHOWN: f64 = 1.0;
@@ -31,7 +31,7 @@ impl<'a> Trace<'a> {
     }
 }
 
-/// Writes `report.html` and `plots/*.svg` into a folder.
+/// Writes `report.html` and `plots/*.svg` into a folder, and returns the page's path.
 ///
 /// # Errors
 /// When a file cannot be written.
@@ -41,152 +41,95 @@ pub fn write(
     title: &str,
     amplitudes: bool,
     folder: &Path,
-) -> Result<(), Error> {
-    let documents = [signals(recording, result), measured(result, amplitudes), steadiness(recording, result)];
+) -> Result<PathBuf, Error> {
+    let delay = &result.delay;
+    let milliseconds = |s: f64| number(1e3 * s, 4);
+    let per_cent = |part: f64| number(100.0 * part, 3);
+    let shown = |f: &&DerivedCriterion| amplitudes || f.statistic != "amplitude";
+    let rows: Vec<Value> = result.findings.iter().filter(shown).map(row).collect();
+    let [start, end] = [result.time.first(), result.time.last()].map(|t| number(t.copied().unwrap_or(0.0), 5));
+    let steady = result.findings.iter().filter(|f| !f.blocks.is_empty());
+    let steady: Vec<Figure> = steady.filter_map(wander).collect();
+    let figures = match &recording.bearing {
+        Some(_) => figures(result),
+        None => recording.others.iter().filter_map(recorded).collect(),
+    };
     let plots = folder.join("plots");
     std::fs::create_dir_all(&plots).map_err(Error::io(&plots))?;
-    for figure in documents.iter().flat_map(Document::figures) {
+    for figure in figures.iter().chain(&steady) {
         let path = plots.join(format!("{}.svg", figure.file));
         write_file(&path, &result_document::svg::standalone(&figure.svg))?;
     }
-    let headline = match (&recording.bearing, &result.delay.delay) {
-        (None, _) => "Measured values of the signals".to_owned(),
-        (Some(_), Some(delay)) => format!("Torque {} ms later than the load", milliseconds(delay.value)),
-        (Some(_), None) => "Load and torque are not related".to_owned(),
-    };
-    let page = Page {
-        kicker: "From measured signals to criteria",
+    let interval = delay.delay.filter(|_| delay.disturbance.is_none());
+    let friction = &result.mean_friction;
+    let bearing = recording.bearing.as_ref();
+    let rows_in: usize = result.accounts.iter().map(|account| account.rows).sum();
+    let mut facts = vec![
+        ("Program", concat!("orchestrator ", env!("CARGO_PKG_VERSION")).to_owned()),
+        ("Samples", rows_in.to_string()),
+    ];
+    if let Some(bearing) = bearing {
+        let [diameter, longest] = [bearing.diameter, bearing.longest_delay].map(|v| number(1e3 * v, 6));
+        facts.push(("Bearing diameter", format!("{diameter} mm")));
+        facts.push(("Longest delay looked for", format!("{longest} ms")));
+    }
+    let page = context! {
         title,
-        headline: &headline,
-        is_good: result.warnings.is_empty(),
-        documents: &documents,
+        style => [
+            result_document::svg::STYLE,
+            include_str!("assets/report.css")
+        ].concat(),
+        delay => delay.delay.map(|d| milliseconds(d.value)),
+        interval => interval.map(|d| [d.low, d.high].map(milliseconds).to_vec()),
+        before => per_cent(result.friction_scatter[0]),
+        after => per_cent(result.friction_scatter[1]),
+        friction => vec![number(friction.value, 4), number(friction.expanded(), 2)],
+        bearing => bearing.is_some(),
+        smoothing => bearing.map(|bearing| bearing.smoothing.to_string()),
+        window => format!("{start} .. {end} s"),
+        blocks => delay.blocks,
+        warnings => Serde(&result.warnings),
+        figures => Serde(&figures),
+        rows,
+        confidence => number(100.0 * recording.confidence, 4),
+        steady => Serde(&steady),
+        criteria => criteria::to_toml(result, amplitudes),
+        facts => Serde(facts),
     };
-    page.write(&folder.join("report.html"))
+    let template = include_str!("assets/recording.html");
+    let html = Environment::new().render_named_str("recording.html", template, page)?;
+    let path = folder.join("report.html");
+    write_file(&path, &html)?;
+    Ok(path)
 }
 
-fn milliseconds(seconds: f64) -> String {
-    number(1e3 * seconds, 4)
-}
-
-/// The signals, and of a bearing the delay between load and torque.
-fn signals(recording: &RigRecording, result: &Synchronised) -> Document {
-    let mut told = Document::new("signals", "Signals", "Signals");
-    told.warn(&result.warnings);
-    let samples: usize = result.accounts.iter().map(|account| account.rows).sum();
-    let origin = format!("{samples} samples; orchestrator {}.", env!("CARGO_PKG_VERSION"));
-    let Some(bearing) = &recording.bearing else {
-        told.blocks.push(grid(recording.others.iter().filter_map(recorded)));
-        told.hint(origin);
-        return told;
-    };
-    let (delay, friction) = (&result.delay, &result.mean_friction);
-    told.say(match (&delay.delay, &delay.disturbance) {
-        (None, _) => "There is no delay, and the torque is not shifted.".to_owned(),
-        (Some(_), Some(_)) => "The delay has no interval: see the warnings.".to_owned(),
-        (Some(delay), None) => {
-            format!("95 % interval of the delay: {} .. {} ms.", milliseconds(delay.low), milliseconds(delay.high))
-        }
-    });
-    let [before, after] = result.friction_scatter.map(|part| number(100.0 * part, 3));
-    let [start, end] = [result.time.first(), result.time.last()].map(|t| number(t.copied().unwrap_or(0.0), 5));
-    told.say(format!(
-        "Friction coefficient {} ± {}. That of a steady state hardly varies; the delay is the shift of the torque at which it \
-         follows the load most closely. The coefficient's relative standard deviation is {before} % before the shift and {after} % \
-         after it. The interval comes from {} blocks of the record. Smoothing of load and torque: {}. Window: {start} .. {end} s.",
-        number(friction.value, 4),
-        number(friction.expanded(), 2),
-        delay.blocks,
-        bearing.smoothing
-    ));
-    told.blocks.push(Block::Legend(vec![
-        Key::new("line raw", "M0,9l3,-5l3,6l3,-6l5,4", "recorded"),
-        Key::new("line before", "M0,7h14", "smoothed, before the shift"),
-        Key::new("line", "M0,7h14", "smoothed, aligned; the last second of the window"),
-    ]));
-    told.blocks.push(grid(figures(result).into_iter()));
-    told.hint(format!(
-        "In the last plot: the band is the interval of the delay, the dashed line the delay itself. Bearing diameter {} mm, longest \
-         delay looked for {} ms; {origin}",
-        number(1e3 * bearing.diameter, 6),
-        number(1e3 * bearing.longest_delay, 6)
-    ));
-    told
-}
-
-fn grid(figures: impl Iterator<Item = Figure>) -> Block {
-    Block::Figures("planes", figures.collect())
-}
-
-/// The measured values with their uncertainties.
-fn measured(result: &Synchronised, amplitudes: bool) -> Document {
-    let mut told = Document::new("measured", "Measured values", "Measured values");
-    let shown = |f: &&DerivedCriterion| amplitudes || f.statistic != "amplitude";
-    told.table(Table {
-        name: "Measured values".into(),
-        columns: vec![
-            words("Criterion"),
-            words("Of"),
-            numbers("Value"),
-            numbers("Expanded (k = 2)"),
-            numbers("Scatter"),
-            numbers("Sensor"),
-            numbers("Noise of a row"),
-            numbers("Change over the window"),
-            words("Stationarity"),
-        ],
-        rows: result.findings.iter().filter(shown).map(row).collect(),
-        ..Table::default()
-    });
-    told.hint(
-        "Means over whole turns. Expanded uncertainty, and the standard uncertainties from scatter and sensor, combined after the \
-         GUM; a sensor's accuracy is the half-width of a rectangular distribution. The noise of a row is the standard deviation \
-         between the shaft's harmonics, as recorded.",
-    );
-    told
-}
-
-fn row(finding: &DerivedCriterion) -> Vec<String> {
+fn row(finding: &DerivedCriterion) -> Value {
     let m = &finding.measured;
     let unit = &finding.unit;
-    let dash = || "–".to_owned();
-    let change = |s: &Stationarity| {
+    let change = |s: &rig_signals::stationarity::Stationarity| {
         let [value, low, high] = [s.change.value, s.change.low, s.change.high].map(|v| number(v, 2));
         format!("{value} ({low} .. {high})")
     };
-    vec![
-        finding.name.clone(),
-        format!("{} of {}", finding.statistic, finding.variable),
-        format!("{} {unit}", number(m.value, 6)),
-        format!("± {} {unit}", number(m.expanded(), 2)),
-        number(m.scatter, 2),
-        number(m.sensor, 2),
-        finding.noise.as_ref().map_or_else(dash, |noise| number(noise.stated(), 2)),
-        finding.stationarity.as_ref().map_or_else(dash, change),
-        match &finding.stationarity {
-            None if finding.statistic == "amplitude" => dash(),
-            None => "window too short".to_owned(),
-            Some(s) if s.trend => format!("drifting, chance {:.0e}", s.trend_chance),
-            Some(s) if s.drift => format!("wandering, chance {:.0e}", s.wander_chance),
-            Some(_) => "steady".to_owned(),
-        },
-    ]
-}
-
-/// Whether the signals were steady.
-fn steadiness(recording: &RigRecording, result: &Synchronised) -> Document {
-    let mut told = Document::new("steady", "Stationarity", "Was it steady?");
-    told.blocks.push(Block::Legend(vec![
-        Key::new("blocks", "M0,9l4,-4l4,5l6,-4", "means of blocks"),
-        Key::new("limit", "M0,7h14", "their trend"),
-    ]));
-    let steady = result.findings.iter().filter(|f| !f.blocks.is_empty());
-    told.blocks.push(grid(steady.filter_map(wander)));
-    told.hint(format!(
-        "Tested with {} % confidence: whether the straight line rises or falls, and whether the means wander about it (von \
-         Neumann's ratio).",
-        number(100.0 * recording.confidence, 4)
-    ));
-    told
+    let (steady, alarm) = match &finding.stationarity {
+        None if finding.statistic == "amplitude" => ("–".to_owned(), false),
+        None => ("window too short".to_owned(), true),
+        Some(s) if s.trend => (format!("drifting, chance {:.0e}", s.trend_chance), true),
+        Some(s) if s.drift => (format!("wandering, chance {:.0e}", s.wander_chance), true),
+        Some(_) => ("steady".to_owned(), false),
+    };
+    let noise = finding.noise.as_ref();
+    context! {
+        name => &finding.name,
+        about => format!("{} of {}", finding.statistic, finding.variable),
+        value => format!("{} {unit}", number(m.value, 6)),
+        expanded => format!("± {} {unit}", number(m.expanded(), 2)),
+        scatter => number(m.scatter, 2),
+        sensor => number(m.sensor, 2),
+        noise => noise.map_or("–".into(), |noise| number(noise.stated(), 2)),
+        change => finding.stationarity.as_ref().map_or("–".into(), change),
+        steady,
+        alarm,
+    }
 }
 
 /// A signal as it was recorded.
