@@ -1,5 +1,5 @@
-"""Other people's FMUs, each kind for itself: points by `orchestrator verify`, undisturbed, with every point alone, and killed
-and resumed, against fmpy with a fresh process for every point. Prints a line an FMU and kind, then a Markdown table; the exit
+"""Other people's FMUs, each kind for itself: points by `orchestrator verify`, undisturbed, and killed and
+resumed, against fmpy with a fresh process for every point. Prints a line an FMU and kind, then a Markdown table; the exit
 code is 1 when a result is wrong or lost.
 
     scripts/evidence/foreign FOLDER [--only PART] [--points N] [--keep DIR] [--table FILE]
@@ -50,8 +50,7 @@ PAGE = """# Other people's FMUs
 
 `scripts/evidence/foreign FOLDER --table docs/evidence/foreign-fmus.md` ran FMUs from public repositories and Python wheels, which are not
 part of this repository, Co-Simulation and Model Exchange each: {points} points within 10 % of the start values, by fmpy with a
-fresh process a point, and by `orchestrator verify` three times: undisturbed, with `--isolation fresh`, and killed by SIGKILL on
-the way and resumed. [foreign-fmus.csv](foreign-fmus.csv) has the counts by repository. *Equal*: all outputs agree bit for bit, or
+fresh process a point, and by `orchestrator verify` twice: undisturbed, and killed by SIGKILL on the way and resumed. [foreign-fmus.csv](foreign-fmus.csv) has the counts by repository. *Equal*: all outputs agree bit for bit, or
 neither gives a result. *Within*: by 1e-4 of the largest value (Model Exchange: two solvers). *Lost*: only the other has a result.
 *Once*: nothing to vary, one run.
 
@@ -303,11 +302,8 @@ def verify(fmu, row, known, exact, folder):
     more = environment(fmu)
     whole = Study(folder, "whole", command, more).run()
     row.counts = dict(compare(whole, known, exact, row, "undisturbed"))
-    compare(Study(folder, "alone", [*command, "--isolation", "fresh"], more).run(), known, exact, row, "fresh")
     if known["reproducible"] is False and whole.summary.get("reproducible") is not False:
         row.wrong.append("not labelled as not reproducible")
-    if whole.summary.get("isolation") not in (None, "fresh"):
-        row.remarks.append(f"isolation: {whole.summary['isolation']}")
     for begun in (12, 3, 0):
         run = Study(folder, f"killed-{begun}", command, more)
         _, killed, strays = run.interrupted(begun, signal.SIGKILL)

@@ -1,7 +1,5 @@
 """Workers that a command starts: whatever becomes of them, the files are those of a run on one machine."""
 
-import fcntl
-import hashlib
 import json
 import os
 import shutil
@@ -216,24 +214,6 @@ def test_an_fmu_is_sent_once(study, tmp_path):
                "--launcher", f"sh -c 'tee {orders} | \"$@\"' --")
     assert done.returncode == 0, done.stderr
     assert orders.stat().st_size < 1.1 * large.stat().st_size
-
-
-@pytest.mark.long
-def test_an_fmu_that_comes_slowly_is_waited_for(study, single, tmp_path):
-    """By all workers of its host: while another one receives it, they are alive, and so is the supervisor."""
-    node, out = tmp_path / "node", tmp_path / "out"
-    folder = node / f"fmu-run-{os.getuid()}-{hashlib.sha256((study.parent / 'healthy.fmu').read_bytes()).hexdigest()}"
-    folder.mkdir(parents=True)
-    command = [PROGRAM, "verify", study, "--output", out, "--launcher", f"env TMPDIR={node}", "--jobs", "1", "--ship",
-               "--launcher-timeout", "2"]
-    with (folder / "in-use").open("w") as receiving:
-        fcntl.flock(receiving, fcntl.LOCK_EX)
-        begun = subprocess.Popen(command, stdout=subprocess.DEVNULL)
-        # Two workers in a row that take so long silence for a lost supervisor would end the run.
-        time.sleep(12)
-        assert begun.poll() is None
-    assert begun.wait() == 0
-    assert files(out) == files(single)
 
 
 @pytest.mark.parametrize("options", [["--hosts", "x"], ["--ship"], ["--launcher", ""], ["--launcher", "env", "--isolation", "none"],

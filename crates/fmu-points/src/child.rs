@@ -66,7 +66,7 @@ impl Child<'_> {
 
     /// Lets the program do what it wants of the FMU. It loads that itself, so that it can tell how far it came.
     fn run_errand(&mut self, task: &[u8]) {
-        self.say(&Said::Loaded(None));
+        self.say(&Said::Loaded(false));
         if let (Some(errand), Some(package)) = (ERRAND.get(), self.estate.package.take()) {
             errand(package, task, &mut |told| self.say(&Said::Told(told)));
         }
@@ -140,17 +140,16 @@ impl Child<'_> {
         }
     }
 
-    /// The FMU, loaded here where the worker has not done so; the worker is told.
+    /// The FMU, loaded here where the worker has not done so; then the worker is told.
     fn loaded(&mut self) -> Option<Arc<Library>> {
         if let Some(library) = self.estate.library.take() {
-            self.say(&Said::Loaded(None));
             return Some(library);
         }
         let before = Belongings::now();
         match self.estate.package.as_mut()?.load() {
             Ok(library) => {
                 let forkable = before.allow_forks(&Belongings::now());
-                self.say(&Said::Loaded(Some(forkable)));
+                self.say(&Said::Loaded(forkable));
                 Some(library)
             }
             Err(error) => {

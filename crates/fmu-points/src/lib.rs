@@ -77,7 +77,6 @@ mod remote;
 mod room;
 mod runner;
 pub mod scratch;
-mod shipped;
 pub mod single;
 mod station;
 pub mod stop;

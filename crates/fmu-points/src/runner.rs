@@ -1,8 +1,7 @@
 //! Runs one point after another on one instance of an FMU.
 //!
-//! A used instance is reset for the next point, or given back its first state where it cannot be reset;
-//! else it is replaced. The first point on a used instance runs on a fresh one too: an FMU that forgets
-//! to reset something is found out, and gets a fresh instance for every point from then on.
+//! A used instance is reset for the next point; where it cannot be, it is replaced. The first point on a used instance runs on
+//! a fresh one too: an FMU that forgets to reset something is found out, and gets a fresh instance for every point from then on.
 
 mod collector;
 mod gauge;
@@ -17,7 +16,7 @@ use crate::failure::{Failure, Partial};
 use crate::notices::Notices;
 use crate::system;
 use crate::task::{Probe, Task};
-use fmu_import::{Call, End, Instance, Library, State, Warnings};
+use fmu_import::{Call, End, Instance, Library, Warnings};
 use gauge::Gauge;
 use scene::Scene;
 
@@ -30,7 +29,8 @@ pub struct Runner {
     /// The other cases of a point.
     others: Vec<Scene>,
     used: Option<Held>,
-    reuse: Reuse,
+    /// Whether each point has an instance of its own.
+    renews: bool,
     /// Whether a reused instance has been compared with a fresh one.
     trusted: bool,
     /// Whether the last point failed because the FMU refused an instance, such as for want of a licence.
@@ -43,22 +43,10 @@ pub struct Runner {
     version: Option<Option<String>>,
 }
 
-/// How a used instance gets ready for the next point.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Reuse {
-    /// It is reset; where it cannot be, one that is restored takes its place.
-    Reset,
-    /// It is given back its first state; where that is not possible, it is replaced.
-    Restore,
-    /// Another one takes its place.
-    Renew,
-}
-
-/// An instance, and its first state where that is needed.
+/// An instance.
 #[derive(Debug)]
 struct Held {
     instance: Instance,
-    first: Option<State>,
     /// The warnings of its creation: every point on it has them, as it would have alone.
     born: Warnings,
     /// Whether another point ran on it before.
@@ -69,22 +57,13 @@ struct Held {
 #[derive(Debug)]
 pub struct Last(#[allow(dead_code)] Option<Held>);
 
-impl Drop for Held {
-    fn drop(&mut self) {
-        if let Some(state) = self.first.take() {
-            // An instance that ended keeps it: nothing may be called any more.
-            let _ = self.instance.forget(state);
-        }
-    }
-}
-
 impl Runner {
     /// A runner of points of this task.
     pub fn new(library: Arc<Library>, task: Task) -> Self {
         Self {
             used: None,
             failed: None,
-            reuse: Reuse::Reset,
+            renews: false,
             // Where there can be one instance only, there is none to compare with.
             trusted: library.is_for_one_instance(),
             refused: false,
@@ -229,7 +208,7 @@ impl Runner {
         let fresh = self.prepared().and_then(|held| self.once(held, values));
         let after = fresh.as_ref().map(|()| bits(&self.scene.results));
         if before != after {
-            self.reuse = Reuse::Renew;
+            self.renews = true;
         }
         self.trusted = true;
         fresh
@@ -290,28 +269,18 @@ impl Runner {
             if used.instance.is_dead() {
                 return Err(Failure::Fatal("the FMU cannot go on in this process".to_owned()));
             }
-            let Held { instance, first, .. } = &mut used;
-            let (ready, otherwise) = match (self.reuse, first) {
-                (Reuse::Reset, _) => (instance.reset().is_ok(), Reuse::Restore),
-                (Reuse::Restore, Some(first)) => (instance.restore(first).is_ok(), Reuse::Renew),
-                _ => (false, Reuse::Renew),
-            };
-            if ready {
+            if !self.renews && used.instance.reset().is_ok() {
                 used.reused = true;
                 return Ok(used);
             }
-            self.reuse = otherwise;
+            self.renews = true;
             // Before there is another one.
             drop(used);
         }
         let instance = Instance::new(&self.library, "point");
         self.refused = instance.is_err();
-        let mut instance = instance.map_err(|call| Failure::from_call(&call))?;
-        let first = match self.reuse {
-            Reuse::Restore => instance.save(),
-            _ => None,
-        };
-        Ok(Held { born: instance.warnings(), instance, first, reused: false })
+        let instance = instance.map_err(|call| Failure::from_call(&call))?;
+        Ok(Held { born: instance.warnings(), instance, reused: false })
     }
 
     fn simulate(&mut self, held: &mut Held, values: &[f64]) -> Result<(), Call> {

@@ -43,14 +43,9 @@ pub struct Scratch {
 /// The folders that there are.
 static FOLDERS: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 /// The file of a folder in the system's place for such folders that its process has locked.
-pub(crate) const LOCK: &str = "in-use";
+const LOCK: &str = "in-use";
 /// The names of those folders begin so. Earlier versions sweep up "orchestrator-..." by names that no other command had.
 const PREFIX: &str = "fmu-run-";
-
-/// The name of a folder that several processes of a user have together.
-pub(crate) fn shared_name(what: &str) -> String {
-    format!("{PREFIX}{}-{what}", system::user())
-}
 
 fn folders() -> MutexGuard<'static, BTreeSet<PathBuf>> {
     crate::locked::locked(&FOLDERS)
@@ -70,7 +65,7 @@ impl Scratch {
 
     fn within(place: &Path) -> io::Result<Self> {
         for number in 1_u32.. {
-            let folder = place.join(shared_name(&number.to_string()));
+            let folder = place.join(format!("{PREFIX}{}-{number}", system::user()));
             // A signal that comes between the two finds the folder.
             let mut folders = folders();
             match system::make_private(&folder) {

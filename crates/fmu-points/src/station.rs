@@ -3,6 +3,7 @@
 //! It unpacks the FMU into a folder of its own, and watches that. It ends with all that it has started when its input closes,
 //! or when the supervisor has been silent for too long: a link that is cut may close nothing.
 
+use std::fs::File;
 use std::io::{self, Write};
 use std::mem::take;
 use std::num::NonZero;
@@ -21,7 +22,6 @@ use crate::dispatch::{Greeting, MAGIC, News, Order, Report, Series, Terms, beat,
 use crate::launcher::Launcher;
 use crate::locked::locked;
 use crate::points::{Job, Limits, Post, Worker};
-use crate::shipped::Shipped;
 use crate::wire::{bytes, read};
 use crate::{process, scratch, stop, system};
 
@@ -58,7 +58,7 @@ pub(crate) fn serve() -> io::Result<()> {
     locked(&output).meet(&terms);
     let heard = Arc::clone(&output);
     let (send, coming) = channel();
-    // It is heard at any time, also while another worker here receives the FMU.
+    // It is heard at any time, also while the FMU is opened.
     thread::spawn(move || {
         loop {
             let order = orders.wait();
@@ -97,7 +97,6 @@ pub(crate) fn serve() -> io::Result<()> {
         }
     };
     locked(&output).say(&Report::Ready)?;
-    let kept = Arc::clone(&station.shipped);
     let (send, work) = channel();
     thread::spawn(move || station.work(&work));
     let served = loop {
@@ -113,7 +112,6 @@ pub(crate) fn serve() -> io::Result<()> {
     };
     let silent = locked(&output);
     leave(&silent);
-    drop(locked(&kept).take());
     served
 }
 
@@ -192,7 +190,6 @@ struct Station {
     crew: Crew,
     worker: Option<Box<dyn Worker>>,
     output: Arc<Mutex<Output>>,
-    shipped: Arc<Mutex<Option<Shipped>>>,
     /// Why points that need the supervisor's working directory cannot run here.
     nowhere: Option<String>,
     /// Has the unpacked FMU.
@@ -217,11 +214,10 @@ impl Station {
             return Err((nowhere.clone(), true));
         }
         let scratch = stop::scratch().map_err(|error| passing(&error))?;
-        let shipped = match terms.ship {
-            true => Some(Shipped::take(&terms.digest, source).map_err(|error| passing(&error))?),
-            false => None,
+        let path = match terms.ship {
+            true => receive(scratch.path(), source).map_err(|error| passing(&error))?,
+            false => terms.fmu.clone(),
         };
-        let path: PathBuf = shipped.as_ref().map_or_else(|| terms.fmu.clone(), Shipped::path);
         let mut package = open(&path, terms)?;
         let place = Place::Processes(
             Limits {
@@ -235,15 +231,7 @@ impl Station {
         );
         let crew = Crew::new(&mut package, place, scratch.path(), 1 + usize::from(terms.company));
         let crew = crew.map_err(|error| lasting(&error))?;
-        Ok(Self {
-            crew,
-            worker: None,
-            output: Arc::clone(output),
-            shipped: Arc::new(Mutex::new(shipped)),
-            nowhere,
-            _package: package,
-            _scratch: scratch,
-        })
+        Ok(Self { crew, worker: None, output: Arc::clone(output), nowhere, _package: package, _scratch: scratch })
     }
 
     /// Follows orders until nobody gives any.
@@ -294,6 +282,20 @@ impl Station {
             Ok(()) => Report::Done(changed, begun.elapsed().as_secs_f64()),
             Err(error) => unable(&error),
         })
+    }
+}
+
+/// Writes an FMU that comes in parts, the last one empty, into a folder.
+fn receive(folder: &Path, source: Source<'_>) -> io::Result<PathBuf> {
+    let path = folder.join("shipped.fmu");
+    let at = |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
+    let mut file = File::create(&path).map_err(at)?;
+    loop {
+        let part = source()?;
+        if part.is_empty() {
+            return Ok(path);
+        }
+        file.write_all(&part).map_err(at)?;
     }
 }
 

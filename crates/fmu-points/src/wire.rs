@@ -71,8 +71,8 @@ pub(crate) enum Order {
 pub(crate) enum Said {
     /// The FMU cannot be loaded, and why.
     Unloadable(String),
-    /// It is loaded; whether the process may be forked, where that was looked at.
-    Loaded(Option<bool>),
+    /// The child has loaded it; whether its process may be forked.
+    Loaded(bool),
     /// The outcomes of points.
     Replies(Vec<Reply>),
     /// Rows of a trajectory, one after the other: the time, and a value a column.
@@ -200,7 +200,7 @@ mod tests {
                 other => prop_assert!(false, "{:?}", other),
             }
             let row = vec![Value::Integer(number.into()), Value::Boolean(flag), Value::String("ü".to_owned())];
-            for said in [Said::Rows(row), Said::Ended(Some(failure)), Said::Ended(None), Said::Loaded(Some(flag))] {
+            for said in [Said::Rows(row), Said::Ended(Some(failure)), Said::Ended(None), Said::Loaded(flag)] {
                 prop_assert_eq!(read::<Said>(&bytes(&said)), Some(said));
             }
         }

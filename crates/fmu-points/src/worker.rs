@@ -264,6 +264,7 @@ impl Service {
         let library = library.filter(|_| matches!(order, Order::Forked(_)));
         let is_loaded = library.is_some();
         let mut child = match self.child(library, order) {
+            Ok(child) if is_loaded => return Ok(Ok((child, None))),
             Ok(child) => child,
             Err(error) => {
                 let text = format!("the system starts no further process: {error}");
@@ -271,7 +272,7 @@ impl Service {
             }
         };
         let loss = match self.hear(&mut child) {
-            Ok(Said::Loaded(forkable)) => return Ok(Ok((child, forkable))),
+            Ok(Said::Loaded(forkable)) => return Ok(Ok((child, Some(forkable)))),
             Ok(Said::Unloadable(reason)) => {
                 child.part(&mut self.keeper, grace(&self.setup));
                 return Ok(Err(Trouble::unloadable(reason)));
@@ -281,14 +282,9 @@ impl Service {
         };
         drop(child);
         let failure = self.failure(&loss)?;
-        Ok(Err(match is_loaded {
-            true => Trouble::lost(failure),
-            // What ended the process may have nothing to do with the FMU.
-            false => Trouble {
-                passing: !matches!(loss, Loss::Timeout | Loss::Memory),
-                ..Trouble::unloadable(self.loading(&loss, &failure))
-            },
-        }))
+        // What ended the process may have nothing to do with the FMU.
+        let passing = !matches!(loss, Loss::Timeout | Loss::Memory);
+        Ok(Err(Trouble { passing, ..Trouble::unloadable(self.loading(&loss, &failure)) }))
     }
 
     /// A child at work; waits for room where the system has none at the moment.

@@ -146,7 +146,7 @@ fn check(options: &Verify, verification: &Verification, looked: &Looked) -> Resu
 fn extend(verification: &Verification, folder: &Path) -> Result<(), Error> {
     let header = &verification.header;
     let then = match lines::header(folder) {
-        Ok(then) if verification.extends(&then)? => then,
+        Ok(then) if header.extends(&then) => then,
         // Whatever else there is, or is not, is found when the folder is taken.
         _ => return Ok(()),
     };

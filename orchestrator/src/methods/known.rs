@@ -67,8 +67,7 @@ pub(super) fn digest_of(folder: &Path) -> Result<String, Error> {
 /// The origin of the result in a file.
 #[derive(Deserialize)]
 struct Head {
-    // Files of older versions do not name their origin.
-    origin: Option<Origin>,
+    origin: Origin,
 }
 
 /// The folder of a finished study.
@@ -85,7 +84,6 @@ impl Finished<'_> {
     pub(super) fn result<T: DeserializeOwned>(&self, file: &str) -> Option<T> {
         let text = std::fs::read_to_string(self.folder.join(file)).ok()?;
         let head: Head = serde_json::from_str(&text).ok()?;
-        let fits = head.origin.is_none_or(|origin| origin.fits(self.summary));
-        fits.then(|| serde_json::from_str(&text).ok()).flatten()
+        head.origin.fits(self.summary).then(|| serde_json::from_str(&text).ok()).flatten()
     }
 }

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 use super::finer::for_a_plot;
-use super::{Halt, Reruns};
+use super::{Budget, Halt, Reruns};
 use crate::report::history;
 use crate::results::Summary;
 use fmu_points::task::Task;
@@ -37,42 +37,35 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Ve
         ));
     }
     // Half of the time is for the other points that run again.
-    let cases = plan.cases.len() as f64;
     let budget = reruns.budget.part(0.5);
     for (number, case) in plan.cases.iter().enumerate() {
         let file = history::file(case.name.as_ref().map(|_| number));
-        let share = budget.part(1.0 / (cases - number as f64));
-        let mut tries = vec![for_a_plot(case.task.schedule), case.task.schedule];
-        if reruns.wish.dear {
-            tries.remove(0);
-        }
-        tries.dedup();
-        let coarsest = tries.len();
-        let mut failed = None;
-        for (place, schedule) in tries.into_iter().enumerate() {
+        let write = |schedule, budget: Option<&Budget>| {
             let task = Task { schedule, ..case.task.clone() };
-            let share = match place + 1 < coarsest {
-                true => share.part(0.5),
-                // Rather than no picture, nothing else is run again.
-                false if reruns.usual > share.left() => reruns.budget,
-                false => share,
-            };
-            match write_case(reruns, number, &task, &values, &shown, &share, &folder.join(&file)) {
-                Ok(kept) => {
-                    let why = |halt| match halt {
+            write_case(reruns, number, &task, &values, &shown, budget, &folder.join(&file))
+        };
+        let schedule = case.task.schedule;
+        let finer = Some(for_a_plot(schedule)).filter(|finer| *finer != schedule && !reruns.wish.dear);
+        let share = budget.part(1.0 / (plan.cases.len() - number) as f64);
+        let in_time = finer.map(|finer| write(finer, Some(&share)));
+        // A picture is never for want of time missing: with the study's own steps it takes as long as the point did.
+        let (written, why) = match in_time {
+            Some(Err(halt)) => (write(schedule, None), Some(halt)),
+            Some(written) => (written, None),
+            None => (write(schedule, None), None),
+        };
+        match written {
+            Ok(kept) => {
+                left_out.extend(why.map(|why| {
+                    let why = match why {
                         Halt::Late => format!("with finer ones {}", Halt::Late),
                         Halt::Failed(reason) => format!("the FMU fails in finer ones: {reason}"),
                     };
-                    let coarse = |halt| format!("{file} holds the study's own steps: {}", why(halt));
-                    left_out.extend(failed.map(coarse));
-                    left_out.extend(kept.map(|every| format!("{file} holds one of {every} communication points")));
-                    break;
-                }
-                Err(halt) if place + 1 == coarsest => {
-                    left_out.push(format!("no trajectory of the best point in {file}: {halt}"));
-                }
-                Err(halt) => failed = Some(halt),
+                    format!("{file} holds the study's own steps: {why}")
+                }));
+                left_out.extend(kept.map(|every| format!("{file} holds one of {every} communication points")));
             }
+            Err(halt) => left_out.push(format!("no trajectory of the best point in {file}: {halt}")),
         }
     }
     left_out
@@ -85,7 +78,7 @@ fn write_case(
     task: &Task,
     values: &[f64],
     shown: &[usize],
-    budget: &super::Budget,
+    budget: Option<&Budget>,
     path: &Path,
 ) -> Result<Option<u64>, Halt> {
     let plan = reruns.plan();

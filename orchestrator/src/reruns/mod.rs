@@ -211,18 +211,19 @@ impl<'a> Reruns<'a> {
         (!self.apart).then(|| self.recorder(&self.fmu).of(task).ok()).flatten()
     }
 
-    /// Runs a point, and hands over time and signals, in the FMU's units, at every communication point.
+    /// Runs a point, and hands over time and signals, in the FMU's units, at every communication point. Without a budget it takes
+    /// its time.
     fn record(
         &self,
         recording: Option<&mut Recording>,
         task: &Task,
         values: &[f64],
         signals: &Signals,
-        budget: &Budget,
+        budget: Option<&Budget>,
         row: Row<'_>,
     ) -> Result<(), Halt> {
-        let left = budget.left().min(self.wish.limits.time);
-        let until = Instant::now().checked_add(left);
+        let left = budget.map_or(Duration::MAX, Budget::left);
+        let until = Instant::now().checked_add(left.min(self.wish.limits.time));
         let is_late = || {
             let late = until.is_some_and(|until| Instant::now() >= until);
             late || stop::flag().load(Ordering::Relaxed)

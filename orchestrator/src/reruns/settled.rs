@@ -154,7 +154,7 @@ fn one(reruns: &Reruns<'_>, point: u64, case: usize, recording: &mut Option<Reco
         }
         let mut time = Vec::new();
         let mut columns = vec![Vec::new(); signals.criteria.len()];
-        let budget = &reruns.budget;
+        let budget = Some(&reruns.budget);
         let ended = reruns.record(recording.as_mut(), &task, &values, &signals, budget, &mut |at, row| {
             time.push(at);
             for ((column, &value), &k) in columns.iter_mut().zip(row).zip(&signals.criteria) {

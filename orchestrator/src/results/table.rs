@@ -64,15 +64,15 @@ pub fn summary(folder: &Path) -> Result<Summary, Error> {
     let version = serde_json::from_str(&text)
         .ok()
         .and_then(|content: serde_json::Value| Some(content["provenance"]["orchestrator"].as_str()?.to_owned()));
-    match version {
-        Some(version) if version.starts_with("0.1.") => {
-            Err(Error::content(&path, format!("written by version {version}; verify the study again")))
+    serde_json::from_str(&text).map_err(|error| match version {
+        Some(version) if version != env!("CARGO_PKG_VERSION") => {
+            Error::content(&path, format!("written by version {version}; verify the study again"))
         }
-        _ => serde_json::from_str(&text).map_err(|error| {
+        _ => {
             let message = format!("damaged ({error}): `verify STUDY --resume` writes it again from the journal");
             Error::content(&path, message)
-        }),
-    }
+        }
+    })
 }
 
 /// A criterion's value of a run; not a number where it has none. Other criteria of the run may have values all the same.

@@ -1,6 +1,5 @@
 //! The points of `verify`: a design's, or those of a table.
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
 use super::{Ending, Request, Session, Until, budget};
@@ -8,7 +7,6 @@ use crate::error::Error;
 use crate::results::Looked;
 use crate::source::Source;
 use conformity::looks::History;
-use fmu_import::digest;
 use fmu_points::Job;
 use number_tables::files;
 use point_journal::pipeline::{Model, Part};
@@ -127,68 +125,8 @@ impl Verification {
         Ok(longest)
     }
 
-    /// Whether this is the same run with more points than the one that began so. A table may have grown at its end.
-    ///
-    /// # Errors
-    /// When the table cannot be read any more.
-    pub fn extends(&self, then: &Header) -> Result<bool, Error> {
-        let mut header = self.header.clone();
-        let path = self.session.request.points_from.as_ref();
-        if let (Some(path), Some(table)) = (path, &then.table) {
-            let bytes = fs::read(path).map_err(Error::io(path))?;
-            if begins_with(&bytes, table, then.points.unwrap_or(0)) {
-                header.table.clone_from(&then.table);
-            }
-        }
-        Ok(header.extends(then))
-    }
-
     /// A point to run.
     pub fn job(&self, index: u64) -> Job {
         Job { index, values: self.session.values(&self.source.parameters(index)) }
-    }
-}
-
-/// Whether the first rows of a csv table, with the lines before them, were once a whole table of this digest.
-fn begins_with(table: &[u8], digest_then: &str, rows: u64) -> bool {
-    const HEADER: u64 = 1;
-    let (mut filled, mut end) = (0, 0);
-    for line in table.split_inclusive(|&byte| byte == b'\n') {
-        let text = line.trim_ascii();
-        filled += u64::from(!text.is_empty() && !text.starts_with(b"#"));
-        end += line.len();
-        if filled > rows + HEADER {
-            break;
-        }
-        if filled == rows + HEADER {
-            // The last line may have had no end then.
-            let bare = &table[..end - line.len() + line.trim_ascii_end().len()];
-            if [&table[..end], bare].iter().any(|part| digest(part) == digest_then) {
-                return true;
-            }
-        }
-    }
-    false
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_table_grows_at_its_end() {
-        let head = "# made by hand\npoint,rate\n1,2\n\n2,3";
-        let grown = format!("{head}\n# more\n3,4\n");
-        for (then, rows, expected) in [
-            (head.to_owned(), 2, true),
-            (format!("{head}\n"), 2, true),
-            (format!("{head}\n# more\n"), 2, true),
-            (head.to_owned(), 1, false),
-            (head.replace("1,2", "1,5"), 2, false),
-            (head.replace("2,3", "2,"), 2, false),
-        ] {
-            let grows = begins_with(grown.as_bytes(), &digest(then.as_bytes()), rows);
-            assert_eq!(grows, expected, "{then}");
-        }
     }
 }

@@ -513,26 +513,3 @@ fn a_finished_study_goes_on_with_more_points() {
         "monte-carlo, sobol",
     ]);
 }
-
-#[test]
-fn a_table_of_points_may_grow_at_its_end() {
-    let bench = bench();
-    let rows = |count: u32| {
-        let row = |k: u32| format!("{k},{},0.02\n", 0.5 + f64::from(k) / 100.0);
-        (1..=count).map(row).collect::<String>()
-    };
-    let head = "point,lag.rate,lag.length\n";
-    let from = ["--points-from", "table.csv"];
-    bench.write("table.csv", &format!("{head}{}", rows(30)));
-    verify(&bench, "whole", &from);
-    bench.write("table.csv", &format!("{head}{}", rows(20)));
-    verify(&bench, "grown", &from);
-    bench.write("table.csv", &format!("{head}{}", rows(30)));
-    let more = [&from[..], &["--resume"]].concat();
-    verify(&bench, "grown", &more);
-    assert_eq!(bench.summary("grown")["run"]["computed"], 10);
-    assert!(files(&bench, "grown") == files(&bench, "whole"));
-    // Another row among the first ones: another study.
-    bench.write("table.csv", &format!("{head}{}", rows(31).replace("5,0.55", "5,0.56")));
-    verify(&bench, "grown", &more).is_mistake(&["another table of points"]);
-}

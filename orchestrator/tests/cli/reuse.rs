@@ -40,10 +40,6 @@ fn instances(macros: &[&str], description: &str) -> (usize, String) {
     (instances, points)
 }
 
-fn with_states() -> String {
-    model("canHandle", "canGetAndSetFMUstate=\"true\" canHandle")
-}
-
 #[test]
 fn a_reset_instance_is_compared_with_a_fresh_one_once() {
     assert_eq!(instances(&[], &model("", "")).0, 2);
@@ -57,15 +53,6 @@ fn without_a_sound_reset_every_point_gets_an_instance() {
     }
     // Found out by the second point, which ran twice.
     assert_eq!(instances(&["BROKEN_RESET"], &model("", "")), (12, right));
-}
-
-#[test]
-fn a_state_is_restored_where_there_is_no_reset() {
-    let (_, right) = instances(&[], &model("", ""));
-    // The first instance is without a saved state; the second one is compared with a third.
-    for macros in [["NO_RESET", "STATES"], ["FAILING_RESET", "STATES"]] {
-        assert_eq!(instances(&macros, &with_states()), (3, right.clone()), "{macros:?}");
-    }
 }
 
 #[test]

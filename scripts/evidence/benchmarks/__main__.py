@@ -5,6 +5,7 @@ import datetime
 import os
 import sys
 from dataclasses import dataclass
+from pathlib import Path
 
 import page
 import parts
@@ -29,6 +30,9 @@ def arguments():
     parser.add_argument("--points", type=int, metavar="N",
                         help="random points on which leaps are compared with resolved turns [1000]")
     parser.add_argument("--most", type=int, metavar="N", help="largest study of the scaling series [1000000]")
+    parser.add_argument("--alone", action="store_true",
+                        help="only what a point costs alone, and the paper's study; prints them, and writes nothing")
+    parser.add_argument("--foreign", type=Path, metavar="FMU", help="another FMU for --alone")
     parser.add_argument("--repetitions", type=int, metavar="R", help="how often everything is measured [5]")
     return parser.parse_args()
 
@@ -73,7 +77,7 @@ def measure(size):
     say("boundary")
     sections.append(("FMU doStep / direct Rust call of the stand", BOUNDARY, parts.boundary(size, stand)))
     say("isolation")
-    sections.append(("Worker processes / in process, a point", ISOLATION, parts.isolation(size, trivial)))
+    sections.append(("A point alone, in a used process, in the program's own", ISOLATION, parts.isolation(size, trivial)))
     say("the paper's verification")
     sections.append(("The paper's verification", PAPER, parts.paper(size)))
     sizes = parts.scaling(size, say)
@@ -97,7 +101,8 @@ FILM_LEAPS = """\
 BOUNDARY = """\
 The minimal loop on the packaged FMU over `fmu/examples/direct.rs` (no FMI); both read one output a step."""
 ISOLATION = """\
-What a point costs more than in the orchestrator's own process: a message (`--isolation shared`), or a fork (`--isolation fresh`)."""
+CPU time of a point by `--isolation fresh`, `shared` and `none`, with `--jobs 1` and without `--extra-runs`; `--alone` measures this
+section and the next alone."""
 PAPER = "The whole process, with page and files."
 SCALING = """\
 `verify studies/paper-table3.toml` with one 150 s step a point, all included.
@@ -108,10 +113,23 @@ FILM = """\
 `crates/journal-bearing/examples/bound.rs` compares a step with the time of its multiplications and additions alone."""
 
 
+def alone(options):
+    """Prints what a point costs alone, and the paper's study."""
+    size = scale(options)
+    subjects.compile_minimal()
+    rows = parts.isolation(size, subjects.trivial(), options.foreign) + parts.paper(size)
+    for row in rows:
+        print(f"{page.line(row)} ({page.number(row.ratio.low)} .. {page.number(row.ratio.high)}; {row.note})")
+
+
 def main():
     options = arguments()
+    if options.foreign:
+        options.foreign = options.foreign.resolve()
     os.chdir(subjects.ROOT)
     subjects.WORK.mkdir(parents=True, exist_ok=True)
+    if options.alone:
+        return alone(options)
     began, before = datetime.datetime.now(), os.getloadavg()[0]
     try:
         sections, sizes = measure(scale(options))

@@ -221,47 +221,39 @@ def boundary(scale, fmu):
     return rows
 
 
-def isolation(scale, trivial):
-    """What a point costs more in a process of its own, or in a used one, all CPU time counted. The usual way, `fresh`,
-    changes from one to the other on the way, so it has no cost of a point."""
-    return [
-        above(scale, "a point in a used process, above one in process", trivial, ("shared", 1000, 30000), 0.7, 1e6, "us"),
-        above(scale, "a point in a fresh process, 5 MB touched, above one in process", subjects.touching(),
-              ("fresh", 50, 1000), 1.0, 1e3, "ms"),
-    ]
+WAYS = ["none", "shared", "fresh"]
 
 
-def above(scale, name, fmu, way, goal, unit, words):
-    """What a point costs more than in the orchestrator's own process, at one place at a time."""
-    isolation, few, many = way
-    study, many = constant(fmu, 1e-3, 1, "final"), max(2 * few, int(many * scale.work))
+def isolation(scale, trivial, foreign=None):
+    """What a point costs in the program's own process, in a used one and alone in its own, beside a fork that does nothing."""
+    [trivial, touching] = [constant(fmu, 0.1, 10, "final") for fmu in (trivial, subjects.touching())]
+    studies = [("the trivial FMU", trivial, 100, 3000, 0.5), ("5 MB touched", touching, 50, 1000, None),
+               ("paper-table3.toml", subjects.shipped("paper-table3.toml"), 50, 1000, 1.0),
+               ("rig.toml", subjects.shipped("rig.toml"), 20, 200, None)]
+    if foreign:
+        studies.append((foreign.name, subjects.first_study(foreign), 20, 500, None))
+    rows = []
+    for name, study, few, many, goal in studies:
+        def cpu(way):
+            more = 1 if way == "fresh" else 5
+            return longer(lambda points: verify(study, "--jobs", 1, "--extra-runs", 0, "--isolation", way, "--points", points).cpu,
+                          few, few + more * round(many * scale.work))
 
-    def measure(*options):
-        def cpu(points):
-            return verify(study, "--jobs", 1, "--extra-runs", 0, "--points", points, *options).cpu
-
-        return longer(cpu, few, many)
-
-    _, (base, apart) = in_turns(scale.repetitions, measure("--isolation", "none"), measure("--isolation", isolation))
-    more = Ratio([unit * (one - other) for one, other in zip(apart, base)])
-    note = f"in process {unit * statistics.median(base):.3g} {words} a point"
-    return Row(name, more, unit=f" {words}", note=note, **at_most(more, goal))
+        ratios, times = in_turns(scale.repetitions, subjects.fork, *map(cpu, WAYS))
+        for way, ratio, seconds in zip(WAYS, ratios, times[1:]):
+            cost = Ratio([1e3 * second for second in seconds])
+            bound = at_most(cost, goal) if goal and way == "fresh" else {}
+            rows.append(Row(f"{name}, {way}", cost, unit=" ms", note=f"{ratio.median:.2f} times a fork that does nothing", **bound))
+    return rows
 
 
 def paper(scale):
     """The paper's 50 points, from the start of the process to the report, against the goal of 0.5 s."""
     rows = []
-    for name, study in [("as shipped", table3("shipped", step=shipped_step())), ("one 150 s step", table3("multirate"))]:
+    for name, study in [("as shipped", subjects.shipped("paper-table3.toml")), ("one 150 s step", table3("multirate"))]:
         seconds = Ratio([verify(study, "--points", 50).cpu for _ in range(2 * scale.repetitions)])
         rows.append(Row(f"paper-table3.toml, {name}: CPU time of 50 points", seconds, unit=" s", **at_most(seconds, 0.5)))
     return rows
-
-
-def shipped_step():
-    """The communication step of the shipped study, s."""
-    text = (subjects.ROOT / "studies" / "paper-table3.toml").read_text(encoding="utf-8")
-    [line] = [line for line in text.splitlines() if line.startswith("step =")]
-    return line.split("=")[1].split("#")[0].strip()
 
 
 @dataclass

@@ -94,8 +94,15 @@ def touching():
 
 
 def compile_minimal():
-    """Compiles the minimal loop."""
+    """Compiles the minimal loop, and the program that forks."""
     cost(["cc", "-O2", "-Wall", "-o", WORK / "minimal", HERE / "minimal.c", "-ldl"])
+    cost(["cc", "-O2", "-Wall", "-o", WORK / "fork", HERE / "fork.c"])
+
+
+def fork():
+    """CPU time of a fork of a small process that ends at once."""
+    count = 2000
+    return cost([WORK / "fork", count]).cpu / count
 
 
 def minimal(fmu, step, steps, runs, get=False):
@@ -159,24 +166,19 @@ variable = "{fmu.output}"
     return file
 
 
-def table3(name, fixed="", step=150):
-    """The shipped study of Table 3 with another communication step and further start values."""
-    text = (ROOT / "studies" / "paper-table3.toml").read_text(encoding="utf-8")
-    fmu = (ROOT / "dist" / "PlainBearingStand.fmu").as_posix()
-    text, found = re.subn(r'(?m)^fmu = .*$', f'fmu = "{fmu}"', text)
-    text, again = re.subn(r'(?m)^step = .*$', f"step = {step}", text)
+def table3(name, fixed=""):
+    """The shipped study of Table 3 with one communication step and further start values."""
+    text, again = re.subn(r'(?m)^step = .*$', "step = 150", shipped_text("paper-table3.toml"))
     text, third = re.subn(r"(?m)^\[fixed\]\s*$", f"[fixed]\n{fixed}", text)
-    if (found, again, third) != (1, 1, 1):
-        raise Trouble("studies/paper-table3.toml has no fmu, step or [fixed] that could be replaced")
-    file = WORK / f"{name}.toml"
-    file.write_text(text, encoding="utf-8")
-    return file
+    if (again, third) != (1, 1):
+        raise Trouble("studies/paper-table3.toml has no step or [fixed] that could be replaced")
+    return written(name, text)
 
 
 def rig(name, fixed=""):
     """150 s of the shipped study of the rig from the given temperatures, with further start values. The
     means are those that the FMU gives over the last turn."""
-    text = steady_rig_text()
+    text = shipped_text("rig.toml")
     text, long = re.subn(r"(?ms)^\[simulation\]\n.*?(?=^\[)",
                          "[simulation]\nstop = 150\nstep = 150\n\n", text)
     text, given = re.subn(r"(?ms)^\[fixed\]\n.*?(?=^\[)", f"[fixed]\n{fixed}\n", text)
@@ -187,16 +189,29 @@ def rig(name, fixed=""):
 
 def steady_rig(name):
     """The shipped study of the rig: one turn from the steady start."""
-    return written(name, steady_rig_text())
+    return written(name, shipped_text("rig.toml"))
 
 
-def steady_rig_text():
-    text = (ROOT / "studies" / "rig.toml").read_text(encoding="utf-8")
+def shipped(study):
+    """A study as it is shipped, with the FMU of this tree."""
+    return written(f"shipped-{Path(study).stem}", shipped_text(study))
+
+
+def shipped_text(study):
+    text = (ROOT / "studies" / study).read_text(encoding="utf-8")
     fmu = (ROOT / "dist" / "PlainBearingStand.fmu").as_posix()
     text, found = re.subn(r'(?m)^fmu = .*$', f'fmu = "{fmu}"', text)
     if found != 1:
-        raise Trouble("studies/rig.toml has no fmu that could be replaced")
+        raise Trouble(f"studies/{study} has no fmu that could be replaced")
     return text
+
+
+def first_study(fmu):
+    """The study that `init` writes for an FMU."""
+    file = WORK / "foreign.toml"
+    file.unlink(missing_ok=True)
+    cost([ORCHESTRATOR, "init", fmu, "--output", file])
+    return file
 
 
 def written(name, text):

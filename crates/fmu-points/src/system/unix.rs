@@ -87,11 +87,6 @@ pub(crate) fn user() -> u32 {
     geteuid().as_raw()
 }
 
-/// Whether a folder is this user's, and nobody else may write into it.
-pub(crate) fn is_mine(folder: &fs::Metadata) -> bool {
-    folder.is_dir() && folder.uid() == user() && folder.mode() & 0o022 == 0
-}
-
 /// Makes a folder into which nobody else can look.
 pub(crate) fn make_private(folder: &Path) -> io::Result<()> {
     fs::DirBuilder::new().mode(0o700).create(folder)

@@ -1,6 +1,6 @@
 //! Windows: job objects in place of process groups and signals. A worker's job ends what its worker has started.
 
-use std::fs::{File, Metadata};
+use std::fs::File;
 use std::io;
 use std::os::windows::io::{AsHandle, OwnedHandle};
 use std::path::{Path, PathBuf};
@@ -76,11 +76,6 @@ pub(crate) fn ask_to_end(_: u32) {}
 /// Users have folders for temporary files of their own here.
 pub(crate) fn user() -> u32 {
     0
-}
-
-/// Nobody else may write where this user's temporary files are.
-pub(crate) fn is_mine(_: &Metadata) -> bool {
-    true
 }
 
 /// Sets a handler of signals.
