@@ -85,6 +85,12 @@ impl Output {
         self.members.iter().map(one).collect()
     }
 
+    /// Means by the most probable member, in the output's unit.
+    pub fn means(&self, points: &DMatrix<f64>) -> Vec<f64> {
+        let means = self.members[0].means(points);
+        means.iter().map(|mean| self.centre + self.unit * mean).collect()
+    }
+
     /// So many functions that the output may be from each member.
     pub fn functions(&self, each: usize, seed: u64, stream: u32) -> Functions<'_> {
         let mut random = Random::new(seed, Purpose::Surrogate, stream);
