@@ -119,7 +119,9 @@ pub fn replaced(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(String))
         let errors = work.errors(&particles);
         let widening = work.parts(&errors).fold(0.0, |most: f64, part| most.max(1.0_f64.hypot(part) - 1.0));
         let rough = work.parts(&errors).any(|part| part > ROUGH);
-        let spent = work.runs.len() as f64 >= PATIENCE * task.places as f64;
+        // A direct search with fewer places would come nowhere.
+        let spent = work.runs.len() as f64 >= PATIENCE * task.places as f64
+            && work.runs.len() + 3 * (problem.unknowns() + 1) <= task.places;
         let is_enough = widening < SMALL && work.fresh.apart < ALIKE;
         if fitted.is_err()
             || is_enough
@@ -128,7 +130,7 @@ pub fn replaced(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(String))
             || is_over(effort.deadline)
         {
             let counts = (rounds, work.runs.len(), work.model.failures().failed);
-            let told = SurrogateOutcome::new(problem, &work.surrogates, counts, (&errors, &work.fresh), !rough);
+            let told = SurrogateOutcome::new(problem, &work.surrogates, counts, (&errors, &work.fresh), !(rough && spent));
             let least = (0..work.runs.len()).min_by(|a, b| work.costs[*a].total_cmp(&work.costs[*b]));
             return Ok(Replaced {
                 problem: told.widened(problem),

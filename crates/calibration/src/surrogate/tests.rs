@@ -7,10 +7,10 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use sampling::design::cube;
 
-use super::super::problem::{Free, Interval, Query, Spacing};
+use super::super::problem::{Free, Spacing};
 use super::super::sample::Sample;
 use super::super::sample::outcome::PosteriorOutcome;
-use super::super::testing::{decay, effort, free, measured, named, problem, settings, unknown_decay};
+use super::super::testing::{decay, effort, free, measured, problem, settings, unknown_decay};
 use super::*;
 
 /// Surrogates of a model from so many places.
@@ -83,8 +83,8 @@ const OSCILLATION: Trial =
 /// What a trial has shown.
 #[derive(Debug)]
 struct Shown {
-    /// Intervals of the sample that hold the truth, of all parameters, and how many there are.
-    held: [u32; 2],
+    /// Intervals of the sample that hold the truth, of all parameters; by the model itself; and how many there are.
+    held: [u32; 3],
     /// Where the surrogates hold: the largest difference of a mean from that by the model itself, in its deviations, and the largest
     /// relative difference of a deviation. Means over the records, and the largest of all.
     off: [[f64; 2]; 2],
@@ -98,7 +98,7 @@ fn shown(trial: &Trial, records: u64, seed: u64) -> Shown {
     let mut random = StdRng::seed_from_u64(seed);
     let unknowns = (trial.unknown)().len();
     let asked = Cell::new(0_u64);
-    let mut shown = Shown { held: [0, 0], off: [[0.0; 2]; 2], rough: 0, asked: 0.0 };
+    let mut shown = Shown { held: [0; 3], off: [[0.0; 2]; 2], rough: 0, asked: 0.0 };
     for record in 0..records {
         let places: Vec<f64> = (0..unknowns).map(|_| 0.1 + 0.8 * random.random::<f64>()).collect();
         let truth = problem((trial.unknown)(), vec![]).free_values(&places);
@@ -112,17 +112,19 @@ fn shown(trial: &Trial, records: u64, seed: u64) -> Shown {
         let replaced = made(&problem, &model, trial.places, record).unwrap();
         shown.asked = asked.get() as f64;
         let (ours, told) = posterior(&replaced.problem, &replaced.model, 1000, record);
-        for k in 0..unknowns {
-            let inside = |[low, high]: &[f64; 2]| (*low..=*high).contains(&truth[k]);
-            shown.held[0] += u32::from(told.free[k].intervals.iter().any(inside));
-            shown.held[1] += 1;
-        }
+        let holds = |told: &PosteriorOutcome| {
+            let one = |k: &usize| told.free[*k].intervals.iter().any(|[low, high]| (*low..=*high).contains(&truth[*k]));
+            (0..unknowns).filter(one).count() as u32
+        };
+        shown.held[0] += holds(&told);
+        shown.held[2] += unknowns as u32;
         if !replaced.told.holds {
             shown.rough += 1;
             continue;
         }
         let exact = |_: usize, p: &[f64], _: &[f64]| Ok((trial.model)(p));
-        let (theirs, _) = posterior(&problem, &exact, 2000, record);
+        let (theirs, told) = posterior(&problem, &exact, 2000, record);
+        shown.held[1] += holds(&told);
         let pairs = moments(&ours).into_iter().zip(moments(&theirs));
         let off = pairs.map(|([m, s], [mean, deviation])| [(m - mean).abs() / deviation, (s / deviation - 1.0).abs()]);
         let off: Vec<[f64; 2]> = off.collect();
@@ -146,11 +148,11 @@ fn a_posterior_by_surrogate_is_that_of_the_model() {
     assert!(shown.off[0][0] < 0.1 && shown.off[0][1] < 0.1, "{shown:?}");
 }
 
-/// Of 160 intervals that hold with 95 %, 143 or more do with a probability of 99.9 %; 93 % are 149.
+/// Of 160 intervals that hold with 95 %, 143 or more do with a probability of 99.9 %.
 #[test]
 #[ignore = "takes minutes"]
 fn four_unknowns_need_eighty_runs() {
     let shown = shown(&OSCILLATION, 40, 21);
-    assert!(f64::from(shown.held[0]) >= 0.93 * f64::from(shown.held[1]), "{shown:?}");
+    assert!(shown.held[0] >= 143, "{shown:?}");
     assert!(shown.off[0][0] < 0.2 && shown.off[0][1] < 0.15 && shown.asked <= 76.0, "{shown:?}");
 }
