@@ -133,7 +133,7 @@ pub fn replaced(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(String))
             let told = SurrogateOutcome::new(problem, &work.surrogates, counts, (&errors, &work.fresh), !(rough && spent));
             let least = (0..work.runs.len()).min_by(|a, b| work.costs[*a].total_cmp(&work.costs[*b]));
             return Ok(Replaced {
-                problem: told.widened(problem),
+                problem: problem.widened(|case, quantity| errors[case][quantity]),
                 failures: work.model.failures(),
                 screened,
                 best: least.map_or(best, |least| work.runs[least].places.clone()),

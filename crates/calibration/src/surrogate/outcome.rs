@@ -26,10 +26,8 @@ pub struct SurrogateOutcome {
     pub apart: Option<f64>,
     /// The box of the last surrogates.
     pub within: Vec<Range>,
-    /// The errors of each measured value in the posterior, case by case.
-    pub errors: Vec<Vec<ValueError>>,
-    /// The largest part of an accuracy that an error comes to.
-    pub largest: f64,
+    /// The value whose error in the posterior is the largest beside its accuracy.
+    pub worst: ValueError,
     /// The optima run in the model.
     pub optima: Vec<RunAgain>,
 }
@@ -47,7 +45,7 @@ pub struct ValueError {
 
 impl ValueError {
     /// The error counted as a part of the accuracy.
-    pub(super) fn part(&self) -> f64 {
+    pub fn part(&self) -> f64 {
         self.counted / self.accuracy
     }
 }
@@ -62,7 +60,7 @@ pub struct RunAgain {
 }
 
 impl SurrogateOutcome {
-    /// Gathers the errors. `counts` are rounds, runs and failed ones.
+    /// Gathers the errors, by case and quantity. `counts` are rounds, runs and failed ones.
     pub(super) fn new(
         problem: &Problem,
         surrogates: &Surrogates,
@@ -75,9 +73,7 @@ impl SurrogateOutcome {
             counted: errors[case][quantity],
             accuracy: problem.cases[case].measured[quantity].accuracy,
         };
-        let quantities = 0..problem.quantities.len();
-        let case = |case| quantities.clone().map(|q| value(case, q)).collect();
-        let errors: Vec<Vec<ValueError>> = (0..errors.len()).map(case).collect();
+        let all = (0..errors.len()).flat_map(|case| (0..errors[case].len()).map(move |quantity| value(case, quantity)));
         Self {
             runs,
             failed,
@@ -87,14 +83,8 @@ impl SurrogateOutcome {
             check_failed: fresh.failed,
             apart: fresh.apart.is_finite().then_some(fresh.apart),
             within: Range::all(problem, &surrogates.last().region),
-            largest: errors.iter().flatten().map(ValueError::part).fold(0.0, f64::max),
-            errors,
+            worst: all.max_by(|a, b| a.part().total_cmp(&b.part())).expect("a problem has measured values"),
             optima: Vec::new(),
         }
-    }
-
-    /// The problem with the errors counted beside its accuracies.
-    pub fn widened(&self, problem: &Problem) -> Problem {
-        problem.widened(|case, quantity| self.errors[case][quantity].counted)
     }
 }

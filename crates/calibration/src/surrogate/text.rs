@@ -13,25 +13,21 @@ const DIFFERENT: f64 = 1.0;
 /// What stands in for the model, and how well.
 pub fn sentences(told: &SurrogateOutcome) -> Vec<String> {
     let runs = format!("{} places ({} failed)", told.runs, told.failed);
-    let all = told.errors.iter().flatten();
-    let worst = all.max_by(|a, b| a.part().total_cmp(&b.part())).map(|worst| {
-        let [counted, accuracy] = [worst.counted, worst.accuracy].map(|error| rounded(error, 2));
-        format!(
-            "its error is largest in {}: {counted} beside the accuracy of {accuracy} ({:.0} %)",
-            worst.quantity,
-            100.0 * worst.part()
-        )
-    });
+    let [counted, accuracy] = [told.worst.counted, told.worst.accuracy].map(|error| rounded(error, 2));
+    let worst = format!(
+        "its error is largest in {}: {counted} beside the accuracy of {accuracy} ({:.0} %)",
+        told.worst.quantity,
+        100.0 * told.worst.part()
+    );
     if !told.holds {
-        let why = worst.map_or_else(String::new, |worst| format!(": {worst}"));
         return vec![format!(
-            "The surrogate does not hold here, after {runs}{why}; the model itself was searched from the best of them with the \
+            "The surrogate does not hold here, after {runs}: {worst}; the model itself was searched from the best of them with the \
              runs that were left"
         )];
     }
     let mut said =
         vec![format!("By surrogate from {runs} in {} rounds; the last one is of {}", told.rounds, words(&told.within))];
-    said.extend(worst.map(|worst| format!("{worst}, and counts in intervals")));
+    said.push(format!("{worst}, and counts in intervals"));
     if let Some(apart) = told.apart {
         said.push(format!(
             "at the last {} runs, which it did not know, its sum of squares was off by {} in the middle",
@@ -39,7 +35,7 @@ pub fn sentences(told: &SurrogateOutcome) -> Vec<String> {
             rounded(apart, 2)
         ));
     }
-    if told.largest > LARGE {
+    if told.worst.part() > LARGE {
         said.push("intervals are wider than the data's own: a larger budget narrows them".to_owned());
     }
     if told.check_failed > 0 {
