@@ -102,16 +102,23 @@ pub fn replaced(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(String))
         surrogates: Surrogates::new(problem),
         fresh: Fresh::default(),
     };
-    let mut particles = (task.spread)(first(problem));
-    work.run(&particles)?;
-    let screened: Vec<bool> = work.runs.iter().map(|run| run.predicted.is_ok()).collect();
-    let mut region: Bounds = vec![[0.0, 1.0]; problem.unknowns()];
-    let mut rounds = 0;
-    loop {
-        let fitted = work.surrogates.refine(&work.runs, region, task.seed);
-        if fitted.is_err() && rounds == 0 {
+    let even = (task.spread)(task.places);
+    let mut taken = first(problem).min(even.len());
+    work.run(&even[..taken])?;
+    let whole: Bounds = vec![[0.0, 1.0]; problem.unknowns()];
+    // Where many runs fail, the first places leave too few.
+    while work.surrogates.refine(&work.runs, whole.clone(), task.seed).is_err() {
+        let next = (taken + BATCH).min(even.len());
+        if next == taken {
             return Err(work.too_few());
         }
+        work.run(&even[taken..next])?;
+        taken = next;
+    }
+    let screened: Vec<bool> = work.runs.iter().map(|run| run.predicted.is_ok()).collect();
+    let mut particles = even[..taken].to_vec();
+    let mut rounds = 0;
+    loop {
         rounds += 1;
         observe(format!("surrogate of round {rounds}, {} places", work.runs.len()));
         let (best, sampled) = work.sample(&work.errors(&particles), rounds)?;
@@ -123,14 +130,10 @@ pub fn replaced(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(String))
         let spent = work.runs.len() as f64 >= PATIENCE * task.places as f64
             && work.runs.len() + 3 * (problem.unknowns() + 1) <= task.places;
         let is_enough = widening < SMALL && work.fresh.apart < ALIKE;
-        if fitted.is_err()
-            || is_enough
-            || rough && spent
-            || work.runs.len() >= task.places
-            || is_over(effort.deadline)
-        {
+        if is_enough || rough && spent || work.runs.len() >= task.places || is_over(effort.deadline) {
             let counts = (rounds, work.runs.len(), work.model.failures().failed);
-            let told = SurrogateOutcome::new(problem, &work.surrogates, counts, (&errors, &work.fresh), !(rough && spent));
+            let told =
+                SurrogateOutcome::new(problem, &work.surrogates, counts, (&errors, &work.fresh), !(rough && spent));
             let least = (0..work.runs.len()).min_by(|a, b| work.costs[*a].total_cmp(&work.costs[*b]));
             return Ok(Replaced {
                 problem: problem.widened(|case, quantity| errors[case][quantity]),
@@ -143,7 +146,8 @@ pub fn replaced(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(String))
         }
         let places = work.next(best, &particles);
         work.test(&places)?;
-        region = around(&particles);
+        // Where nothing fits, the surrogates before it stay.
+        let _ = work.surrogates.refine(&work.runs, around(&particles), task.seed);
     }
 }
 

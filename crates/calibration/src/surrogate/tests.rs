@@ -7,7 +7,7 @@ use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use sampling::design::cube;
 
-use super::super::problem::{Free, Interval, Query, Spacing};
+use super::super::problem::{Free, Interval, Prediction, Query, Spacing};
 use super::super::sample::Sample;
 use super::super::sample::outcome::PosteriorOutcome;
 use super::super::testing::{decay, effort, free, measured, named, problem, settings, unknown_decay};
@@ -75,8 +75,7 @@ fn unknown_oscillation() -> Vec<Free> {
     ]
 }
 
-const DECAY: Trial =
-    Trial { name: "decay", unknown: unknown_decay, model: decay, accuracy: 0.01, places: 40 };
+const DECAY: Trial = Trial { name: "decay", unknown: unknown_decay, model: decay, accuracy: 0.01, places: 40 };
 const OSCILLATION: Trial =
     Trial { name: "oscillation", unknown: unknown_oscillation, model: oscillation, accuracy: 0.05, places: 76 };
 
@@ -215,7 +214,7 @@ fn where_runs_fail_there_is_no_surrogate() {
 /// Many values of a curve are few components, and what these leave counts; each case has its own latent parameter.
 #[test]
 fn curves_and_latent_parameters_have_surrogates() {
-    let model = |case: usize, p: &[f64], latent: &[f64]| {
+    let model = |case: usize, p: &[f64], latent: &[f64]| -> Prediction {
         let at = |k: usize| (1.0 + case as f64) * (-p[0] * 0.1 * k as f64).exp() + latent[0];
         Ok((0..40).map(at).collect())
     };
@@ -231,7 +230,11 @@ fn curves_and_latent_parameters_have_surrogates() {
     let query = Query { case: 1, free: vec![0.7], latents: vec![0.1] };
     let predicted = replaced.model.simulate(&[query]).unwrap().remove(0).unwrap();
     for (ours, theirs) in predicted.iter().zip(truth(1)) {
-        assert!((ours - theirs).abs() < 4.0 * replaced.told.worst.counted + 0.005, "{ours} {theirs} {:?}", replaced.told);
+        assert!(
+            (ours - theirs).abs() < 4.0 * replaced.told.worst.counted + 0.005,
+            "{ours} {theirs} {:?}",
+            replaced.told
+        );
     }
 }
 
@@ -244,16 +247,4 @@ fn what_cannot_be_followed_is_said() {
     let told = made(&problem, &wave, 40, 1).unwrap().told;
     assert!(!told.holds && told.worst.part() > ROUGH, "{told:?}");
     assert!(text::sentences(&told).concat().contains("does not hold here"));
-}
-#[test]
-#[ignore = "measures"]
-fn zz_eight() {
-    let bounds: Vec<Free> = (0..8).map(|k| free(&format!("p{k}"), Spacing::Linear, 0.0, 1.0)).collect();
-    let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0] * p[1] + p[2].sin() + p[7], (p[3] + p[4]).exp() * p[0], p[5] - p[6] * p[2] + p[1], (p[4] + 2.0 * p[6]).cos() + p[0] * p[0]]);
-    let values = model(0, &[0.4; 8], &[]).unwrap();
-    let problem = problem(bounds, vec![measured(&values, 0.02)]);
-    let replaced = made(&problem, &model, 95, 1).unwrap();
-    println!("{:?}", replaced.told);
-    let (_, told) = posterior(&replaced.problem, &replaced.model, 1000, 1);
-    println!("{}", told.free.len());
 }
