@@ -39,8 +39,7 @@ pub(super) fn check(bound: &Bound, options: &Asked) -> Result<(), Error> {
         return Ok(());
     }
     let each = if cases > 1 { format!(" of {cases} cases") } else { String::new() };
-    let message =
-        format!("{runs} runs: give {least} or more for these unknowns{each}, and at most {}", MOST * cases);
+    let message = format!("{runs} runs: give {least} or more for these unknowns{each}, and at most {}", MOST * cases);
     Err(Error::option("budget", message))
 }
 

@@ -106,12 +106,7 @@ fn surrogates(result: &Robustness) -> Table {
     };
     Table {
         name: "Surrogates".into(),
-        columns: vec![
-            words("Criterion"),
-            numbers("Points"),
-            numbers("Error"),
-            numbers("Variance predicted %"),
-        ],
+        columns: vec![words("Criterion"), numbers("Points"), numbers("Error"), numbers("Variance predicted %")],
         rows: result.criteria.iter().map(row).collect(),
         ..Table::default()
     }
