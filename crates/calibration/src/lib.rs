@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod capped;
 pub mod digits;
 pub mod errors;
 mod expected;

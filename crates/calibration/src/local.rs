@@ -31,6 +31,8 @@ pub enum End {
     Iterations,
     /// When time was up.
     Time,
+    /// When the runs of a budget were spent.
+    Budget,
 }
 
 /// A minimum.

@@ -72,17 +72,18 @@ impl Output {
     /// Means and deviations of the function by each member, in the output's unit, without noise.
     pub fn predict(&self, points: &DMatrix<f64>) -> Vec<Vec<[f64; 2]>> {
         let one = |process: &Process| {
-            let starts: Vec<usize> = (0..points.ncols()).step_by(CHUNK).collect();
-            let chunk = |&start: &usize| {
-                let columns = points.columns(start, CHUNK.min(points.ncols() - start)).into_owned();
-                process.predict(&columns)
-            };
-            let parts: Vec<Vec<[f64; 2]>> = starts.par_iter().map(chunk).collect();
+            let parts = in_chunks(points, |columns| process.predict(&columns));
             let factor = self.check.widening * self.unit;
             let in_unit = |[mean, deviation]: [f64; 2]| [self.centre + self.unit * mean, factor * deviation];
-            parts.into_iter().flatten().map(in_unit).collect()
+            parts.into_iter().map(in_unit).collect()
         };
         self.members.iter().map(one).collect()
+    }
+
+    /// Means by the most probable member, in the output's unit.
+    pub fn means(&self, points: &DMatrix<f64>) -> Vec<f64> {
+        let means = in_chunks(points, |columns| self.members[0].means(&columns).as_slice().to_vec());
+        means.into_iter().map(|mean| self.centre + self.unit * mean).collect()
     }
 
     /// So many functions that the output may be from each member.
@@ -91,6 +92,13 @@ impl Output {
         let draw = |p: &Process| p.draws(&self.data, each, self.check.widening, &mut random);
         Functions { output: self, draws: self.members.iter().map(draw).collect() }
     }
+}
+
+/// What is told of each of many points, a column a point.
+fn in_chunks<T: Send>(points: &DMatrix<f64>, told: impl Fn(DMatrix<f64>) -> Vec<T> + Sync) -> Vec<T> {
+    let starts: Vec<usize> = (0..points.ncols()).step_by(CHUNK).collect();
+    let chunk = |&start: &usize| told(points.columns(start, CHUNK.min(points.ncols() - start)).into_owned());
+    starts.par_iter().flat_map(chunk).collect()
 }
 
 /// Functions that an output may be.

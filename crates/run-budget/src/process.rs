@@ -234,6 +234,12 @@ impl Process {
         (0..points.ncols()).map(one).collect()
     }
 
+    /// Means at points, one a column: a small part of the work of [`Self::predict`].
+    pub fn means(&self, points: &DMatrix<f64>) -> DVector<f64> {
+        let cross = self.cross(&self.scaled(points));
+        trend(points, self.linear) * &self.solved.coefficients + cross.tr_mul(&self.solved.weights)
+    }
+
     /// L^-1 k and what the trend's coefficients leave open, a column a point.
     fn whitened(&self, mut cross: DMatrix<f64>, trend: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
         let solvable = self.solved.factor.l_dirty().solve_lower_triangular_mut(&mut cross);

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 /// Runs without which nothing is fitted.
-const LEAST: usize = 12;
+pub const LEAST: usize = 12;
 /// Failed runs from which on they are taken as a region of their own.
 const LEAST_FAILED: usize = 2;
 
@@ -107,6 +107,19 @@ impl Surrogate {
         (0..points.len()).map(one).collect()
     }
 
+    /// Means of all outputs by their most probable members; `None` at a point where a run is expected to fail. For many points:
+    /// [`Self::predict`] asks all members, and for deviations.
+    pub fn means(&self, points: &[Vec<f64>]) -> Vec<Option<Vec<f64>>> {
+        let points = self.standard(points);
+        let outputs: Vec<Vec<f64>> = self.outputs.iter().map(|output| output.means(&points)).collect();
+        let success = self.success.as_ref().map(|success| success.means(&points));
+        let one = |i: usize| {
+            let fails = success.as_ref().is_some_and(|success| success[i] < 0.0);
+            (!fails).then(|| outputs.iter().map(|output| output[i]).collect())
+        };
+        (0..points.ncols()).map(one).collect()
+    }
+
     /// So many functions that an output may be from each member of its sample.
     pub fn functions(&self, output: usize, each: usize) -> Functions<'_> {
         self.outputs[output].functions(each, self.seed, 2000 + output as u32)
@@ -128,7 +141,7 @@ impl Surrogate {
     }
 
     /// Mean and deviation (with noise) of an output at each successful run by the others.
-    pub(crate) fn left_out(&self, output: usize) -> &[[f64; 2]] {
+    pub fn left_out(&self, output: usize) -> &[[f64; 2]] {
         &self.outputs[output].left_out
     }
 

@@ -40,8 +40,6 @@ pub struct Identification {
     pub posterior: Option<Spanned<u64>>,
     /// Where that sample starts.
     pub posterior_start: PosteriorStart,
-    /// Runs of each case, at most, from which polynomials are made that stand in for the model.
-    pub surrogate: Option<Spanned<u64>>,
     /// How far apart simulations stand for a derivative, as a part of the distance between the bounds.
     pub difference: f64,
     /// The parameters to be found, by the names of FMU variables.
@@ -65,7 +63,6 @@ impl Default for Identification {
             seed: 1,
             posterior: None,
             posterior_start: PosteriorStart::default(),
-            surrogate: None,
             difference: 1e-3,
             free: IndexMap::new(),
             known: IndexMap::new(),

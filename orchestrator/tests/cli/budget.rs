@@ -1,4 +1,4 @@
-//! `verify --budget`: every run of the FMU counts, and the answer is that of the exact share.
+//! `--budget`: every run of the FMU counts, and the answer is that of the exact share.
 
 use std::fs;
 use std::process::Stdio;
@@ -104,6 +104,54 @@ fn a_killed_budget_goes_on_to_the_same_answer() {
     let said = counted(&bench, "out", "log", &["--budget", "40", "--resume"]);
     assert!([0, 1, 3].contains(&said.code), "{}", said.err);
     assert!(files(&bench, "out") == whole);
+}
+
+/// What the lag's end and size tell of its rate and length.
+const FIT: &str = r#"
+fmu = "lag.fmu"
+[simulation]
+stop = 2
+step = 0.1
+[identify.free."lag.rate"]
+min = 0.5
+max = 2
+[identify.free."lag.length"]
+min = 0.01
+max = 0.05
+unit = "mm"
+[identify.measured.Y]
+variable = "lag.y"
+value = 0.86
+accuracy = 0.002
+[identify.measured.L]
+variable = "lag.micrometres"
+value = 17.2
+accuracy = 0.4
+"#;
+
+#[test]
+fn identify_counts_no_more_runs_and_goes_on_where_it_was_killed() {
+    let bench = lag();
+    bench.write("study.toml", FIT);
+    let command = |folder: &str| {
+        let arguments = ["identify", "study.toml", "--budget", "40", "--jobs", "1", "--resume", "--output", folder];
+        let mut command = bench.command(&arguments);
+        command.env("LAG_INSTANCES", bench.path(&format!("{folder}-log")));
+        command
+    };
+    let said: Said = command("whole").output().unwrap().into();
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    assert!(said.out.contains("By surrogate from"), "{}", said.out);
+    assert!(instances(&bench, "whole-log") <= 40, "{}", instances(&bench, "whole-log"));
+    for patience in [150, 400, 700] {
+        let mut child = command("out").stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+        sleep(Duration::from_millis(patience));
+        child.kill().unwrap();
+        child.wait().unwrap();
+    }
+    let said: Said = command("out").output().unwrap().into();
+    assert_eq!(said.code, 0, "{}", said.err);
+    assert!(bench.read("out/identification.json") == bench.read("whole/identification.json"));
 }
 
 /// P(-1 <= x1 + 2 x2 + 3 x3 <= 4) of normal numbers, whose sum has the variance 14.

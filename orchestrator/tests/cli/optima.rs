@@ -240,7 +240,7 @@ accuracy = 0.02
     assert!(said.out.contains("so it is no minimum"), "{}", said.out);
 }
 
-/// y = x1 x2 = 1 +- 0.1 and x1 = 0.9 +- 0.05: few runs, their error told, and the optimum run again.
+/// sin(8 x1) + x2 = 1.8 +- 0.02 at x1 = 0.2 +- 0.02: few runs, their error told, and the optimum run.
 #[test]
 fn a_surrogate_saves_runs_and_states_its_error() {
     let bench = Bench::functions();
@@ -248,11 +248,9 @@ fn a_surrogate_saves_runs_and_states_its_error() {
 fmu = "functions.fmu"
 [simulation]
 stop = 1
-[identify]
-surrogate = 40
 [identify.free.x1]
 min = 0.1
-max = 3.1
+max = 0.5
 [identify.free.x2]
 min = 0.5
 max = 2
@@ -266,35 +264,46 @@ value = 0.2
 accuracy = 0.02
 "#;
     bench.write("study.toml", study);
-    let command = ["identify", "study.toml", "--output", "out"];
-    let more = ["--posterior", "400", "--surrogate", "60", "--isolation", "shared"];
-    let said = bench.run(&[&command[..], &more].concat());
-    assert_eq!(said.code, 0, "{}", said.err);
-    for words in ["stand in for the model", "its error is largest in", "run again in the model"] {
+    let command = ["identify", "study.toml", "--budget", "60", "--output", "out"];
+    let said = bench.run(&command);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    for words in ["By surrogate from", "its error is largest in", "the optimum run in the model"] {
         assert!(said.out.contains(words), "no `{words}` in {}", said.out);
     }
     let found = json(&bench, "out/identification.json");
     let own = &found["surrogate"];
-    assert!(own["runs"].as_u64().unwrap() <= 60 && own["rounds"].as_u64().unwrap() > 1, "{own}");
-    // sin(8 x1) + x2 = 1.8 +- 0.02 at x1 = 0.2 +- 0.02.
+    assert!(own["runs"].as_u64().unwrap() <= 55 && own["holds"] == true, "{own}");
     let value = |k: usize| found["free"][k]["value"].as_f64().unwrap();
     let interval = |k: usize| [0, 1].map(|end| found["free"][k]["interval"][end].as_f64().unwrap());
-    assert!((value(0) - 0.2).abs() < 0.02, "{}", found["free"]);
+    assert!((value(0) - 0.2).abs() < 0.005, "{}", found["free"]);
     let x2 = 1.8 - 1.6_f64.sin();
     let [low, high] = interval(1);
-    assert!(low < x2 && x2 < high && high - low < 0.4, "{}", found["free"]);
-    // The same call with the same seed gives the same bytes, and asks for no further run.
-    let first = bench.read("out/identification.json");
-    let said = bench.run(&[&command[..], &more, &["--resume"]].concat());
-    assert_eq!(said.code, 0, "{}", said.err);
-    assert_eq!(bench.read("out/identification.json"), first);
-    bench.run(&["identify", "study.toml", "--surrogate", "20"]).is_mistake(&[
-        "--surrogate",
-        "20 runs",
-        "give 30 or more",
-    ]);
-    bench.write("study.toml", &study.replace("surrogate = 40", "surrogate = 10"));
-    bench.run(&["identify", "study.toml"]).is_mistake(&["study.toml:6", "10 runs", "give 30 or more"]);
+    assert!(low < x2 && x2 < high && high - low < 0.12, "{}", found["free"]);
+    assert!(found["posterior"]["free"].is_array() && found["evidence"].is_object());
+    bench.run(&["identify", "study.toml", "--budget", "20"]).is_mistake(&["--budget", "20 runs", "give 23 or more"]);
+}
+
+/// A wave of a dozen bends that few runs do not show: it says so, and searches with the runs that are left.
+#[test]
+fn where_no_surrogate_holds_the_model_is_searched_within_the_budget() {
+    let bench = Bench::functions();
+    let study = r#"
+fmu = "functions.fmu"
+[simulation]
+stop = 1
+[identify.free.x1]
+min = 0.1
+max = 30
+[identify.measured.R]
+variable = "ripple"
+value = 0.5
+accuracy = 0.001
+"#;
+    bench.write("study.toml", study);
+    let said = bench.run(&["identify", "study.toml", "--budget", "60", "--output", "out"]);
+    assert!(said.out.contains("The surrogate does not hold here"), "{}{}", said.out, said.err);
+    let found = json(&bench, "out/identification.json");
+    assert!(found["posterior"].is_null() && found["surrogate"]["holds"] == false);
 }
 
 /// Where the runs next to every start fail, the best place is told, and that it is no minimum.

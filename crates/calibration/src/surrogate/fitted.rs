@@ -1,14 +1,18 @@
-//! Polynomials in place of a model: one for each measured value, in layers that come nearer to the posterior.
+//! Gaussian processes in place of a model: those of each case's values, in layers that come nearer to the posterior.
 
-use nalgebra::DMatrix;
-use rayon::prelude::*;
+use nalgebra::{DMatrix, DVector};
+use run_budget::{Run as Known, Surrogate, Unfit};
 
 use super::super::problem::{NoPrediction, Prediction, Problem, Query, Simulate};
-use parameter_regions::robustness::region::within;
-use parameter_regions::robustness::surrogate::Surrogate;
 
-/// The highest total degree of a polynomial.
-const DEGREE: usize = 12;
+/// More values of a case than this are replaced by few components.
+const PLAIN: usize = 8;
+
+/// The most components.
+const COMPONENTS: usize = 10;
+
+/// What the components leave of each run's values is less than this part of their accuracies, if they are not too many.
+const REST: f64 = 0.05;
 
 /// A place at which the model was run, and what it said of all cases.
 #[derive(Clone, Debug)]
@@ -22,47 +26,8 @@ pub(super) struct Run {
 /// The ends of a box, an unknown each.
 pub(super) type Bounds = Vec<[f64; 2]>;
 
-/// Polynomials that were fitted to the runs within a box.
-#[derive(Clone, Debug)]
-pub(super) struct Layer {
-    /// The box.
-    pub(super) region: Bounds,
-    /// Case by case, one a measured value.
-    fits: Vec<Vec<Surrogate>>,
-    /// The largest eigenvalue of the errors' correlations: with this factor independent errors are nowhere smaller than those
-    /// of the polynomials, which go together.
-    pub(super) together: f64,
-}
-
-impl Layer {
-    /// Fits the runs within a box; `None` where they are too few.
-    fn fit(problem: &Problem, runs: &[Run], region: Bounds) -> Option<Self> {
-        let within = |run: &&Run| run.predicted.is_ok() && within(&run.places, &region);
-        let runs: Vec<&Run> = runs.iter().filter(within).collect();
-        let value = |case: usize, quantity: usize| -> Option<Surrogate> {
-            let inputs = runs.iter().map(|run| of_case(problem, case, &run.places));
-            let ended = runs.iter().filter_map(|run| run.predicted.as_ref().ok());
-            let outputs = ended.map(|predicted| predicted[case][quantity]);
-            let (inputs, outputs): (Vec<_>, Vec<_>) = (inputs.collect(), outputs.collect());
-            Surrogate::fit_to(&inputs, &outputs, DEGREE)
-        };
-        let quantities = problem.quantities.len();
-        let all: Vec<(usize, usize)> =
-            (0..problem.cases.len()).flat_map(|case| (0..quantities).map(move |quantity| (case, quantity))).collect();
-        let fits: Option<Vec<Surrogate>> = all.par_iter().map(|&(case, quantity)| value(case, quantity)).collect();
-        let fits: Vec<Vec<Surrogate>> = fits?.chunks(quantities).map(<[_]>::to_vec).collect();
-        Some(Self { together: together(&fits), region, fits })
-    }
-
-    /// Root mean square and largest leave-one-out error of each measured value, case by case.
-    pub(super) fn errors(&self) -> Vec<Vec<[f64; 2]>> {
-        let errors = |fit: &Surrogate| {
-            let largest = fit.errors.iter().fold(0.0, |m: f64, e| m.max(e.abs()));
-            [fit.quality.error, largest]
-        };
-        let cases = self.fits.iter();
-        cases.map(|fits| fits.iter().map(errors).collect()).collect()
-    }
+fn within(places: &[f64], bounds: &[[f64; 2]]) -> bool {
+    places.iter().zip(bounds).all(|(place, [low, high])| (low..=high).contains(&place))
 }
 
 /// Of something for each unknown that for those which a case depends on: the free parameters and its own latent ones.
@@ -71,24 +36,144 @@ fn of_case<T: Copy>(problem: &Problem, case: usize, all: &[T]) -> Vec<T> {
     [free, &all[problem.latents_of(case)]].concat()
 }
 
+/// A case's values over their accuracies as sums of few functions of the quantity: principal components, where there are many.
+#[derive(Clone, Debug)]
+struct Components {
+    centre: DVector<f64>,
+    /// A column a component.
+    vectors: DMatrix<f64>,
+    /// Root mean square of what they leave of each value.
+    rest: DVector<f64>,
+}
+
+impl Components {
+    /// Those of runs, a row each.
+    fn new(values: &DMatrix<f64>) -> Self {
+        let (runs, quantities) = values.shape();
+        let (centre, rest) = (DVector::zeros(quantities), DVector::zeros(quantities));
+        if quantities <= PLAIN {
+            return Self { centre, rest, vectors: DMatrix::identity(quantities, quantities) };
+        }
+        let centre = values.row_mean().transpose();
+        let mut left = values.clone();
+        left.row_iter_mut().for_each(|mut row| row -= centre.transpose());
+        let parts = left.clone().svd(false, true);
+        let rows = parts.v_t.expect("it was asked for");
+        let mut order: Vec<usize> = (0..rows.nrows()).collect();
+        order.sort_by(|a, b| parts.singular_values[*b].total_cmp(&parts.singular_values[*a]));
+        let mut vectors = DMatrix::zeros(quantities, 0);
+        for k in order.into_iter().take(COMPONENTS) {
+            if left.amax() < REST {
+                break;
+            }
+            let vector = rows.row(k).transpose();
+            left -= &left * &vector * vector.transpose();
+            let last = vectors.ncols();
+            vectors = vectors.insert_column(last, 0.0);
+            vectors.set_column(last, &vector);
+        }
+        let rest = DVector::from_fn(quantities, |q, _| left.column(q).norm() / (runs as f64).sqrt());
+        Self { centre, vectors, rest }
+    }
+
+    fn scores(&self, values: &DVector<f64>) -> DVector<f64> {
+        self.vectors.tr_mul(&(values - &self.centre))
+    }
+}
+
+/// The surrogate of a case.
+#[derive(Clone, Debug)]
+pub(super) struct OfCase {
+    components: Components,
+    pub(super) surrogate: Surrogate,
+    /// Errors of the values over their accuracies when each run is left out, a row a run.
+    errors: DMatrix<f64>,
+}
+
+impl OfCase {
+    fn fit(problem: &Problem, case: usize, runs: &[&Run], region: &Bounds, seed: u64) -> Result<Self, Unfit> {
+        let accuracies = problem.cases[case].measured.iter().map(|measured| measured.accuracy);
+        let accuracies = DVector::from_iterator(problem.quantities.len(), accuracies);
+        let over_accuracy = |run: &&&Run| {
+            let values = DVector::from_column_slice(&run.predicted.as_ref().ok()?[case]);
+            Some(values.component_div(&accuracies))
+        };
+        let ended: Vec<DVector<f64>> = runs.iter().filter_map(|run| over_accuracy(&run)).collect();
+        let rows = DMatrix::from_fn(ended.len(), accuracies.len(), |i, q| ended[i][q]);
+        let components = Components::new(&rows);
+        let known = |run: &&Run| Known {
+            point: of_case(problem, case, &run.places),
+            values: over_accuracy(&run).map(|values| components.scores(&values).as_slice().to_vec()),
+        };
+        let known: Vec<Known> = runs.iter().map(known).collect();
+        // Two points that have mean and deviation of an even distribution in the box.
+        let like = [-1.0, 1.0].map(|side| {
+            let place = |[low, high]: &[f64; 2]| 0.5 * (low + high) + side * (high - low) / 12.0_f64.sqrt();
+            of_case(problem, case, &region.iter().map(place).collect::<Vec<_>>())
+        });
+        let surrogate = Surrogate::fit(&known, &like, None, seed)?;
+        let count = components.vectors.ncols();
+        let missed = |i: usize, k: usize| components.scores(&ended[i])[k] - surrogate.left_out(k)[i][0];
+        let errors = DMatrix::from_fn(ended.len(), count, missed) * components.vectors.transpose();
+        Ok(Self { components, surrogate, errors })
+    }
+
+    /// Means of the values over their accuracies.
+    fn means(&self, points: &[Vec<f64>]) -> Vec<Option<DVector<f64>>> {
+        let Components { centre, vectors, .. } = &self.components;
+        let means = self.surrogate.means(points).into_iter();
+        means.map(|scores| Some(centre + vectors * DVector::from_vec(scores?))).collect()
+    }
+
+    /// Variances of the values over the squares of their accuracies, a row a point.
+    fn variances(&self, points: &[Vec<f64>]) -> DMatrix<f64> {
+        let Components { vectors, rest, .. } = &self.components;
+        let mut scores = DMatrix::zeros(points.len(), vectors.ncols());
+        for k in 0..vectors.ncols() {
+            for (i, [_, deviation]) in self.surrogate.predict(k, points).into_iter().enumerate() {
+                scores[(i, k)] = deviation * deviation;
+            }
+        }
+        let mut variances = scores * vectors.component_mul(vectors).transpose();
+        let rest = rest.component_mul(rest).transpose();
+        variances.row_iter_mut().for_each(|mut row| row += &rest);
+        variances
+    }
+}
+
+/// Surrogates of all cases from the runs within a box.
+#[derive(Clone, Debug)]
+pub(super) struct Layer {
+    /// The box.
+    pub(super) region: Bounds,
+    pub(super) cases: Vec<OfCase>,
+    /// The largest eigenvalue of the errors' correlations: with this factor independent errors are nowhere smaller than those
+    /// of the surrogates, which go together.
+    pub(super) together: f64,
+}
+
+impl Layer {
+    fn fit(problem: &Problem, runs: &[Run], region: Bounds, seed: u64) -> Result<Self, Unfit> {
+        let runs: Vec<&Run> = runs.iter().filter(|run| within(&run.places, &region)).collect();
+        let case = |case: usize| OfCase::fit(problem, case, &runs, &region, seed);
+        let cases: Vec<OfCase> = (0..problem.cases.len()).map(case).collect::<Result<_, _>>()?;
+        Ok(Self { together: together(&cases), region, cases })
+    }
+}
+
 /// The largest eigenvalue of the correlations of the errors.
-fn together(fits: &[Vec<Surrogate>]) -> f64 {
-    let columns: Vec<Vec<f64>> = fits
-        .iter()
-        .flatten()
-        .filter_map(|fit| {
-            let size = fit.errors.iter().map(|e| e * e).sum::<f64>().sqrt();
-            (size > 0.0).then(|| fit.errors.iter().map(|e| e / size).collect())
-        })
-        .collect();
-    let Some(first) = columns.first() else {
+fn together(cases: &[OfCase]) -> f64 {
+    let columns = cases.iter().flat_map(|case| case.errors.column_iter());
+    let columns: Vec<DVector<f64>> =
+        columns.filter(|column| column.norm() > 0.0).map(|column| column.normalize()).collect();
+    if columns.is_empty() {
         return 1.0;
-    };
-    let matrix = DMatrix::from_fn(first.len(), columns.len(), |j, k| columns[k][j]);
+    }
+    let matrix = DMatrix::from_columns(&columns);
     // Both products have the same eigenvalues but for zeros.
-    let product = match first.len() < columns.len() {
+    let product = match matrix.nrows() < matrix.ncols() {
         true => &matrix * matrix.transpose(),
-        false => matrix.transpose() * &matrix,
+        false => matrix.tr_mul(&matrix),
     };
     product.symmetric_eigenvalues().max().max(1.0)
 }
@@ -99,29 +184,44 @@ pub struct Surrogates {
     problem: Problem,
     /// The first one is of the whole space, each next one nearer to the posterior.
     layers: Vec<Layer>,
-    /// Places at which the model was run, and why a run failed there.
-    ended: Vec<(Vec<f64>, Option<String>)>,
+    /// Why the last run failed that did.
+    failure: String,
 }
 
 impl Surrogates {
     pub(super) fn new(problem: &Problem) -> Self {
-        Self { problem: problem.clone(), layers: Vec::new(), ended: Vec::new() }
+        Self { problem: problem.clone(), layers: Vec::new(), failure: String::new() }
     }
 
-    /// Adds a layer from the runs within a box. False where they are too few.
-    pub(super) fn refine(&mut self, runs: &[Run], region: Bounds) -> bool {
-        let reason = |run: &Run| run.predicted.as_ref().err().cloned();
-        let ended = runs.iter().map(|run| (run.places.clone(), reason(run)));
-        self.ended = ended.collect();
-        let layer = Layer::fit(&self.problem, runs, region);
-        let fits = layer.is_some();
-        self.layers.extend(layer);
-        fits
+    /// Fits the runs within a box, which lies in those of the layers before it; where they are too few, all of the last box.
+    pub(super) fn refine(&mut self, runs: &[Run], region: Bounds, seed: u64) -> Result<(), Unfit> {
+        if let Some(reason) = runs.iter().rev().find_map(|run| run.predicted.as_ref().err()) {
+            self.failure.clone_from(reason);
+        }
+        match (Layer::fit(&self.problem, runs, region, seed), self.layers.last()) {
+            (Ok(layer), _) => self.layers.push(layer),
+            (Err(Unfit::TooFew { .. }), Some(last)) => {
+                let layer = Layer::fit(&self.problem, runs, last.region.clone(), seed)?;
+                *self.layers.last_mut().expect("there is one") = layer;
+            }
+            (Err(unfit), _) => return Err(unfit),
+        }
+        Ok(())
     }
 
     /// The layer that is nearest to the posterior.
     pub(super) fn last(&self) -> &Layer {
         self.layers.last().expect("surrogates are asked after the first fit")
+    }
+
+    /// Each case's part of places.
+    pub(super) fn points(&self, case: usize, places: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        places.iter().map(|places| of_case(&self.problem, case, places)).collect()
+    }
+
+    /// Variances of a case's values over the squares of their accuracies, a row a place; those of the last layer.
+    pub(super) fn variances(&self, case: usize, places: &[Vec<f64>]) -> DMatrix<f64> {
+        self.last().cases[case].variances(&self.points(case, places))
     }
 
     /// Where a query stands between the bounds.
@@ -133,43 +233,30 @@ impl Surrogates {
         let latents = latents.map(|(interval, value)| (value - interval.min) / (interval.max - interval.min));
         free.chain(latents).collect()
     }
-
-    /// Why the run failed that is nearest to a place of a case, if it did.
-    fn failure(&self, case: usize, places: &[f64]) -> Option<String> {
-        if self.ended.iter().all(|(_, reason)| reason.is_none()) {
-            return None;
-        }
-        let square = |other: &[f64]| -> f64 {
-            let other = of_case(&self.problem, case, other);
-            let pairs = places.iter().zip(&other);
-            pairs.map(|(a, b)| (a - b).powi(2)).sum()
-        };
-        let ended = self.ended.iter().map(|run| (square(&run.0), &run.1));
-        let nearest = ended.min_by(|a, b| a.0.total_cmp(&b.0));
-        nearest.and_then(|(_, reason)| reason.clone())
-    }
-
-    fn predict(&self, query: &Query) -> Prediction {
-        let places = self.places(query);
-        if let Some(reason) = self.failure(query.case, &places) {
-            return Err(reason);
-        }
-        let inside = |layer: &&Layer| {
-            let region = of_case(&self.problem, query.case, &layer.region);
-            within(&places, &region)
-        };
-        let layer = self.layers.iter().rev().find(inside);
-        let layer = layer.unwrap_or(&self.layers[0]);
-        let fits = layer.fits[query.case].iter();
-        Ok(fits.map(|fit| fit.at(&places)).collect())
-    }
 }
 
 impl Simulate for Surrogates {
     fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
-        // Fewer would not pay for another thread.
-        const TOGETHER: usize = 64;
-        let queries = queries.par_iter().with_min_len(TOGETHER);
-        Ok(queries.map(|query| self.predict(query)).collect())
+        let mut predictions: Vec<Prediction> = vec![Err(self.failure.clone()); queries.len()];
+        let places: Vec<Vec<f64>> = queries.iter().map(|query| self.places(query)).collect();
+        let layer = |number: usize| {
+            let case = queries[number].case;
+            let inside = |layer: &Layer| within(&places[number], &of_case(&self.problem, case, &layer.region));
+            self.layers.iter().rposition(inside).unwrap_or(0)
+        };
+        let of: Vec<(usize, usize)> = (0..queries.len()).map(|number| (queries[number].case, layer(number))).collect();
+        let mut kinds = of.clone();
+        kinds.sort_unstable();
+        kinds.dedup();
+        for (case, layer) in kinds {
+            let numbers: Vec<usize> = (0..queries.len()).filter(|number| of[*number] == (case, layer)).collect();
+            let points: Vec<Vec<f64>> = numbers.iter().map(|number| places[*number].clone()).collect();
+            let measured = &self.problem.cases[case].measured;
+            for (number, mean) in numbers.into_iter().zip(self.layers[layer].cases[case].means(&points)) {
+                let Some(mean) = mean else { continue };
+                predictions[number] = Ok(mean.iter().zip(measured).map(|(mean, m)| mean * m.accuracy).collect());
+            }
+        }
+        Ok(predictions)
     }
 }

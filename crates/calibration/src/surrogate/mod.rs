@@ -1,17 +1,15 @@
-//! Surrogates in place of the model, where its runs are dear.
+//! Gaussian processes in place of a model whose runs are dear.
 //!
-//! The model is run at places that are spread evenly between the bounds, and a polynomial is fitted to each measured value
-//! (the same as in `robustness`). The posterior is sampled on the polynomials; the next runs go where that sample is, half
-//! of them spread evenly over its box and half at particles; new polynomials are fitted to the runs in that box, and so
-//! on, until their error matters little or the runs are spent (Li & Marzouk 2014, Adaptive construction of surrogates for
-//! the Bayesian solution of inverse problems, SIAM J. Sci. Comput. 36, A1163-A1186).
+//! The model is run at places that are spread evenly between the bounds, and a Gaussian process is fitted to each measured value
+//! (`run-budget`). The posterior is sampled on the processes; the next runs are their optimum and places of that sample at which
+//! they know least; new processes are fitted to the runs in its box, and so on, until their error matters little or the runs are
+//! spent (Li & Marzouk 2014, Adaptive construction of surrogates for the Bayesian solution of inverse problems, SIAM J. Sci.
+//! Comput. 36, A1163-A1186).
 //!
-//! The error of a polynomial counts as one more uncertainty of the measured value. It is the larger one of the
-//! leave-one-out error and of the error at fresh runs, at particles that no polynomial has seen. Errors of several values
-//! go together where the polynomials miss the same bend; independent ones that are as large in every direction are larger
-//! by the root of the largest eigenvalue of their correlations.
-//!
-//! A region is left for good only where even the largest error of any run cannot bring the posterior back to it.
+//! The error of a process counts as one more uncertainty of the measured value: its deviation at places of the sample, larger
+//! where fresh runs missed it by more than it said. Errors of several values go together where the processes miss the same bend;
+//! independent ones that are as large in every direction are larger by the root of the largest eigenvalue of their correlations.
+//! A region is left only where errors of this size cannot bring the posterior back to it.
 
 mod fitted;
 pub mod outcome;
@@ -21,7 +19,7 @@ pub mod text;
 
 use super::failures::Failures;
 use super::local::is_over;
-use super::objective::Objective;
+use super::objective::{Misfit, Objective};
 use super::problem::{NoPrediction, Problem, Simulate};
 use super::rounds::{self, searched};
 use super::sample::{FEWEST, Settings, sample};
@@ -29,31 +27,36 @@ use super::search::SearchError;
 pub use fitted::Surrogates;
 use fitted::{Bounds, Run};
 use outcome::SurrogateOutcome;
+use run_budget::most_open;
 
-/// The first runs' part of all.
-const FIRST: f64 = 0.4;
+/// Places of a batch.
+const BATCH: usize = 8;
 
-/// The part of all runs that checks the surrogates.
-const CHECK: f64 = 0.15;
-
-/// The most rounds after the first.
-const ROUNDS: usize = 4;
-
-/// An error of the surrogates that widens no interval by more than this part is small enough.
+/// Errors that widen no accuracy by more than this part, and sums of squares that differ by no more than `ALIKE` at a batch of
+/// fresh runs, are small enough.
 const SMALL: f64 = 0.01;
+const ALIKE: f64 = 0.2;
 
-/// How far the box of the next runs goes beyond the sample's, as a part of its width on both sides.
-const BEYOND: f64 = 0.25;
+/// When this part of the places is spent and an error is still larger than `ROUGH` accuracies, the rest is better spent without
+/// surrogates.
+const PATIENCE: f64 = 0.6;
+const ROUGH: f64 = 2.0;
+
+/// How far the box of the next surrogates goes beyond the sample's, as a part of its width on both sides.
+const BEYOND: f64 = 0.5;
+
+/// Places of the sample among which the next ones are chosen.
+const CANDIDATES: usize = 200;
 
 /// The problem that surrogates are made for.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
     /// The search that they serve; its local searches begin at the same places.
     pub search: rounds::Task<'a>,
-    /// The most places at which the model is run.
-    pub runs: usize,
-    /// Places that are spread evenly: those of the first runs, then of each round.
-    pub spread: &'a dyn Fn(usize, u64) -> Vec<Vec<f64>>,
+    /// Places at which the model is run with all cases.
+    pub places: usize,
+    /// So many places that are spread evenly.
+    pub spread: &'a dyn Fn(usize) -> Vec<Vec<f64>>,
     /// The seed of samples.
     pub seed: u64,
 }
@@ -70,12 +73,19 @@ pub struct Replaced {
     pub failures: Failures,
     /// Of each of the first places, whether its runs ended.
     pub screened: Vec<bool>,
+    /// The unknowns of the run with the least sum of squares.
+    pub best: Vec<f64>,
 }
 
-/// The fewest places from which surrogates of so many parameters can be made: the first ones allow a polynomial of degree 1.
-pub fn fewest(problem: &Problem) -> u64 {
+/// The fewest places from which surrogates can be made and tested.
+pub fn fewest(problem: &Problem) -> usize {
+    first(problem) + BATCH / 2
+}
+
+/// The first places.
+fn first(problem: &Problem) -> usize {
     let inputs = problem.free.len() + problem.latents.len();
-    10 * (inputs as u64 + 1)
+    (run_budget::LEAST + 2).max(4 * inputs)
 }
 
 /// Makes surrogates of a model.
@@ -88,70 +98,131 @@ pub fn replaced(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(String))
         task,
         model: Objective::new(problem, model, difference),
         runs: Vec::new(),
+        costs: Vec::new(),
         surrogates: Surrogates::new(problem),
+        fresh: Fresh::default(),
     };
-    let check = (task.runs as f64 * CHECK).ceil() as usize;
-    let first = (task.runs as f64 * FIRST).ceil() as usize;
-    let each = (task.runs - first - check).div_ceil(ROUNDS);
-    work.run(&(task.spread)(first, 0))?;
-    let screened: Vec<bool> = work.runs.iter().map(|run| run.predicted.is_ok()).collect();
-    let whole = vec![[0.0, 1.0]; problem.unknowns()];
-    if !work.surrogates.refine(&work.runs, whole) {
-        return Err(work.too_few());
-    }
-    let mut rounds = 1;
-    // Where runs fail, only nearer ones tell where that begins.
-    while (work.widening(RMS) > SMALL || work.model.failures().failed > 0)
-        && work.runs.len() + check < task.runs
-        && !is_over(effort.deadline)
-    {
-        observe(format!("surrogate of round {rounds}, {} runs a case", work.runs.len()));
-        let particles = work.sample(LARGEST, rounds as u64)?;
-        let region = around(&particles);
-        let room = task.runs - check - work.runs.len();
-        let places = work.next(&particles, &region, each.min(room), rounds as u64);
-        work.run(&places)?;
-        if !work.surrogates.refine(&work.runs, region) {
-            break;
+    let even = (task.spread)(task.places);
+    let mut taken = first(problem).min(even.len());
+    work.run(&even[..taken])?;
+    let whole: Bounds = vec![[0.0, 1.0]; problem.unknowns()];
+    // Where many runs fail, the first places leave too few.
+    while work.surrogates.refine(&work.runs, whole.clone(), task.seed).is_err() {
+        let next = (taken + BATCH).min(even.len());
+        if next == taken {
+            return Err(work.too_few());
         }
-        rounds += 1;
+        work.run(&even[taken..next])?;
+        taken = next;
     }
-    observe(format!("surrogate of round {rounds}, checked at {check} particles"));
-    let particles = work.sample(RMS, rounds as u64)?;
-    let places = evenly(&particles, check);
-    let checked = work.check(&places)?;
-    let failures = work.model.failures();
-    let counts = (rounds, work.runs.len() + check, failures.failed);
-    let mut told = SurrogateOutcome::new(problem, &work.surrogates, counts, &checked);
-    told.check_failed = places.len() - checked.len();
-    Ok(Replaced { problem: told.widened(problem), model: work.surrogates, told, failures, screened })
+    let screened: Vec<bool> = work.runs.iter().map(|run| run.predicted.is_ok()).collect();
+    let mut particles = even[..taken].to_vec();
+    let mut rounds = 0;
+    loop {
+        rounds += 1;
+        observe(format!("surrogate of round {rounds}, {} places", work.runs.len()));
+        let (best, sampled) = work.sample(&work.errors(&particles), rounds)?;
+        particles = sampled;
+        let errors = work.errors(&particles);
+        let widening = work.parts(&errors).fold(0.0, |most: f64, part| most.max(1.0_f64.hypot(part) - 1.0));
+        let rough = work.parts(&errors).any(|part| part > ROUGH);
+        // A direct search with fewer places would come nowhere.
+        let spent = work.runs.len() as f64 >= PATIENCE * task.places as f64
+            && work.runs.len() + 3 * (problem.unknowns() + 1) <= task.places;
+        let is_enough = widening < SMALL && work.fresh.apart < ALIKE;
+        if is_enough || rough && spent || work.runs.len() >= task.places || is_over(effort.deadline) {
+            let counts = (rounds, work.runs.len(), work.model.failures().failed);
+            let told =
+                SurrogateOutcome::new(problem, &work.surrogates, counts, (&errors, &work.fresh), !(rough && spent));
+            let least = (0..work.runs.len()).min_by(|a, b| work.costs[*a].total_cmp(&work.costs[*b]));
+            return Ok(Replaced {
+                problem: problem.widened(|case, quantity| errors[case][quantity]),
+                failures: work.model.failures(),
+                screened,
+                best: least.map_or(best, |least| work.runs[least].places.clone()),
+                model: work.surrogates,
+                told,
+            });
+        }
+        let places = work.next(best, &particles);
+        work.test(&places)?;
+        // Where nothing fits, the surrogates before it stay.
+        let _ = work.surrogates.refine(&work.runs, around(&particles), task.seed);
+    }
 }
 
-/// Which of two errors is counted.
-const RMS: usize = 0;
-const LARGEST: usize = 1;
+/// What a batch of runs said that no surrogate had seen.
+#[derive(Clone, Debug)]
+pub(crate) struct Fresh {
+    /// How many were compared.
+    pub(crate) compared: usize,
+    /// How many failed though they were expected to end.
+    pub(crate) failed: usize,
+    /// Errors over the deviations stated for them, root mean square.
+    pub(crate) missed: f64,
+    /// By how much the sums of squares of surrogates and model differ, in the middle.
+    pub(crate) apart: f64,
+}
+
+impl Default for Fresh {
+    fn default() -> Self {
+        Self { compared: 0, failed: 0, missed: 1.0, apart: f64::INFINITY }
+    }
+}
 
 /// Surrogates that are being made.
 struct Work<'a> {
     task: &'a Task<'a>,
     model: Objective<'a>,
     runs: Vec<Run>,
+    /// Their sums of squares; infinite where one failed.
+    costs: Vec<f64>,
     surrogates: Surrogates,
+    fresh: Fresh,
 }
 
 impl Work<'_> {
     /// Runs the model with all cases at these places.
-    fn asked(&self, places: &[Vec<f64>]) -> Result<Vec<Run>, NoPrediction> {
-        let misfits = self.model.misfits(places)?;
-        let runs = places
-            .iter()
-            .zip(misfits)
-            .map(|(places, misfit)| Run { places: places.clone(), predicted: misfit.map(|misfit| misfit.predicted) });
-        Ok(runs.collect())
+    fn run(&mut self, places: &[Vec<f64>]) -> Result<(), NoPrediction> {
+        for (places, misfit) in places.iter().zip(self.model.misfits(places)?) {
+            self.costs.push(misfit.as_ref().map_or(f64::INFINITY, Misfit::cost));
+            self.runs.push(Run { places: places.clone(), predicted: misfit.map(|misfit| misfit.predicted) });
+        }
+        Ok(())
     }
 
-    fn run(&mut self, places: &[Vec<f64>]) -> Result<(), NoPrediction> {
-        self.runs.extend(self.asked(places)?);
+    /// Runs places, and compares them with what the surrogates say before they know them.
+    fn test(&mut self, places: &[Vec<f64>]) -> Result<(), NoPrediction> {
+        let problem = self.model.problem;
+        let before = self.runs.len();
+        self.run(places)?;
+        let ours = Objective::new(problem, &self.surrogates, f64::NAN).misfits(places)?;
+        let cases = 0..problem.cases.len();
+        let variances: Vec<_> = cases.map(|case| self.surrogates.variances(case, places)).collect();
+        let (mut scores, mut apart) = (Vec::new(), Vec::new());
+        let mut fresh = Fresh::default();
+        for (i, ours) in ours.iter().enumerate() {
+            let (Ok(ours), theirs) = (ours, &self.runs[before + i]) else { continue };
+            let Ok(theirs) = &theirs.predicted else {
+                fresh.failed += 1;
+                continue;
+            };
+            fresh.compared += 1;
+            apart.push((ours.cost() - self.costs[before + i]).abs());
+            for (case, measured) in problem.cases.iter().map(|case| &case.measured).enumerate() {
+                for (q, measured) in measured.iter().enumerate() {
+                    let error = (ours.predicted[case][q] - theirs[case][q]) / measured.accuracy;
+                    // An error that is nothing beside the accuracy says nothing about its statement.
+                    scores.push(error * error / variances[case][(i, q)].max(1e-6));
+                }
+            }
+        }
+        apart.sort_by(f64::total_cmp);
+        if let Some(middle) = apart.get(apart.len() / 2) {
+            fresh.apart = *middle;
+            fresh.missed = (scores.iter().sum::<f64>() / scores.len() as f64).sqrt();
+        }
+        self.fresh = fresh;
         Ok(())
     }
 
@@ -161,74 +232,56 @@ impl Work<'_> {
         let last =
             failed.next_back().map_or_else(String::new, |reason| format!("; the last one failed with: {reason}"));
         SearchError::Surrogate(format!(
-            "the first {} runs a case leave {ended} to fit a surrogate to, which is too few: give more with --surrogate{last}",
+            "the first {} places leave {ended} to fit a surrogate to, which is too few{last}",
             self.runs.len()
         ))
     }
 
-    /// Accuracies with one of the errors of the last surrogates.
-    fn widened(&self, which: usize) -> Problem {
-        let layer = self.surrogates.last();
-        let (errors, factor) = (layer.errors(), layer.together.sqrt());
+    /// The errors that are counted, by case and quantity, where the posterior has these places.
+    fn errors(&self, particles: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let problem = self.model.problem;
-        problem.widened(|case, quantity| factor * errors[case][quantity][which])
+        let factor = self.surrogates.last().together.sqrt() * self.fresh.missed.max(1.0);
+        let case = |case: usize| {
+            let variances = self.surrogates.variances(case, particles).row_mean();
+            let measured = problem.cases[case].measured.iter();
+            measured.zip(&variances).map(|(measured, variance)| factor * variance.sqrt() * measured.accuracy).collect()
+        };
+        (0..problem.cases.len()).map(case).collect()
     }
 
-    /// By which part the errors widen the accuracy of any value, at most.
-    fn widening(&self, which: usize) -> f64 {
-        let widened = self.widened(which);
-        let pairs = self.model.problem.cases.iter().zip(&widened.cases);
-        let pairs = pairs.flat_map(|(a, b)| a.measured.iter().zip(&b.measured));
-        pairs.map(|(a, b)| b.accuracy / a.accuracy - 1.0).fold(0.0, f64::max)
+    /// Errors over accuracies.
+    fn parts<'b>(&'b self, errors: &'b [Vec<f64>]) -> impl Iterator<Item = f64> + 'b {
+        let measured = self.model.problem.cases.iter().flat_map(|case| &case.measured);
+        errors.iter().flatten().zip(measured).map(|(error, measured)| error / measured.accuracy)
     }
 
-    /// Particles of the posterior by the surrogates, with one of their errors.
-    fn sample(&self, which: usize, round: u64) -> Result<Vec<Vec<f64>>, SearchError> {
-        let problem = self.widened(which);
+    /// The optimum by the surrogates, and places of the posterior, with these errors.
+    fn sample(&self, errors: &[Vec<f64>], round: usize) -> Result<(Vec<f64>, Vec<Vec<f64>>), SearchError> {
+        let problem = self.model.problem.widened(|case, quantity| errors[case][quantity]);
         let search = rounds::Task { problem: &problem, ..self.task.search };
         let searched = searched(&search, &self.surrogates, &|_| ())?;
         let unknowns = problem.unknowns() as u64;
         let settings = Settings {
             particles: FEWEST.max(20 * unknowns),
-            seed: self.task.seed.wrapping_add(round),
+            seed: self.task.seed.wrapping_add(round as u64),
             deadline: search.effort.deadline,
         };
         let objective = Objective::new(&problem, &self.surrogates, search.difference);
         let sample = sample(&objective, &searched.optima, &settings, &|_, _| ())?;
-        let particles = sample.particles.into_iter();
-        let places = particles.map(|mut particle| {
-            particle.places.truncate(problem.unknowns());
-            particle.places
-        });
-        Ok(places.collect())
+        let mut places: Vec<Vec<f64>> = sample.particles.into_iter().map(|particle| particle.places).collect();
+        places.iter_mut().for_each(|places| places.truncate(problem.unknowns()));
+        Ok((searched.optima[0].minimum.places.clone(), evenly(&places, CANDIDATES)))
     }
 
-    /// The next places: half of them spread over the box, half at particles.
-    fn next(&self, particles: &[Vec<f64>], region: &Bounds, count: usize, round: u64) -> Vec<Vec<f64>> {
-        let spread = (self.task.spread)(count.div_ceil(2), round);
-        let inside = |places: &Vec<f64>| -> Vec<f64> {
-            let pairs = places.iter().zip(region);
-            pairs.map(|(place, [low, high])| low + place * (high - low)).collect()
-        };
-        let mut places: Vec<Vec<f64>> = spread.iter().map(inside).collect();
-        places.extend(evenly(particles, count / 2));
-        places
-    }
-
-    /// The surrogates' errors at places that they have not seen: a row each, with the values case by case. Places at which
-    /// the model's runs fail are left out.
-    fn check(&self, places: &[Vec<f64>]) -> Result<Vec<Vec<f64>>, NoPrediction> {
-        let runs = self.asked(places)?;
-        let rounds::Task { problem, difference, .. } = self.task.search;
-        let ours = Objective::new(problem, &self.surrogates, difference).misfits(places)?;
-        let pairs = runs.iter().zip(ours);
-        let errors = pairs.filter_map(|(run, ours)| {
-            let theirs = run.predicted.as_ref().ok()?.iter().flatten();
-            let ours = ours.ok()?;
-            let ours = ours.predicted.iter().flatten();
-            Some(ours.zip(theirs).map(|(ours, theirs)| ours - theirs).collect())
-        });
-        Ok(errors.collect())
+    /// The next places: the best one, and those of the sample that tell most.
+    fn next(&self, best: Vec<f64>, particles: &[Vec<f64>]) -> Vec<Vec<f64>> {
+        let count = BATCH.min(self.task.places - self.runs.len());
+        let cases = self.surrogates.last().cases.iter().enumerate();
+        let of: Vec<_> =
+            cases.map(|(number, case)| (&case.surrogate, self.surrogates.points(number, particles))).collect();
+        let chosen = most_open(&of, count).into_iter().map(|index| particles[index].clone());
+        let fresh = |places: &Vec<f64>| self.runs.iter().all(|run| run.places != *places);
+        std::iter::once(best).chain(chosen).filter(fresh).take(count).collect()
     }
 }
 

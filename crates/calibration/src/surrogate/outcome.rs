@@ -1,33 +1,34 @@
-//! Kind and error of the surrogates: plain data that becomes JSON.
+//! How good the surrogates are: plain data that becomes JSON.
 
 use serde::Serialize;
 
 use super::super::failures::Range;
 use super::super::problem::Problem;
+use super::Fresh;
 use super::fitted::Surrogates;
 
 /// The surrogates of an identification.
 #[derive(Clone, Debug, Serialize)]
 pub struct SurrogateOutcome {
-    /// At how many places the model was run, all cases each; those of the optima, which are run again, come on top.
+    /// At how many places the model was run, all cases each, before the optima.
     pub runs: usize,
     /// At how many of them a run failed.
     pub failed: u64,
     /// How often the surrogates were fitted, each time nearer to the posterior.
     pub rounds: usize,
-    /// Fresh places of the posterior at which surrogates and model were compared.
+    /// Whether the surrogates hold; if not, the model itself was searched with what the budget left.
+    pub holds: bool,
+    /// The last runs that were compared with surrogates which did not know them.
     pub checked: usize,
-    /// Fresh places of the posterior at which the model's run failed.
+    /// Those of them that failed.
     pub check_failed: usize,
+    /// By how much the sums of squares of surrogates and model differ at these, in the middle.
+    pub apart: Option<f64>,
     /// The box of the last surrogates.
     pub within: Vec<Range>,
-    /// The factor by which the counted variance is larger than that of each error, as errors of several values go together.
-    pub together: f64,
-    /// The errors of each measured value, case by case.
-    pub errors: Vec<Vec<ValueError>>,
-    /// The largest part of an accuracy that an error counted comes to.
-    pub largest: f64,
-    /// The optima run again in the model.
+    /// The value whose error in the posterior is the largest beside its accuracy.
+    pub worst: ValueError,
+    /// The optima run in the model.
     pub optima: Vec<RunAgain>,
 }
 
@@ -36,10 +37,6 @@ pub struct SurrogateOutcome {
 pub struct ValueError {
     /// The quantity.
     pub quantity: String,
-    /// Root mean square of the leave-one-out errors of the runs in the box.
-    pub leave_one_out: f64,
-    /// Root mean square at the fresh places; `None` where none could be compared.
-    pub held_out: Option<f64>,
     /// The standard uncertainty that is counted beside the accuracy.
     pub counted: f64,
     /// The accuracy.
@@ -48,7 +45,7 @@ pub struct ValueError {
 
 impl ValueError {
     /// The error counted as a part of the accuracy.
-    pub(super) fn part(&self) -> f64 {
+    pub fn part(&self) -> f64 {
         self.counted / self.accuracy
     }
 }
@@ -63,51 +60,31 @@ pub struct RunAgain {
 }
 
 impl SurrogateOutcome {
-    /// Gathers the errors; `checked` has a row of errors for each fresh place. `counts` are rounds, runs and failed ones.
+    /// Gathers the errors, by case and quantity. `counts` are rounds, runs and failed ones.
     pub(super) fn new(
         problem: &Problem,
         surrogates: &Surrogates,
         (rounds, runs, failed): (usize, usize, u64),
-        checked: &[Vec<f64>],
+        (errors, fresh): (&[Vec<f64>], &Fresh),
+        holds: bool,
     ) -> Self {
-        let layer = surrogates.last();
-        let held_out = |index: usize| {
-            let squares: f64 = checked.iter().map(|row| row[index].powi(2)).sum();
-            (!checked.is_empty()).then(|| (squares / checked.len() as f64).sqrt())
+        let value = |case: usize, quantity: usize| ValueError {
+            quantity: problem.quantities[quantity].name.clone(),
+            counted: errors[case][quantity],
+            accuracy: problem.cases[case].measured[quantity].accuracy,
         };
-        let fits = layer.errors();
-        let value = |case: usize, quantity: usize| {
-            let [leave_one_out, _] = fits[case][quantity];
-            let held_out = held_out(case * problem.quantities.len() + quantity);
-            let larger = held_out.map_or(leave_one_out, |error| error.max(leave_one_out));
-            ValueError {
-                quantity: problem.quantities[quantity].name.clone(),
-                leave_one_out,
-                held_out,
-                counted: layer.together.sqrt() * larger,
-                accuracy: problem.cases[case].measured[quantity].accuracy,
-            }
-        };
-        let quantities = 0..problem.quantities.len();
-        let case = |case| quantities.clone().map(|q| value(case, q)).collect();
-        let errors: Vec<Vec<ValueError>> = (0..fits.len()).map(case).collect();
-        let all = errors.iter().flatten();
+        let all = (0..errors.len()).flat_map(|case| (0..errors[case].len()).map(move |quantity| value(case, quantity)));
         Self {
             runs,
             failed,
             rounds,
-            checked: checked.len(),
-            check_failed: 0,
-            within: Range::all(problem, &layer.region),
-            together: layer.together,
-            largest: all.map(ValueError::part).fold(0.0, f64::max),
-            errors,
+            holds,
+            checked: fresh.compared,
+            check_failed: fresh.failed,
+            apart: fresh.apart.is_finite().then_some(fresh.apart),
+            within: Range::all(problem, &surrogates.last().region),
+            worst: all.max_by(|a, b| a.part().total_cmp(&b.part())).expect("a problem has measured values"),
             optima: Vec::new(),
         }
-    }
-
-    /// The problem with the errors counted beside its accuracies.
-    pub fn widened(&self, problem: &Problem) -> Problem {
-        problem.widened(|case, quantity| self.errors[case][quantity].counted)
     }
 }

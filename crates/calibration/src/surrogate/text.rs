@@ -12,44 +12,37 @@ const DIFFERENT: f64 = 1.0;
 
 /// What stands in for the model, and how well.
 pub fn sentences(told: &SurrogateOutcome) -> Vec<String> {
-    let mut said = vec![format!(
-        "Surrogate: polynomials from {} runs a case ({} failed) in {} rounds stand in for the model; the last ones are of {}",
-        told.runs,
-        told.failed,
-        told.rounds,
-        words(&told.within)
-    )];
-    let (checked, more) = (told.checked, 2 * told.runs);
-    let all = told.errors.iter().flatten();
-    if let Some(worst) = all.max_by(|a, b| a.part().total_cmp(&b.part())) {
-        let held_out = worst.held_out.map_or_else(String::new, |error| {
-            let error = rounded(error, 2);
-            format!(", at {checked} fresh runs in the posterior {error}")
-        });
-        let [leave_one_out, counted, accuracy] =
-            [worst.leave_one_out, worst.counted, worst.accuracy].map(|error| rounded(error, 2));
+    let runs = format!("{} places ({} failed)", told.runs, told.failed);
+    let [counted, accuracy] = [told.worst.counted, told.worst.accuracy].map(|error| rounded(error, 2));
+    let worst = format!(
+        "its error is largest in {}: {counted} beside the accuracy of {accuracy} ({:.0} %)",
+        told.worst.quantity,
+        100.0 * told.worst.part()
+    );
+    if !told.holds {
+        return vec![format!(
+            "The surrogate does not hold here, after {runs}: {worst}; the model itself was searched from the best of them with the \
+             runs that were left"
+        )];
+    }
+    let mut said =
+        vec![format!("By surrogate from {runs} in {} rounds; the last one is of {}", told.rounds, words(&told.within))];
+    said.push(format!("{worst}, and counts in intervals"));
+    if let Some(apart) = told.apart {
         said.push(format!(
-            "its error is largest in {}: leave-one-out {leave_one_out}{held_out}; counted as {counted} beside the accuracy of \
-             {accuracy} ({:.0} %)",
-            worst.quantity,
-            100.0 * worst.part()
+            "at the last {} runs, which it did not know, its sum of squares was off by {} in the middle",
+            told.checked,
+            rounded(apart, 2)
         ));
     }
-    if told.largest > LARGE {
-        said.push(format!(
-            "so intervals are wider than the data's own, and optima close to each other may look like one: more runs \
-             (--surrogate {more}) tell more"
-        ));
-    }
-    if checked == 0 {
-        said.push("no fresh run could be compared, so only the leave-one-out error is known".to_owned());
+    if told.worst.part() > LARGE {
+        said.push("intervals are wider than the data's own: a larger budget narrows them".to_owned());
     }
     if told.check_failed > 0 {
         said.push(format!(
-            "at {} of {} fresh places in the posterior the model's run failed: the surrogate does not know where runs fail, so \
-             the intervals of the sample do not hold; sample the model itself, or give more runs (--surrogate {more})",
+            "{} of the last {} runs failed where the surrogate expected none: the edge of where runs fail is rough in the sample",
             told.check_failed,
-            told.check_failed + checked
+            told.check_failed + told.checked
         ));
     }
     for (place, optimum) in told.optima.iter().enumerate() {
@@ -59,7 +52,7 @@ pub fn sentences(told: &SurrogateOutcome) -> Vec<String> {
         };
         said.push(match optimum.model {
             Some(model) => format!(
-                "{name} run again in the model: sum of squares {}, by the surrogate {}{}",
+                "{name} run in the model: sum of squares {}, by the surrogate {}{}",
                 rounded(model, 4),
                 rounded(optimum.surrogate, 4),
                 match (model - optimum.surrogate).abs() > DIFFERENT {
@@ -67,9 +60,7 @@ pub fn sentences(told: &SurrogateOutcome) -> Vec<String> {
                     false => "",
                 }
             ),
-            None => format!(
-                "the model's run fails at {name}: it is no optimum of the model, and its values and sum of squares are the surrogate's"
-            ),
+            None => format!("the model's run fails at {name}: it is no optimum of the model"),
         });
     }
     said

@@ -76,7 +76,7 @@ impl Answer {
             return Self::NoneSeen {
                 places: cloud.len(),
                 highest,
-                criterion: stand.least_met(cloud.iter()),
+                criterion: stand.least_met(cloud),
                 points,
                 at_most: clopper_pearson(0.0, points as f64, 0.9)[1],
             };

@@ -1,7 +1,7 @@
 //! Maps over pairs of parameters (the paper's Table 4): the criteria with all other parameters at
 //! their medians, and the probability of verification with all others as they were sampled.
 
-use super::Stand;
+use super::stand::Stand;
 use crate::table::PointTable;
 use sampling::statistics::moments::{quantile, sorted};
 use serde::{Deserialize, Serialize};
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 /// Cells along each side.
 pub const CELLS: usize = 20;
 /// Samples of the remaining parameters for each cell of a map.
-const OTHERS: usize = 100;
+const OTHERS: usize = 25;
 
 /// A map over two parameters.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -47,21 +47,20 @@ pub fn maps(table: &PointTable, stand: &Stand, inputs: &[Vec<f64>]) -> Vec<Map> 
             point
         };
         let cells = 0..CELLS * CELLS;
-        let of_criterion = |c: usize| {
-            let value = |cell| stand.value(c, &at(&medians, cell));
-            cells.clone().map(value).collect()
-        };
-        let probability = |cell: usize| {
-            let each = others.iter().map(|o| stand.probability(&at(o, cell)));
-            each.sum::<f64>() / others.len() as f64
-        };
+        let all = |base: &[f64]| -> Vec<Vec<f64>> { cells.clone().map(|cell| at(base, cell)).collect() };
+        let values = stand.values(&all(&medians));
+        let mut probability = vec![0.0; cells.len()];
+        for other in &others {
+            let of_other = stand.probabilities(&all(other));
+            probability.iter_mut().zip(of_other).for_each(|(sum, p)| *sum += p / others.len() as f64);
+        }
         Map {
             x,
             y,
             x_range,
             y_range,
-            criteria: (0..table.criteria.len()).map(of_criterion).collect(),
-            probability: cells.clone().map(probability).collect(),
+            criteria: (0..table.criteria.len()).map(|c| values.iter().map(|v| v[c]).collect()).collect(),
+            probability,
         }
     };
     let pairs = (0..d).flat_map(|x| (x + 1..d).map(move |y| (x, y)));

@@ -1,6 +1,6 @@
 //! How far each parameter alone may move from the best point before a criterion is lost.
 
-use super::Stand;
+use super::stand::Stand;
 use crate::table::PointTable;
 use sampling::statistics::moments::{quantile, sorted};
 use serde::{Deserialize, Serialize};
@@ -26,10 +26,8 @@ pub fn margins(table: &PointTable, stand: &Stand, best: &[f64]) -> Vec<Margin> {
         let lost = |value: f64| {
             let mut x = best.to_vec();
             x[k] = value;
-            let outside = |c: &usize| {
-                let v = stand.value(*c, &x);
-                v < table.criteria[*c].lower || v > table.criteria[*c].upper
-            };
+            let values = stand.values(&[x]).remove(0);
+            let outside = |c: &usize| values[*c] < table.criteria[*c].lower || values[*c] > table.criteria[*c].upper;
             (0..table.criteria.len()).find(outside)
         };
         let limit = |end: f64| {

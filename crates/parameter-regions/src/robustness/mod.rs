@@ -10,15 +10,13 @@ pub mod evidence;
 pub mod maps;
 pub mod margins;
 pub mod region;
-pub mod surrogate;
+pub mod stand;
 
-use crate::table::{CriterionColumn, PointTable};
+use crate::table::PointTable;
 use evidence::Evidence;
-use rayon::prelude::*;
 use region::{Region, Sample};
 use serde::{Deserialize, Serialize};
-use statrs::distribution::{ContinuousCDF, Normal};
-use surrogate::{Quality, Surrogate};
+use stand::{Quality, Stand};
 
 /// A study's robustness.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -71,117 +69,6 @@ impl Robustness {
     }
 }
 
-/// The model's stand-in: a surrogate a criterion.
-pub struct Stand {
-    criteria: Vec<Part>,
-}
-
-/// One criterion's surrogate.
-struct Part {
-    criterion: CriterionColumn,
-    surrogate: Surrogate,
-    /// Where the surrogate is of asinh((value - measured) / scale): true near the measurement and
-    /// logarithmic far from it, where errors no longer matter; `None` where it is of the value.
-    scale: Option<f64>,
-    /// Root-mean-square error near the measurement, in the criterion's unit.
-    quality: Quality,
-    /// The surrogate's prediction at each point that it knows, fitted without it.
-    left_out: Vec<f64>,
-}
-
-impl Part {
-    /// Fits the value and its transform, and keeps what errs less near the measurement.
-    fn fit(criterion: &CriterionColumn, inputs: &[Vec<f64>]) -> Option<Self> {
-        let mut output = criterion.values.clone();
-        let mut surrogate = Surrogate::fit(inputs, &output)?;
-        let mut scale = None;
-        let room = (criterion.upper - criterion.nominal).min(criterion.nominal - criterion.lower);
-        let exact = surrogate.quality.predicted >= 1.0;
-        if room.is_finite() && room > 0.0 && !exact {
-            let values = criterion.values.iter();
-            let bent = values.map(|v| ((v - criterion.nominal) / room).asinh());
-            let bent: Vec<f64> = bent.collect();
-            let better = |fit: &Surrogate| fit.quality.error * room < surrogate.quality.error;
-            if let Some(fit) = Surrogate::fit(inputs, &bent).filter(better) {
-                (surrogate, scale, output) = (fit, Some(room), bent);
-            }
-        }
-        Some(Self {
-            criterion: CriterionColumn { values: vec![], ok: vec![], ..criterion.clone() },
-            scale,
-            quality: Quality { error: surrogate.quality.error * scale.unwrap_or(1.0), ..surrogate.quality },
-            left_out: surrogate.left_out(inputs, &output),
-            surrogate,
-        })
-    }
-
-    fn value(&self, x: &[f64]) -> f64 {
-        let value = self.surrogate.at(x);
-        // The transform is not to be trusted beyond what it has seen: sinh grows fast.
-        self.scale.map_or(value, |scale| self.criterion.nominal + scale * value.clamp(-12.0, 12.0).sinh())
-    }
-
-    /// The probability that the criterion is met.
-    fn probability(&self, x: &[f64]) -> f64 {
-        self.probability_of(self.surrogate.at(x))
-    }
-
-    /// The probability that the criterion is met where the surrogate says so much.
-    fn probability_of(&self, value: f64) -> f64 {
-        let c = &self.criterion;
-        let bend = |limit: f64| {
-            let bent = |scale: f64| ((limit - c.nominal) / scale).asinh();
-            self.scale.map_or(limit, bent)
-        };
-        let least = (1e-12 * c.nominal.abs()).max(f64::MIN_POSITIVE);
-        let error = self.surrogate.quality.error.max(least);
-        let normal = Normal::standard();
-        normal.cdf((bend(c.upper) - value) / error) - normal.cdf((bend(c.lower) - value) / error)
-    }
-}
-
-impl Stand {
-    /// Fits all criteria; `None` where one of them cannot be.
-    pub fn fit(table: &PointTable) -> Option<Self> {
-        let inputs = rows(table);
-        let parts = table.criteria.iter().map(|c| Part::fit(c, &inputs));
-        Some(Self { criteria: parts.collect::<Option<_>>()? })
-    }
-
-    /// The predicted value of a criterion.
-    pub fn value(&self, criterion: usize, x: &[f64]) -> f64 {
-        self.criteria[criterion].value(x)
-    }
-
-    /// The name of the criterion with the least probability over some points.
-    fn least_met<'a>(&self, points: impl Iterator<Item = &'a Vec<f64>>) -> String {
-        let mut sums = vec![0.0; self.criteria.len()];
-        for x in points {
-            for (sum, part) in sums.iter_mut().zip(&self.criteria) {
-                *sum += part.probability(x);
-            }
-        }
-        let least = (0..sums.len()).min_by(|&a, &b| sums[a].total_cmp(&sums[b]));
-        least.map_or_else(String::new, |k| self.criteria[k].criterion.name.clone())
-    }
-
-    /// The probability that all criteria are met at a point, given the surrogates' errors.
-    pub fn probability(&self, x: &[f64]) -> f64 {
-        let parts = self.criteria.iter();
-        parts.map(|part| part.probability(x)).product()
-    }
-
-    /// The probability that all criteria are met at each of the first points that were fitted, by surrogates without it.
-    fn foretold(&self, points: usize) -> Vec<f64> {
-        let one = |i: usize| {
-            let parts = self.criteria.iter();
-            let each = parts.map(|part| part.probability_of(part.left_out[i]));
-            each.product()
-        };
-        (0..points).map(one).collect()
-    }
-}
-
 /// The parameters of every point.
 pub fn rows(table: &PointTable) -> Vec<Vec<f64>> {
     (0..table.len()).map(|i| table.parameters.iter().map(|p| p.values[i]).collect()).collect()
@@ -215,7 +102,7 @@ pub fn refined(table: &PointTable, fitted: &PointTable, cloud: &[Vec<f64>], leve
     let best = table.ranking().first()?.point;
     let places = |x: &Vec<f64>| varying.iter().map(|&k| x[k]).collect();
     let cloud: Vec<Vec<f64>> = cloud.iter().map(places).collect();
-    let verdicts: Vec<f64> = cloud.par_iter().map(|x| stand.probability(x)).collect();
+    let verdicts: Vec<f64> = stand.probabilities(&cloud);
     // A part to search with, the rest to state what was found: a search flatters its own sample.
     let part = cloud.len() / SEARCHED;
     let sample = |range: std::ops::Range<usize>| Sample { points: &cloud[range.clone()], verdicts: &verdicts[range] };
@@ -226,11 +113,10 @@ pub fn refined(table: &PointTable, fitted: &PointTable, cloud: &[Vec<f64>], leve
         verified: &table.verified,
         foretold: &stand.foretold(table.len()),
     };
-    let quality = |part: &Part| (part.criterion.name.clone(), part.quality);
     let mut result = Robustness {
         parameters: table.parameters.iter().map(|p| p.name.clone()).collect(),
         units: table.parameters.iter().map(|p| p.unit.clone()).collect(),
-        criteria: stand.criteria.iter().map(quality).collect(),
+        criteria: stand.criteria.iter().map(|c| c.name.clone()).zip(stand.qualities.iter().copied()).collect(),
         maps: maps::maps(table, &stand, &inputs),
         level,
         further_runs: fitted.len().saturating_sub(table.len()),

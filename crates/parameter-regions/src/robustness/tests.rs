@@ -1,5 +1,5 @@
 use super::*;
-use crate::table::ParameterColumn;
+use crate::table::{CriterionColumn, ParameterColumn};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 /// Two criteria of three parameters, the third without influence.

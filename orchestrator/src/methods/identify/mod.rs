@@ -24,6 +24,7 @@ use crate::identify::offsets;
 use crate::options::{Means, Work};
 use crate::results::origin::Origin;
 use crate::session::Request;
+use calibration::capped::Capped;
 use calibration::failures::Excluded;
 use calibration::fit;
 use calibration::local::End;
@@ -49,6 +50,9 @@ use study::{Identification, Study};
 
 /// The result's file in a folder of results.
 const FILE: &str = "identification.json";
+
+/// Particles of the posterior where a budget makes them without runs.
+const PARTICLES: u64 = 1000;
 
 /// Options of `identify`.
 #[derive(Debug, Args)]
@@ -110,9 +114,10 @@ pub struct Asked {
     /// Also draw N sets of parameters from the posterior, of any shape
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub posterior: Option<u64>,
-    /// Search and sample on polynomials fitted to at most N runs of each case; their error counts as an uncertainty
+    /// For an FMU whose runs are dear: at most N runs in all. A surrogate of chosen ones tells optimum, intervals and posterior;
+    /// its error counts as an uncertainty
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
-    pub surrogate: Option<u64>,
+    pub budget: Option<u64>,
     /// Weigh the model against that of another result on the same data: its identification.json, or its folder
     // The other result may be another one when the run goes on.
     #[serde(skip)]
@@ -211,7 +216,7 @@ impl Analysis for Asked {
         }
         posterior::check(study, settings, bound, self.posterior.is_some())?;
         self.other(settings, bound)?;
-        surrogate::check(study, settings, bound, self)
+        surrogate::check(bound, self)
     }
 
     fn find(&self, fit: &Fit, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult, Error> {
@@ -228,7 +233,7 @@ impl Analysis for Asked {
         files::write(folder, &fit.study, &fit.settings, &outcome, &others)?;
         posterior::write(folder, &fit.settings, &fit.bound, sample.as_ref())?;
         let code = match outcome.end {
-            End::Time | End::Iterations => ExitCode::FAILURE,
+            End::Time | End::Iterations | End::Budget => ExitCode::FAILURE,
             End::Converged => ExitCode::SUCCESS,
         };
         let title = fit.study.title.as_deref();
@@ -282,7 +287,9 @@ impl Asked {
         settings.seed = seed.unwrap_or(settings.seed);
         let unplaced = |number| toml::Spanned::new(0..0, number);
         settings.posterior = self.posterior.map(unplaced).or(settings.posterior);
-        settings.surrogate = self.surrogate.map(unplaced).or(settings.surrogate);
+        // By surrogate a sample takes no run.
+        let free = || self.budget.map(|_| unplaced(PARTICLES));
+        settings.posterior = settings.posterior.or_else(free);
         Ok(settings)
     }
 }
@@ -300,32 +307,46 @@ fn find(
         iterations: settings.iterations.max(1),
         deadline: options.time_limit.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.clamp(0.0, 1e9))),
     };
+    if options.budget.is_some() {
+        pipeline.repeat_at_most(1);
+    }
     let model = FmuModel::new(bound, pipeline);
-    let remembered = Remembered::new(&model);
+    let capped = Capped::new(&model, options.budget.map_or(u64::MAX, |runs| surrogate::asked(runs, bound)));
+    let remembered = Remembered::new(&capped);
     let task =
         rounds::Task { problem: &bound.problem, difference: settings.difference, starts: &starts, effort: limits };
     let search = || {
-        let replaced = surrogate::replaced(study, settings, &task, &remembered, &|text| {
+        let replaced = surrogate::replaced((study, settings, bound), options.budget, &task, &remembered, &|text| {
             model.say(text);
         })?;
         let mut task = task;
+        // Where the surrogate does not hold, the rest of the budget goes down from the best run.
+        let rough = replaced.as_ref().filter(|replaced| !replaced.told.holds);
+        let best: Vec<Vec<f64>> = rough.iter().map(|rough| rough.best[..bound.problem.free.len()].to_vec()).collect();
+        if rough.is_some() {
+            (task.starts, task.effort.descents) = (&best, 1);
+        }
+        let by = replaced.as_ref().filter(|replaced| replaced.told.holds);
         let mut asked: &dyn Simulate = &remembered;
         // Without surrogates: the places of a sample hardly ever come twice, and there are many.
         let mut sampled: &dyn Simulate = &model;
-        if let Some(replaced) = &replaced {
-            task.problem = &replaced.problem;
-            (asked, sampled) = (&replaced.model, &replaced.model);
+        if let Some(by) = by {
+            task.problem = &by.problem;
+            (asked, sampled) = (&by.model, &by.model);
         }
         let mut searched = rounds::searched(&task, asked, &|progress| {
             model.say(so_far(progress));
         })?;
-        let again = replaced.as_ref().map(|replaced| {
+        let again = by.map(|by| {
             let objective = Objective::new(&searched.problem, &remembered, settings.difference);
-            surrogate::run_again(&objective, replaced, &mut searched.optima)
+            surrogate::run_again(&objective, by, (&mut searched.optima, capped.left()))
         });
-        let again = again.transpose()?;
+        let again = again.transpose()?.or_else(|| rough.map(|rough| rough.told.clone()));
         let optima = &searched.optima;
         let mut outcome = IdentificationOutcome { surrogate: again, notes: bound.notes.clone(), ..searched.outcome() };
+        if rough.is_some() && capped.has_refused() {
+            outcome.end = End::Budget;
+        }
         // A search that was cut short has no time for it, and its end is told.
         if outcome.end != End::Time {
             look_closer(&mut outcome, &searched, &model)?;
@@ -341,14 +362,20 @@ fn find(
                 outcome.suspects = Some(culprits::ask(fmu, &task, &searched, (&remembered, &model))?);
             }
         }
-        if let Some(replaced) = &replaced {
+        if let Some(replaced) = by {
             // Only the model's own runs tell where it fails.
             let ended = replaced.screened.iter().copied();
             outcome.excluded = Excluded::new(&bound.problem, &replaced.failures, ended);
         }
         let objective = Objective::new(&searched.problem, sampled, settings.difference);
-        let sample =
-            posterior::sampled(&objective, optima, settings, limits.deadline, &mut outcome, &|text| model.say(text))?;
+        let sample = match rough {
+            // There are no runs for it.
+            Some(_) => None,
+            None => {
+                let say = |text| model.say(text);
+                posterior::sampled(&objective, optima, settings, limits.deadline, &mut outcome, &say)?
+            }
+        };
         let problem = &searched.problem;
         let narrow = document::to_narrow(problem, &outcome, options.narrow.as_deref());
         outcome.next = narrow.map(|parameter| {

@@ -7,7 +7,7 @@ use parameter_regions::robustness::Robustness;
 use parameter_regions::robustness::maps::{CELLS, Map};
 use parameter_regions::robustness::margins::Margin;
 use parameter_regions::robustness::region::Region;
-use parameter_regions::robustness::surrogate::Quality;
+use parameter_regions::robustness::stand::Quality;
 use result_document::format::{number, percent, with_unit};
 use result_document::svg::{Axis, picture, text, ticks, upright};
 use result_document::{Block, Document, Figure, Key, Table, numbers, words};
@@ -30,7 +30,7 @@ pub fn document(result: &Robustness) -> Document {
         told.say(format!("Refined with {further} further runs in the box."));
     }
     told.table(surrogates(result));
-    told.hint("Polynomials stand for the model. Their errors are by leave-one-out.");
+    told.hint("Gaussian processes stand for the model. Their errors are by leave-one-out.");
     told.blocks.extend(maps(result));
     told.hint(
         "The criteria with all other parameters at their medians, the probability with all others as sampled. From the \
@@ -102,17 +102,11 @@ fn evidence(level: f64, of: &Region) -> String {
 
 fn surrogates(result: &Robustness) -> Table {
     let row = |(name, q): &(String, Quality)| {
-        vec![name.clone(), q.terms.to_string(), q.degree.to_string(), number(q.error, 2), percent(q.predicted.max(0.0))]
+        vec![name.clone(), q.points.to_string(), number(q.error, 2), percent(q.predicted.max(0.0))]
     };
     Table {
         name: "Surrogates".into(),
-        columns: vec![
-            words("Criterion"),
-            numbers("Terms"),
-            numbers("Degree"),
-            numbers("Error"),
-            numbers("Variance predicted %"),
-        ],
+        columns: vec![words("Criterion"), numbers("Points"), numbers("Error"), numbers("Variance predicted %")],
         rows: result.criteria.iter().map(row).collect(),
         ..Table::default()
     }
