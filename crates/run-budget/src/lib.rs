@@ -5,10 +5,12 @@ mod indices;
 mod kernel;
 mod output;
 mod process;
+mod rare;
 mod share;
 mod surrogate;
 
 pub use indices::{Index, indices, indices_of_good};
 pub use output::{Check, Functions};
-pub use share::{Answers, Basis, Campaign, Doubt, Limit, Share, doubt};
+pub use rare::{Answer, Search};
+pub use share::{Answers, Basis, Campaign, Doubt, Event, Limit, Share, doubt};
 pub use surrogate::{Run, Surrogate, Unfit};

@@ -9,7 +9,7 @@ use sampling::random::{Purpose, Random};
 /// Processes of the sample.
 const MEMBERS: usize = 8;
 /// Points that are worked on at a time.
-const CHUNK: usize = 1000;
+const CHUNK: usize = 500;
 
 /// What leaving runs out says of an output's surrogate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,18 +71,24 @@ impl Output {
 
     /// Means and deviations of the function by each member, in the output's unit, without noise.
     pub fn predict(&self, points: &DMatrix<f64>) -> Vec<Vec<[f64; 2]>> {
-        let one = |process: &Process| {
-            let starts: Vec<usize> = (0..points.ncols()).step_by(CHUNK).collect();
-            let chunk = |&start: &usize| {
-                let columns = points.columns(start, CHUNK.min(points.ncols() - start)).into_owned();
-                process.predict(&columns)
-            };
-            let parts: Vec<Vec<[f64; 2]>> = starts.par_iter().map(chunk).collect();
-            let factor = self.check.widening * self.unit;
-            let in_unit = |[mean, deviation]: [f64; 2]| [self.centre + self.unit * mean, factor * deviation];
-            parts.into_iter().flatten().map(in_unit).collect()
+        self.members.iter().map(|process| self.of(process, points)).collect()
+    }
+
+    /// The same by the most probable member.
+    pub fn at_once(&self, points: &DMatrix<f64>) -> Vec<[f64; 2]> {
+        self.of(&self.members[0], points)
+    }
+
+    fn of(&self, process: &Process, points: &DMatrix<f64>) -> Vec<[f64; 2]> {
+        let starts: Vec<usize> = (0..points.ncols()).step_by(CHUNK).collect();
+        let chunk = |&start: &usize| {
+            let columns = points.columns(start, CHUNK.min(points.ncols() - start)).into_owned();
+            process.predict(&columns)
         };
-        self.members.iter().map(one).collect()
+        let parts: Vec<Vec<[f64; 2]>> = starts.par_iter().map(chunk).collect();
+        let factor = self.check.widening * self.unit;
+        let in_unit = |[mean, deviation]: [f64; 2]| [self.centre + self.unit * mean, factor * deviation];
+        parts.into_iter().flatten().map(in_unit).collect()
     }
 
     /// So many functions that the output may be from each member.

@@ -1,0 +1,113 @@
+//! Rare shares of published functions and closed forms: do the stated intervals hold?
+
+mod functions;
+
+use functions::{four_branches, number, oscillator};
+use run_budget::{Answer, Event, Limit, Search};
+
+/// A function of normal numbers, or uniform ones, that is of the event where it is negative, and the event's share.
+struct Rare {
+    name: String,
+    dimensions: usize,
+    /// Whether all parameters are uniform between 0 and 1.
+    uniform: bool,
+    of: Box<dyn Fn(&[f64]) -> f64>,
+    /// Runs fail where the second parameter is above this.
+    fails: f64,
+    share: f64,
+}
+
+fn rare(name: &str, dimensions: usize, share: f64, of: impl Fn(&[f64]) -> f64 + 'static) -> Rare {
+    Rare { name: name.to_owned(), dimensions, uniform: false, of: Box::new(of), fails: f64::INFINITY, share }
+}
+
+/// As many deviations as one normal number in 100, 10,000 and a million.
+const DEVIATIONS: [(f64, f64); 3] = [(1e-2, 2.326_347_874), (1e-4, 3.719_016_485), (1e-6, 4.753_424_309)];
+
+fn plane(dimensions: usize, (share, beta): (f64, f64)) -> Rare {
+    let root = (dimensions as f64).sqrt();
+    rare("plane", dimensions, share, move |x| beta - x.iter().sum::<f64>() / root)
+}
+
+fn all() -> Vec<Rare> {
+    let mut all = vec![
+        rare("branches", 2, 4.4583e-3, four_branches),
+        rare("oscillator", 6, 0.028_5, oscillator),
+    ];
+    for level in DEVIATIONS {
+        let (share, beta) = level;
+        for dimensions in [2, 4, 6] {
+            all.push(plane(dimensions, level));
+            let factorial = [2.0, 24.0, 720.0][dimensions / 2 - 1];
+            let left = (share * factorial).powf(1.0 / dimensions as f64);
+            let of = move |u: &[f64]| left - u.iter().map(|u| 1.0 - u).sum::<f64>();
+            all.push(Rare { uniform: true, ..rare("corner", dimensions, share, of) });
+        }
+        all.push(rare("kink", 4, 2.0 * share - share * share, move |x| beta - x[0].max(x[1]) + 0.0 * x[2]));
+        all.push(rare("sides", 3, 2.0 * share, move |x| beta - x[0].abs()));
+        // It is one deviation nearer for half of the points.
+        let jumped = [0.5 * (1e-2 + 0.092_359), 0.5 * (1e-4 + 3.274_1e-3), 0.5 * (1e-6 + 8.718e-5)];
+        let jumped = jumped[DEVIATIONS.iter().position(|l| l.0 == share).unwrap_or(0)];
+        all.push(rare("jump", 3, jumped, move |x| beta - x[0] - if x[1] > 0.0 { 1.0 } else { 0.0 }));
+        all.push(Rare { fails: 0.841_621, ..rare("failing", 3, 0.8 * share, move |x| beta - x[0]) });
+    }
+    all
+}
+
+fn answer(rare: &Rare, runs: usize, seed: u64) -> Answer {
+    let normal = |z: f64| 0.5 * libm::erfc(-z / std::f64::consts::SQRT_2);
+    let limits = [Limit { output: 0, range: [0.0, f64::INFINITY] }];
+    let coordinates = |scores: &[f64]| -> Vec<f64> {
+        if rare.uniform { scores.iter().map(|z| normal(*z)).collect() } else { scores.to_vec() }
+    };
+    let search = Search {
+        event: Event::Missed,
+        limits: &limits,
+        dimensions: rare.dimensions,
+        coordinates: &coordinates,
+        runs,
+        batch: 5,
+        seed,
+    };
+    let mut asked = 0;
+    let answer = search.answer::<()>(&mut |points| {
+        asked += points.len();
+        let values = points.iter().map(|z| coordinates(z));
+        Ok(values.map(|x| (x[1] <= rare.fails).then(|| vec![(rare.of)(&x)])).collect())
+    });
+    let answer = answer.expect("no run is refused");
+    assert!(asked <= runs && asked == answer.runs.len());
+    answer
+}
+
+/// Prints how often intervals hold: `cargo test -p run-budget --release --test rare -- --ignored --nocapture`.
+#[test]
+#[ignore = "takes many minutes of CPU"]
+fn intervals_of_rare_shares_hold() {
+    let (seeds, runs) = (number("SEEDS", 40), number("RUNS", 150) as usize);
+    let only = std::env::var("MODEL").unwrap_or_default();
+    println!("event          share     told   error   width   held   runs  inside excess s");
+    for rare in all().iter().filter(|rare| only.is_empty() || only.split(',').any(|o| o == rare.name)) {
+        let begun = std::time::Instant::now();
+        let answers: Vec<Answer> = (1..=seeds).map(|seed| answer(rare, runs, seed)).collect();
+        let seconds = begun.elapsed().as_secs_f64() / seeds as f64;
+        let told: Vec<_> = answers.iter().filter_map(|a| a.share).collect();
+        let n = told.len() as f64;
+        let error = (told.iter().map(|s| (s.estimate / rare.share - 1.0).powi(2)).sum::<f64>() / n).sqrt();
+        let width = told.iter().map(|s| (s.interval(0.95)[1] - s.interval(0.95)[0]) / rare.share).sum::<f64>() / n;
+        let held = told.iter().filter(|s| s.interval(0.95)[0] <= rare.share && rare.share <= s.interval(0.95)[1]).count();
+        let mean = |f: &dyn Fn(&Answer) -> f64| answers.iter().map(f).sum::<f64>() / seeds as f64;
+        println!(
+            "{:10} {} {} {:8.2e} {n:3} {:6.1} % {:6.1} % {:5.1} % {:5.0} {:5.0} {:5.2} {:5.1}",
+            rare.name, rare.dimensions, rare.uniform, rare.share, 100.0 * error, 100.0 * width, 100.0 * held as f64 / n,
+            mean(&|a| a.runs.len() as f64), mean(&|a| a.inside.len() as f64), mean(&|a| a.excess), seconds
+        );
+        if number("EACH", 0) > 0 {
+            for (k, a) in answers.iter().enumerate() {
+                let i = a.share.map(|s| s.interval(0.95));
+                println!("   {} {:.3?} {:.3?} n{} in {} ex {:.2} loo {}", k + 1, a.share.map(|s| s.estimate / rare.share),
+                  i.map(|i| i.map(|e| e / rare.share)), a.runs.len(), a.inside.len(), a.excess, a.note);
+            }
+        }
+    }
+}
