@@ -11,6 +11,6 @@ mod surrogate;
 
 pub use indices::{Index, indices, indices_of_good};
 pub use output::{Check, Functions};
-pub use rare::{Answer, Search};
+pub use rare::{Answer, Search, Unknown};
 pub use share::{Answers, Basis, Campaign, Doubt, Event, Limit, Share, doubt};
 pub use surrogate::{Run, Surrogate, Unfit};

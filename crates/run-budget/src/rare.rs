@@ -11,7 +11,7 @@
 
 use std::f64::consts::PI;
 
-use crate::share::{Event, Limit, Possible, Share, Basis, undecided};
+use crate::share::{Basis, Event, Limit, Possible, REFUTED, Share, undecided};
 use crate::surrogate::{Run, Surrogate};
 use nalgebra::DMatrix;
 use sampling::design::cube;
@@ -20,6 +20,8 @@ use sampling::random::{Purpose, Random};
 
 /// Runs before any is chosen.
 const START: usize = 20;
+/// The least of a batch; later ones are a twelfth of the runs that are there.
+const BATCH: usize = 5;
 /// The first runs reach as many deviations as one normal number in a million.
 const REACH: f64 = 4.75;
 /// Points that are led to the event, and the part of them that a level keeps.
@@ -59,8 +61,6 @@ pub struct Search<'a> {
     pub coordinates: &'a dyn Fn(&[f64]) -> Vec<f64>,
     /// Runs at most.
     pub runs: usize,
-    /// The least number of runs in a batch.
-    pub batch: usize,
     /// The seed.
     pub seed: u64,
 }
@@ -68,16 +68,26 @@ pub struct Search<'a> {
 /// What the runs say.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// The share; none where the runs do not tell it.
-    pub share: Option<Share>,
-    /// The runs' scores, and what came out.
-    pub runs: Vec<(Vec<f64>, Run)>,
+    /// The share, or why the runs do not tell it.
+    pub share: Result<Share, Unknown>,
+    /// The runs' scores.
+    pub scores: Vec<Vec<f64>>,
     /// Runs that are of the event, by number.
     pub inside: Vec<usize>,
-    /// By so many deviations the chosen runs contradict what the surrogate said of them.
-    pub excess: f64,
-    /// the doubt
-    pub note: String,
+}
+
+/// Why runs do not tell a share.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Unknown {
+    /// No surrogate fits.
+    Unfit,
+    /// Hardly any run is of the event.
+    Outside,
+    /// The runs contradict what the surrogate said of them.
+    Contradicted {
+        /// By so many deviations.
+        deviations: f64,
+    },
 }
 
 /// Weighted points, and the event's function at them: a row a point, a column a function, below 0 where it happens.
@@ -122,12 +132,9 @@ impl Search<'_> {
     ///
     /// # Errors
     /// Those of `ask`.
-    pub fn answer<E>(
-        &self,
-        ask: &mut dyn FnMut(&[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>, E>,
-    ) -> Result<Answer, E> {
+    pub fn answer<E>(&self, ask: &mut dyn FnMut(&[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>, E>) -> Result<Answer, E> {
         let like: Vec<Vec<f64>> = self.plain(512, 1).iter().map(|z| (self.coordinates)(z)).collect();
-        let start = START.max(3 * self.dimensions + 6).max(self.batch);
+        let start = START.max(3 * self.dimensions + 6);
         let filling = self.filling(start.max(self.runs), start);
         let mut runs: Vec<(Vec<f64>, Run)> = Vec::new();
         let mut earlier: Option<Surrogate> = None;
@@ -139,8 +146,9 @@ impl Search<'_> {
             let done = runs.len();
             let all: Vec<Run> = runs.iter().map(|(_, run)| run.clone()).collect();
             let last = done >= self.runs || enough == 2;
-            let size = self.batch.max(done / 12).min(self.runs.saturating_sub(done));
-            let surrogate = if done < start { None } else { Surrogate::fit(&all, &like, earlier.as_ref(), self.seed).ok() };
+            let size = BATCH.max(done / 12).min(self.runs.saturating_sub(done));
+            let surrogate =
+                if done < start { None } else { Surrogate::fit(&all, &like, earlier.as_ref(), self.seed).ok() };
             let surrogate = surrogate.filter(|s| self.event != Event::Failed || s.success(1).is_some());
             if last {
                 return Ok(self.told(runs, surrogate.as_ref(), &foretold));
@@ -169,23 +177,24 @@ impl Search<'_> {
     }
 
     fn told(&self, runs: Vec<(Vec<f64>, Run)>, surrogate: Option<&Surrogate>, foretold: &[[f64; 2]]) -> Answer {
-        let inside: Vec<usize> =
-            (0..runs.len()).filter(|i| self.event.is(self.limits, &runs[*i].1)).collect();
+        let inside: Vec<usize> = (0..runs.len()).filter(|i| self.event.is(self.limits, &runs[*i].1)).collect();
         let (mut excess, mut variance) = (0.0, 0.0);
         for [said, is] in foretold {
             let said = said.clamp(SUREST, 1.0 - SUREST);
             excess += (is - said).powi(2) - said * (1.0 - said);
             variance += said * (1.0 - said) * (1.0 - 2.0 * said).powi(2);
         }
-        let excess = excess / variance.sqrt();
-        let share = surrogate.map(|surrogate| {
-            let mut random = Random::new(self.seed, Purpose::Search, 0);
-            self.population(surrogate, OF_ANSWER, &mut random).share().0
-        });
-        let note = surrogate.map_or(String::new(), |s| {
-            s.checks().iter().enumerate().map(|(k, c)| format!("{:.3} w{:.2} ", c.error / s.spread(k), c.widening)).collect()
-        });
-        Answer { share, runs, inside, excess, note }
+        let deviations = excess / variance.sqrt();
+        let share = match surrogate {
+            None => Err(Unknown::Unfit),
+            Some(_) if inside.len() < LEAST_INSIDE => Err(Unknown::Outside),
+            Some(_) if deviations > REFUTED => Err(Unknown::Contradicted { deviations }),
+            Some(surrogate) => {
+                let mut random = Random::new(self.seed, Purpose::Search, 0);
+                Ok(self.population(surrogate, OF_ANSWER, &mut random).share().0)
+            }
+        };
+        Answer { share, scores: runs.into_iter().map(|(scores, _)| scores).collect(), inside }
     }
 
     /// Plain points.
@@ -249,7 +258,8 @@ impl Search<'_> {
             if level <= 0.0 {
                 return seeds.into_iter().map(|i| scores[i].clone()).collect();
             }
-            (scores, levels) = (0..WALKERS).map(|i| seeds[i % seeds.len()]).map(|i| (scores[i].clone(), levels[i])).unzip();
+            (scores, levels) =
+                (0..WALKERS).map(|i| seeds[i % seeds.len()]).map(|i| (scores[i].clone(), levels[i])).unzip();
             for step in 0..STEPS {
                 // Long and short steps in turn, for an event that is wide and one that is thin.
                 let turn: f64 = [0.5, 0.9][step % 2];
@@ -351,7 +361,8 @@ impl Kernel {
         }
         let across = (square - along * along).max(0.0);
         let d = self.centre.len() as f64;
-        -0.5 * (along / self.width).powi(2) - 0.5 * across / WIDTHS[0].powi(2)
+        -0.5 * (along / self.width).powi(2)
+            - 0.5 * across / WIDTHS[0].powi(2)
             - self.width.ln()
             - (d - 1.0) * WIDTHS[0].ln()
             - 0.5 * d * (2.0 * PI).ln()

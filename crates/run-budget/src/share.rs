@@ -11,7 +11,7 @@ const EACH: usize = 16;
 /// Errors of runs left out, over the deviation of the output, from which on the surrogate is not asked.
 pub(crate) const LARGEST_ERROR: f64 = 0.2;
 /// So many deviations more wrong signs among the runs left out than their probabilities say refute the surrogate.
-const REFUTED: f64 = 2.5;
+pub(crate) const REFUTED: f64 = 2.5;
 
 /// A requirement: an output lies within both ends. Infinite ends are none.
 #[derive(Clone, Copy, Debug, PartialEq)]

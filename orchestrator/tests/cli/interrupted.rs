@@ -75,9 +75,9 @@ const POSTERIOR: Analysis = Analysis {
 };
 
 const RARE: Analysis = Analysis {
-    command: &["verify", "rare.toml", "--rare", "--points", "5000"],
+    command: &["verify", "rare.toml", "--rare", "--budget", "60"],
     state: "rare",
-    files: &["rare.json", "rare.csv"],
+    files: &["rare.json"],
 };
 
 /// The lag's answer to four inputs, with an unknown rate.
