@@ -48,6 +48,9 @@ const SUREST: f64 = 0.03;
 /// Runs of the event without which nothing is said.
 const LEAST_INSIDE: usize = 3;
 
+/// Runs points, given by their scores, and tells what came out, in the same order; `None`: the run failed.
+pub type Ask<'a, E> = &'a mut dyn FnMut(&[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>, E>;
+
 /// A share that is looked for.
 #[derive(Clone, Copy)]
 pub struct Search<'a> {
@@ -128,56 +131,59 @@ impl Population {
 }
 
 impl Search<'_> {
-    /// Runs points and says what they tell. `ask` runs a batch of scores and gives the outputs in the same order; `None`: it failed.
+    /// Runs points in batches and says what they tell.
     ///
     /// # Errors
     /// Those of `ask`.
-    pub fn answer<E>(&self, ask: &mut dyn FnMut(&[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>, E>) -> Result<Answer, E> {
+    pub fn answer<E>(&self, ask: Ask<'_, E>) -> Result<Answer, E> {
         let like: Vec<Vec<f64>> = self.plain(512, 1).iter().map(|z| (self.coordinates)(z)).collect();
         let start = START.max(3 * self.dimensions + 6);
-        let filling = self.filling(start.max(self.runs), start);
-        let mut runs: Vec<(Vec<f64>, Run)> = Vec::new();
+        let filling = self.filling(self.runs, start);
+        let (mut runs, mut places): (Vec<Run>, Vec<Vec<f64>>) = (Vec::new(), Vec::new());
         let mut earlier: Option<Surrogate> = None;
         // What the surrogate said of a run before, and what came out.
         let mut foretold: Vec<[f64; 2]> = Vec::new();
-        let mut enough = 0;
-        let mut filled = 0;
+        let (mut enough, mut filled) = (0, 0);
         loop {
             let done = runs.len();
-            let all: Vec<Run> = runs.iter().map(|(_, run)| run.clone()).collect();
-            let last = done >= self.runs || enough == 2;
-            let size = BATCH.max(done / 12).min(self.runs.saturating_sub(done));
-            let surrogate =
-                if done < start { None } else { Surrogate::fit(&all, &like, earlier.as_ref(), self.seed).ok() };
-            let surrogate = surrogate.filter(|s| self.event != Event::Failed || s.success(1).is_some());
-            if last {
-                return Ok(self.told(runs, surrogate.as_ref(), &foretold));
+            let fitted = Surrogate::fit(&runs, &like, earlier.as_ref(), self.seed).ok();
+            // Where no run fails, nothing is known of those that do.
+            let surrogate = fitted.filter(|s| self.event != Event::Failed || s.success(1).is_some());
+            let inside: Vec<usize> = (0..done).filter(|&i| self.event.is(self.limits, &runs[i])).collect();
+            if done >= self.runs || enough == 2 {
+                let share = self.told(surrogate.as_ref(), inside.len(), &foretold);
+                return Ok(Answer { share, scores: places, inside });
             }
+            let size = if done == 0 { start } else { BATCH.max(done / 12) }.min(self.runs - done);
             let mut batch: Vec<(Vec<f64>, Option<f64>)> = Vec::new();
             if let Some(surrogate) = &surrogate {
                 let mut random = Random::new(self.seed, Purpose::Search, 1 + done as u32);
                 let population = self.population(surrogate, OF_BATCH, &mut random);
                 let (_, open) = population.share();
-                let inside = all.iter().filter(|run| self.event.is(self.limits, run)).count();
-                enough = if inside >= ENOUGH_INSIDE && open < ENOUGH { enough + 1 } else { 0 };
+                enough = if inside.len() >= ENOUGH_INSIDE && open < ENOUGH { enough + 1 } else { 0 };
                 batch = self.chosen(&population, size, &mut random);
             }
             earlier = surrogate;
-            let missing = if done == 0 { start.min(self.runs) } else { size } - batch.len();
-            batch.extend(filling[filled..].iter().take(missing).map(|scores| (scores.clone(), None)));
+            let missing = size - batch.len();
+            batch.extend(filling[filled..filled + missing].iter().map(|scores| (scores.clone(), None)));
             filled += missing;
             let scores: Vec<Vec<f64>> = batch.iter().map(|(scores, _)| scores.clone()).collect();
             for ((scores, said), values) in batch.into_iter().zip(ask(&scores)?) {
                 let run = Run { point: (self.coordinates)(&scores), values };
                 let is = if self.event.is(self.limits, &run) { 1.0 } else { 0.0 };
                 foretold.extend(said.map(|said| [said, is]));
-                runs.push((scores, run));
+                runs.push(run);
+                places.push(scores);
             }
         }
     }
 
-    fn told(&self, runs: Vec<(Vec<f64>, Run)>, surrogate: Option<&Surrogate>, foretold: &[[f64; 2]]) -> Answer {
-        let inside: Vec<usize> = (0..runs.len()).filter(|i| self.event.is(self.limits, &runs[*i].1)).collect();
+    /// The share, unless hardly any run is `inside` or the runs contradict what was said of them.
+    fn told(&self, surrogate: Option<&Surrogate>, inside: usize, foretold: &[[f64; 2]]) -> Result<Share, Unknown> {
+        let surrogate = surrogate.ok_or(Unknown::Unfit)?;
+        if inside < LEAST_INSIDE {
+            return Err(Unknown::Outside);
+        }
         let (mut excess, mut variance) = (0.0, 0.0);
         for [said, is] in foretold {
             let said = said.clamp(SUREST, 1.0 - SUREST);
@@ -185,23 +191,23 @@ impl Search<'_> {
             variance += said * (1.0 - said) * (1.0 - 2.0 * said).powi(2);
         }
         let deviations = excess / variance.sqrt();
-        let share = match surrogate {
-            None => Err(Unknown::Unfit),
-            Some(_) if inside.len() < LEAST_INSIDE => Err(Unknown::Outside),
-            Some(_) if deviations > REFUTED => Err(Unknown::Contradicted { deviations }),
-            Some(surrogate) => {
-                let mut random = Random::new(self.seed, Purpose::Search, 0);
-                Ok(self.population(surrogate, OF_ANSWER, &mut random).share().0)
-            }
-        };
-        Answer { share, scores: runs.into_iter().map(|(scores, _)| scores).collect(), inside }
+        if deviations > REFUTED {
+            return Err(Unknown::Contradicted { deviations });
+        }
+        let mut random = Random::new(self.seed, Purpose::Search, 0);
+        Ok(self.population(surrogate, OF_ANSWER, &mut random).share().0)
     }
 
-    /// Plain points.
+    /// Plain points: those of a net, or independent ones where there is no net of so many dimensions.
     fn plain(&self, count: usize, stream: u64) -> Vec<Vec<f64>> {
         let normal = Distribution::Normal { mean: 0.0, deviation: 1.0 };
-        let net = cube(self.dimensions, count as u64, self.seed.wrapping_add(stream), 1).unwrap_or_default();
-        net.into_iter().map(|u| u.into_iter().map(|u| normal.quantile(u)).collect()).collect()
+        match cube(self.dimensions, count as u64, self.seed.wrapping_add(stream), 1) {
+            Ok(net) => net.into_iter().map(|u| u.into_iter().map(|u| normal.quantile(u)).collect()).collect(),
+            Err(_) => {
+                let mut random = Random::new(self.seed, Purpose::Point, stream as u32);
+                (0..count).map(|_| random.normals(self.dimensions)).collect()
+            }
+        }
     }
 
     /// Points that fill directions and, each `cycle` of them, radii.

@@ -5,13 +5,15 @@ mod functions;
 use functions::{four_branches, number, oscillator};
 use run_budget::{Answer, Event, Limit, Search};
 
+type Function = Box<dyn Fn(&[f64]) -> f64>;
+
 /// A function of normal numbers, or uniform ones, that is of the event where it is negative, and the event's share.
 struct Rare {
     name: String,
     dimensions: usize,
     /// Whether all parameters are uniform between 0 and 1.
     uniform: bool,
-    of: Box<dyn Fn(&[f64]) -> f64>,
+    of: Function,
     /// Runs fail where the second parameter is above this.
     fails: f64,
     share: f64,
@@ -74,6 +76,37 @@ fn answer(rare: &Rare, runs: usize, seed: u64) -> Answer {
     let answer = answer.expect("no run is refused");
     assert!(asked <= runs && asked == answer.scores.len());
     answer
+}
+
+fn told(rare: &Rare, seed: u64, runs: usize) -> Answer {
+    let answer = answer(rare, runs, seed);
+    let share = answer.share.expect("runs show the event");
+    let [low, high] = share.interval(0.99);
+    assert!(low <= rare.share && rare.share <= high, "{share:?}");
+    assert!((share.estimate / rare.share - 1.0).abs() < 0.1, "{share:?}");
+    assert!(answer.inside.len() >= 3);
+    answer
+}
+
+#[test]
+fn one_in_ten_thousand_beyond_a_plane_is_told_to_a_tenth() {
+    let rare = plane(4, DEVIATIONS[1]);
+    let answer = told(&rare, 1, 60);
+    // The same runs again, as a study that was killed asks for them.
+    assert_eq!(self::answer(&rare, 60, 1).scores, answer.scores);
+}
+
+#[test]
+fn both_sides_of_a_limit_are_found() {
+    let answer = told(&rare("sides", 2, 2e-2, |x| DEVIATIONS[0].1 - x[0].abs()), 1, 60);
+    let sides = answer.inside.iter().map(|i| answer.scores[*i][0] > 0.0);
+    assert!(sides.clone().any(|right| right) && sides.clone().any(|right| !right));
+}
+
+#[test]
+fn an_event_without_a_run_in_it_is_not_told() {
+    let never = rare("never", 2, 0.0, |x| 1.0 + x[0] * x[0]);
+    assert_eq!(answer(&never, 30, 1).share, Err(run_budget::Unknown::Outside));
 }
 
 /// Prints how often intervals hold: `cargo test -p run-budget --release --test rare -- --ignored --nocapture`.

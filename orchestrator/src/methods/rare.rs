@@ -5,9 +5,10 @@ use std::process::ExitCode;
 
 use clap::ValueEnum;
 use indexmap::IndexMap;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes, exit_code};
+use super::known::Finished;
 use crate::error::Error;
 use crate::options::Work;
 use crate::results::surrogate::limits;
@@ -26,7 +27,7 @@ const USUAL_RUNS: u64 = 150;
 const BESIDE: usize = 2;
 
 /// A share that `verify --rare` finds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, ValueEnum)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
 #[serde(rename_all = "kebab-case")]
 pub enum RareEvent {
     /// Points that meet all criteria
@@ -48,6 +49,11 @@ pub struct Options {
     pub budget: Option<u64>,
     /// The seed, instead of the study's.
     pub seed: Option<u64>,
+}
+
+/// The result in a study's folder, as its page shows it.
+pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
+    study.result::<Statement>(FILE).map(|statement| statement.document())
 }
 
 /// Runs the search.
@@ -163,7 +169,7 @@ impl Analysis for Rare {
 }
 
 /// The answer by a surrogate.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 struct BySurrogate {
     /// All runs of the FMU.
     runs: usize,
@@ -175,7 +181,7 @@ struct BySurrogate {
 }
 
 /// The statement.
-#[derive(Debug, Serialize)]
+#[derive(Debug, Serialize, Deserialize)]
 struct Statement {
     event: RareEvent,
     surrogate: BySurrogate,
