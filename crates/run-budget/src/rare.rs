@@ -151,8 +151,13 @@ impl Search<'_> {
             let surrogate = fitted.filter(|s| self.event != Event::Failed || s.success(1).is_some());
             let inside: Vec<usize> = (0..done).filter(|&i| self.event.is(self.limits, &runs[i])).collect();
             if done >= self.runs || enough == 2 {
-                let share = self.told(surrogate.as_ref(), inside.len(), &foretold);
-                return Ok(Answer { share, scores: places, inside });
+                let told = self.told(surrogate.as_ref(), inside.len(), &foretold);
+                // The last runs may have shown something new.
+                let settled = told.as_ref().is_ok_and(|(_, open)| *open < 2.0 * ENOUGH);
+                if done >= self.runs || settled {
+                    return Ok(Answer { share: told.map(|(share, _)| share), scores: places, inside });
+                }
+                enough = 0;
             }
             let size = if done == 0 { start } else { BATCH.max(done / 12) }.min(self.runs - done);
             let mut batch: Vec<(Vec<f64>, Option<f64>)> = Vec::new();
@@ -178,8 +183,13 @@ impl Search<'_> {
         }
     }
 
-    /// The share, unless hardly any run is `inside` or the runs contradict what was said of them.
-    fn told(&self, surrogate: Option<&Surrogate>, inside: usize, foretold: &[[f64; 2]]) -> Result<Share, Unknown> {
+    /// The share and what the functions alone leave open of it, unless hardly any run is `inside` or the runs contradict what was said of them.
+    fn told(
+        &self,
+        surrogate: Option<&Surrogate>,
+        inside: usize,
+        foretold: &[[f64; 2]],
+    ) -> Result<(Share, f64), Unknown> {
         let surrogate = surrogate.ok_or(Unknown::Unfit)?;
         if inside < LEAST_INSIDE {
             return Err(Unknown::Outside);
@@ -195,7 +205,7 @@ impl Search<'_> {
             return Err(Unknown::Contradicted { deviations });
         }
         let mut random = Random::new(self.seed, Purpose::Search, 0);
-        Ok(self.population(surrogate, OF_ANSWER, &mut random).share().0)
+        Ok(self.population(surrogate, OF_ANSWER, &mut random).share())
     }
 
     /// Plain points: those of a net, or independent ones where there is no net of so many dimensions.
