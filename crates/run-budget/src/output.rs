@@ -9,7 +9,7 @@ use sampling::random::{Purpose, Random};
 /// Processes of the sample.
 const MEMBERS: usize = 8;
 /// Points that are worked on at a time.
-const CHUNK: usize = 1000;
+const CHUNK: usize = 500;
 
 /// What leaving runs out says of an output's surrogate.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,13 +71,19 @@ impl Output {
 
     /// Means and deviations of the function by each member, in the output's unit, without noise.
     pub fn predict(&self, points: &DMatrix<f64>) -> Vec<Vec<[f64; 2]>> {
-        let one = |process: &Process| {
-            let parts = in_chunks(points, |columns| process.predict(&columns));
-            let factor = self.check.widening * self.unit;
-            let in_unit = |[mean, deviation]: [f64; 2]| [self.centre + self.unit * mean, factor * deviation];
-            parts.into_iter().map(in_unit).collect()
-        };
-        self.members.iter().map(one).collect()
+        self.members.iter().map(|process| self.of(process, points)).collect()
+    }
+
+    /// The same by the most probable member.
+    pub fn at_once(&self, points: &DMatrix<f64>) -> Vec<[f64; 2]> {
+        self.of(&self.members[0], points)
+    }
+
+    fn of(&self, process: &Process, points: &DMatrix<f64>) -> Vec<[f64; 2]> {
+        let parts = in_chunks(points, |columns| process.predict(&columns));
+        let factor = self.check.widening * self.unit;
+        let in_unit = |[mean, deviation]: [f64; 2]| [self.centre + self.unit * mean, factor * deviation];
+        parts.into_iter().map(in_unit).collect()
     }
 
     /// Means by the most probable member, in the output's unit.

@@ -11,7 +11,7 @@ const EACH: usize = 16;
 /// Errors of runs left out, over the deviation of the output, from which on the surrogate is not asked.
 pub(crate) const LARGEST_ERROR: f64 = 0.2;
 /// So many deviations more wrong signs among the runs left out than their probabilities say refute the surrogate.
-const REFUTED: f64 = 2.5;
+pub(crate) const REFUTED: f64 = 2.5;
 
 /// A requirement: an output lies within both ends. Infinite ends are none.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,13 +23,35 @@ pub struct Limit {
 }
 
 impl Limit {
-    fn margin(&self, value: f64) -> f64 {
+    pub(crate) fn margin(&self, value: f64) -> f64 {
         (value - self.range[0]).min(self.range[1] - value)
     }
 
     /// Whether a run is good: it succeeded, and no margin is negative.
     pub fn are_kept(limits: &[Self], run: &Run) -> bool {
         run.finite().is_some_and(|values| limits.iter().all(|limit| limit.margin(values[limit.output]) >= 0.0))
+    }
+}
+
+/// What may become of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Event {
+    /// It succeeds and keeps all limits.
+    Kept,
+    /// It succeeds and misses a limit.
+    Missed,
+    /// It fails.
+    Failed,
+}
+
+impl Event {
+    /// Whether a run is one.
+    pub fn is(self, limits: &[Limit], run: &Run) -> bool {
+        match self {
+            Self::Kept => Limit::are_kept(limits, run),
+            Self::Missed => run.finite().is_some() && !Limit::are_kept(limits, run),
+            Self::Failed => run.finite().is_none(),
+        }
     }
 }
 
@@ -128,6 +150,20 @@ impl Possible {
         least.unwrap_or_else(|| DMatrix::repeat(self.points, 1, 1.0))
     }
 
+    /// Below 0 where an event happens.
+    pub(crate) fn event(&self, event: Event, limits: &[Limit]) -> DMatrix<f64> {
+        match (event, &self.success) {
+            (Event::Kept, _) => -self.margins(limits),
+            (Event::Failed, Some(success)) => success.clone(),
+            (Event::Failed, None) => DMatrix::repeat(self.points, 1, 1.0),
+            (Event::Missed, None) => self.margins(limits),
+            (Event::Missed, Some(success)) => {
+                let ended = Self { success: None, ..self.clone() };
+                ended.margins(limits).zip_map(success, |margin, success| margin.max(-success))
+            }
+        }
+    }
+
     /// The share of good points in the mean over the functions, with what they and the points leave open.
     fn share(&self, limits: &[Limit]) -> Share {
         let margins = self.margins(limits);
@@ -182,26 +218,27 @@ fn normal_below(z: f64) -> f64 {
     0.5 * libm::erfc(-z / std::f64::consts::SQRT_2)
 }
 
-/// Which of `candidates` to run next so that the share gets known best: in turn the one whose sign is least known, as far as
-/// those chosen before it do not tell it. Fewer than `count` where the signs of all others are known.
-fn undecided(surrogate: &Surrogate, limits: &[Limit], candidates: &[Vec<f64>], count: usize) -> Vec<usize> {
-    let mut margins = Possible::new(surrogate, limits, candidates, EACH, true).margins(limits);
+/// Which of the points to run next so that the share gets known best, by the margins that they may have (a row a point, a column
+/// a function): in turn the one whose sign is least known, as far as those chosen before it do not tell it. Fewer than `count`
+/// where the signs of all others are known.
+pub(crate) fn undecided(mut margins: DMatrix<f64>, count: usize) -> Vec<usize> {
     let draws = margins.ncols() as f64;
     let open = |i: usize| {
         let good = margins.row(i).iter().filter(|m| **m >= 0.0).count() as f64 / draws;
         good * (1.0 - good)
     };
-    let open: Vec<f64> = (0..candidates.len()).map(open).collect();
+    let candidates = margins.nrows();
+    let open: Vec<f64> = (0..candidates).map(open).collect();
     for mut row in margins.row_iter_mut() {
         let mean = row.mean();
         row.add_scalar_mut(-mean);
     }
     let square = |margins: &DMatrix<f64>, i: usize| margins.row(i).norm_squared();
-    let before: Vec<f64> = (0..candidates.len()).map(|i| square(&margins, i)).collect();
+    let before: Vec<f64> = (0..candidates).map(|i| square(&margins, i)).collect();
     let mut chosen: Vec<usize> = Vec::new();
     while chosen.len() < count {
         let score = |i: usize| if before[i] > 0.0 { open[i] * square(&margins, i) / before[i] } else { 0.0 };
-        let free = (0..candidates.len()).filter(|i| !chosen.contains(i));
+        let free = (0..candidates).filter(|i| !chosen.contains(i));
         let Some((best, worth)) = free.map(|i| (i, score(i))).max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
         if worth <= 0.0 {
             break;
@@ -259,7 +296,9 @@ impl Campaign {
             let candidates: Vec<usize> = (self.sample.len() / 2..self.sample.len()).filter(fresh).take(2048).collect();
             let points: Vec<Vec<f64>> = candidates.iter().map(|place| self.sample[*place].clone()).collect();
             let trusted = self.earlier.as_ref().filter(|s| doubt(s, &self.limits, &runs).is_none());
-            let chosen = trusted.map_or(Vec::new(), |s| undecided(s, &self.limits, &points, count / 2));
+            let chosen = trusted.map_or(Vec::new(), |s| {
+                undecided(Possible::new(s, &self.limits, &points, EACH, true).margins(&self.limits), count / 2)
+            });
             self.places.extend(chosen.into_iter().map(|chosen| candidates[chosen]));
             self.add_plain(count - (self.places.len() - first));
         }

@@ -3,7 +3,6 @@
 pub mod design;
 pub mod distribution;
 pub mod random;
-pub mod rare;
 pub mod recording;
 pub mod statistics;
 

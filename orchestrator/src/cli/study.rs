@@ -44,7 +44,7 @@ pub struct Verify {
     #[arg(
         long,
         value_name = "N",
-        conflicts_with_all = ["points", "points_from", "shard", "shard_index", "validation", "rare", "carried"]
+        conflicts_with_all = ["points", "points_from", "shard", "shard_index", "validation", "carried"]
     )]
     pub budget: Option<u64>,
     /// Simulate the points of a table (csv or Parquet) instead of sampling
@@ -66,7 +66,7 @@ pub struct Verify {
     /// Print the long answer
     #[arg(long)]
     pub verbose: bool,
-    /// Find a share that is too small to be counted among sampled points, with at most --points runs [default: 100000]:
+    /// Find a share that is too small to be counted among sampled points, with at most --budget runs [default: 150]:
     /// that of verified points, of points that miss a criterion, or of runs that fail
     #[arg(
         long,
@@ -74,7 +74,7 @@ pub struct Verify {
         value_name = "OF",
         num_args = 0..=1,
         default_missing_value = "verified",
-        conflicts_with_all = ["until", "validation", "points_from", "shard", "shard_index", "parquet", "dry_run", "junit", "strict"]
+        conflicts_with_all = ["points", "until", "validation", "points_from", "shard", "shard_index", "parquet", "dry_run", "junit", "strict"]
     )]
     pub rare: Option<RareEvent>,
     /// Rerun at most N points, finer and longer, to see whether their values have settled
@@ -91,7 +91,7 @@ pub struct Verify {
 impl Verify {
     /// The search for the share of a rare event.
     pub fn rare(self, event: RareEvent) -> rare::Options {
-        rare::Options { event, points: self.points, seed: self.seed, work: self.work }
+        rare::Options { event, budget: self.budget, seed: self.seed, work: self.work }
     }
 }
 

@@ -55,7 +55,7 @@ macro_rules! methods {
 
         /// The methods' results in a study's folder, as its page shows them.
         pub(crate) fn shown(study: &Finished<'_>) -> Vec<Document> {
-            [$($module::shown(study)),*].into_iter().flatten().collect()
+            [rare::shown(study), $($module::shown(study)),*].into_iter().flatten().collect()
         }
     };
 }

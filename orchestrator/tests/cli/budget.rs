@@ -88,6 +88,17 @@ fn the_fmu_counts_no_more_runs_than_the_budget_and_a_larger_one_goes_on() {
 }
 
 #[test]
+fn a_rare_share_keeps_its_budget() {
+    let bench = lag();
+    bench.write("study.toml", &LAG.replace("tolerance = 0.02", "tolerance = 0.15"));
+    let said = counted(&bench, "out", "log", &["--rare", "not-conforming", "--budget", "40"]);
+    let ran = instances(&bench, "log");
+    assert!(said.out.contains(&format!("\n{ran} runs")) && ran <= 40, "{ran} {}{}", said.out, said.err);
+    let again = counted(&bench, "out", "log", &["--rare", "not-conforming", "--budget", "40", "--resume"]);
+    assert_eq!((again.code, again.out), (said.code, said.out));
+}
+
+#[test]
 fn a_killed_budget_goes_on_to_the_same_answer() {
     let bench = lag();
     assert!([0, 1, 3].contains(&counted(&bench, "whole", "log", &["--budget", "40"]).code));

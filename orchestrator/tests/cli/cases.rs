@@ -264,7 +264,7 @@ fn analyses_work_with_cases() {
         &["sensitivity", "cases.toml", "--base", "16", "--output", "s"][..],
         &["robustness", "cases.toml", "--from", "out"],
         &["pareto", "cases.toml", "--from", "out"],
-        &["verify", "cases.toml", "--rare", "--points", "6000", "--output", "rare"],
+        &["verify", "cases.toml", "--rare", "--budget", "60", "--output", "rare"],
         &["tolerances", "goal.toml", "--points", "256", "--output", "t"],
         &["verify", "cases.toml", "--validation", "--output", "v"],
         &["report", "out"],

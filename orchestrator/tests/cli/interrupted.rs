@@ -74,11 +74,8 @@ const POSTERIOR: Analysis = Analysis {
     files: &["identification.json", "posterior.csv"],
 };
 
-const RARE: Analysis = Analysis {
-    command: &["verify", "rare.toml", "--rare", "--points", "5000"],
-    state: "rare",
-    files: &["rare.json", "rare.csv"],
-};
+const RARE: Analysis =
+    Analysis { command: &["verify", "rare.toml", "--rare", "--budget", "60"], state: "rare", files: &["rare.json"] };
 
 /// The lag's answer to four inputs, with an unknown rate.
 const CASES: &str = "point,u,y\n3,0.5,0.434\n5,1,0.866\n8,1.5,1.29\n9,2,1.73\n";
