@@ -32,7 +32,7 @@ fn plane(dimensions: usize, (share, beta): (f64, f64)) -> Rare {
 }
 
 fn all() -> Vec<Rare> {
-    let mut all = vec![rare("branches", 2, 4.4583e-3, four_branches), rare("oscillator", 6, 0.028_5, oscillator)];
+    let mut all = vec![rare("branches", 2, 4.4551e-3, four_branches), rare("oscillator", 6, 0.028_592, oscillator)];
     for level in DEVIATIONS {
         let (share, beta) = level;
         for dimensions in [2, 4, 6] {
