@@ -311,7 +311,7 @@ impl Reader {
             let unit = Unit { base, display };
             match units.0.get_mut(&name) {
                 // Of two meanings nobody knows the right one, so that the unit converts to none.
-                Some(first) if *first != unit => *first = Unit { base: Some(BaseUnit::OPEN), display: Vec::new() },
+                Some(first) if *first != unit => first.base = Some(BaseUnit::OPEN),
                 _ => drop(units.0.insert(name, unit)),
             }
         }

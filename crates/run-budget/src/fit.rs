@@ -190,6 +190,18 @@ mod tests {
         Data::new(points, values)
     }
 
+    /// Two parameters are the same one, in two narrow groups, and the output is an exact product.
+    #[test]
+    fn parameters_that_move_together_have_a_process() {
+        let mut random = Random::new(8, Purpose::Unstated, 0);
+        let rows: Vec<[f64; 2]> =
+            (0..64).map(|i| [(i % 2) as f64 * 2.0 - 1.0 + 0.05 * random.normal(), random.normal()]).collect();
+        let points = DMatrix::from_fn(3, 64, |k, i| if k == 1 { rows[i][1] } else { rows[i][0] });
+        let values = DVector::from_fn(64, |i, _| (rows[i][0] + 1.7).powi(2) * (rows[i][1] + 1.7));
+        let data = Data::new(points, values);
+        assert!(!members(&data, 8, &[], &mut random).is_empty());
+    }
+
     #[test]
     fn gradients_are_those_of_differences() {
         let data = data();

@@ -34,10 +34,14 @@ fn trend(points: &DMatrix<f64>, linear: bool) -> DMatrix<f64> {
 }
 
 impl Data {
-    /// Prepares runs; the trend is linear where there are three runs for each of its coefficients.
+    /// Prepares runs; the trend is linear where there are three runs for each of its coefficients, and no coordinate follows from
+    /// others.
     pub fn new(points: DMatrix<f64>, values: DVector<f64>) -> Self {
         let (d, n) = points.shape();
-        let linear = n >= 3 * (d + 1);
+        /// Coordinates have deviations of 1, of which a part this small is rounding.
+        const INDEPENDENT: f64 = 1e-8;
+        let is_independent = || trend(&points, true).rank(INDEPENDENT * (n as f64).sqrt()) == d + 1;
+        let linear = n >= 3 * (d + 1) && is_independent();
         let mut apart = Vec::with_capacity(d * n * (n - 1) / 2);
         for i in 0..n {
             for j in 0..i {
