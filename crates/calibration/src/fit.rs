@@ -94,7 +94,7 @@ impl IdentificationOutcome {
                 .to_owned(),
             ),
             Some(p) if p < self.level() => Some(format!(
-                "A right model would miss by this much in fewer than {} tests: something is missing, in the model or in the \
+                "A right model would miss by this much in fewer than {} tests: something is probably missing, in the model or in the \
                  stated uncertainties.",
                 times(p)
             )),

@@ -209,7 +209,7 @@ pub(super) fn document(outcome: &IdentificationOutcome) -> Option<Document> {
 }
 
 const NOTHING: &str = "Nothing that was tried explains it: no parameter beyond its range, no other constant of the model, no zero \
-                       error, gain, delay or unit of a sensor. Something is missing in the model, or in the stated uncertainties.";
+                       error, gain, delay or unit of a sensor. Something is probably missing in the model, or in the stated uncertainties.";
 
 /// The likeliest cause in a sentence.
 pub(super) fn headline(outcome: &IdentificationOutcome) -> Option<String> {
@@ -219,7 +219,14 @@ pub(super) fn headline(outcome: &IdentificationOutcome) -> Option<String> {
     let Some(first) = suspects.first() else { return Some(NOTHING.to_owned()) };
     let part = if first.explains() { "Likeliest cause" } else { "Likeliest cause of most of it" };
     let equals = suspects[1..].iter().filter(|other| other.cost[1] - first.cost[1] < NEAR);
-    let equals: Vec<&str> = equals.map(|other| other.name.as_str()).collect();
+    let short = |other: &Suspect| match other.fault {
+        Fault::Range | Fault::Constant => other.name.clone(),
+        Fault::Offset | Fault::Gain => format!("the sensor of {}", other.name),
+        Fault::Delay => format!("the times of {}", other.name),
+        Fault::Unit(_) => format!("the unit of {}", other.name),
+    };
+    let mut equals: Vec<String> = equals.map(short).collect();
+    equals.dedup();
     let as_well = match equals[..] {
         [] => String::new(),
         _ => format!(" The data do not tell it from other causes: {}.", equals.join(", ")),
