@@ -16,7 +16,7 @@ from fmu_orchestrator._toml import changed, text
 STUDY = {
     "fmu": "dist/PlainBearingStand.fmu",
     "simulation": {"stop": 1, "step": 0.5},
-    "design": {"method": "halton", "points": np.int64(6)},
+    "design": {"method": "halton", "points": np.int64(12)},
     "parameters": {"bearing.radialClearance": {"distribution": "uniform", "min": np.float64(0.018), "max": 0.022, "unit": "mm"}},
     "criteria": {"P": {"variable": "sensor.frictionPower", "nominal": 14, "tolerance": "50 %", "unit": "W"}},
 }
@@ -56,7 +56,7 @@ def test_a_dictionary_runs_as_its_file_does(tmp_path, monkeypatch):
     study.save(file)
     command("verify", file, "--output", tmp_path / "theirs")
     assert (ours.folder / "points.csv").read_bytes() == (tmp_path / "theirs/points.csv").read_bytes()
-    assert len(ours.points) == 6
+    assert len(ours.points) == 12
     of_text = Study(text(STUDY)).verify(output=tmp_path / "text")
     assert dict(of_text.points) == dict(ours.points)
     # Its files are where they were when it was made.

@@ -4,7 +4,6 @@ use std::str::FromStr;
 
 use crate::judge::Judge;
 use conformity::decision::{Decision, Rule, randomised};
-use conformity::interval::LEAST_SAMPLES;
 use conformity::looks::{History, Looks, Way};
 use conformity::risk::Guard;
 use point_journal::Outcome;
@@ -134,10 +133,8 @@ impl Ending {
 
 /// How points of a design may be looked at while they come in.
 fn way(design: Option<(Method, u64)>) -> Result<Way, String> {
-    const LEAST: u64 = LEAST_SAMPLES as u64;
     match design {
         Some((method, _)) if method.is_independent() => Ok(Way::EveryPoint),
-        Some((_, replicates)) if replicates >= LEAST => Ok(Way::Doublings),
         Some(_) => {
             Err("the points of this design depend on each other, and while they come in nothing tells how much; use \
              method = \"monte-carlo\""

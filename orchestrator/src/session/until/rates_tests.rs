@@ -27,20 +27,29 @@ impl Way {
     fn verdict(self, seed: u64, share: f64) -> Decision {
         let text = STUDY.replace("share = 0.2", &format!("share = {share}"));
         let judge = judge(&text);
-        let design = Some((self.method, self.replicates));
-        let ending = Ending::new(Until::Verdict, &judge, design, &History::default()).unwrap();
         let sampling = Sampling { method: self.method, points: self.points, seed, replicates: self.replicates };
         let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
         let design = Design::new(&sampling, vec![unit.clone(); 3]).unwrap();
+        let is_inside = |index: u64| {
+            let u = design.point(index);
+            u[0] + u[1] < 0.4_f64.sqrt()
+        };
+        let rule = judge.rule.unwrap();
+        if !self.waits {
+            let mut counts = vec![0; self.replicates as usize];
+            (0..self.points)
+                .for_each(|index| counts[(index % self.replicates) as usize] += u64::from(is_inside(index)));
+            return Looks::default().decide(rule, &counts, self.points);
+        }
+        let way = Some((self.method, self.replicates));
+        let ending = Ending::new(Until::Verdict, &judge, way, &History::default()).unwrap();
         let mut front = Front::new(&ending);
         for index in 0..self.points {
-            let u = design.point(index);
-            if front.add(index, seen(u[0] + u[1] < 0.4_f64.sqrt())) && self.waits {
+            if front.add(index, seen(is_inside(index))) {
                 break;
             }
         }
-        let looks = if self.waits { ending.looks().unwrap() } else { Looks::default() };
-        looks.decide(judge.rule.unwrap(), &front.counts, front.front as u64)
+        ending.looks().unwrap().decide(rule, &front.counts, front.front as u64)
     }
 }
 
@@ -68,17 +77,16 @@ fn check(way: Way, studies: u64, decided_far_away: u64) {
 
 const CHANCE: Way = Way { method: Method::MonteCarlo, replicates: 1, points: 2000, waits: true };
 
-const NETS: Way = Way { method: Method::Sobol, replicates: 16, points: 1024, waits: true };
+const NETS: Way = Way { method: Method::Sobol, replicates: 16, points: 1024, waits: false };
 
 #[test]
 fn verdicts_that_were_waited_for_are_hardly_ever_wrong() {
     check(CHANCE, 120, 95);
-    check(NETS, 120, 95);
 }
 
 #[test]
 fn verdicts_of_replicates_are_hardly_ever_wrong() {
-    check(Way { waits: false, ..NETS }, 120, 95);
+    check(NETS, 120, 0);
 }
 
 #[test]
@@ -88,10 +96,9 @@ fn of_a_thousand_studies_hardly_any_verdict_is_wrong() {
         for points in [500, 20_000] {
             check(Way { waits, points, ..CHANCE }, 1000, 0);
         }
-        for (replicates, points) in [(8, 256), (8, 4096), (16, 256), (16, 4096), (32, 8192)] {
-            let nets = Way { replicates, points, waits, ..NETS };
-            check(nets, 1000, 0);
-        }
+    }
+    for (replicates, points) in [(16, 256), (16, 4096), (32, 8192)] {
+        check(Way { replicates, points, ..NETS }, 1000, 0);
     }
 }
 
