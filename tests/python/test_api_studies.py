@@ -151,7 +151,7 @@ def test_mistakes_are_told_with_a_place_that_is_there(tmp_path, monkeypatch):
             wrong.verify(output=tmp_path / "wrong")
         place, line = str(error.value).split(":")[:2]
         assert "nominall" in (tmp_path / "wrong" / place).read_text().splitlines()[int(line) - 1]
-    assert Study(STUDY).verify(output=tmp_path / "wrong").verdict.points == 6
+    assert Study(STUDY).verify(output=tmp_path / "wrong").verdict.points == 12
 
 
 @pytest.mark.parametrize("name, words", [
@@ -182,7 +182,7 @@ def test_results_of_others_are_not_replaced(tmp_path, monkeypatch):
     kept = file.verify(output=tmp_path / "out")
     with pytest.raises(OrchestratorError, match="holds results of another study file"):
         Study(STUDY).with_(points=3).verify(output=tmp_path / "out")
-    assert len(kept.points) == 6 and tomllib.loads((kept.folder / "study.toml").read_text()) == file.content
+    assert len(kept.points) == 12 and tomllib.loads((kept.folder / "study.toml").read_text()) == file.content
     ours = Study(STUDY).verify(output=tmp_path / "ours")
     with pytest.raises(OrchestratorError, match="holds results of another study file"):
         Study(STUDY).with_(seed=3).verify(output=tmp_path / "ours")

@@ -109,7 +109,8 @@ impl Page<'_> {
     /// When the system says no.
     pub(super) fn write(&self, folder: &Path) -> Result<(), Error> {
         let documents = self.documents();
-        let links: Vec<[String; 2]> = documents.iter().map(|d| [&d.id, &d.link].map(|words| words.to_string())).collect();
+        let links: Vec<[String; 2]> =
+            documents.iter().map(|d| [&d.id, &d.link].map(|words| words.to_string())).collect();
         let (good, headline, told) = self.headline();
         let page = context! {
             title => self.title,

@@ -243,11 +243,7 @@ impl Analysis for Asked {
             outcome: &outcome,
             sample: sample.as_ref(),
         };
-        let origin = Origin {
-            study_sha256: fit.study.digest(),
-            fmu_sha256: Some(fit.package.digest()?),
-            points: None,
-        };
+        let origin = Origin { study_sha256: fit.study.digest(), fmu_sha256: Some(fit.package.digest()?), points: None };
         let section = Section { origin: origin.clone(), document: page.section() };
         write_json(&folder.join(SECTION), &section)?;
         // A finished study has a page, which shows the section.
