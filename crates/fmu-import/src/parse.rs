@@ -9,6 +9,7 @@ mod three;
 use std::collections::{HashMap, HashSet};
 use std::str::FromStr;
 
+use indexmap::map::Entry;
 use roxmltree::Node;
 use serde::de::value::StrDeserializer;
 use serde::de::{DeserializeOwned, IntoDeserializer};
@@ -309,10 +310,16 @@ impl Reader {
                 })
                 .collect();
             let unit = Unit { base, display };
-            match units.0.get_mut(&name) {
-                // Of two meanings nobody knows the right one, so that the unit converts to none.
-                Some(first) if *first != unit => first.base = Some(BaseUnit::OPEN),
-                _ => drop(units.0.insert(name, unit)),
+            // A name alone says nothing. Of two meanings nobody knows the right one, so that the unit converts to none.
+            match units.0.entry(name) {
+                Entry::Occupied(first) if unit == Unit::default() || *first.get() == unit => {}
+                Entry::Occupied(mut first) if *first.get() != Unit::default() => {
+                    first.get_mut().base = Some(BaseUnit::OPEN)
+                }
+                Entry::Occupied(mut first) => *first.get_mut() = unit,
+                Entry::Vacant(place) => {
+                    place.insert(unit);
+                }
             }
         }
         units
