@@ -39,7 +39,6 @@ impl FromStr for Until {
 pub struct Ending {
     condition: Condition,
     guard: Guard,
-    samples: usize,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -89,11 +88,7 @@ impl Ending {
                 Condition::Verdict(rule, history.awaiting(way(design)?))
             }
         };
-        Ok(Self {
-            condition,
-            guard: judge.guard,
-            samples: design.map_or(1, |(_, replicates)| replicates.max(1) as usize),
-        })
+        Ok(Self { condition, guard: judge.guard })
     }
 
     /// How the verdict has to be found, where the study waits for it: it then has an interval of its own.
@@ -125,7 +120,7 @@ impl Ending {
                 points > 0 && points.is_multiple_of(ROUND) && high - low <= width
             }
             Condition::Verdict(rule, looks) => {
-                looks.is_due(self.samples, points) && looks.decide(rule, counts, points) != Decision::Inconclusive
+                looks.is_due(1, points) && looks.decide(rule, counts, points) != Decision::Inconclusive
             }
         }
     }
@@ -171,7 +166,7 @@ pub struct Front<'a> {
 impl<'a> Front<'a> {
     /// No points yet.
     pub fn new(ending: &'a Ending) -> Self {
-        Self { ending, seen: Vec::new(), counts: vec![0; ending.samples], compared: false, front: 0 }
+        Self { ending, seen: Vec::new(), counts: vec![0], compared: false, front: 0 }
     }
 
     /// Notes a finished point; says whether the points up to some index are enough.
@@ -184,7 +179,7 @@ impl<'a> Front<'a> {
         }
         self.seen[index] = Some(seen);
         while let Some(Some(seen)) = self.seen.get(self.front) {
-            self.counts[self.front % self.ending.samples] += u64::from(*seen == Seen::Counts);
+            self.counts[0] += u64::from(*seen == Seen::Counts);
             self.compared |= *seen != Seen::Failed;
             self.front += 1;
             let points = self.front as u64;
