@@ -15,9 +15,9 @@ HEAD = """\
 # Benchmarks
 
 Written by `scripts/evidence/bench`; edits are lost. Programs that are compared run alternately (A B, B A, A B, ...). A figure is
-the median over the repetitions, in CPU time with child processes unless it says otherwise. The time of a step or a point is
-the difference of a long and a short run, without the start of the process, unless it says "all included". Here is the first
-goal of each section, and what was missed; [benchmarks.csv](benchmarks.csv) has all.
+the median, in CPU time with child processes unless it says otherwise. The time of a step or a point is without the start of the
+process, unless it says "all included". Here is the first goal of each section, and what was missed; [benchmarks.csv](benchmarks.csv)
+has all.
 """
 
 COLUMNS = ["what", "median", "lowest", "highest", "unit", "goal", "met", "remark"]
