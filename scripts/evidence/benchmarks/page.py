@@ -14,10 +14,9 @@ IMAGES = Path("docs/images")
 HEAD = """\
 # Benchmarks
 
-Written by `scripts/evidence/bench`; edits are lost. Programs that are compared run alternately (A B, B A, A B, ...). A figure is
-the median, in CPU time with child processes unless it says otherwise. The time of a step or a point is without the start of the
-process, unless it says "all included". Here is the first goal of each section, and what was missed; [benchmarks.csv](benchmarks.csv)
-has all.
+Written by `scripts/evidence/bench`; edits are lost. Here is what missed its goal; [benchmarks.csv](benchmarks.csv) has all. Programs that are
+compared run alternately (A B, B A, A B, ...). A figure is the median, in CPU time with child processes unless it says otherwise. The time of a
+step or a point is without the start of the process, unless it says "all included".
 """
 
 COLUMNS = ["what", "median", "lowest", "highest", "unit", "goal", "met", "remark"]
@@ -41,10 +40,9 @@ def line(row):
     return f"- {row.what}: {number(row.ratio.median)}{row.unit}{goal}"
 
 
-def notable(rows):
-    """The first row with a goal, and those that missed theirs."""
-    first = next((row for row in rows if row.goal), rows[0])
-    return [row for row in rows if row is first or row.met is False]
+def missed(rows):
+    """Those that missed their goal."""
+    return [row for row in rows if row.met is False]
 
 
 def machine():
@@ -80,13 +78,17 @@ def write(command, began, loads, sections, sizes):
 
 def pages(head, sections):
     """The page and the file of what was measured."""
-    parts, lines = [HEAD, *head], []
+    parts, lines, others = [HEAD, *head], [], []
     for title, text, rows in sections:
         measured = isinstance(rows, list)
         lines += [[f"# {title}"], *([COLUMNS, *map(cells, rows)] if measured else [rows[0], *rows[1]])]
-        if text:
+        if measured and not missed(rows):
+            others.append(title)
+        elif text:
             parts += ["", f"## {title}\n", text]
-            parts += ["", *map(line, notable(rows))] if measured else []
+            parts += ["", *map(line, missed(rows))] if measured else []
+    if others:
+        parts += ["", f"No goal was missed in: {'; '.join(others)}."]
     FOLDER.mkdir(exist_ok=True)
     with (FOLDER / "benchmarks.csv").open("w", encoding="utf-8", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows(lines)
