@@ -21,9 +21,8 @@ PARTS = ["solver", "statistics", "distribution", "design", "conformity", "verdic
 HEAD = """# Mutation testing
 
 Written by `scripts/evidence/mutants`; edits are lost. It changes the code that decides results, one operator, constant or return
-value at a time (cargo-mutants), and runs its unit tests. A mutant is *caught* when a test fails or never ends, *unviable*
-when it does not compile, *equivalent* when no input makes it behave differently (`scripts/evidence/mutation/equivalent.toml` says
-why). One that *survives* shows a missing test. `scripts/evidence/mutation/runs.json` names the files. *Tried* are a random sample.
+value at a time (cargo-mutants), and runs its unit tests. A mutant that *survives* shows a missing test; an *equivalent* one behaves as before
+(`scripts/evidence/mutation/equivalent.toml` says why); an *unviable* one does not compile. *Tried* are a random sample.
 
 | part | date | mutants | tried | caught | unviable | equivalent | survive |
 |---|---|---|---|---|---|---|---|
