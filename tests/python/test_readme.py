@@ -51,6 +51,12 @@ def test_the_commands_work(tmp_path):
     assert (tmp_path / "results/my/report.html").is_file()
 
 
+def test_the_first_screen_is_the_programs(tmp_path):
+    shown = re.search(r"^```text\n([\s\S]*?)^```", (ROOT / "README.md").read_text(encoding="utf-8"), re.MULTILINE)[1]
+    command = [PROGRAM, "verify", ROOT / "studies/paper-table3.toml", "--output", tmp_path]
+    assert subprocess.run(command, text=True, capture_output=True).stdout.startswith(shown)
+
+
 @pytest.mark.long
 def test_the_commands_work_in_a_new_clone(tmp_path):
     clone = tmp_path / "clone"
