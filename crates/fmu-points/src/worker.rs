@@ -29,8 +29,7 @@ const HOLD: Duration = Duration::from_millis(1);
 /// tool behind the FMU is closed then, files are written, a licence is given back.
 const GRACE: Duration = Duration::from_secs(60);
 
-/// The exit code of a process of this program in which an FMU runs, when it cannot tell what it has found: unlike those
-/// with which an FMU may end it.
+/// The exit code of a child that could not report: unlike those with which an FMU may end it.
 const UNABLE: i32 = 121;
 /// Why it cannot.
 const MUTE: &str = "the FMU closed descriptors that it did not open, or became another program";

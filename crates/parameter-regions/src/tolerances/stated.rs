@@ -21,7 +21,7 @@ pub enum Wanted {
 pub struct Tolerances {
     /// The required share or probability.
     pub wanted: Wanted,
-    /// The least of it.
+    /// The least share or probability that is required.
     pub share: f64,
     /// The confidence with which it must hold.
     pub confidence: f64,

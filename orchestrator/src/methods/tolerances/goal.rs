@@ -14,7 +14,7 @@ pub(super) struct Goal<'a> {
     judge: &'a Judge,
     /// Which of both.
     pub(super) wanted: Wanted,
-    /// The least of it.
+    /// The least share or probability that is required.
     pub(super) target: f64,
     /// With which confidence.
     pub(super) confidence: f64,
