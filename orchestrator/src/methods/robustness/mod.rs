@@ -15,7 +15,7 @@ use crate::options::Work;
 use crate::results::origin::Origin;
 use crate::session::{Request, Session};
 use confirm::Confirmation;
-use parameter_regions::robustness::{Robustness, region, robustness, rows};
+use parameter_regions::robustness::{Robustness, refined, region, rows};
 use parameter_regions::table::PointTable;
 use point_journal::pipeline::Pipeline;
 use result_document::Document;
@@ -130,18 +130,36 @@ pub struct Asked {
 
 impl Asked {
     /// The points of the finished study, to which results they belong, and a large sample of its distributions.
-    fn known(&self, study: &Study, plan: Option<&Plan>) -> Result<(Origin, PointTable, Vec<Vec<f64>>), Error> {
+    fn known(&self, study: &Study, plan: Option<&Plan>) -> Result<(Origin, Points, Vec<Vec<f64>>), Error> {
         let (summary, table) = known::points_of(&self.from, study)?;
-        known::as_sample(&self.from, &summary)?;
         let cloud = cloud(plan, &table, self.seed)?;
-        Ok((Origin::of_points(&summary), table, cloud))
+        let sample = known::sample_of(&self.from, &summary, table.len())?;
+        let chosen: Vec<usize> = (0..table.len()).filter(|row| sample.binary_search(row).is_err()).collect();
+        let rows = [&sample[..], &chosen].concat();
+        Ok((Origin::of_points(&summary), Points { sample: table.subset(&sample), all: table.subset(&rows) }, cloud))
     }
 
-    fn stated(&self, table: &PointTable, cloud: &[Vec<f64>]) -> Result<Robustness, Error> {
-        robustness(table, cloud, self.level).ok_or_else(|| {
+    fn stated(&self, points: &Points, cloud: &[Vec<f64>]) -> Result<Robustness, Error> {
+        points.stated(&points.all, cloud, self.level).ok_or_else(|| {
             let message = "the points are too few for a surrogate, or no parameter varies: verify more points";
             Error::option("from", message)
         })
+    }
+}
+
+/// The points of a study: surrogates are fitted to all, and those that are a sample of the space say how far they are right.
+struct Points {
+    sample: PointTable,
+    /// The sample, and behind it points that `--budget` chose.
+    all: PointTable,
+}
+
+impl Points {
+    /// What surrogates of `fitted` say: these points and further runs behind them.
+    fn stated(&self, fitted: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<Robustness> {
+        let mut stated = refined(&self.sample, fitted, cloud, level)?;
+        stated.further_runs = fitted.len() - self.all.len();
+        Some(stated)
     }
 }
 
@@ -165,10 +183,10 @@ impl Analysis for Asked {
     }
 
     fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult, Error> {
-        let (origin, table, cloud) = self.known(&session.study, Some(&session.plan))?;
-        let stated = self.stated(&table, &cloud)?;
+        let (origin, known, cloud) = self.known(&session.study, Some(&session.plan))?;
+        let stated = self.stated(&known, &cloud)?;
         let mut confirmed =
-            Confirmation { session, pipeline, table: &table, cloud: &cloud, points: self.confirm, seed: self.seed }
+            Confirmation { session, pipeline, known: &known, cloud: &cloud, points: self.confirm, seed: self.seed }
                 .of(stated)?;
         confirmed.keep_together(&session.plan.together());
         Ok(AnalysisResult::new(&confirmed, origin, document(&confirmed).as_text(), FILE))
