@@ -1,7 +1,7 @@
 //! Fresh runs of the model inside the box.
 
 use super::super::asking;
-use super::{Points, joint};
+use super::{Points, ROUNDS, joint};
 use crate::error::Error;
 use crate::session::Session;
 use parameter_regions::robustness::{Robustness, rows};
@@ -10,8 +10,6 @@ use point_journal::pipeline::Pipeline;
 
 /// The most draws to search for points inside a small region.
 const MOST_DRAWS: u64 = 4_000_000;
-/// The most refinements of the surrogates, where their statements do not hold.
-const ROUNDS: u64 = 4;
 
 /// Statements to confirm, and the means to do so.
 pub(super) struct Confirmation<'a, 'b> {
@@ -19,8 +17,9 @@ pub(super) struct Confirmation<'a, 'b> {
     pub(super) pipeline: &'a mut Pipeline<'b>,
     pub(super) known: &'a Points,
     pub(super) cloud: &'a [Vec<f64>],
-    /// Fresh points in the box.
+    /// Fresh points in the box, of each round.
     pub(super) points: usize,
+    pub(super) rounds: u64,
     pub(super) seed: u64,
 }
 
@@ -35,14 +34,14 @@ impl Confirmation<'_, '_> {
             return Err(Error::option("confirm", message));
         }
         let mut known = self.known.all.clone();
-        for round in 0..ROUNDS {
+        for round in 0..self.rounds {
             let runs = self.judge(&mut result, round)?;
             if result.region.as_ref().is_none_or(|region| region.agrees(result.level)) {
                 break;
             }
             known.extend(&runs);
             match self.known.stated(&known, self.cloud, result.level) {
-                Some(better) if round + 1 < ROUNDS => result = better,
+                Some(better) if round + 1 < self.rounds => result = better,
                 _ => break,
             }
         }

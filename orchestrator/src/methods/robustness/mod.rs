@@ -45,10 +45,18 @@ pub struct Options {
     /// Confirm the box by N new runs [default: the study's, or 0]
     #[arg(long, value_name = "N")]
     pub confirm: Option<usize>,
+    /// The same with at most N runs in all
+    #[arg(long, value_name = "N", conflicts_with = "confirm")]
+    pub budget: Option<usize>,
     /// The seed [default: the study's, or 1]
     #[arg(long, value_name = "S")]
     pub seed: Option<u64>,
 }
+
+/// The most times that new runs judge a statement: the surrogates learn from those that do not agree.
+const ROUNDS: u64 = 4;
+/// Runs of a budget that judge nothing: one before the first, and one once more.
+const BESIDE: usize = 2;
 
 /// A result in the folder of a finished study, as its page shows it.
 pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
@@ -64,10 +72,15 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
     let from = known::from(options.from.as_deref(), &work.study);
     let study = Study::read(&work.study)?;
     let said = &study.robustness;
+    if let Some(runs) = options.budget.filter(|runs| *runs < BESIDE + 2) {
+        return Err(Error::option("budget", format!("{runs} runs: give {} or more", BESIDE + 2)));
+    }
+    let of_budget = options.budget.map(|runs| (runs - BESIDE) / 2);
     let analysis = Asked {
         from: known::absolute(&from),
         level: level(options, &study)?,
-        confirm: options.confirm.or(said.confirm).unwrap_or(0),
+        confirm: of_budget.or(options.confirm).or(said.confirm).unwrap_or(0),
+        rounds: if of_budget.is_some() { 2 } else { ROUNDS },
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
     let session = asking::open(work, &analysis);
@@ -123,8 +136,9 @@ pub struct Asked {
     from: PathBuf,
     /// The verification probability that the box must hold.
     level: f64,
-    /// New runs in it.
+    /// New runs in it, of each round.
     confirm: usize,
+    rounds: u64,
     seed: u64,
 }
 
@@ -185,8 +199,12 @@ impl Analysis for Asked {
     fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult, Error> {
         let (origin, known, cloud) = self.known(&session.study, Some(&session.plan))?;
         let stated = self.stated(&known, &cloud)?;
+        if self.rounds < ROUNDS {
+            pipeline.repeat_at_most(1);
+        }
+        let (points, rounds) = (self.confirm, self.rounds);
         let mut confirmed =
-            Confirmation { session, pipeline, known: &known, cloud: &cloud, points: self.confirm, seed: self.seed }
+            Confirmation { session, pipeline, known: &known, cloud: &cloud, points, rounds, seed: self.seed }
                 .of(stated)?;
         confirmed.keep_together(&session.plan.together());
         Ok(AnalysisResult::new(&confirmed, origin, document(&confirmed).as_text(), FILE))
