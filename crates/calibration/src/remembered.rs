@@ -15,9 +15,10 @@ pub struct Remembered<'a> {
 }
 
 impl<'a> Remembered<'a> {
-    /// Nothing is known yet.
-    pub fn new(model: &'a dyn Simulate) -> Self {
-        Self { model, answers: RefCell::default() }
+    /// A model of which these answers are known.
+    pub fn new(model: &'a dyn Simulate, known: impl IntoIterator<Item = (Query, Prediction)>) -> Self {
+        let known = known.into_iter().map(|(query, prediction)| (key(&query), prediction));
+        Self { model, answers: RefCell::new(known.collect()) }
     }
 }
 
@@ -64,9 +65,10 @@ mod tests {
             }
             Ok(vec![p[0] + case as f64])
         };
-        let model = Remembered::new(&model);
         let query = |case, x| Query { case, free: vec![x], latents: Vec::new() };
+        let model = Remembered::new(&model, [(query(5, 1.0), Ok(vec![7.0]))]);
         let ask = |queries: &[Query]| model.simulate(queries).unwrap();
+        assert_eq!((ask(&[query(5, 1.0)]), asked.get()), (vec![Ok(vec![7.0])], 0));
         let first = ask(&[query(0, 1.0), query(1, 1.0), query(0, 1.0), query(0, 3.0)]);
         assert_eq!(first[..3], [Ok(vec![1.0]), Ok(vec![2.0]), Ok(vec![1.0])]);
         assert!(first[3].is_err());

@@ -387,7 +387,7 @@ impl Inquiry<'_> {
         /// So large a part of it is as odd as the whole of what was stated of another.
         const ODD: f64 = 0.05;
         let problem = self.with(constant);
-        let model = Remembered::new(&*constant.model);
+        let model = Remembered::new(&*constant.model, []);
         let start = self.placed(place.clamp(0.02, 0.98));
         let minimum = self.minimised(&problem, &model, start)?;
         let free = &constant.free;

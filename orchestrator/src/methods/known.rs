@@ -6,6 +6,7 @@ use crate::error::Error;
 use crate::options::folder_of;
 use crate::results::origin::Origin;
 use crate::results::{Summary, table};
+use crate::session::Request;
 use number_tables::files;
 use parameter_regions::table::PointTable;
 use serde::Deserialize;
@@ -43,16 +44,17 @@ pub(super) fn points_of(folder: &Path, study: &Study) -> Result<(Summary, PointT
     Ok((summary, table))
 }
 
-/// Refuses points of a budget, which were chosen near the limits, where a share of the points counts.
-pub(super) fn as_sample(folder: &Path, summary: &Summary) -> Result<(), Error> {
+/// The rows of a finished study's points that are a sample of the space; those that `--budget` chose near limits are not.
+pub(super) fn sample_of(folder: &Path, summary: &Summary, rows: usize) -> Result<Vec<usize>, Error> {
     if summary.surrogate.is_none() {
-        return Ok(());
+        return Ok((0..rows).collect());
     }
-    let message = format!(
-        "the points in {} were chosen near the limits by --budget, and are no sample; `verify` without it into another folder",
-        folder.display()
-    );
-    Err(Error::option("from", message))
+    let budget = Request::read(folder)?.budget.unwrap_or_default();
+    if budget.places.len() != rows {
+        let message = format!("{} rows, and request.json tells {} points", rows, budget.places.len());
+        return Err(Error::content(&folder.join("points.csv"), message));
+    }
+    Ok(budget.plain().enumerate().filter_map(|(row, plain)| plain.then_some(row)).collect())
 }
 
 /// A digest that identifies the points of a finished study.

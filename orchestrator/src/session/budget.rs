@@ -92,6 +92,11 @@ impl Budget {
         self.ends.last().map_or(0, |end| *end as usize)
     }
 
+    /// Which of the points are a plain sample of the space: those of the net's first half ([`Campaign`]). The others were chosen.
+    pub fn plain(&self) -> impl Iterator<Item = bool> + '_ {
+        self.places.iter().map(|place| *place < SAMPLE / 2)
+    }
+
     /// How many of the points that are not run yet form the next batch behind `done`.
     fn batch(&self, done: usize) -> usize {
         let whole = if done == 0 { START.max(self.batch) } else { self.batch.max(done / 5) };

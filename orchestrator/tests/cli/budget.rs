@@ -165,6 +165,43 @@ fn identify_counts_no_more_runs_and_goes_on_where_it_was_killed() {
     assert!(bench.read("out/identification.json") == bench.read("whole/identification.json"));
 }
 
+/// A dear FMU's whole study in one folder: what one command has run, the others do not run again.
+#[test]
+fn a_whole_study_takes_a_hundred_runs() {
+    let bench = lag();
+    let normal = LAG.replace("lognormal", "normal").replace("tolerance = 4", "tolerance = 4\nuncertainty = 0.8");
+    bench.write("study.toml", &normal.replace("tolerance = 0.02", "tolerance = 0.02\nuncertainty = 0.004"));
+    assert!(counted(&bench, "out", "log", &["--budget", "50"]).code < 2);
+    let folder = ["--output", "out", "--jobs", "2"];
+    let ask = |arguments: &[&str]| -> Said {
+        let mut command = bench.command(&[arguments, &folder].concat());
+        command.env("LAG_INSTANCES", bench.path("log")).output().unwrap().into()
+    };
+    let said = ask(&["sensitivity", "study.toml", "--from", "out"]);
+    assert_eq!((said.code, instances(&bench, "log")), (0, 50), "{}", said.err);
+    let said = ask(&["identify", "study.toml", "--budget", "30"]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    assert!(said.out.contains("46 of them the study's points"), "{}", said.out);
+    assert!(instances(&bench, "log") <= 80, "{}", instances(&bench, "log"));
+    // The rate's end value is 1 - exp(-2 rate), known to 0.002 beside a prior of 0.1.
+    let result: serde_json::Value = serde_json::from_str(&bench.read("out/identification.json")).unwrap();
+    let optimum = &result["free"];
+    assert!((optimum[0]["value"].as_f64().unwrap() - 0.983).abs() < 0.01, "{optimum}");
+    let before = instances(&bench, "log");
+    let said = ask(&["robustness", "study.toml", "--from", "out", "--budget", "8"]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    let said = ask(&["tolerances", "study.toml", "--from", "out", "--budget", "12"]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    assert!(
+        said.out.contains("which a surrogate of 46 runs judged") && said.out.contains("of 10 fresh runs"),
+        "{}",
+        said.out
+    );
+    assert!(instances(&bench, "log") <= (before + 20).min(100), "{before} {}", instances(&bench, "log"));
+    let page = bench.read("out/report.html");
+    assert!(page.contains("identify") && page.contains("obustness"));
+}
+
 /// P(-1 <= x1 + 2 x2 + 3 x3 <= 4) of normal numbers, whose sum has the variance 14.
 #[test]
 fn the_interval_holds_the_exact_share_and_decides() {

@@ -53,7 +53,9 @@ const CANDIDATES: usize = 200;
 pub struct Task<'a> {
     /// The search that they serve; its local searches begin at the same places.
     pub search: rounds::Task<'a>,
-    /// Places at which the model is run with all cases.
+    /// Places at which the model was run before, and answers without a run.
+    pub known: &'a [Vec<f64>],
+    /// Further places at which it is run with all cases.
     pub places: usize,
     /// So many places that are spread evenly.
     pub spread: &'a dyn Fn(usize) -> Vec<Vec<f64>>,
@@ -77,9 +79,9 @@ pub struct Replaced {
     pub best: Vec<f64>,
 }
 
-/// The fewest places from which surrogates can be made and tested.
-pub fn fewest(problem: &Problem) -> usize {
-    first(problem) + BATCH / 2
+/// The fewest places from which surrogates can be made and tested, where so many are known.
+pub fn fewest(problem: &Problem, known: usize) -> usize {
+    first(problem).saturating_sub(known) + BATCH / 2
 }
 
 /// The first places.
@@ -103,7 +105,8 @@ pub fn replaced(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(String))
         fresh: Fresh::default(),
     };
     let even = (task.spread)(task.places);
-    let mut taken = first(problem).min(even.len());
+    work.run(task.known)?;
+    let mut taken = first(problem).saturating_sub(task.known.len()).min(even.len());
     work.run(&even[..taken])?;
     let whole: Bounds = vec![[0.0, 1.0]; problem.unknowns()];
     // Where many runs fail, the first places leave too few.
@@ -116,7 +119,8 @@ pub fn replaced(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(String))
         taken = next;
     }
     let screened: Vec<bool> = work.runs.iter().map(|run| run.predicted.is_ok()).collect();
-    let mut particles = even[..taken].to_vec();
+    let mut particles: Vec<Vec<f64>> = work.runs.iter().map(|run| run.places.clone()).collect();
+    let most = task.known.len() + task.places;
     let mut rounds = 0;
     loop {
         rounds += 1;
@@ -127,11 +131,12 @@ pub fn replaced(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(String))
         let widening = work.parts(&errors).fold(0.0, |most: f64, part| most.max(1.0_f64.hypot(part) - 1.0));
         let rough = work.parts(&errors).any(|part| part > ROUGH);
         // A direct search with fewer places would come nowhere.
-        let spent = work.runs.len() as f64 >= PATIENCE * task.places as f64
-            && work.runs.len() + 3 * (problem.unknowns() + 1) <= task.places;
+        let fresh = work.runs.len() - task.known.len();
+        let spent =
+            fresh as f64 >= PATIENCE * task.places as f64 && fresh + 3 * (problem.unknowns() + 1) <= task.places;
         let is_enough = widening < SMALL && work.fresh.apart < ALIKE;
-        if is_enough || rough && spent || work.runs.len() >= task.places || is_over(effort.deadline) {
-            let counts = (rounds, work.runs.len(), work.model.failures().failed);
+        if is_enough || rough && spent || work.runs.len() >= most || is_over(effort.deadline) {
+            let counts = (rounds, [work.runs.len(), task.known.len()], work.model.failures().failed);
             let told =
                 SurrogateOutcome::new(problem, &work.surrogates, counts, (&errors, &work.fresh), !(rough && spent));
             let least = (0..work.runs.len()).min_by(|a, b| work.costs[*a].total_cmp(&work.costs[*b]));
@@ -275,7 +280,7 @@ impl Work<'_> {
 
     /// The next places: the best one, and those of the sample that tell most.
     fn next(&self, best: Vec<f64>, particles: &[Vec<f64>]) -> Vec<Vec<f64>> {
-        let count = BATCH.min(self.task.places - self.runs.len());
+        let count = BATCH.min(self.task.known.len() + self.task.places - self.runs.len());
         let cases = self.surrogates.last().cases.iter().enumerate();
         let of: Vec<_> =
             cases.map(|(number, case)| (&case.surrogate, self.surrogates.points(number, particles))).collect();

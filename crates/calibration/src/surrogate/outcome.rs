@@ -12,6 +12,8 @@ use super::fitted::Surrogates;
 pub struct SurrogateOutcome {
     /// At how many places the model was run, all cases each, before the optima.
     pub runs: usize,
+    /// So many of them had been run before, for the study's points.
+    pub known: usize,
     /// At how many of them a run failed.
     pub failed: u64,
     /// How often the surrogates were fitted, each time nearer to the posterior.
@@ -60,11 +62,11 @@ pub struct RunAgain {
 }
 
 impl SurrogateOutcome {
-    /// Gathers the errors, by case and quantity. `counts` are rounds, runs and failed ones.
+    /// Gathers the errors, by case and quantity. `counts` are rounds, runs and those of them that were known, failed ones.
     pub(super) fn new(
         problem: &Problem,
         surrogates: &Surrogates,
-        (rounds, runs, failed): (usize, usize, u64),
+        (rounds, [runs, known], failed): (usize, [usize; 2], u64),
         (errors, fresh): (&[Vec<f64>], &Fresh),
         holds: bool,
     ) -> Self {
@@ -76,6 +78,7 @@ impl SurrogateOutcome {
         let all = (0..errors.len()).flat_map(|case| (0..errors[case].len()).map(move |quantity| value(case, quantity)));
         Self {
             runs,
+            known,
             failed,
             rounds,
             holds,

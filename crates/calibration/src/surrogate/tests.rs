@@ -18,7 +18,7 @@ fn made(problem: &Problem, model: &dyn Simulate, places: usize, seed: u64) -> Re
     let unknowns = problem.unknowns();
     let spread = |count: usize| cube(unknowns, count as u64, 1000 * seed, 1).unwrap();
     let starts = cube(unknowns, 64, seed, 1).unwrap();
-    let task = Task { search: search(problem, &starts), places, spread: &spread, seed };
+    let task = Task { search: search(problem, &starts), known: &[], places, spread: &spread, seed };
     replaced(&task, model, &|_| ())
 }
 

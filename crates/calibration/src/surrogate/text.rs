@@ -12,7 +12,11 @@ const DIFFERENT: f64 = 1.0;
 
 /// What stands in for the model, and how well.
 pub fn sentences(told: &SurrogateOutcome) -> Vec<String> {
-    let runs = format!("{} places ({} failed)", told.runs, told.failed);
+    let known = match told.known {
+        0 => String::new(),
+        known => format!(", {known} of them the study's points, which were not run again"),
+    };
+    let runs = format!("{} places ({} failed{known})", told.runs, told.failed);
     let [counted, accuracy] = [told.worst.counted, told.worst.accuracy].map(|error| rounded(error, 2));
     let worst = format!(
         "its error is largest in {}: {counted} beside the accuracy of {accuracy} ({:.0} %)",

@@ -47,6 +47,7 @@ use result_document::Document;
 use sampling::design::cube;
 use study::concern::{Code, Concern};
 use study::{Identification, Study};
+use surrogate::Known;
 
 /// The result's file in a folder of results.
 const FILE: &str = "identification.json";
@@ -99,8 +100,11 @@ pub(crate) fn causes(study: &Path, means: &Means, earlier: Earlier, folder: &Pat
 /// When the options or the study cannot be used, and when the search fails.
 pub fn run(options: &Options) -> Result<Delivery, Error> {
     let Options { work, asked } = options;
-    let fit = asking::open(work, asked)?;
+    let mut fit = asking::open(work, asked)?;
     let folder = work.folder(None)?;
+    if asked.budget.is_some() {
+        fit.known = Known::of(&fit, &folder)?;
+    }
     asking::run(fit, asked, work, folder)
 }
 
@@ -114,8 +118,8 @@ pub struct Asked {
     /// Also draw N sets of parameters from the posterior, of any shape
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub posterior: Option<u64>,
-    /// For an FMU whose runs are dear: at most N runs in all. A surrogate of chosen ones tells optimum, intervals and posterior;
-    /// its error counts as an uncertainty
+    /// For an FMU whose runs are dear: at most N runs. A surrogate of chosen ones, and of the study's points in the folder, tells
+    /// optimum, intervals and posterior; its error counts as an uncertainty
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub budget: Option<u64>,
     /// Weigh the model against that of another result on the same data: its identification.json, or its folder
@@ -148,6 +152,8 @@ pub struct Fit {
     settings: Identification,
     package: Package,
     bound: Bound,
+    /// The study's points, where a budget uses them.
+    known: Known,
 }
 
 impl Source for Fit {
@@ -187,7 +193,7 @@ impl Analysis for Asked {
             true => Bound::new(&study, &settings, fmu)?,
             false => from_study::bind(&study, &settings, fmu)?,
         };
-        Ok(Fit { request: Request { seed, ..request }, study, settings, package, bound })
+        Ok(Fit { request: Request { seed, ..request }, study, settings, package, bound, known: Known::default() })
     }
 
     fn points(&self, fit: &Fit) -> Result<PointSet, Error> {
@@ -200,7 +206,7 @@ impl Analysis for Asked {
             seed: settings.seed,
             points: None,
             method: format!("{} starts", settings.starts),
-            table: table.transpose()?,
+            table: table.transpose()?.or_else(|| fit.known.digest.clone()),
         })
     }
 
@@ -216,7 +222,7 @@ impl Analysis for Asked {
         }
         posterior::check(study, settings, bound, self.posterior.is_some())?;
         self.other(settings, bound)?;
-        surrogate::check(bound, self)
+        surrogate::check(fit, self)
     }
 
     fn find(&self, fit: &Fit, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult, Error> {
@@ -308,13 +314,11 @@ fn find(
     }
     let model = FmuModel::new(bound, pipeline);
     let capped = Capped::new(&model, options.budget.map_or(u64::MAX, |runs| surrogate::asked(runs, bound)));
-    let remembered = Remembered::new(&capped);
+    let remembered = Remembered::new(&capped, fit.known.answers(bound));
     let task =
         rounds::Task { problem: &bound.problem, difference: settings.difference, starts: &starts, effort: limits };
     let search = || {
-        let replaced = surrogate::replaced((study, settings, bound), options.budget, &task, &remembered, &|text| {
-            model.say(text);
-        })?;
+        let replaced = surrogate::replaced(fit, options.budget, &task, &remembered, &|text| model.say(text))?;
         let mut task = task;
         // Where the surrogate does not hold, the rest of the budget goes down from the best run.
         let rough = replaced.as_ref().filter(|replaced| !replaced.told.holds);

@@ -1,17 +1,21 @@
-//! `identify --budget N`: at most N runs of an FMU whose runs are dear, by a surrogate.
+//! `identify --budget N`: at most N runs of an FMU whose runs are dear, by a surrogate, which has the runs of the study's points
+//! in the same folder, too.
 
-use super::Asked;
+use std::path::Path;
+
+use super::super::known::{digest_of, points_of};
+use super::{Asked, Fit};
 use crate::error::Error;
 use crate::identify::bind::Bound;
 use calibration::objective::{Misfit, Objective};
 use calibration::optima::Optimum;
-use calibration::problem::Simulate;
+use calibration::problem::{Prediction, Query, Simulate};
 use calibration::rounds;
 use calibration::search::SearchError;
 use calibration::surrogate::outcome::{RunAgain, SurrogateOutcome};
 use calibration::surrogate::{Replaced, Task, fewest, replaced as made};
+use parameter_regions::table::ParameterColumn;
 use sampling::design::cube;
-use study::{Identification, Study};
 
 /// Runs of each case beside those of the surrogate: one before the first, one once more, half the steps, and two optima.
 const BESIDE: u64 = 5;
@@ -19,6 +23,75 @@ const BESIDE: u64 = 5;
 const MOST: u64 = 1000;
 /// Those of them that are not asked for by the search.
 const UNASKED: u64 = 3;
+
+/// The fit takes the cube of the number of places; more points of a study tell little more.
+const POINTS: usize = 250;
+
+/// The study's points in the folder of the results, as runs that need not be made again.
+#[derive(Debug, Default)]
+pub(super) struct Known {
+    /// A digest of the points; none where there are none.
+    pub(super) digest: Option<String>,
+    places: Vec<Vec<f64>>,
+    predictions: Vec<Prediction>,
+}
+
+impl Known {
+    /// The points of a folder whose values are those that a search asks for: the same FMU and study, each varied parameter an
+    /// unknown, each measured value that of a criterion. A curve has more rows than the points tell.
+    pub(super) fn of(fit: &Fit, folder: &Path) -> Result<Self, Error> {
+        let Fit { study, package, bound, .. } = fit;
+        let problem = &bound.problem;
+        let is_plain = bound.curves.is_empty()
+            && bound.others().is_empty()
+            && problem.latents.is_empty()
+            && problem.populations.is_empty()
+            && problem.cases.len() == 1;
+        let Some((summary, table)) = is_plain.then(|| points_of(folder, study).ok()).flatten() else {
+            return Ok(Self::default());
+        };
+        if summary.provenance.fmu_sha256.as_deref() != Some(&package.digest()?) {
+            return Ok(Self::default());
+        }
+        let told = |unit: &Option<String>, column: &str| unit.as_deref().unwrap_or_default() == column;
+        let inputs = problem.free.iter().map(|free| {
+            let column = table.parameters.iter().find(|column| column.name == free.name);
+            column.filter(|column| told(&free.unit, &column.unit))
+        });
+        let outputs = problem.quantities.iter().map(|quantity| {
+            let column = table.criteria.iter().find(|column| column.name == quantity.name);
+            column.filter(|column| told(&quantity.unit, &column.unit))
+        });
+        let (Some(inputs), Some(outputs)) = (inputs.collect::<Option<Vec<_>>>(), outputs.collect::<Option<Vec<_>>>()) else {
+            return Ok(Self::default());
+        };
+        // What else varies, a search holds.
+        let varies = |column: &&ParameterColumn| column.values.windows(2).any(|pair| pair[0] != pair[1]);
+        let mut varied = table.parameters.iter().filter(varies);
+        if varied.any(|column| problem.free.iter().all(|free| free.name != column.name)) {
+            return Ok(Self::default());
+        }
+        let mut known = Self { digest: Some(digest_of(folder)?), ..Self::default() };
+        for row in 0..table.len().min(POINTS) {
+            let places = problem.free.iter().zip(&inputs).map(|(free, column)| free.place(column.values[row]));
+            let places: Vec<f64> = places.collect();
+            if places.iter().all(|place| (0.0..=1.0).contains(place)) {
+                known.places.push(places);
+                known.predictions.push(match table.completed(row) {
+                    true => Ok(outputs.iter().map(|column| column.values[row]).collect()),
+                    false => Err(table.status[row].to_string()),
+                });
+            }
+        }
+        Ok(known)
+    }
+
+    /// The answers, as a search asks for them.
+    pub(super) fn answers<'a>(&'a self, bound: &'a Bound) -> impl Iterator<Item = (Query, Prediction)> + 'a {
+        let query = |places: &Vec<f64>| Query { case: 0, free: bound.problem.free_values(places), latents: Vec::new() };
+        self.places.iter().map(query).zip(self.predictions.iter().cloned())
+    }
+}
 
 /// Places, each with all cases, of which a budget makes surrogates.
 fn places(runs: u64, bound: &Bound) -> u64 {
@@ -31,10 +104,10 @@ pub(super) fn asked(runs: u64, bound: &Bound) -> u64 {
 }
 
 /// Refuses numbers of runs from which no surrogate can be made.
-pub(super) fn check(bound: &Bound, options: &Asked) -> Result<(), Error> {
+pub(super) fn check(Fit { bound, known, .. }: &Fit, options: &Asked) -> Result<(), Error> {
     let Some(runs) = options.budget else { return Ok(()) };
     let cases = bound.problem.cases.len() as u64;
-    let least = cases * (fewest(&bound.problem) as u64 + BESIDE);
+    let least = cases * (fewest(&bound.problem, known.places.len()) as u64 + BESIDE);
     if (least..=MOST * cases).contains(&runs) {
         return Ok(());
     }
@@ -45,7 +118,7 @@ pub(super) fn check(bound: &Bound, options: &Asked) -> Result<(), Error> {
 
 /// Makes surrogates where a budget wants them.
 pub(super) fn replaced(
-    (study, settings, bound): (&Study, &Identification, &Bound),
+    Fit { study, settings, bound, known, .. }: &Fit,
     budget: Option<u64>,
     search: &rounds::Task<'_>,
     model: &dyn Simulate,
@@ -58,6 +131,7 @@ pub(super) fn replaced(
     evenly(1).map_err(|message| SearchError::Surrogate(study.error(format!("[identify] {message}")).to_string()))?;
     let task = Task {
         search: *search,
+        known: &known.places,
         places: places(runs, bound) as usize,
         spread: &|count| evenly(count).expect("a net of these dimensions was made above, and so few points fit in it"),
         seed: settings.seed,

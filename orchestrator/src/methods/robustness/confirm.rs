@@ -1,26 +1,25 @@
 //! Fresh runs of the model inside the box.
 
 use super::super::asking;
-use super::joint;
+use super::{Points, ROUNDS, joint};
 use crate::error::Error;
 use crate::session::Session;
-use parameter_regions::robustness::{Robustness, refined, rows};
+use parameter_regions::robustness::{Robustness, rows};
 use parameter_regions::table::PointTable;
 use point_journal::pipeline::Pipeline;
 
 /// The most draws to search for points inside a small region.
 const MOST_DRAWS: u64 = 4_000_000;
-/// The most refinements of the surrogates, where their statements do not hold.
-const ROUNDS: u64 = 4;
 
 /// Statements to confirm, and the means to do so.
 pub(super) struct Confirmation<'a, 'b> {
     pub(super) session: &'a Session,
     pub(super) pipeline: &'a mut Pipeline<'b>,
-    pub(super) table: &'a PointTable,
+    pub(super) known: &'a Points,
     pub(super) cloud: &'a [Vec<f64>],
-    /// Fresh points in the box.
+    /// Fresh points in the box, of each round.
     pub(super) points: usize,
+    pub(super) rounds: u64,
     pub(super) seed: u64,
 }
 
@@ -30,19 +29,19 @@ impl Confirmation<'_, '_> {
     /// judge a statement must be independent of the points that it was made from.
     pub(super) fn of(&mut self, mut result: Robustness) -> Result<Robustness, Error> {
         let inputs = self.session.plan.inputs.iter().map(|input| &input.name);
-        if !inputs.eq(self.table.parameters.iter().map(|p| &p.name)) {
+        if !inputs.eq(self.known.all.parameters.iter().map(|p| &p.name)) {
             let message = "the study's parameters are not those of the points";
             return Err(Error::option("confirm", message));
         }
-        let mut known = self.table.clone();
-        for round in 0..ROUNDS {
+        let mut known = self.known.all.clone();
+        for round in 0..self.rounds {
             let runs = self.judge(&mut result, round)?;
             if result.region.as_ref().is_none_or(|region| region.agrees(result.level)) {
                 break;
             }
             known.extend(&runs);
-            match refined(self.table, &known, self.cloud, result.level) {
-                Some(better) if round + 1 < ROUNDS => result = better,
+            match self.known.stated(&known, self.cloud, result.level) {
+                Some(better) if round + 1 < self.rounds => result = better,
                 _ => break,
             }
         }
@@ -54,7 +53,7 @@ impl Confirmation<'_, '_> {
 
     /// Fresh runs inside the box, noted there.
     fn judge(&mut self, result: &mut Robustness, round: u64) -> Result<PointTable, Error> {
-        let parameters = &self.table.parameters;
+        let parameters = &self.known.all.parameters;
         let places: Vec<usize> =
             (0..parameters.len()).filter(|&k| result.parameters.contains(&parameters[k].name)).collect();
         let varying = |x: &[f64]| -> Vec<f64> { places.iter().map(|&k| x[k]).collect() };

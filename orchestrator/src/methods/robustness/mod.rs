@@ -15,7 +15,7 @@ use crate::options::Work;
 use crate::results::origin::Origin;
 use crate::session::{Request, Session};
 use confirm::Confirmation;
-use parameter_regions::robustness::{Robustness, region, robustness, rows};
+use parameter_regions::robustness::{Robustness, refined, region, rows};
 use parameter_regions::table::PointTable;
 use point_journal::pipeline::Pipeline;
 use result_document::Document;
@@ -45,10 +45,18 @@ pub struct Options {
     /// Confirm the box by N new runs [default: the study's, or 0]
     #[arg(long, value_name = "N")]
     pub confirm: Option<usize>,
+    /// The same with at most N runs in all
+    #[arg(long, value_name = "N", conflicts_with = "confirm")]
+    pub budget: Option<usize>,
     /// The seed [default: the study's, or 1]
     #[arg(long, value_name = "S")]
     pub seed: Option<u64>,
 }
+
+/// The most times that new runs judge a statement: the surrogates learn from those that do not agree.
+const ROUNDS: u64 = 4;
+/// Runs of a budget that judge nothing: one before the first, and one once more.
+const BESIDE: usize = 2;
 
 /// A result in the folder of a finished study, as its page shows it.
 pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
@@ -64,10 +72,15 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
     let from = known::from(options.from.as_deref(), &work.study);
     let study = Study::read(&work.study)?;
     let said = &study.robustness;
+    if let Some(runs) = options.budget.filter(|runs| *runs < BESIDE + 2) {
+        return Err(Error::option("budget", format!("{runs} runs: give {} or more", BESIDE + 2)));
+    }
+    let of_budget = options.budget.map(|runs| (runs - BESIDE) / 2);
     let analysis = Asked {
         from: known::absolute(&from),
         level: level(options, &study)?,
-        confirm: options.confirm.or(said.confirm).unwrap_or(0),
+        confirm: of_budget.or(options.confirm).or(said.confirm).unwrap_or(0),
+        rounds: if of_budget.is_some() { 2 } else { ROUNDS },
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
     let session = asking::open(work, &analysis);
@@ -123,25 +136,44 @@ pub struct Asked {
     from: PathBuf,
     /// The verification probability that the box must hold.
     level: f64,
-    /// New runs in it.
+    /// New runs in it, of each round.
     confirm: usize,
+    rounds: u64,
     seed: u64,
 }
 
 impl Asked {
     /// The points of the finished study, to which results they belong, and a large sample of its distributions.
-    fn known(&self, study: &Study, plan: Option<&Plan>) -> Result<(Origin, PointTable, Vec<Vec<f64>>), Error> {
+    fn known(&self, study: &Study, plan: Option<&Plan>) -> Result<(Origin, Points, Vec<Vec<f64>>), Error> {
         let (summary, table) = known::points_of(&self.from, study)?;
-        known::as_sample(&self.from, &summary)?;
         let cloud = cloud(plan, &table, self.seed)?;
-        Ok((Origin::of_points(&summary), table, cloud))
+        let sample = known::sample_of(&self.from, &summary, table.len())?;
+        let chosen: Vec<usize> = (0..table.len()).filter(|row| sample.binary_search(row).is_err()).collect();
+        let rows = [&sample[..], &chosen].concat();
+        Ok((Origin::of_points(&summary), Points { sample: table.subset(&sample), all: table.subset(&rows) }, cloud))
     }
 
-    fn stated(&self, table: &PointTable, cloud: &[Vec<f64>]) -> Result<Robustness, Error> {
-        robustness(table, cloud, self.level).ok_or_else(|| {
+    fn stated(&self, points: &Points, cloud: &[Vec<f64>]) -> Result<Robustness, Error> {
+        points.stated(&points.all, cloud, self.level).ok_or_else(|| {
             let message = "the points are too few for a surrogate, or no parameter varies: verify more points";
             Error::option("from", message)
         })
+    }
+}
+
+/// The points of a study: surrogates are fitted to all, and those that are a sample of the space say how far they are right.
+struct Points {
+    sample: PointTable,
+    /// The sample, and behind it points that `--budget` chose.
+    all: PointTable,
+}
+
+impl Points {
+    /// What surrogates of `fitted` say: these points and further runs behind them.
+    fn stated(&self, fitted: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<Robustness> {
+        let mut stated = refined(&self.sample, fitted, cloud, level)?;
+        stated.further_runs = fitted.len() - self.all.len();
+        Some(stated)
     }
 }
 
@@ -165,10 +197,14 @@ impl Analysis for Asked {
     }
 
     fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult, Error> {
-        let (origin, table, cloud) = self.known(&session.study, Some(&session.plan))?;
-        let stated = self.stated(&table, &cloud)?;
+        let (origin, known, cloud) = self.known(&session.study, Some(&session.plan))?;
+        let stated = self.stated(&known, &cloud)?;
+        if self.rounds < ROUNDS {
+            pipeline.repeat_at_most(1);
+        }
+        let (points, rounds) = (self.confirm, self.rounds);
         let mut confirmed =
-            Confirmation { session, pipeline, table: &table, cloud: &cloud, points: self.confirm, seed: self.seed }
+            Confirmation { session, pipeline, known: &known, cloud: &cloud, points, rounds, seed: self.seed }
                 .of(stated)?;
         confirmed.keep_together(&session.plan.together());
         Ok(AnalysisResult::new(&confirmed, origin, document(&confirmed).as_text(), FILE))

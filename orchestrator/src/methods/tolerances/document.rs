@@ -15,8 +15,11 @@ pub fn document(result: &Tolerances) -> Document {
         return told;
     }
     if let Some(widest) = result.widest {
+        let by = result.surrogate.map_or_else(String::new, |runs| {
+            format!(", which a surrogate of {runs} runs judged; beyond the study's tolerances it extrapolates")
+        });
         told.say(format!(
-            "At the widest tolerances it is {} % by {} weighted points, an effective sample size of {}.",
+            "At the widest tolerances it is {} % by {} weighted points, an effective sample size of {}{by}.",
             percent(widest.share),
             result.points,
             number(widest.effective_points, 3)

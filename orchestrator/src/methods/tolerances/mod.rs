@@ -18,6 +18,7 @@ use crate::results::table;
 use crate::session::{Request, Session};
 use goal::Goal;
 use number_tables::files::FileError;
+use parameter_regions::robustness::stand::Stand;
 use parameter_regions::table::PointTable;
 use parameter_regions::tolerances::stated::{Parameter, Tolerances};
 use parameter_regions::tolerances::{Problem, Sample};
@@ -50,10 +51,16 @@ pub struct Options {
     /// Fresh runs that confirm the result [default: `confirm` under `[tolerances]`, or 1000]
     #[arg(long, value_name = "N")]
     pub confirm: Option<u64>,
+    /// For an FMU whose runs are dear: at most N runs, which confirm what a surrogate of the finished study's points finds
+    #[arg(long, value_name = "N", conflicts_with = "confirm")]
+    pub budget: Option<u64>,
     /// The seed [default: the study's, or 1]
     #[arg(long, value_name = "S")]
     pub seed: Option<u64>,
 }
+
+/// Runs of a budget that confirm nothing: one before the first, and one once more.
+const BESIDE: u64 = 2;
 
 /// A result in the folder of a finished study, as its page shows it.
 pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
@@ -68,10 +75,15 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
     let path = &options.work.study;
     let study = Study::read(path)?;
     let said = &study.tolerances;
+    if let Some(runs) = options.budget.filter(|runs| *runs <= BESIDE) {
+        return Err(Error::option("budget", format!("{runs} runs: give {} or more", BESIDE + 1)));
+    }
+    let confirm = options.budget.map(|runs| runs - BESIDE);
     let analysis = Asked {
         from: known::absolute(&known::from(options.from.as_deref(), path)),
         points: options.points.or(said.points).unwrap_or(1024).max(16),
-        confirm: options.confirm.or(said.confirm).unwrap_or(1000).max(1),
+        confirm: confirm.or(options.confirm).or(said.confirm).unwrap_or(1000).max(1),
+        by_surrogate: options.budget.is_some(),
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
     let session = asking::open(&options.work, &analysis)?;
@@ -88,6 +100,9 @@ pub struct Asked {
     points: u64,
     /// Fresh runs that confirm the result.
     confirm: u64,
+    /// Whether a surrogate takes the place of all other runs.
+    #[serde(default)]
+    by_surrogate: bool,
     seed: u64,
 }
 
@@ -102,7 +117,7 @@ impl Analysis for Asked {
     }
 
     fn points(&self, session: &Session) -> Result<PointSet, Error> {
-        let known = self.known(session)?.is_some();
+        let known = self.by_surrogate || self.known(session)?.is_some();
         Ok(PointSet {
             seed: self.seed,
             // Rounds follow until the weights are sure enough.
@@ -124,9 +139,13 @@ impl Analysis for Asked {
     fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult, Error> {
         let goal = Goal::new(&session.study, &session.judge, &self.from)?;
         let problem = self.problem(session, &goal)?;
-        let mut runs = Runs { session, varied: of_points(&session.plan), pipeline };
+        let stand = self.by_surrogate.then(|| self.stand(session)).transpose()?;
+        if stand.is_some() {
+            pipeline.repeat_at_most(1);
+        }
+        let mut runs = Runs { session, varied: of_points(&session.plan), pipeline, stand };
         let centre = runs.outcomes(&problem.centres())?;
-        let (points, outcomes) = match self.known(session)? {
+        let (points, outcomes) = match self.known(session)?.filter(|_| runs.stand.is_none()) {
             Some(table) => runs.known(&table),
             None => {
                 let points = problem.draw(&vec![1.0; problem.distributions.len()], self.seed);
@@ -136,17 +155,19 @@ impl Analysis for Asked {
         };
         let mut sample = Sample::new(&problem.distributions, points, goal.goods(&outcomes));
         let at_centre = goal.goods(&centre).iter().sum::<f64>() / centre.len() as f64;
-        let mut fresh = |points: Vec<Vec<f64>>| {
+        let mut goods = |points: Vec<Vec<f64>>| {
             let outcomes = runs.outcomes(&points)?;
             Ok::<_, Error>(goal.goods(&outcomes))
         };
-        let answer = problem.search(&mut sample, at_centre, &mut fresh)?;
+        let answer = problem.search(&mut sample, at_centre, &mut goods)?;
+        let stand = runs.stand.take();
         let mut told = Tolerances {
             wanted: goal.wanted,
             share: problem.target,
             confidence: problem.confidence,
             points: sample.len() as u64,
             rounds: sample.rounds(),
+            surrogate: stand.and_then(|stand| Some(stand.qualities.first()?.points)),
             ..Tolerances::default()
         };
         match answer {
@@ -154,7 +175,10 @@ impl Analysis for Asked {
                 told.parameters = parameters(&session.plan, &problem, &answer.scales, &answer.safe);
                 told.widest = Some(answer.at_scales);
                 told.stated = Some(answer.at_safe);
-                told.confirmed = Some(problem.confirm(&answer.safe, fresh)?);
+                told.confirmed = Some(problem.confirm(&answer.safe, |points| {
+                    let outcomes = runs.outcomes(&points)?;
+                    Ok::<_, Error>(goal.goods(&outcomes))
+                })?);
             }
             Some(answer) => {
                 told.reasons = reasons::off(&session.judge, &goal, &centre);
@@ -184,6 +208,14 @@ impl Asked {
         let same_files = session.study.digest() == summary.provenance.study_sha256;
         let same_files = same_files && summary.provenance.fmu_sha256 == Some(session.package.digest()?);
         Ok((drawn && same_files && !table.is_empty()).then_some(table))
+    }
+
+    /// A surrogate of the finished study's points, however they were chosen.
+    fn stand(&self, session: &Session) -> Result<Stand, Error> {
+        let (_, table) = known::points_of(&self.from, &session.study)?;
+        Stand::fit(&table).ok_or_else(|| {
+            Error::option("budget", "the points are too few for a surrogate: `verify STUDY --budget N` makes more")
+        })
     }
 
     fn problem(&self, session: &Session, goal: &Goal<'_>) -> Result<Problem, Error> {
@@ -301,12 +333,13 @@ fn words(parameter: &ParameterSummary) -> String {
     }
 }
 
-/// Points of the parameters that vary, run through the pipeline.
+/// Points of the parameters that vary, run through the pipeline, or by a surrogate.
 struct Runs<'a, 'b> {
     session: &'a Session,
     /// The places among the inputs of the numbers of a point.
     varied: Vec<usize>,
     pipeline: &'a mut Pipeline<'b>,
+    stand: Option<Stand>,
 }
 
 impl Runs<'_, '_> {
@@ -319,6 +352,9 @@ impl Runs<'_, '_> {
             all
         };
         let full: Vec<Vec<f64>> = points.iter().map(full).collect();
+        if let Some(stand) = &self.stand {
+            return Ok(stand.values(&full).into_iter().map(Some).collect());
+        }
         let outcomes: Vec<Outcome> = self.pipeline.ask(&full)?;
         Ok(outcomes.into_iter().map(Result::ok).collect())
     }
