@@ -1,7 +1,7 @@
 //! A report from the folder that `verify` leaves behind.
 
 use super::judgement::Judgement;
-use super::outlook::{comparison, improvements};
+use super::outlook::comparison;
 use super::whatif::WhatIf;
 use super::{Report, history};
 use crate::error::Error;
@@ -50,9 +50,8 @@ impl Report {
 
 /// The study's documents beside its verdict.
 fn documents(folder: &Path, summary: &Summary) -> Vec<Document> {
-    let general = [comparison(summary), improvements(summary)];
     let study = Finished { folder, summary };
-    general.into_iter().flatten().chain(methods::shown(&study)).collect()
+    comparison(summary).into_iter().chain(methods::shown(&study)).collect()
 }
 
 /// The command that computes the result again, in the folder of the study.

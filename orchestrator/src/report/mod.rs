@@ -42,7 +42,7 @@ pub struct Report {
     pub judgement: Judgement,
     /// The trajectory of the best point, if it was recorded.
     pub history: Vec<Series>,
-    /// The model's own error, what to improve first, and what the methods told.
+    /// The model's own error, and what the methods told.
     pub documents: Vec<Document>,
     /// The study to be changed in the page, where its points can be judged there.
     pub whatif: Option<whatif::WhatIf>,

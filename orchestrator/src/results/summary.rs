@@ -9,7 +9,6 @@ use serde::{Deserialize, Serialize};
 
 use super::asides::Asides;
 use super::by_surrogate::BySurrogate;
-use super::improvement::Improvements;
 use super::settled::Settled;
 use crate::judge::{Criterion, Judge};
 use conformity::conclusion::Conclusion;
@@ -91,8 +90,6 @@ pub struct Summary {
     /// What a surrogate of few runs tells, where points were chosen by one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surrogate: Option<BySurrogate>,
-    /// Improvements by their effect on the verdict, the best first.
-    pub improvements: Option<Improvements>,
     /// How the points were computed, and whether the FMU gave the same again.
     #[serde(flatten)]
     pub conduct: Option<Conduct>,

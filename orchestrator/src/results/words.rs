@@ -42,7 +42,7 @@ fn few([_, most]: [f64; 2], summary: &Summary) -> Option<String> {
 
 /// How many independent points would tell the share of the accepted ones within 30 % of it; none where these are enough, or
 /// none is accepted.
-pub(super) fn enough(summary: &Summary) -> Option<u64> {
+fn enough(summary: &Summary) -> Option<u64> {
     const WITHIN: f64 = 0.3;
     const NINETY_FIVE: f64 = 1.96;
     let accepted = summary.conclusion.as_ref()?.accepted as f64;
