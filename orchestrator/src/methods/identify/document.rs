@@ -11,13 +11,12 @@ use calibration::problem::{Free, Problem, Spacing};
 use calibration::sample::{self, Sample};
 use calibration::surrogate::text::sentences;
 use calibration::text;
-use minijinja::{Environment, context};
 use sampling::distribution::Distribution;
-use sampling::statistics::moments::{deviation, mean};
 
 use crate::error::Error;
 use crate::identify::bind::Bound;
-use point_journal::files::write_text;
+use crate::report::plain;
+use result_document::bins::{axis_range, bins_for, histogram};
 use result_document::format::{count, number, with_unit as with_unit_in_brackets};
 use result_document::svg::{Frame, area, circle, envelope, path};
 use result_document::{Block, Column, Document, Figure, Key, Table, numbers, words};
@@ -70,11 +69,11 @@ impl Page<'_> {
     /// The result, in the order in which it is read.
     fn documents(&self) -> Vec<Document> {
         let causes = super::culprits::document(self.outcome);
-        let documents = [causes, Some(self.parameters()), self.pairs(), self.sensors(), Some(self.fit()), self.next()];
+        let documents = [causes, Some(self.parameters()), self.sensors(), Some(self.fit()), self.next()];
         documents.into_iter().flatten().collect()
     }
 
-    /// The result as a section of the study's page.
+    /// The result as a section of a page.
     pub(super) fn section(&self) -> Document {
         let (_, headline, told) = self.headline();
         let mut section = Document::new("identification", "Identification", "Which parameters fit the measured values");
@@ -88,46 +87,20 @@ impl Page<'_> {
         section
     }
 
-    /// The result for the terminal.
-    pub(super) fn as_text(&self) -> String {
-        let (_, headline, told) = self.headline();
-        let mut text: String = self.warnings().iter().map(|warning| format!("warning: {warning}\n")).collect();
-        text += &format!("{headline}.\n");
-        told.iter().for_each(|sentence| text += &format!("{sentence}\n"));
-        for document in self.documents() {
-            let content = document.as_text();
-            if !content.is_empty() {
-                text += &format!("\n{}\n{content}", document.title);
-            }
-        }
-        text
-    }
-
     /// Writes the page into a folder.
     ///
     /// # Errors
     /// When the system says no.
     pub(super) fn write(&self, folder: &Path) -> Result<(), Error> {
-        let documents = self.documents();
-        let links: Vec<[String; 2]> =
-            documents.iter().map(|d| [&d.id, &d.link].map(|words| words.to_string())).collect();
-        let (good, headline, told) = self.headline();
-        let page = context! {
-            title => self.title,
-            style => [
-                result_document::svg::STYLE,
-                include_str!("../../report/assets/report.css")
-            ].concat(),
-            links, good, headline, told,
-            values => self.values(),
-            warnings => self.warnings(),
-            count => self.outcome.free.len(),
-            sections => documents.iter().map(Document::as_html).collect::<String>(),
-            program => concat!("orchestrator ", env!("CARGO_PKG_VERSION")),
+        let (is_good, headline, _) = self.headline();
+        let page = plain::Page {
+            kicker: "Identification",
+            title: self.title,
+            headline: &headline,
+            is_good,
+            documents: &[self.section()],
         };
-        let template = include_str!("page.html");
-        let html = Environment::new().render_named_str("identification.html", template, page)?;
-        Ok(write_text(&folder.join("report.html"), html)?)
+        page.write(&folder.join("report.html"))
     }
 
     /// Whether all is well, what came of it, and how well it fits.
@@ -167,19 +140,6 @@ impl Page<'_> {
     fn warnings(&self) -> Vec<String> {
         let concerns = super::concerns(self.outcome).into_iter();
         concerns.map(|concern| concern.to_string()).collect()
-    }
-
-    /// The parameters in a line each, where there are few and no doubt which set of them it is.
-    fn values(&self) -> Vec<String> {
-        const FEW: usize = 4;
-        let free = self.outcome.free.iter();
-        let few = free.len() <= FEW && !self.outcome.has_several();
-        let line = |free: &FreeOutcome| {
-            let [value, low, high] = told(free);
-            let value = with_unit(value, free);
-            format!("{} {value} ({low} .. {high}, 95 %)", free.name)
-        };
-        free.filter(|_| few).map(line).collect()
     }
 
     fn residual(&self, case: usize, quantity: usize) -> &Residual {
@@ -371,8 +331,18 @@ impl Page<'_> {
         told.blocks
             .push(Block::Legend(vec![Key::new("line before", "M0,7h14", "prior: what was known before"), posterior]));
         let all = 0..self.bound.problem.free.len();
-        let figures = all.filter_map(|k| self.density(k)).chain(self.common());
-        told.blocks.push(Block::Figures("thirds".into(), figures.collect()));
+        told.blocks.push(Block::Figures("thirds".into(), all.filter_map(|k| self.density(k)).collect()));
+        let pairs = self.pairs();
+        if !pairs.is_empty() {
+            told.hint(match self.sample {
+                Some(_) => "Each point is a set of parameters from the posterior. A narrow, slanted cloud: the data tell the combination, not each one.",
+                None => {
+                    "The ellipse holds both with 95 % probability, by the normal approximation. A narrow, slanted one: the data tell the combination, \
+                     not each one."
+                }
+            });
+            told.blocks.push(Block::Figures("thirds".into(), pairs));
+        }
         told
     }
 
@@ -390,13 +360,12 @@ impl Page<'_> {
                 [optimum.weight, drawn(free, of.value), drawn(free, of.deviation)]
             })
             .collect();
-        let x = match &sampled {
-            Some(values) => reach(values, ends)?,
-            None => {
-                let around = normals.iter().flat_map(|[_, v, d]| [v - 5.0 * d, v + 5.0 * d]);
-                within(around, ends)?
-            }
-        };
+        let around = normals.iter().flat_map(|[_, v, d]| [v - 5.0 * d, v + 5.0 * d]).collect();
+        let [low, high] = axis_range(sampled.clone().unwrap_or(around), f64::NAN, f64::NAN)?;
+        let x = [low.max(ends[0]), high.min(ends[1])];
+        if x[0] >= x[1] {
+            return None;
+        }
         let before = prior_density(free, ends);
         let after = |v: f64| -> f64 {
             let parts = normals.iter().map(|[weight, centre, width]| {
@@ -416,48 +385,8 @@ impl Page<'_> {
         })
     }
 
-    /// Densities of the means and spreads of the parameters that vary from case to case.
-    fn common(&self) -> Vec<Figure> {
-        let Some(sample) = self.sample else {
-            return Vec::new();
-        };
-        let problem = &self.bound.problem;
-        let first = sample.unknowns() - 2 * problem.populations.len();
-        let figures = problem.populations.iter().enumerate().flat_map(|(number, population)| {
-            let free = &problem.free[population.members[0]];
-            let at = first + 2 * number;
-            let means = sample.places(at);
-            let means: Vec<f64> = means.map(|v| drawn(free, free.value(v))).collect();
-            let spreads = sample.places(at + 1);
-            let spreads: Vec<f64> = spreads.map(|v| drawn(free, free.spread(v))).collect();
-            let scale = drawn(free, free.spread(population.scale(problem)));
-            let half_normal = move |v: f64| {
-                let z = v / scale;
-                (2.0 / std::f64::consts::PI).sqrt() / scale * (-0.5 * z * z).exp()
-            };
-            let ends = [free.min, free.max].map(|v| drawn(free, v));
-            let figure = |what: &str, values: &[f64], ends: [f64; 2], before: &dyn Fn(f64) -> f64| {
-                let x = reach(values, ends)?;
-                let name = format!("{}, {what}", population.name);
-                let axis = axis(&Free { name: name.clone(), ..free.clone() });
-                let (svg, note) = densities(&name, &axis, x, before, &Shape::Sample(values));
-                Some(Figure {
-                    file: format!("{what}-{number}"),
-                    caption: name,
-                    svg,
-                    note: note.trim_start_matches("; ").to_owned(),
-                    ..Figure::default()
-                })
-            };
-            [
-                figure("mean", &means, ends, &prior_density(free, ends)),
-                figure("spread", &spreads, [0.0, f64::INFINITY], &half_normal),
-            ]
-        });
-        figures.flatten().collect()
-    }
-
-    fn pairs(&self) -> Option<Document> {
+    /// Which parameters the data tell only together, those first.
+    fn pairs(&self) -> Vec<Figure> {
         let n = self.bound.problem.free.len();
         let correlation = |a: usize, b: usize| match &self.outcome.posterior {
             Some(sample) => sample.correlations[a][b],
@@ -465,17 +394,7 @@ impl Page<'_> {
         };
         let mut pairs: Vec<(usize, usize)> = (0..n).flat_map(|a| (a + 1..n).map(move |b| (a, b))).collect();
         pairs.sort_by(|p, q| correlation(q.0, q.1).abs().total_cmp(&correlation(p.0, p.1).abs()));
-        let mut told = Document::new("pairs", "Pairs", "Which parameters the data tell only together");
-        let figures = pairs.iter().take(MOST_PAIRS).filter_map(|&(a, b)| self.pair([a, b], correlation(a, b)));
-        told.blocks.push(Block::Figures("thirds".into(), figures.collect()));
-        told.hint(match self.sample {
-            Some(_) => "Each point is a set of parameters from the posterior. A narrow, slanted cloud: the data tell the combination, not each one.",
-            None => {
-                "The ellipse holds both with 95 % probability, by the normal approximation. A narrow, slanted one: the data tell the combination, \
-                 not each one."
-            }
-        });
-        (n > 1).then_some(told)
+        pairs.iter().take(MOST_PAIRS).filter_map(|&(a, b)| self.pair([a, b], correlation(a, b))).collect()
     }
 
     fn pair(&self, [a, b]: [usize; 2], correlation: f64) -> Option<Figure> {
@@ -654,19 +573,6 @@ enum Shape<'a> {
     Line(&'a dyn Fn(f64) -> f64),
 }
 
-/// The range of these values between ends.
-fn within(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Option<[f64; 2]> {
-    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
-    let [low, high] = [low.max(ends[0]), high.min(ends[1])];
-    (high > low).then_some([low, high])
-}
-
-/// The range in which a sample is drawn.
-fn reach(values: &[f64], ends: [f64; 2]) -> Option<[f64; 2]> {
-    let (centre, width) = (mean(values), deviation(values, 1));
-    within([-5.0, 5.0].into_iter().map(|side| centre + side * width), ends)
-}
-
 /// Prior and posterior over a range, and words on the scale of the prior: where the posterior is far narrower, the prior is drawn
 /// higher, as it would lie on the axis.
 fn densities(name: &str, axis: &str, x: [f64; 2], before: &dyn Fn(f64) -> f64, shape: &Shape<'_>) -> (String, String) {
@@ -679,7 +585,11 @@ fn densities(name: &str, axis: &str, x: [f64; 2], before: &dyn Fn(f64) -> f64, s
     let mut before = line(before);
     let after = match shape {
         Shape::Line(of) => line(of),
-        Shape::Sample(values) => histogram(values, x),
+        Shape::Sample(values) => {
+            let counts = histogram(values.iter(), x, bins_for(values.len()));
+            let all = values.len() as f64 * width / counts.len() as f64;
+            counts.iter().map(|count| *count as f64 / all).collect()
+        }
     };
     let times = LEAST * highest(&after) / highest(&before);
     let mut scaled = String::new();
@@ -702,18 +612,6 @@ fn densities(name: &str, axis: &str, x: [f64; 2], before: &dyn Fn(f64) -> f64, s
     }
     out += &path("line before", envelope(grid.iter().zip(&before), &frame));
     (frame.wrap(&format!("{name}: prior and posterior"), &out), scaled)
-}
-
-/// The density of a sample in even bins of a range.
-fn histogram(values: &[f64], x: [f64; 2]) -> Vec<f64> {
-    let bins = ((2.0 * (values.len() as f64).cbrt()) as usize).clamp(8, 40);
-    let width = (x[1] - x[0]) / bins as f64;
-    let mut counts = vec![0.0; bins];
-    for v in values.iter().filter(|v| (x[0]..x[1]).contains(*v)) {
-        counts[(((v - x[0]) / width) as usize).min(bins - 1)] += 1.0;
-    }
-    let all = values.len() as f64 * width;
-    counts.into_iter().map(|count: f64| count / all).collect()
 }
 
 /// A value or a standard deviation as it is drawn: on a logarithmic scale its decimal logarithm.
