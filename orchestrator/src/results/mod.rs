@@ -29,4 +29,3 @@ pub use concerns::confusions;
 pub use looked::Looked;
 pub use settled::MOST_EXTRA_RUNS;
 pub use summary::Summary;
-
