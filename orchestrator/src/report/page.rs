@@ -107,7 +107,6 @@ pub fn render(report: &Report) -> Result<String, Error> {
         drawn => count(points.len()),
         sampled => points.len() < total,
         beyond => !table.beyond.is_empty(),
-        crowded => points.len() == total && total > figures::MOST_MARKS,
         rows => Serde(count_rows(table, summary, judgement)),
         counted => result_document::html(&[risks(summary), cases(summary), readings(summary)].concat()),
         interval_method => &summary.interval_method,
