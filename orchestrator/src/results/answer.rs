@@ -5,13 +5,16 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
+use super::asides::Asides;
 use super::by_surrogate::BySurrogate;
+use super::settled::Settled;
 use super::summary::CriterionCount;
 use super::surrogate;
 use super::words::{accepted, beyond_validity, capitalised, firmness, guard, looked, unknown};
 use super::{Summary, resampled::presumed};
 use conformity::conclusion::{Conclusion, Requirement, grouped, percent};
 use conformity::decision::Decision;
+use fmu_points::Conduct;
 use result_document::format::number;
 use study::concern::{Concern, Severity};
 
@@ -251,8 +254,18 @@ fn is_weak(conclusion: &Conclusion) -> bool {
     interval.is_some_and(|[_, most]| most >= 1.0 - USUAL)
 }
 
+/// How the points were computed, and doubts as a whole.
+pub fn remarks(summary: &Summary) -> Vec<String> {
+    let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
+    let asides = summary.asides.iter().flat_map(Asides::remarks);
+    let watched = summary.settled.iter().filter_map(Settled::remark);
+    let doubts = summary.concerns.iter().map(|concern| format!("{}: {concern}", concern.severity.name()));
+    let computed = conduct.chain(asides).chain(summary.left_out_remark()).chain(watched);
+    computed.chain(doubts).chain(further(summary)).collect()
+}
+
 /// How firmly the verdict stands where that is no doubt, and what its risks presume.
-pub fn further(summary: &Summary) -> Vec<String> {
+fn further(summary: &Summary) -> Vec<String> {
     let compared = summary.failed < summary.points && !summary.has_own_values();
     let Some(conclusion) = summary.conclusion.as_ref().filter(|_| compared) else {
         return Vec::new();

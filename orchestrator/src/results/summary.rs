@@ -13,7 +13,7 @@ use super::settled::Settled;
 use crate::judge::{Criterion, Judge};
 use conformity::conclusion::Conclusion;
 use conformity::decision::Decision;
-use conformity::measured::{Limits, Measurement};
+use conformity::measured::Measurement;
 use conformity::risk::Risk;
 use conformity::validation::Comparison;
 use fmu_points::Conduct;
@@ -58,8 +58,6 @@ pub struct Summary {
     /// By case, where the study has any.
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
     pub cases: IndexMap<String, CaseCount>,
-    /// Counts by other readings of the tolerances.
-    pub variants: IndexMap<String, VariantCount>,
     /// How many points failed for which reason.
     pub failures: IndexMap<String, u64>,
     /// The first point that failed, for the reason that is the most frequent.
@@ -265,25 +263,6 @@ pub struct CriterionCount {
     /// The criterion.
     #[serde(flatten)]
     pub criterion: Criterion,
-}
-
-/// The counts of another reading of the tolerances.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct VariantCount {
-    /// Its meaning, and why it is there.
-    pub about: Option<String>,
-    /// Points that meet all criteria.
-    #[serde(flatten)]
-    pub verified: Count,
-    /// By criterion.
-    pub criteria: IndexMap<String, Count>,
-    /// By group.
-    pub groups: IndexMap<String, Count>,
-    /// The tolerances, in the criteria's units.
-    pub tolerances: IndexMap<String, f64>,
-    /// The limits of criteria with one limit alone, or a tolerance that is not the same to both sides.
-    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
-    pub limits: IndexMap<String, Limits>,
 }
 
 /// An uncertain parameter.

@@ -4,7 +4,7 @@ use super::by_surrogate::{BySurrogate, Fit};
 use super::summary::{Count, Summary};
 use crate::judge::Judge;
 use conformity::conclusion::by_share;
-use conformity::measured::{Limits, Measured};
+use conformity::measured::Measured;
 use conformity::risk::RiskTally;
 use conformity::validation::{Comparison, Numerical, Spread};
 use result_document::format::number;
@@ -103,14 +103,6 @@ impl Evidence<'_> {
         }
         for (count, case) in summary.cases.values_mut().zip(&judge.cases) {
             put(&mut count.count, &all[case.members.clone()]);
-        }
-        for (count, variant) in summary.variants.values_mut().zip(&judge.variants) {
-            let one = |(output, limits): (usize, &Limits)| Limit { output, range: limits.ends() };
-            let all: Vec<Limit> = variant.limits.iter().enumerate().map(one).collect();
-            put(&mut count.verified, &all);
-            count.criteria.values_mut().zip(&all).for_each(|(count, limit)| put(count, &[*limit]));
-            let groups = count.groups.values_mut().zip(&judge.groups);
-            groups.for_each(|(count, (_, members))| put(count, &of(&all, members)));
         }
     }
 
