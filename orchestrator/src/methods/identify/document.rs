@@ -26,7 +26,7 @@ const MOST_ROWS: usize = 200;
 const MOST_CURVES: usize = 24;
 const MOST_PAIRS: usize = 6;
 const MOST_POINTS: usize = 600;
-/// With so many cases the residuals are drawn.
+/// The values of so many cases are folded.
 const MANY_CASES: usize = 6;
 
 /// An identification for its page.
@@ -171,28 +171,14 @@ impl Page<'_> {
                  and steps are what the model, or the stated noise, does not explain.",
             );
         }
-        let (mut rows, mut all) = (Vec::new(), Vec::new());
-        let mut figures = Vec::new();
-        for quantity in singles(self.bound) {
-            let of_this = self.rows(quantity);
-            match self.outcome.cases.len() < MANY_CASES {
-                true => rows.extend(of_this),
-                false => {
-                    figures.extend(self.by_case(quantity));
-                    all.extend(of_this);
-                }
-            }
-        }
-        if rows.is_empty() {
+        let rows: Vec<_> = singles(self.bound).flat_map(|quantity| self.rows(quantity)).collect();
+        let is_long = self.outcome.cases.len() >= MANY_CASES;
+        if rows.is_empty() || is_long {
             text::largest(self.outcome).into_iter().for_each(|sentence| told.say(sentence));
         }
-        told.table(values(rows));
-        if !figures.is_empty() {
-            told.blocks.push(Block::Figures("thirds".into(), figures));
-            told.hint(
-                "Model less measurement of each case, in standard uncertainties; the band reaches to two of them.",
-            );
-            told.blocks.push(Block::Folded("All values".into(), false, vec![Block::Table(values(all))]));
+        match is_long && !rows.is_empty() {
+            true => told.blocks.push(Block::Folded("All values".into(), false, vec![Block::Table(values(rows))])),
+            false => told.table(values(rows)),
         }
         list(&mut told, text::excluded(self.outcome));
         list(&mut told, self.outcome.surrogate.as_ref().map(sentences).unwrap_or_default());
@@ -223,26 +209,6 @@ impl Page<'_> {
             ]
         };
         (0..cases.len().min(MOST_ROWS)).map(row).collect()
-    }
-
-    /// A quantity's residuals, case by case.
-    fn by_case(&self, quantity: usize) -> Option<Figure> {
-        let name = &self.bound.problem.quantities[quantity].name;
-        let missed: Vec<f64> =
-            (0..self.outcome.cases.len()).map(|case| self.residual(case, quantity).missed()).collect();
-        let y = range(missed.iter().copied().chain([-3.0, 3.0]))?;
-        let frame = Frame::new(360.0, 200.0, [0.0, missed.len() as f64 + 1.0], y);
-        let mut out = frame.axes("case, in the order of the table", Some("residual"));
-        out += &area("band", [frame.x.from, frame.x.to], [frame.y.at(-2.0), frame.y.at(2.0)]);
-        let points = missed.iter().enumerate();
-        let points = points.map(|(k, v)| circle([frame.x.at(k as f64 + 1.0), frame.y.at(*v)], 3.0));
-        out += &path("pt in", points.collect::<String>());
-        Some(Figure {
-            file: format!("residuals-{quantity}"),
-            caption: name.clone(),
-            svg: frame.wrap(&format!("{name}: residuals by case"), &out),
-            ..Figure::default()
-        })
     }
 
     fn sensors(&self) -> Option<Document> {
