@@ -164,10 +164,9 @@ fn cloud(n: usize) -> PointTable {
         parameters: laws
             .iter()
             .zip(&columns)
-            .map(|((name, unit, mean, sd), values)| ParameterColumn {
+            .map(|((name, unit, ..), values)| ParameterColumn {
                 name: (*name).into(),
                 unit: (*unit).into(),
-                distribution: format!("normal, {mean} ± {sd}"),
                 values: values.clone(),
             })
             .collect(),

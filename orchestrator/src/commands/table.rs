@@ -3,8 +3,6 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use indexmap::IndexMap;
-
 use crate::report::counted::risks;
 use crate::results::Summary;
 use crate::results::answer::{Answer, remarks};
@@ -140,7 +138,9 @@ fn counts(summary: &Summary) -> String {
     for (condition, count) in criteria {
         line(&mut text, &condition, &count);
     }
-    groups(&mut text, &summary.groups);
+    for (name, count) in &summary.groups {
+        line(&mut text, &format!("group {name}"), count);
+    }
     for (name, case) in &summary.cases {
         let held_out = if case.held_out { ", held out" } else { "" };
         line(&mut text, &format!("case {name}{held_out}"), &case.count);
@@ -156,12 +156,6 @@ fn counts(summary: &Summary) -> String {
     line(&mut text, &met, &all);
     text += &result_document::text(&risks(summary));
     text
-}
-
-fn groups(text: &mut String, groups: &IndexMap<String, Count>) {
-    for (name, count) in groups {
-        line(text, &format!("group {name}"), count);
-    }
 }
 
 fn line(text: &mut String, what: &str, count: &Count) {

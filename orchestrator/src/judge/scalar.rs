@@ -134,12 +134,7 @@ pub fn sense(statistic: Statistic) -> Sense {
 }
 
 /// A measured value with its tolerance, in the study's unit.
-fn within(
-    about: f64,
-    stated: &ToleranceText,
-    nominal: &Quantity,
-    scale: &Scale<'_>,
-) -> Result<Limits, String> {
+fn within(about: f64, stated: &ToleranceText, nominal: &Quantity, scale: &Scale<'_>) -> Result<Limits, String> {
     match stated {
         ToleranceText::Even(stated) => Ok(Limits::within(about, tolerance(stated, nominal, scale)?)),
         ToleranceText::Uneven { minus, plus } => {

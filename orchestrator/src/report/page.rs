@@ -12,6 +12,7 @@ use crate::error::Error;
 use crate::results::Summary;
 use crate::results::answer::{Answer, Sign};
 use crate::results::summary::FailureKind;
+use crate::results::words::counted;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use conformity::conclusion::grouped;
 use conformity::risk::Risk;
@@ -53,10 +54,8 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
     let live = report.live.as_ref().map(serde_json::to_string).transpose()?;
     let answer = Answer::new(summary);
     let planes = planes(drawn, &columns, &points, counts);
-    let mut plots: Plots = planes
-        .iter()
-        .map(|p| (format!("plane-{}-{}", columns[p.x].name, columns[p.y].name), p.svg.clone()))
-        .collect();
+    let mut plots: Plots =
+        planes.iter().map(|p| (format!("plane-{}-{}", columns[p.x].name, columns[p.y].name), p.svg.clone())).collect();
     plots.extend(columns.iter().map(|c| (format!("distribution-{}", c.name), figures::distribution(table, c, counts))));
     plots.extend(report.history.iter().filter_map(|s| Some((format!("history-{}", s.name), figures::history(s)?))));
     let figures = report.documents.iter().flat_map(Document::figures);
@@ -125,7 +124,7 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
         expected => summary
             .expected_verified
             .or_else(|| Some(conformance.as_ref()?.iter().sum()))
-            .map(expected),
+            .map(counted),
         planes => Serde(planes),
         parameters => distributions(table, parameters, 0, counts),
         criteria => distributions(table, criteria, parameters.len(), counts),
@@ -142,7 +141,6 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
         curves => report.history.iter().any(|series| series.measured.is_some()),
         documents => report.documents.iter().map(section).collect::<Vec<_>>(),
         provenance => Serde(provenance(summary)),
-        sampled_from => Serde(sampled_from(table)),
         command => report.command.as_str(),
         study_text => report.study_text.as_str(),
     };
@@ -288,30 +286,10 @@ fn judged(series: &figures::Series) -> Option<String> {
     })
 }
 
-/// The parameters with the distributions that they were sampled from, where these are known.
-fn sampled_from(table: &PointTable) -> Vec<(&str, &str)> {
-    let named = table.parameters.iter();
-    named
-        .map(|parameter| (parameter.name.as_str(), parameter.distribution.as_str()))
-        .filter(|(_, distribution)| !distribution.is_empty())
-        .collect()
-}
-
 /// Reasons of failure that differ in their numbers alone: that of the first point, how often, and which that is.
 fn failures(summary: &Summary) -> Vec<(&str, String, u64)> {
     let kinds = summary.failure_kinds.iter();
     kinds.map(|FailureKind { points, first }| (&*first.status, grouped(*points), first.point)).collect()
-}
-
-/// A number of points that need not be whole.
-fn expected(points: f64) -> String {
-    if points > 0.0 && points < 0.01 {
-        "fewer than 0.01".into()
-    } else if points < 1e3 {
-        number(points, 4)
-    } else {
-        count(points.round() as usize)
-    }
 }
 
 #[cfg(test)]

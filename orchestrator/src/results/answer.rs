@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use super::asides::Asides;
 use super::by_surrogate::BySurrogate;
 use super::settled::Settled;
-use super::summary::CriterionCount;
+use super::summary::{CriterionCount, FailureKind};
 use super::surrogate;
 use super::words::{accepted, beyond_validity, capitalised, firmness, guard, looked, unknown};
 use super::{Summary, resampled::presumed};
@@ -322,7 +322,7 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
     let mut seen = BTreeSet::new();
     let remedies = summary.concerns.iter().flat_map(|c| &c.remedy);
     list.extend(remedies.filter(|remedy| seen.insert(*remedy)).cloned());
-    if let Some(failed) = summary.first_failure.as_ref() {
+    if let Some(FailureKind { first: failed, .. }) = summary.failure_kinds.first() {
         list.push(format!("The first failure is point {}: {}.", failed.point, failed.status.trim_end_matches('.')));
     }
     if summary.failed == summary.points || summary.has_own_values() {

@@ -60,9 +60,6 @@ pub struct Summary {
     pub cases: IndexMap<String, CaseCount>,
     /// How many points failed for which reason.
     pub failures: IndexMap<String, u64>,
-    /// The first point that failed, for the reason that is the most frequent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub first_failure: Option<FailedPoint>,
     /// Failures whose reasons differ in their numbers alone, the most frequent first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub failure_kinds: Vec<FailureKind>,
@@ -351,20 +348,6 @@ impl Run {
 }
 
 impl ParameterSummary {
-    /// The distribution as words: its name, its numbers and their unit.
-    pub fn words(&self) -> String {
-        let word = |(key, value): (&String, &serde_json::Value)| match value {
-            serde_json::Value::String(text) => Some(text.clone()),
-            serde_json::Value::Null => None,
-            other => Some(format!("{key} {other}")),
-        };
-        let words: Vec<String> = self.distribution.iter().filter_map(word).collect();
-        match &self.unit {
-            Some(unit) => format!("{} {unit}", words.join(", ")),
-            None => words.join(", "),
-        }
-    }
-
     /// A study's parameter as the summary lists it.
     pub fn new(input: &study::plan::Input) -> Self {
         let distribution = serde_json::to_value(&input.distribution);

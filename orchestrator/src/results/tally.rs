@@ -322,7 +322,6 @@ impl<'a> Tally<'a> {
             groups: self.by_group(),
             cases: self.by_case(),
             failures,
-            first_failure: failure_kinds.first().map(|kind| kind.first.clone()),
             failure_kinds,
             best_point: best.map(|(_, kept)| BestPoint::new(judge, &parameters, kept)),
             parameters,

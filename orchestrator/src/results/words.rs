@@ -186,7 +186,7 @@ pub(super) fn unknown(summary: &Summary) -> String {
 }
 
 /// A number of points that need not be whole.
-fn counted(points: f64) -> String {
+pub fn counted(points: f64) -> String {
     if points < 1000.0 { format!("{points:.1}") } else { grouped(points.round() as u64) }
 }
 

@@ -297,7 +297,7 @@ fn an_empty_line_of_a_table_is_a_failed_point() {
     assert_eq!(said.code, 0, "{}", said.err);
     let summary = bench.summary("out");
     assert_eq!((&summary["points"], &summary["failed"]), (&4.into(), &1.into()));
-    assert_eq!(summary["first_failure"]["point"], 2);
+    assert_eq!(summary["failure_kinds"][0]["point"], 2);
 }
 
 /// `judge` looks at a table as `verify` looks at its points: a mistaken unit shows at three of them, and rows that were

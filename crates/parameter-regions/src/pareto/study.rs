@@ -169,12 +169,7 @@ mod tests {
         };
         PointTable {
             ids: (1..=x.len() as u64).collect(),
-            parameters: vec![ParameterColumn {
-                name: "x".into(),
-                unit: "m".into(),
-                distribution: String::new(),
-                values: x.to_vec(),
-            }],
+            parameters: vec![ParameterColumn { name: "x".into(), unit: "m".into(), values: x.to_vec() }],
             criteria: vec![criterion(0.0, 1.0), criterion(1.0, 0.5)],
             verified: vec![false; x.len()],
             status: vec!["ok".into(); x.len()],

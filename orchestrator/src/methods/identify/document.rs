@@ -341,12 +341,11 @@ impl Page<'_> {
         };
         let after: &dyn Fn(f64) -> f64 = &after;
         let shape = sampled.as_deref().map_or(Shape::Line(after), Shape::Sample);
-        let (svg, scaled) = densities(&free.name, &axis(free), x, &before, &shape);
         Some(Figure {
             file: format!("parameter-{index}"),
             caption: free.name.clone(),
-            svg,
-            note: note(free) + &scaled,
+            svg: densities(&free.name, &axis(free), x, &before, &shape),
+            note: note(free),
             ..Figure::default()
         })
     }
@@ -539,32 +538,24 @@ enum Shape<'a> {
     Line(&'a dyn Fn(f64) -> f64),
 }
 
-/// Prior and posterior over a range, and words on the scale of the prior: where the posterior is far narrower, the prior is drawn
-/// higher, as it would lie on the axis.
-fn densities(name: &str, axis: &str, x: [f64; 2], before: &dyn Fn(f64) -> f64, shape: &Shape<'_>) -> (String, String) {
-    /// The least height of the prior, as a part of the posterior's.
-    const LEAST: f64 = 0.2;
+/// Prior and posterior over a range, each as high as the picture.
+fn densities(name: &str, axis: &str, x: [f64; 2], before: &dyn Fn(f64) -> f64, shape: &Shape<'_>) -> String {
     let width = x[1] - x[0];
     let grid: Vec<f64> = (0..=200).map(|k| x[0] + width * f64::from(k) / 200.0).collect();
-    let line = |of: &dyn Fn(f64) -> f64| grid.iter().map(|v| of(*v)).collect::<Vec<f64>>();
-    let highest = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
-    let mut before = line(before);
+    let scaled = |heights: Vec<f64>| -> Vec<f64> {
+        let highest = heights.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        heights.into_iter().map(|height| height / highest).collect()
+    };
+    let line = |of: &dyn Fn(f64) -> f64| scaled(grid.iter().map(|v| of(*v)).collect());
+    let before = line(before);
     let after = match shape {
         Shape::Line(of) => line(of),
         Shape::Sample(values) => {
             let counts = histogram(values.iter(), x, bins_for(values.len()));
-            let all = values.len() as f64 * width / counts.len() as f64;
-            counts.iter().map(|count| *count as f64 / all).collect()
+            scaled(counts.into_iter().map(|count| count as f64).collect())
         }
     };
-    let times = LEAST * highest(&after) / highest(&before);
-    let mut scaled = String::new();
-    if times > 1.0 && times.is_finite() {
-        before.iter_mut().for_each(|height| *height *= times);
-        scaled = format!("; the prior is drawn {} times as high", number(times, 2));
-    }
-    let top = highest(&after).max(highest(&before));
-    let frame = Frame::new(360.0, 200.0, x, [0.0, 1.08 * top]);
+    let frame = Frame::new(360.0, 200.0, x, [0.0, 1.08]);
     let mut out = frame.axes(axis, None);
     match shape {
         Shape::Sample(_) => {
@@ -577,7 +568,7 @@ fn densities(name: &str, axis: &str, x: [f64; 2], before: &dyn Fn(f64) -> f64, s
         Shape::Line(_) => out += &path("line", envelope(grid.iter().zip(&after), &frame)),
     }
     out += &path("line before", envelope(grid.iter().zip(&before), &frame));
-    (frame.wrap(&format!("{name}: prior and posterior"), &out), scaled)
+    frame.wrap(&format!("{name}: prior and posterior"), &out)
 }
 
 /// A value or a standard deviation as it is drawn: on a logarithmic scale its decimal logarithm.
