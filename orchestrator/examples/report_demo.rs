@@ -6,7 +6,7 @@ use orchestrator::methods::{pareto, robustness as robust};
 use orchestrator::report::{Report, figures::Series, judgement::Judgement};
 use orchestrator::results::Summary;
 use orchestrator::results::summary::{Count, CriterionCount, Provenance};
-use parameter_regions::pareto::study::{Member, trade_off};
+use parameter_regions::pareto::study::trade_off;
 use parameter_regions::robustness::{region, robustness, rows};
 use parameter_regions::table::{CriterionColumn, ParameterColumn, PointTable};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
@@ -94,8 +94,7 @@ fn documents(table: &PointTable) -> Vec<Document> {
     let few = table.len() <= 5000;
     let cloud = || region::cloud(&rows(table), 1);
     let room = if few { robustness(table, &cloud(), 0.8) } else { None };
-    let nominal = Some(Member::of(table, 0));
-    let costs = trade_off(table, nominal);
+    let costs = trade_off(table);
     let told = [room.map(|result| robust::document(&result)), costs.map(|result| pareto::document(&result))];
     told.into_iter().flatten().collect()
 }
@@ -165,10 +164,9 @@ fn cloud(n: usize) -> PointTable {
         parameters: laws
             .iter()
             .zip(&columns)
-            .map(|((name, unit, mean, sd), values)| ParameterColumn {
+            .map(|((name, unit, ..), values)| ParameterColumn {
                 name: (*name).into(),
                 unit: (*unit).into(),
-                distribution: format!("normal, {mean} ± {sd}"),
                 values: values.clone(),
             })
             .collect(),

@@ -53,43 +53,13 @@ fn told(message: &str) -> String {
     let parts = message[..end].split("\n\n");
     let parts = parts.map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "));
     let parts: Vec<String> = parts.collect();
-    let line = elsewhere(&parts[0]).unwrap_or_else(|| parts.join("; "));
+    let line = match parts[0].starts_with("unexpected argument '--in-process' found") {
+        true => "unexpected argument '--in-process' found; it is called `--isolation none` now".to_owned(),
+        false => parts.join("; "),
+    };
     let line = line + "; --help shows what there is";
     let replaced = |text: String, (from, to): &(&str, &str)| text.replace(from, to);
     WORDS.iter().fold(line, replaced)
-}
-
-/// The fault that an option has another name now, or is a key of the study's file: what looks like it among the options is no
-/// help then.
-fn elsewhere(fault: &str) -> Option<String> {
-    if fault.starts_with("unexpected argument '--in-process' found") {
-        return Some("unexpected argument '--in-process' found; it is called `--isolation none` now".to_owned());
-    }
-    let words: Vec<String> = std::env::args().collect();
-    if let Some(word) = words.iter().find(|word| one_hyphen(fault, word)) {
-        return Some(format!(
-            "unexpected argument '{word}' found; a name of several letters has two hyphens: '-{word}'"
-        ));
-    }
-    const SCHEMA: &str = include_str!("../../studies/study.schema.json");
-    let option = fault.strip_prefix("unexpected argument '--")?;
-    let key = option.split_once("' found")?.0;
-    let schema: serde_json::Value = serde_json::from_str(SCHEMA).ok()?;
-    let sections = schema["properties"].as_object()?.iter();
-    let has = |(_, section): &(&String, &serde_json::Value)| {
-        let parts = section["$ref"].as_str().and_then(|at| at.strip_prefix("#/$defs/"));
-        parts.is_some_and(|name| schema["$defs"][name]["properties"].get(key).is_some())
-    };
-    let sections: Vec<String> = sections.filter(has).map(|(name, _)| format!("[{name}]")).collect();
-    (!sections.is_empty()).then(|| format!("{fault}; `{key}` is set in the study, under {}", sections.join(" or ")))
-}
-
-/// Whether clap's fault is about the first letter of this word.
-fn one_hyphen(fault: &str, word: &str) -> bool {
-    let letter = word.strip_prefix('-').and_then(|rest| rest.chars().next());
-    letter.is_some_and(|letter| {
-        letter.is_alphabetic() && word.len() > 2 && fault.starts_with(&format!("unexpected argument '-{letter}' found"))
-    })
 }
 
 const EXIT: &str = "Exit codes: 0 done (verify, judge, merge: verified), 1 not verified, 2 a mistake in the call or a file, \

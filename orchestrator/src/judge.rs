@@ -19,7 +19,6 @@ use conformity::measured::{Assessed, Limits, Measured, Measurement};
 use conformity::risk::Guard;
 use conformity::uncertainty::Uncertainty;
 use curves::{Kind, Metric};
-use fmu_import::quantity::Scale;
 use fmu_import::{Description, Variable};
 use fmu_points::failure::Failure;
 use fmu_points::names::{behind, did_you_mean, nearest};
@@ -30,10 +29,9 @@ use sampling::statistics::Statistic;
 use sampling::statistics::moments::length;
 
 pub(crate) use scalar::sense;
-use scalar::{Side, limit, sides, within};
 use study::concern::Concern;
 use study::plan::find;
-use study::{Name, NominalFrom, Study};
+use study::{NominalFrom, Study};
 
 /// Measured value of one quantity with its tolerance, in the study's unit.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -209,17 +207,6 @@ pub struct JudgedCase {
     pub members: Range<usize>,
 }
 
-/// Another reading of the tolerances.
-#[derive(Clone, Debug)]
-pub struct Variant {
-    /// Its name.
-    pub name: String,
-    /// Its meaning, and why it is there.
-    pub about: Option<String>,
-    /// The limits of each criterion, in its unit.
-    pub limits: Vec<Limits>,
-}
-
 /// All criteria of a study.
 #[derive(Clone, Debug)]
 pub struct Judge {
@@ -229,8 +216,6 @@ pub struct Judge {
     pub groups: Vec<(String, Vec<usize>)>,
     /// The cases in the order of the study; empty where it has none.
     pub cases: Vec<JudgedCase>,
-    /// Other readings of the tolerances.
-    pub variants: Vec<Variant>,
     /// The measured values with the joint distribution of their errors.
     pub measurement: Measurement,
     /// Criteria whose measured value is the product of others.
@@ -276,14 +261,12 @@ impl Judge {
             criteria: Vec::new(),
             groups: Vec::new(),
             cases: cases(study),
-            variants: Vec::new(),
             measurement: Measurement::default(),
             derived: Vec::new(),
             rule: None,
             guard: Guard::Given(0.0),
             warnings: Vec::new(),
         };
-        let mut scales = Vec::new();
         for (name, text) in &study.criteria {
             let variable = fmu.map(|fmu| find(fmu, text.variable.as_ref())).transpose();
             let variable = variable.map_err(|message| study.error_at(&text.variable, message))?;
@@ -297,9 +280,7 @@ impl Judge {
             criterion.level = text.event(variable.and_then(Variable::unit));
             judge.add_to_group(criterion.group.as_deref());
             judge.criteria.push(criterion);
-            scales.push(scale);
         }
-        judge.add_variants(study, &scales)?;
         judge.derive(study, fmu)?;
         judge.add_requirements(study)?;
         Ok(judge)
@@ -312,50 +293,6 @@ impl Judge {
             Some((_, members)) => members.push(number),
             None => self.groups.push((group.to_owned(), vec![number])),
         }
-    }
-
-    fn add_variants(&mut self, study: &Study, scales: &[Scale<'_>]) -> Result<(), FileError> {
-        for (name, text) in &study.variants {
-            let mut limits: Vec<Limits> = self.criteria.iter().map(|c| c.limits).collect();
-            let mut vary = |name: &Name, varied: &dyn Fn(usize) -> Result<Limits, String>| {
-                let number = self.number_of(name).map_err(|m| study.error_at(name, m))?;
-                limits[number] = varied(number).map_err(|message| study.error_of(name, message))?;
-                Ok(())
-            };
-            for (criterion, stated) in &text.tolerance {
-                vary(criterion, &|number| {
-                    let (text, scale) = (&study.criteria[number], &scales[number]);
-                    let about = self.criteria[number].limits.about;
-                    match &text.nominal {
-                        Some(nominal) => within(about, stated, nominal, scale),
-                        None if text.reference.is_some() => {
-                            let tolerance = curve::variant(stated.of_curve()?, text, scale)?;
-                            Ok(Limits::within(about, tolerance))
-                        }
-                        None => Err(format!(
-                            "it has a limit and no tolerance; give the variant's with its key: [variants.{name}] {}.{} = ...",
-                            if text.at_most.is_some() { "at-most" } else { "at-least" },
-                            criterion.as_ref()
-                        )),
-                    }
-                })?;
-            }
-            for ((criterion, stated), side) in sides(&text.at_most, &text.at_least) {
-                vary(criterion, &|number| {
-                    let text = &study.criteria[number];
-                    let same = if side == Side::Most { &text.at_most } else { &text.at_least };
-                    match same {
-                        Some(_) => {
-                            let sense = sense(text.statistic.unwrap_or_default());
-                            limit(stated, side, (&scales[number], sense))
-                        }
-                        None => Err("it has no such limit that the variant could change".to_owned()),
-                    }
-                })?;
-            }
-            self.variants.push(Variant { name: name.clone(), about: text.about.clone(), limits });
-        }
-        Ok(())
     }
 
     /// The criteria's names.
@@ -374,17 +311,9 @@ impl Judge {
 
     /// Judges the values of one point; `None` is a point that failed.
     pub fn verdict(&self, values: Option<&[f64]>) -> PointVerdict {
-        self.verdict_within(|number| self.criteria[number].limits, values)
-    }
-
-    /// Judges the values of one point by another reading of the tolerances.
-    pub fn variant_verdict(&self, variant: &Variant, values: Option<&[f64]>) -> PointVerdict {
-        self.verdict_within(|number| variant.limits[number], values)
-    }
-
-    fn verdict_within(&self, limits: impl Fn(usize) -> Limits, values: Option<&[f64]>) -> PointVerdict {
         let value = |number: usize| values.and_then(|values| values.get(number));
-        let passed = (0..self.criteria.len()).map(|number| value(number).is_some_and(|&v| limits(number).accepts(v)));
+        let criteria = self.criteria.iter().enumerate();
+        let passed = criteria.map(|(number, criterion)| value(number).is_some_and(|&v| criterion.accepts(v)));
         PointVerdict { passed: passed.collect(), together: None }
     }
 

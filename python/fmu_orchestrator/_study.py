@@ -278,12 +278,12 @@ class Study:
         points_of: Points | None = None,
         *,
         output: StrPath | None = None,
-        **running: Unpack[Running],
+        force: bool = False,
     ) -> Pareto:
         """Shows the trade-off between criteria among the points of a finished study."""
         source, folder = self._folders(points_of, output)
         options: dict[str, Value] = {"from": source or self._folder(None)}
-        done = self._run("pareto", folder, options, running, state="pareto")
+        done = self._run("pareto", folder, options, {"force": force})
         return Pareto(folder, done.text)
 
     def function(

@@ -102,8 +102,8 @@ def keys(schema, at=""):
 
 def used(value, at=""):
     """The same of a study, with `*` for names that are free."""
-    free = {"/fixed", "/inputs", "/parameters", "/criteria", "/variants", "/identify/free", "/identify/known", "/identify/latent",
-            "/identify/measured", "/tolerances/costs", "/variants/*/tolerance", "/variants/*/at-most", "/variants/*/at-least"}
+    free = {"/fixed", "/inputs", "/parameters", "/criteria", "/identify/free", "/identify/known", "/identify/latent",
+            "/identify/measured", "/tolerances/costs"}
     for key, inner in value.items():
         here = f"{at}/*" if at in free else f"{at}/{key}"
         yield here
@@ -113,8 +113,8 @@ def used(value, at=""):
 
 
 def test_the_study_reference_has_every_key():
-    # A case has the tables of a study, and variants the tolerances of its criteria: these keys stand there once.
-    repeated = re.compile(r"/cases/\*/(simulation|fixed|inputs|criteria)/|/variants/\*/tolerance/\*/")
+    # A case has the tables of a study: these keys stand there once.
+    repeated = re.compile(r"/cases/\*/(simulation|fixed|inputs|criteria)/")
     wanted = {key for key in keys(SCHEMA) if not repeated.search(key)}
     in_text = {"/simulation/window", "/verdict/guard-band", "/verdict/point-risk", "/criteria/*/tolerance/minus",
                "/criteria/*/tolerance/plus", "/criteria/*/delay/from", "/criteria/*/delay/to"}

@@ -48,10 +48,8 @@ pub(super) fn cholesky(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
 /// Genz (1992), "Numerical computation of multivariate normal probabilities", J. Computational and
 /// Graphical Statistics 1: the box becomes the unit cube by conditioning each number on those
 /// before it. Few numbers are integrated one after the other by Gauss-Legendre rules; more of them, and such that nearly
-/// follow from others, on a [lattice](Lattice). A `roughly` known probability is one to about 1e-3.
-pub(super) fn probability(correlation: &[Vec<f64>], lower: &[f64], upper: &[f64], roughly: bool) -> f64 {
-    const ROUGHLY: f64 = 1e-3;
-    const FEW: usize = 4;
+/// follow from others, on a [lattice](Lattice).
+pub(super) fn probability(correlation: &[Vec<f64>], lower: &[f64], upper: &[f64]) -> f64 {
     let alone = lower.iter().zip(upper).map(|(&a, &b)| between(a, b));
     let most = alone.clone().fold(1.0, f64::min);
     let least = 1.0 - alone.map(|p| 1.0 - p).sum::<f64>();
@@ -62,9 +60,8 @@ pub(super) fn probability(correlation: &[Vec<f64>], lower: &[f64], upper: &[f64]
     }
     let (factor, limits) = ordered(correlation, lower, upper);
     let sharp = (0..size).any(|k| factor[k][k].powi(2) < SHARP);
-    let probability = if sharp || size > NESTED || roughly && size > FEW {
-        let accuracy = if roughly { ROUGHLY } else { ON_LATTICE };
-        Lattice::new(factor, limits).probability(accuracy)
+    let probability = if sharp || size > NESTED {
+        Lattice::new(factor, limits).probability(ON_LATTICE)
     } else {
         let cube = Cube { factor, limits };
         cube.inner(&mut Vec::with_capacity(size), &cube.scales(), 1.0)
@@ -209,7 +206,7 @@ mod tests {
                 let sum: f64 = (0..=steps).map(|i| given(-8.0 + 16.0 * f64::from(i) / f64::from(steps))).sum();
                 let expected = sum * 16.0 / f64::from(steps) / TAU.sqrt();
                 let matrix = equicorrelated(size, correlation);
-                let probability = probability(&matrix, &lower[..size], &upper[..size], false);
+                let probability = probability(&matrix, &lower[..size], &upper[..size]);
                 let error = (probability - expected).abs();
                 let aim = if size > NESTED || correlation > 0.98 { ON_LATTICE } else { ACCURACY };
                 assert!(error < aim, "{size} {correlation}: {probability} {expected}");
@@ -260,7 +257,7 @@ mod tests {
                     expected += weight_x * weight_y * both;
                 }
             }
-            let probability = probability(&matrix, &lower, &upper, false);
+            let probability = probability(&matrix, &lower, &upper);
             let error = (probability - expected).abs();
             assert!(error < 2e-5, "{trial}: {probability} {expected}");
         }
@@ -301,13 +298,11 @@ mod tests {
                 inside += u32::from(within);
             }
             let expected = f64::from(inside) / f64::from(draws);
-            let fine = probability(&matrix, &lower, &upper, false);
+            let fine = probability(&matrix, &lower, &upper);
             let chance = (expected * (1.0 - expected) / f64::from(draws)).sqrt();
             let error = (fine - expected).abs();
             println!("{size} {parts} {part}: {fine:.6}, {error:.1e}, by chance {chance:.1e}");
             assert!(error < 4.0 * chance + accuracy, "{size} {part}: {fine} {expected}");
-            let rough = probability(&matrix, &lower, &upper, true);
-            assert!((rough - fine).abs() < 3e-3, "{size} {part}: {rough} {fine}");
         }
     }
 
@@ -329,7 +324,7 @@ mod tests {
         let [a, b, c] = [0.4, -0.3, 0.6_f64];
         let matrix = vec![vec![1.0, a, b], vec![a, 1.0, c], vec![b, c, 1.0]];
         let expected = 0.125 + (a.asin() + b.asin() + c.asin()) / (4.0 * std::f64::consts::PI);
-        let probability = probability(&matrix, &[0.0; 3], &[f64::INFINITY; 3], false);
+        let probability = probability(&matrix, &[0.0; 3], &[f64::INFINITY; 3]);
         assert!((probability - expected).abs() < ACCURACY, "{probability} {expected}");
     }
 
@@ -346,8 +341,8 @@ mod tests {
     #[test]
     fn boxes_far_away_or_wide_need_no_integral() {
         let matrix = equicorrelated(4, 0.5);
-        assert!(probability(&matrix, &[9.0; 4], &[10.0; 4], false) < 1e-12);
-        let wide = probability(&matrix, &[-5.0; 4], &[5.0; 4], false);
+        assert!(probability(&matrix, &[9.0; 4], &[10.0; 4]) < 1e-12);
+        let wide = probability(&matrix, &[-5.0; 4], &[5.0; 4]);
         let bound = 1.0 - 8.0 * cdf(-5.0);
         assert!(wide >= bound && wide <= 1.0, "{wide}");
     }

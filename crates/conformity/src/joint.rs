@@ -16,8 +16,6 @@ pub struct JointNormal {
     blocks: Vec<Block>,
     /// The block of each error.
     block_of: Vec<usize>,
-    /// Whether probabilities of many errors are known to about 1e-3 only.
-    roughly: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -56,12 +54,6 @@ impl JointNormal {
         Ok(joint)
     }
 
-    /// The same errors, whose probabilities are only known to about 1e-3 where they are many: enough for a mean over many
-    /// points, and much faster.
-    pub fn roughly(self) -> Self {
-        Self { roughly: true, ..self }
-    }
-
     /// The probability that all errors lie between their limits, in units of their standard
     /// deviations.
     pub fn probability(&self, lower: &[f64], upper: &[f64]) -> f64 {
@@ -72,21 +64,13 @@ impl JointNormal {
     pub fn parts(&self, lower: &[f64], upper: &[f64]) -> Vec<f64> {
         let [lower, upper] = self.narrowed(lower, upper);
         let blocks = self.blocks.iter();
-        blocks.map(|block| block.probability(&lower, &upper, self.roughly)).collect()
+        blocks.map(|block| block.probability(&lower, &upper)).collect()
     }
 
     /// The number of the part that an error is all by itself; none where another one depends on it.
     pub fn single(&self, error: usize) -> Option<usize> {
         let number = self.block_of[error];
         self.blocks[number].single.then_some(number)
-    }
-
-    /// The number of the part that an error belongs to, and the part's probability.
-    pub fn part_of(&self, error: usize, lower: &[f64], upper: &[f64]) -> (usize, f64) {
-        let number = self.block_of[error];
-        let [lower, upper] = self.narrowed(lower, upper);
-        let probability = self.blocks[number].probability(&lower, &upper, self.roughly);
-        (number, probability)
     }
 
     /// Limits that hold for errors with twins and for their twins, too.
@@ -103,14 +87,14 @@ impl JointNormal {
 }
 
 impl Block {
-    fn probability(&self, lower: &[f64], upper: &[f64], roughly: bool) -> f64 {
+    fn probability(&self, lower: &[f64], upper: &[f64]) -> f64 {
         let pick = |values: &[f64]| self.members.iter().map(|&i| values[i]).collect::<Vec<f64>>();
         match self.members[..] {
             [i] => between(lower[i], upper[i]),
             [i, j] => between_both([lower[i], lower[j]], [upper[i], upper[j]], self.correlation[0][1]),
             _ => match &self.common {
                 Some(common) => common.probability(&pick(lower), &pick(upper)),
-                None => genz::probability(&self.correlation, &pick(lower), &pick(upper), roughly),
+                None => genz::probability(&self.correlation, &pick(lower), &pick(upper)),
             },
         }
     }
@@ -291,8 +275,6 @@ mod tests {
         let expected = chain * between(-4.5, 4.5).powi(ERRORS as i32 - 3);
         let probability = joint.probability(&lower, &upper);
         assert!((probability / expected - 1.0).abs() < 1e-9, "{probability} {expected}");
-        let (part, probability) = joint.part_of(400, &lower, &upper);
-        assert_eq!((part, probability), (7, chain));
         assert_eq!(joint.parts(&lower, &upper)[7], chain);
     }
 

@@ -2,7 +2,6 @@
 
 pub mod conclusion;
 pub mod decision;
-pub mod gain;
 pub mod interval;
 pub mod joint;
 pub mod looks;

@@ -246,11 +246,6 @@ impl Measurement {
         by_uncertainty || self.told.contains(&criterion)
     }
 
-    /// The same, with joint probabilities of many correlated errors to about 1e-3 only (see [`JointNormal::roughly`]).
-    pub fn roughly(self) -> Self {
-        Self { errors: self.errors.roughly(), ..self }
-    }
-
     /// The criteria.
     pub fn criteria(&self) -> &[Measured] {
         &self.criteria
@@ -320,57 +315,11 @@ impl Measurement {
         let all = Assessed { margin: self.margin(values), probability: joint };
         Conformity { criteria, all }
     }
-
-    /// A point as all criteria together would judge it if one uncertainty were this part of what it is: that of the first
-    /// criterion, of the second one, and so on, each with the others as they are.
-    pub fn with_other_uncertainty(&self, values: &[f64], part: f64) -> Vec<Assessed> {
-        let changed = |c: &Measured| Measured { error: c.error.map(|error| error.times(part)), ..*c };
-        let criteria = || self.criteria.iter().zip(values);
-        let margins: Vec<f64> = criteria().map(|(c, &value)| c.margin(value)).collect();
-        let other_margins = of_the_others(&margins, f64::INFINITY, f64::min);
-        let limits = criteria().map(|(c, &value)| Some(c.scores(value, c.error?)));
-        let limits: Option<Vec<[f64; 2]>> = limits.collect();
-        let mut joint = limits.map(|limits| {
-            let [lower, upper] = sides(&limits);
-            let parts = self.errors.parts(&lower, &upper);
-            (of_the_others(&parts, 1.0, |a, b| a * b), lower, upper)
-        });
-        let mut assess = |k: usize| {
-            let (changed, value) = (changed(&self.criteria[k]), values[k]);
-            let probability = joint.as_mut().zip(changed.error);
-            Assessed {
-                margin: changed.margin(value).min(other_margins[k]),
-                probability: probability.map(|((others, lower, upper), error)| {
-                    let before = [lower[k], upper[k]];
-                    [lower[k], upper[k]] = changed.scores(value, error);
-                    let (part, probability) = self.errors.part_of(k, lower, upper);
-                    [lower[k], upper[k]] = before;
-                    others[part] * probability
-                }),
-            }
-        };
-        (0..self.criteria.len()).map(&mut assess).collect()
-    }
 }
 
 /// Lower and upper limits.
 fn sides(limits: &[[f64; 2]]) -> [Vec<f64>; 2] {
     [0, 1].map(|side| limits.iter().map(|limit| limit[side]).collect())
-}
-
-/// For each number the others, joined by an operation with this neutral number.
-fn of_the_others(numbers: &[f64], neutral: f64, join: impl Fn(f64, f64) -> f64) -> Vec<f64> {
-    let mut joined = vec![neutral; numbers.len()];
-    let (mut before, mut after) = (neutral, neutral);
-    for (k, &number) in numbers.iter().enumerate() {
-        joined[k] = before;
-        before = join(before, number);
-    }
-    for (k, &number) in numbers.iter().enumerate().rev() {
-        joined[k] = join(joined[k], after);
-        after = join(number, after);
-    }
-    joined
 }
 
 #[cfg(test)]
@@ -444,25 +393,6 @@ mod tests {
         // A model above the measured value conforms with errors that lie above it, too.
         let expected = between_both([-1.2, -0.5], [2.8, 1.5], -0.6);
         assert!((probability - expected).abs() < 1e-12);
-    }
-
-    #[test]
-    fn half_an_uncertainty_is_that_of_a_measurement_with_it() {
-        let criteria =
-            vec![measured(10.0, 1.0, 1.0), measured(-3.0, 2.0, 4.0), measured(0.0, 1.0, 2.0), measured(1.0, 1.0, 0.5)];
-        // The second and the last error are twins.
-        let pairs = [(0, 1, -0.6), (1, 3, 1.0), (0, 3, -0.6)];
-        let measurement = Measurement::new(criteria.clone(), &pairs).unwrap();
-        let values = [10.4, -2.0, 0.3, 1.1];
-        let changed = measurement.with_other_uncertainty(&values, 0.5);
-        for (k, assessed) in changed.iter().enumerate() {
-            let mut criteria = criteria.clone();
-            criteria[k].error = criteria[k].error.map(|error| error.times(0.5));
-            let expected = Measurement::new(criteria, &pairs).unwrap().assess(&values).all;
-            assert_eq!(assessed.margin, expected.margin, "{k}");
-            let [probability, expected] = [*assessed, expected].map(|one| one.probability.unwrap());
-            assert!((probability - expected).abs() < 1e-15, "{k}: {probability} {expected}");
-        }
     }
 
     #[test]

@@ -62,11 +62,6 @@ impl Uncertainty {
         Self { distribution: Distribution::Rectangular, ..Self::normal(half_width, 3.0_f64.sqrt()) }
     }
 
-    /// The same uncertainty, so many times as large.
-    pub fn times(&self, factor: f64) -> Self {
-        Self { expanded: factor * self.expanded, gain: factor * self.gain, noise: factor * self.noise, ..*self }
-    }
-
     /// The standard uncertainty of the offset.
     pub fn offset(&self) -> f64 {
         self.expanded / self.coverage

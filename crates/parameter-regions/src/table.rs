@@ -13,8 +13,6 @@ pub struct ParameterColumn {
     pub name: String,
     /// The unit of `values`; empty when dimensionless.
     pub unit: String,
-    /// The distribution it was sampled from, for people; empty when unknown.
-    pub distribution: String,
     /// One value per point.
     pub values: Vec<f64>,
 }

@@ -1,4 +1,4 @@
-//! Binning: histograms, densities and ranges that keep a plot readable at any number of points.
+//! Binning: histograms and ranges that keep a plot readable at any number of points.
 
 /// The part of an axis where the points are: the data and the interval that matters, without
 /// the few far outliers that would squeeze all else. `None` without any finite value.
@@ -55,40 +55,6 @@ pub fn bin(value: f64, [low, high]: [f64; 2], bins: usize) -> Option<usize> {
     Some((((value - low) / (high - low) * bins as f64) as usize).min(bins - 1))
 }
 
-/// Counts of pairs in a square of equal bins, row by row from low `y` to high.
-pub fn density(
-    x: &[f64],
-    y: &[f64],
-    keep: impl Fn(usize) -> bool,
-    xr: [f64; 2],
-    yr: [f64; 2],
-    bins: usize,
-) -> Vec<u32> {
-    let mut counts = vec![0; bins * bins];
-    for i in (0..x.len()).filter(|&i| keep(i)) {
-        if let (Some(a), Some(b)) = (bin(x[i], xr, bins), bin(y[i], yr, bins)) {
-            counts[b * bins + a] += 1;
-        }
-    }
-    counts
-}
-
-/// Counts as levels 0 (none) to 255 (the most), logarithmic between.
-pub fn levels(counts: &[u32]) -> Vec<u8> {
-    let most = counts.iter().copied().max().unwrap_or(0);
-    let full = f64::from(most).ln().max(f64::MIN_POSITIVE);
-    let level = |c: u32| {
-        if c == 0 {
-            0
-        } else if most == 1 {
-            255
-        } else {
-            (1.0 + 254.0 * f64::from(c).ln() / full).round() as u8
-        }
-    };
-    counts.iter().map(|&c| level(c)).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -110,12 +76,6 @@ mod tests {
             let [low, high] = axis_range(values.iter().copied(), f64::NEG_INFINITY, f64::INFINITY).unwrap();
             assert!(low < high && (high - low).is_finite(), "{values:?}: {low} {high}");
         }
-    }
-
-    #[test]
-    fn levels_mark_every_occupied_cell() {
-        assert_eq!(levels(&[0, 1, 1000]), [0, 1, 255]);
-        assert_eq!(levels(&[0, 1]), [0, 255]);
     }
 
     proptest! {

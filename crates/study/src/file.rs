@@ -16,7 +16,7 @@ use crate::error::{OpenError, Place, unusable};
 use crate::identification::Identification;
 use crate::name::{Name, Pair};
 use crate::sections::{RobustnessText, SensitivityText, TolerancesText};
-use crate::text::{CaseText, CriterionText, ParameterText, RecordingText, Required, Setting, Simulation, VariantText};
+use crate::text::{CaseText, CriterionText, ParameterText, RecordingText, Required, Setting, Simulation};
 use crate::values::size_of;
 
 /// The content of a study file.
@@ -63,9 +63,6 @@ pub struct Study {
     pub verdict: Option<Spanned<Required>>,
     /// Who answers for the verdict, and on which test it rests.
     pub dossier: Option<Dossier>,
-    /// Other readings of the tolerances, judged beside the criteria's own.
-    #[serde(default)]
-    pub variants: IndexMap<String, VariantText>,
     /// The section `[identify]`: unknowns, measurements, effort of the search.
     pub identify: Option<Identification>,
     /// The section `[sensitivity]`: defaults for the options of that command.

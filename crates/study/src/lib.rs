@@ -40,7 +40,7 @@ pub use reference::{DelayText, EstimateText, Normalise, ReferenceText};
 pub use sections::{RobustnessText, SensitivityText, TolerancesText};
 pub use text::{
     CaseText, CriterionText, DerivedText, Extrapolate, LagText, NominalFrom, ParameterText, RecordingText, Required,
-    Setting, Shape, Simulation, VariantText, Varies,
+    Setting, Shape, Simulation, Varies,
 };
 pub use tolerance::ToleranceText;
 pub use window::Window;

@@ -344,20 +344,3 @@ pub struct Required {
     /// The guard band of every criterion, in expanded uncertainties.
     pub guard_band: Option<Spanned<f64>>,
 }
-
-/// Another reading of the tolerances.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case")]
-pub struct VariantText {
-    /// Its meaning, and why it is there.
-    pub about: Option<String>,
-    /// Tolerances by the names of criteria; the others stay.
-    #[serde(default)]
-    pub tolerance: IndexMap<Name, ToleranceText>,
-    /// Upper limits that stand alone, likewise.
-    #[serde(default)]
-    pub at_most: IndexMap<Name, Quantity>,
-    /// Lower limits that stand alone, likewise.
-    #[serde(default)]
-    pub at_least: IndexMap<Name, Quantity>,
-}

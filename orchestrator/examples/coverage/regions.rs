@@ -74,7 +74,6 @@ impl Case {
         let column = |k: usize| ParameterColumn {
             name: format!("p{k}"),
             unit: String::new(),
-            distribution: String::new(),
             values: points.iter().map(|u| u[k]).collect(),
         };
         PointTable {

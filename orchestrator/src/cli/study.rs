@@ -1,11 +1,11 @@
 //! Options of the commands that work on a study.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
-use clap::Args;
 use clap::builder::{RangedU64ValueParser, TypedValueParser};
+use clap::{Args, Parser};
 
-use super::verdict_help;
+use super::{Cli, Command, verdict_help};
 use crate::methods::rare::{self, RareEvent};
 use crate::options::Work;
 use crate::results::MOST_EXTRA_RUNS;
@@ -89,6 +89,15 @@ pub struct Verify {
 }
 
 impl Verify {
+    /// Those of `verify STUDY`.
+    pub fn of(study: &Path) -> Self {
+        let line = ["orchestrator".as_ref(), "verify".as_ref(), study.as_os_str()];
+        match Cli::try_parse_from(line).map(|cli| cli.command) {
+            Ok(Command::Verify(options)) => *options,
+            _ => unreachable!("`verify STUDY` is a command"),
+        }
+    }
+
     /// The search for the share of a rare event.
     pub fn rare(self, event: RareEvent) -> rare::Options {
         rare::Options { event, budget: self.budget, seed: self.seed, work: self.work }

@@ -6,7 +6,7 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use super::{cost, gate, output, table, verify};
-use crate::cli::{Cli, Command, Verify};
+use crate::cli::Verify;
 use crate::error::Error;
 use crate::methods::asking::{self, Delivery};
 use crate::methods::sensitivity;
@@ -17,12 +17,10 @@ use crate::results::{self, Summary, parquet};
 use crate::session::budget::{self, Budget};
 use crate::session::{Request, Until, Verification};
 use crate::source::Source;
-use clap::Parser;
 use sampling::design::Design;
 
 /// Runs the command.
 pub(super) fn run(options: &Verify, runs: u64) -> Result<ExitCode, Error> {
-    verify::refuse_verdict_of_part(options)?;
     let folder = options.work.folder(None)?;
     let verification = open(options, runs, &folder)?;
     if options.dry_run {
@@ -36,10 +34,7 @@ pub(super) fn run(options: &Verify, runs: u64) -> Result<ExitCode, Error> {
 /// Runs `sensitivity --budget N`: the points are those of `verify --budget N`, and what is there of them is not run again.
 pub(super) fn sensitivity(mut options: sensitivity::Options, runs: u64) -> Result<Delivery, Error> {
     let folder = options.work.folder(None)?;
-    let line = ["orchestrator".into(), "verify".into(), options.work.study.clone().into_os_string()];
-    let Ok(Command::Verify(mut verify)) = Cli::try_parse_from(line).map(|cli| cli.command) else {
-        unreachable!("`verify STUDY` is a command")
-    };
+    let mut verify = Verify::of(&options.work.study);
     let then = Request::read(&folder).ok().and_then(|request| request.budget);
     verify.work = options.work;
     verify.work.parts.resume |= !verify.work.parts.force && then.is_some();

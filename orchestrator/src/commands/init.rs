@@ -34,20 +34,14 @@ pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {
         Some(path) => Some(Measured::read(path, fmu)?),
         None => None,
     };
-    let mut schedule = schedule(options, fmu, table.as_ref())?;
-    let step = schedule.step;
+    let schedule = schedule(options, fmu, table.as_ref())?;
     let variables = match &table {
         Some(table) => table.columns.iter().map(|c| c.variable).collect(),
         None => measurable(fmu),
     };
-    let wanted = table.as_ref().map_or(write::CRITERIA, |table| table.columns.len());
-    let kept = options.step.is_some();
     let task = Task { fixed, sizes: fmu.sizes.clone(), ..Task::new(schedule) };
-    let (signals, of_step) = run::settled(&isolated, (task, &mut schedule), &variables, (wanted, kept))
-        .map_err(|error| run::advice(error, options, fmu, step))?;
-    if let Some(told) = &of_step {
-        fmu_points::tell::line!("{told}; the study has {} s", schedule.step);
-    }
+    let signals =
+        run::signals(&isolated, &task, &variables).map_err(|error| run::advice(error, options, fmu, schedule.step))?;
     let criteria = match &mut table {
         Some(table) => {
             table.leave_out_infinite(&signals);
@@ -64,7 +58,6 @@ pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {
         fmu,
         path: relative(&options.fmu, options.output.as_deref()),
         schedule,
-        of_step,
         parameters,
         set,
         criteria,

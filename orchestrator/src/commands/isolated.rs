@@ -139,17 +139,15 @@ impl Isolated {
         recorded.and(flushed).map(|()| last)
     }
 
-    /// Simulates, and hands over time and values at every communication point; at `until` it has failed. `echo` says whether
-    /// the user reads what the FMU says.
+    /// Simulates, and hands over time and values at every communication point; at `until` it has failed.
     pub(super) fn observe(
         &self,
         task: &Task,
         variables: &[Handle],
-        (until, echo): (Option<Instant>, bool),
+        until: Option<Instant>,
         mut take: impl FnMut(f64, &[Value]),
     ) -> Result<(), Error> {
-        let recorder = Recorder { echo, ..self.recorder([task].into_iter()) };
-        let mut recording = recorder.of(task)?;
+        let mut recording = self.recorder([task].into_iter()).of(task)?;
         recording.record(&[], variables, until, |time, values| {
             take(time, values);
             Ok(())

@@ -38,7 +38,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
     // The rows of a table need not be in the order of the points, so that nobody knows which belong to one net.
     let sample = Sample::of(study.design.method, 1);
     let mut tally = Tally::new(&judge, sample);
-    let mut survey = Survey::new(&judge, None, false);
+    let mut survey = Survey::new(&judge, None);
     let (mut seen, mut repeated) = (HashSet::new(), 0);
     let folder = options.output.as_deref();
     let _lock = folder.map(|folder| take(options, &study, folder)).transpose()?;

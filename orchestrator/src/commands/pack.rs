@@ -4,10 +4,8 @@ use std::fs;
 use std::path::Path;
 use std::process::ExitCode;
 
-use clap::Parser;
-
 use super::{gate, output, verify};
-use crate::cli::{Cli, Command, Pack, Verify};
+use crate::cli::{Pack, Verify};
 use crate::compare::{compare, write};
 use crate::error::Error;
 use crate::junit::{self, Outcome, Test};
@@ -30,7 +28,11 @@ pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
         Some(folder) => folder.clone(),
         None => {
             let folder = folder_of(&options.study);
-            verify::run(&verification(options, &folder)).map_err(|error| {
+            let mut own = Verify::of(&options.study);
+            own.validation = true;
+            own.work.output = Some(folder.clone());
+            own.work.means.fmu.clone_from(&options.fmu);
+            verify::run(&own).map_err(|error| {
                 let text = error.to_string();
                 match text.split_once(';') {
                     // Its options are those of `verify`.
@@ -81,19 +83,6 @@ fn check_output(options: &Pack, study: &Study) -> Result<(), Error> {
         }
         Some(_) if !options.force => refuse("exists already; choose another name, or replace it with --force"),
         _ => Ok(()),
-    }
-}
-
-/// The options of the study's own run.
-fn verification(options: &Pack, folder: &Path) -> Verify {
-    let mut line = vec!["orchestrator".into(), "verify".into(), options.study.clone(), "--validation".into()];
-    line.extend(["--output".into(), folder.to_owned()]);
-    if let Some(fmu) = &options.fmu {
-        line.extend(["--fmu".into(), fmu.clone()]);
-    }
-    match Cli::try_parse_from(line.iter().map(|part| part.as_os_str())).map(|cli| cli.command) {
-        Ok(Command::Verify(options)) => *options,
-        _ => unreachable!("these are options of `verify`"),
     }
 }
 

@@ -3,17 +3,12 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use indexmap::IndexMap;
-
-use crate::report::counted::{readings, risks};
+use crate::report::counted::risks;
 use crate::results::Summary;
-use crate::results::answer::{Answer, further};
-use crate::results::asides::Asides;
+use crate::results::answer::{Answer, remarks};
 use crate::results::summary::{Count, FailedPoint, FailureKind};
 use crate::results::surrogate;
-use fmu_points::Conduct;
 use result_document::wrapped;
-use study::concern::Concern;
 
 /// The result for people: what fits a screen, or all of it. The page is in `folder`.
 pub(super) fn told(summary: &Summary, folder: Option<&Path>, verbose: bool) -> String {
@@ -22,7 +17,8 @@ pub(super) fn told(summary: &Summary, folder: Option<&Path>, verbose: bool) -> S
     let all = [answer.decides.len(), answer.next.len()];
     if verbose || folder.is_none() {
         let line = |label: &str, sentence: &str| format!("{label:<9}{sentence}\n");
-        let parts = [screen(&answer, all, line), remarks(summary), counts(summary), best(summary)];
+        let remarks: String = remarks(summary).iter().map(|remark| format!("{remark}\n")).collect();
+        let parts = [screen(&answer, all, line), remarks, counts(summary), best(summary)];
         return format!("{}\n{place}\n", parts.join("\n"));
     }
     // Of what does not fit, the less important is left out: first of what decides, down to its warnings, then of what to do next,
@@ -142,7 +138,9 @@ fn counts(summary: &Summary) -> String {
     for (condition, count) in criteria {
         line(&mut text, &condition, &count);
     }
-    groups(&mut text, &summary.groups);
+    for (name, count) in &summary.groups {
+        line(&mut text, &format!("group {name}"), count);
+    }
     for (name, case) in &summary.cases {
         let held_out = if case.held_out { ", held out" } else { "" };
         line(&mut text, &format!("case {name}{held_out}"), &case.count);
@@ -156,14 +154,8 @@ fn counts(summary: &Summary) -> String {
         None => format!("all criteria: {}", summary.met()),
     };
     line(&mut text, &met, &all);
-    text += &result_document::text(&[risks(summary), readings(summary)].concat());
+    text += &result_document::text(&risks(summary));
     text
-}
-
-fn groups(text: &mut String, groups: &IndexMap<String, Count>) {
-    for (name, count) in groups {
-        line(text, &format!("group {name}"), count);
-    }
 }
 
 fn line(text: &mut String, what: &str, count: &Count) {
@@ -173,16 +165,6 @@ fn line(text: &mut String, what: &str, count: &Count) {
         let _ = write!(text, "   {low:.1} .. {high:.1} %");
     }
     text.push('\n');
-}
-
-/// How the points were computed, and doubts as a whole.
-fn remarks(summary: &Summary) -> String {
-    let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
-    let asides = summary.asides.iter().flat_map(Asides::remarks);
-    let doubt = |concern: &Concern| format!("{}: {concern}", concern.severity.name());
-    let doubts = summary.concerns.iter().map(doubt);
-    let remarks = conduct.chain(asides).chain(summary.left_out_remark());
-    remarks.chain(doubts).chain(further(summary)).map(|remark| format!("{remark}\n")).collect()
 }
 
 /// The best point for people.

@@ -34,7 +34,7 @@ use study::{Name, Setting};
 const MOST_POINTS: u64 = 1_000_000;
 
 /// Refuses to write a verdict of a part of the points.
-pub(super) fn refuse_verdict_of_part(options: &Verify) -> Result<(), Error> {
+fn refuse_verdict_of_part(options: &Verify) -> Result<(), Error> {
     if options.gate.junit.is_some() && options.work.parts.shard()?.is_some() {
         let message = "a part of the points has no verdict; give this option to `merge`";
         return Err(Error::option("junit", message));

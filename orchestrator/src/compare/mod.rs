@@ -187,8 +187,6 @@ pub struct Comparison {
     pub gained: Points,
     /// Points that meet all criteria in one of the results alone, beyond the numerical uncertainty.
     pub flipped: Points,
-    /// Points with another answer although no value, limit or criterion gives a reason.
-    pub contradictory: Points,
     /// By criterion, of those that both results have.
     pub criteria: IndexMap<String, Change>,
 }
@@ -230,10 +228,7 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
         points.map(|[i, _]| before.1.ids[*i]).collect()
     };
     (told.lost, told.gained) = (with([true, false]), with([false, true]));
-    // A point changed sides when a criterion did whose value did, or that has other limits now.
     let mut really = vec![false; pairs.both.len()];
-    let mut without_reason = vec![false; pairs.both.len()];
-    let mut with_reason = without_reason.clone();
     for (k, (name, was)) in before.0.criteria.iter().enumerate() {
         let Some((l, _, is)) = now.0.criteria.get_full(name) else {
             continue;
@@ -251,20 +246,9 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
             uncertainty,
             other_limits: was.criterion.limits != is.criterion.limits,
         };
-        for (pair, [old, new]) in values.iter().enumerate() {
-            let reason = judged.other_limits || old.to_bits() != new.to_bits();
-            with_reason[pair] |= reason;
-            without_reason[pair] |= ok[pair][0] != ok[pair][1] && !reason;
-        }
         let change = judged.change(&before.1, &pairs, &values, &ok, &mut really);
         told.criteria.insert(name.clone(), change);
     }
-    let same_criteria = told.criteria.len() == before.0.criteria.len() && told.criteria.len() == now.0.criteria.len();
-    let contradictory = pairs.both.iter().enumerate().filter(|(pair, [i, j])| {
-        let is_other = before.1.verified[*i] != now.1.verified[*j];
-        without_reason[*pair] || (same_criteria && is_other && !with_reason[*pair])
-    });
-    told.contradictory = contradictory.map(|(_, [i, _])| before.1.ids[*i]).collect();
     let flipped = pairs.both.iter().zip(&really).filter(|([i, j], really)| {
         let verified = [before.1.verified[*i], now.1.verified[*j]];
         let lost = completed([*i, *j]);
@@ -276,31 +260,7 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
         let [old, new] = [&told.old, &told.new].map(|side| side.accepted.unwrap_or(0));
         told.add(format!("{old} points were accepted and {new} are"));
     }
-    for (side, (summary, table)) in [("old", before), ("new", now)] {
-        miscounted(summary, table)
-            .into_iter()
-            .for_each(|what| told.add(format!("The {side} result contradicts itself: {what}")));
-    }
     told
-}
-
-/// The counts of a summary that its table of points does not give, in words.
-fn miscounted(summary: &Summary, table: &PointTable) -> Vec<String> {
-    let count = |flags: &[bool]| flags.iter().filter(|flag| **flag).count() as u64;
-    let failed = (0..table.len()).filter(|&i| !table.completed(i)).count() as u64;
-    let mut counts = vec![
-        ("points".to_owned(), summary.points, table.len() as u64),
-        ("points without a result".to_owned(), summary.failed, failed),
-        ("points within all tolerances".to_owned(), summary.verified, count(&table.verified)),
-    ];
-    let criteria = summary.criteria.iter().zip(&table.criteria);
-    counts.extend(criteria.map(|((name, entry), column)| {
-        let what = format!("points that meet {name}");
-        (what, entry.count.passed, count(&column.ok))
-    }));
-    counts.retain(|(_, told, found)| told != found);
-    let words = |(what, told, found)| format!("summary.json has {told} {what}, points.csv {found}");
-    counts.into_iter().map(words).collect()
 }
 
 /// The standard numerical uncertainty that a result states of a criterion.
@@ -341,7 +301,9 @@ impl Judged<'_> {
         let exceeds = |pair: &usize| difference(*pair).abs() > self.uncertainty.unwrap_or(0.0);
         let beyond: Vec<usize> = changed.iter().copied().filter(exceeds).collect();
         let flipped = both.iter().copied().filter(|&pair| ok[pair][0] != ok[pair][1]);
-        let is_real = |pair: &usize| self.other_limits || (is_changed(pair) && exceeds(pair));
+        // Another answer at the same value has no numerical reason.
+        let is_same = |pair: &usize| values[*pair][0].to_bits() == values[*pair][1].to_bits();
+        let is_real = |pair: &usize| self.other_limits || is_same(pair) || (is_changed(pair) && exceeds(pair));
         let (flipped, within): (Vec<usize>, Vec<usize>) = flipped.partition(is_real);
         flipped.iter().for_each(|&pair| really[pair] = true);
         let by_size = |a: &&usize, b: &&usize| {
@@ -487,7 +449,6 @@ impl Comparison {
             (&self.lost, "without a result that had one"),
             (&self.gained, "with a result that had none"),
             (&self.flipped, "on the other side of the tolerances"),
-            (&self.contradictory, "with another answer at the same values"),
         ];
         for (found, what) in kinds.into_iter().filter(|(found, _)| found.count > 0) {
             let first: Vec<String> = found.first.iter().take(5).map(u64::to_string).collect();

@@ -32,10 +32,6 @@ use study::{CriterionText, EstimateText, Identification, Name, Study};
 /// The least independent part of an uncertainty that is otherwise shared: what no statement and no scatter tells, such as
 /// rounding.
 const LEAST: f64 = 0.05;
-/// Why a study of before has another answer.
-const CHANGED: &str = "The uncertainty of such a curve is one error that all its rows share; earlier versions took it as \
-                       independent in each row (now: correlation = 0), so their answer was another one";
-
 /// The unknowns and the data of a study: those of its cases, or of its criteria where it has no cases.
 ///
 /// # Errors
@@ -130,9 +126,6 @@ pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Resu
             bound.problem.quantities.push(Quantity { name, unit });
             bound.problem.cases[0].measured.push(measured);
         }
-    }
-    if !bound.notes.is_empty() {
-        bound.notes.push(CHANGED.to_owned());
     }
     bound.notes.append(&mut assumed);
     bound.notes.extend(repeated(&fitted, &judge));

@@ -3,10 +3,9 @@
 use super::Criterion;
 use conformity::measured::Limits;
 use curves::{Kind, Metric};
-use fmu_import::quantity::Quantity;
 use fmu_import::quantity::Scale;
 use number_tables::files::FileError;
-use study::limit::{error, limit, part};
+use study::limit::limit;
 use study::{CriterionText, DelayText, Name, ReferenceText, Study, first_wrong};
 
 /// Refuses keys of curves on a criterion that has no `reference`.
@@ -96,17 +95,6 @@ fn check_keys(text: &CriterionText, metric: Metric) -> Result<(), String> {
     ])
 }
 
-/// Another largest error of a curve.
-pub(super) fn variant(stated: &Quantity, text: &CriterionText, scale: &Scale<'_>) -> Result<f64, String> {
-    match text.metric.map(Metric::kind) {
-        Some(Kind::Error) => error(stated, scale),
-        Some(Kind::Relative) => part(stated)
-            .filter(|tolerance| *tolerance > 0.0)
-            .ok_or_else(|| format!("the tolerance {stated} must be a positive share, such as \"5 %\"")),
-        _ => Err("a variant cannot change `least`; add a criterion of its own".to_owned()),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use crate::judge::Judge;
@@ -169,35 +157,6 @@ tolerance = 0.05
         // The interval that people see holds what is accepted.
         let [least, most] = judge.criteria[1].accepted();
         assert!(least <= 1.0 && most >= 1.0, "{least} to {most}");
-    }
-
-    #[test]
-    fn a_variant_gives_an_error_another_limit() {
-        let variant = |name: &str, limit: &str| {
-            let text = format!("[variants.other]\ntolerance.{name} = {limit}\n[criteria.M]");
-            let judge = judge(&[("[criteria.M]", &text)])?;
-            Ok::<_, String>(judge.variants[0].limits.iter().map(|l| l.plus).collect::<Vec<f64>>())
-        };
-        let close = |limits: Vec<f64>, expected: [f64; 3]| {
-            assert_eq!(limits.len(), 3);
-            let pairs = limits.iter().zip(expected);
-            for (limit, expected) in pairs {
-                assert!((limit - expected).abs() < 1e-12, "{limit}, not {expected}");
-            }
-        };
-        // The other criteria keep their own.
-        close(variant("M", "\"0.5 N.m\"").unwrap(), [0.5, 0.1, 0.05]);
-        close(variant("N", "\"8 %\"").unwrap(), [0.02, 0.1, 0.08]);
-        for (name, limit, remedy) in [
-            ("M", "\"5 %\"", "M: the tolerance 5 % of a curve"),
-            ("N", "\"0 %\"", "N: the tolerance 0 % must be a positive share"),
-            ("N", "-0.1", "N: the tolerance -0.1 must be a positive share"),
-            ("N", "\"0.1 N.m\"", "must be a positive share"),
-            ("S", "0.2", "S: a variant cannot change `least`"),
-        ] {
-            let error = variant(name, limit).unwrap_err();
-            assert!(error.starts_with("s.toml:4:11:") && error.contains(remedy), "{error}");
-        }
     }
 
     /// The column of a table of results that `judge` reads is in that unit.

@@ -2,7 +2,6 @@
 
 use super::scalar::distance_unit;
 use super::{Judge, product};
-use conformity::measured::Measurement;
 use conformity::uncertainty::Uncertainty;
 use fmu_import::Description;
 use number_tables::files::FileError;
@@ -99,20 +98,6 @@ impl Judge {
         error.map_or(0.0, |error| error.standard())
     }
 
-    /// The measurement with half the uncertainty of a criterion from which others follow; none where none does.
-    pub fn with_half_uncertainty(&self, criterion: usize) -> Option<Measurement> {
-        let is_factor = self.derived.iter().any(|derived| derived.has_factor(criterion));
-        let mut changed = is_factor.then(|| self.clone())?;
-        let uncertainty = &mut changed.criteria[criterion].uncertainty;
-        *uncertainty = uncertainty.map(|uncertainty| uncertainty.times(0.5));
-        self.derived.iter().for_each(|derived| changed.follow(derived));
-        let follows = |k: usize| self.derived.iter().any(|derived| derived.number == k);
-        let pairs = self.measurement.correlations().iter().copied();
-        let stated = pairs.filter(|&(a, b, _)| !follows(a) && !follows(b)).collect();
-        let criteria = changed.criteria.iter().map(super::Criterion::measured).collect();
-        Measurement::new(criteria, &changed.with_following(stated)).ok()
-    }
-
     /// The numbers of the criteria that are the factors of a derived one.
     fn factors(&self, study: &Study, text: &CriterionText, number: usize) -> Result<Vec<usize>, String> {
         let Some(derived) = &text.derived else {
@@ -145,7 +130,7 @@ impl Judge {
     }
 
     /// The stated correlations, and those that follow for derived criteria.
-    pub(super) fn with_derived(&self, study: &Study, pairs: Pairs) -> Result<Pairs, FileError> {
+    pub(super) fn with_derived(&self, study: &Study, mut pairs: Pairs) -> Result<Pairs, FileError> {
         for (place, &(a, b, _)) in pairs.iter().enumerate() {
             let follows = self.derived.iter().any(|derived| {
                 derived.number == a || derived.number == b || derived.has_factor(a) && derived.has_factor(b)
@@ -155,10 +140,6 @@ impl Judge {
                 return Err(study.error_at(&study.uncertainty_correlations[place], message));
             }
         }
-        Ok(self.with_following(pairs))
-    }
-
-    fn with_following(&self, mut pairs: Pairs) -> Pairs {
         for Derived { number, factors } in &self.derived {
             let mut following: Pairs = Vec::new();
             for &(factor, ratio) in factors {
@@ -179,6 +160,6 @@ impl Judge {
             let clamped = following.into_iter().map(|(a, b, r)| (a, b, r.clamp(-1.0, 1.0)));
             pairs.extend(clamped);
         }
-        pairs
+        Ok(pairs)
     }
 }

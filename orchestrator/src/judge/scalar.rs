@@ -21,19 +21,27 @@ pub(super) fn criterion(
 ) -> Result<Criterion, FileError> {
     let at = |message: String| study.error_of(name, message);
     curve::refuse_keys(text).map_err(at)?;
-    let alone = sides(&text.at_most, &text.at_least).next();
+    let alone = match (&text.at_most, &text.at_least) {
+        (Some(most), _) => Some((most, "at most", Limits::at_most as fn(f64) -> Limits)),
+        (None, Some(least)) => Some((least, "at least", Limits::at_least as fn(f64) -> Limits)),
+        (None, None) => None,
+    };
     check_keys(text, alone.is_some()).map_err(at)?;
     let statistic = text.statistic.unwrap_or_default();
     let sense = sense(statistic);
     let value = |quantity: &Quantity| scale.number(quantity, sense).map_err(at);
     let (limits, stated, measured) = match (alone, &text.nominal, &text.tolerance) {
-        (Some((stated, side)), ..) => {
+        (Some((stated, words, limits)), ..) => {
+            let limit = value(stated)?;
+            if !limit.is_finite() {
+                return Err(at(format!("the limit {stated} is not a finite number")));
+            }
             let unit = match &stated.unit {
                 Some(_) => String::new(),
                 None => behind(scale.unit.as_deref()),
             };
-            let words = format!("{} {stated}{unit}", side.words());
-            (limit(stated, side, (scale, sense)).map_err(at)?, words, text.measured.as_ref().unwrap_or(stated))
+            let words = format!("{words} {stated}{unit}");
+            (limits(limit), words, text.measured.as_ref().unwrap_or(stated))
         }
         (None, Some(measured), Some(accuracy)) => {
             let nominal = value(measured)?;
@@ -85,28 +93,6 @@ pub(super) fn distance_unit(criterion: &Criterion) -> f64 {
     })
 }
 
-/// Which limit stands alone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Side {
-    Least,
-    Most,
-}
-
-impl Side {
-    fn words(self) -> &'static str {
-        match self {
-            Self::Least => "at least",
-            Self::Most => "at most",
-        }
-    }
-}
-
-/// The entries of both keys with the limit that they state.
-pub(super) fn sides<T: IntoIterator>(at_most: T, at_least: T) -> impl Iterator<Item = (T::Item, Side)> {
-    let most = at_most.into_iter().map(|entry| (entry, Side::Most));
-    most.chain(at_least.into_iter().map(|entry| (entry, Side::Least)))
-}
-
 fn check_keys(text: &CriterionText, is_alone: bool) -> Result<(), String> {
     first_wrong(&[
         (
@@ -147,23 +133,8 @@ pub fn sense(statistic: Statistic) -> Sense {
     }
 }
 
-/// A limit that stands alone, in the study's unit.
-pub(super) fn limit(stated: &Quantity, side: Side, (scale, sense): (&Scale<'_>, Sense)) -> Result<Limits, String> {
-    let limit = scale.number(stated, sense)?;
-    match (side, limit.is_finite()) {
-        (_, false) => Err(format!("the limit {stated} is not a finite number")),
-        (Side::Most, true) => Ok(Limits::at_most(limit)),
-        (Side::Least, true) => Ok(Limits::at_least(limit)),
-    }
-}
-
 /// A measured value with its tolerance, in the study's unit.
-pub(super) fn within(
-    about: f64,
-    stated: &ToleranceText,
-    nominal: &Quantity,
-    scale: &Scale<'_>,
-) -> Result<Limits, String> {
+fn within(about: f64, stated: &ToleranceText, nominal: &Quantity, scale: &Scale<'_>) -> Result<Limits, String> {
     match stated {
         ToleranceText::Even(stated) => Ok(Limits::within(about, tolerance(stated, nominal, scale)?)),
         ToleranceText::Uneven { minus, plus } => {

@@ -15,8 +15,6 @@ const STUDY: &str = r#"
     nominal = "750 N"
     tolerance = "7 %"
     unit = "N"
-    [variants.absolute]
-    tolerance.T = "0.75 degC"
 "#;
 
 fn judge(text: &str) -> Result<Judge, String> {
@@ -39,8 +37,6 @@ fn percents_are_of_the_nominal_value_as_printed() {
     assert!((judge.criteria[1].limits.plus - 52.5).abs() < 1e-12);
     assert!(judge.verdict(Some(&[81.39, 697.5])).verified());
     assert!(!judge.verdict(Some(&[81.33, 700.0])).verified());
-    let absolute = &judge.variants[0];
-    assert!(judge.variant_verdict(absolute, Some(&[81.33, 700.0])).verified());
 }
 
 /// A part of a value in a unit with another zero depends on the unit in which the value is written.
@@ -55,14 +51,13 @@ fn percents_count_in_the_unit_in_which_the_value_is_written() {
     let of = |nominal: &str, unit: &str| {
         let text = format!(
             "fmu = \"a\"\n[criteria.T]\nvariable = \"t\"\nnominal = {nominal}\ntolerance = \"1 %\"\n\
-             uncertainty = \"0.5 %\"\n{unit}\n[variants.wide]\ntolerance.T = \"2 %\"\n"
+             uncertainty = \"0.5 %\"\n{unit}\n"
         );
         let study = Study::parse(Path::new("s.toml"), text).unwrap();
         let judge = Judge::new(&study, Some(fmu)).map_err(|error| error.to_string())?;
         let t = &judge.criteria[0];
         let expanded = t.uncertainty.unwrap().expanded;
         assert!((expanded / t.limits.plus - 0.5).abs() < 1e-12);
-        assert!((judge.variants[0].limits[0].plus / t.limits.plus - 2.0).abs() < 1e-12);
         let is_elsewhere = nominal.contains("degC") && unit.is_empty() || unit.contains("mK");
         let words = if is_elsewhere { format!("1 % of {}", nominal.trim_matches('"')) } else { "1 %".to_owned() };
         assert_eq!(t.stated_tolerance, words);
@@ -94,9 +89,6 @@ fn the_limits_belong_to_what_is_accepted() {
     let [t, f] = [&judge.criteria[0], &judge.criteria[1]];
     assert!(t.accepts(81.5) && t.accepts(82.5) && f.accepts(697.5) && f.accepts(802.5));
     assert!(!t.accepts(81.49) && !t.accepts(82.51) && !t.accepts(f64::NAN));
-    let variant = |t: f64| judge.variant_verdict(&judge.variants[0], Some(&[t, 750.0]));
-    assert_eq!(variant(82.75).passed, [true, true]);
-    assert_eq!(variant(82.76).passed, [false, true]);
 }
 
 #[test]
@@ -118,8 +110,6 @@ fn a_failed_point_is_not_verified() {
     let judge = judge(STUDY).unwrap();
     assert_eq!(judge.verdict(None).passed, [false, false]);
     assert_eq!(judge.verdict(Some(&[82.0])).passed, [true, false]);
-    let variant = &judge.variants[0];
-    assert_eq!(judge.variant_verdict(variant, None).passed, [false, false]);
     assert!(!PointVerdict::default().verified());
 }
 
@@ -231,9 +221,6 @@ const ALONE: &str = r#"
     nominal = 3
     tolerance = { minus = "1 %", plus = "0.5 N.m" }
     unit = "N.m"
-    [variants.strict]
-    at-most.T = 84
-    tolerance.M = { minus = 1, plus = 1 }
 "#;
 
 #[test]
@@ -245,8 +232,6 @@ fn a_limit_may_stand_alone_and_a_tolerance_be_uneven() {
     assert_eq!(passed([85.01, 699.9, 2.969]), [false; 3]);
     assert_eq!(passed([-1e9, 1e9, 3.5]), [true; 3]);
     assert_eq!(passed([f64::NAN, f64::NAN, 3.51]), [false; 3]);
-    let strict = judge.variant_verdict(&judge.variants[0], Some(&[84.5, 700.0, 2.5]));
-    assert_eq!(strict.passed, [false, true, true]);
     assert_eq!([t, f, m].map(Criterion::wanted), ["at most 85 degC", "at least 700 N", "3 N.m -1 %/+0.5 N.m"]);
     assert_eq!([t, f, m].map(|c| c.measured().value), [Some(82.0), None, Some(3.0)]);
     // Units of the distance: the expanded uncertainty, the limit itself.
@@ -290,8 +275,6 @@ fn limits_that_do_not_fit_are_refused_with_the_remedy() {
         ("at-least = 700", "at-least = nan", "is not a finite number"),
         ("minus = \"1 %\"", "minus = 0", "must be a positive, finite number"),
         ("minus = \"1 %\", ", "", "{ minus = \"1 mm\", plus = \"2 mm\" }"),
-        ("tolerance.M = {", "tolerance.T = {", "[variants.strict] at-most.T"),
-        ("at-most.T", "at-least.T", "no such limit"),
         ("at-least = 700", "above = 700", "a single limit is `at-most` or `at-least`"),
     ] {
         assert!(ALONE.contains(from), "{from}");

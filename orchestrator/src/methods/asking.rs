@@ -154,9 +154,14 @@ impl Delivery {
 
     /// A result without runs; refuses a folder that holds the results of another study file, where these are not to be
     /// replaced.
-    pub(super) fn without_runs(result: AnalysisResult, work: &Work, folder: PathBuf) -> Result<Self, Error> {
-        let request = Request { study: work.study.clone(), ..Request::default() };
-        request.check(&folder, None, None, work.parts.earlier())?;
+    pub(super) fn without_runs(
+        result: AnalysisResult,
+        study: &Path,
+        earlier: Earlier,
+        folder: PathBuf,
+    ) -> Result<Self, Error> {
+        let request = Request { study: study.to_owned(), ..Request::default() };
+        request.check(&folder, None, None, earlier)?;
         Ok(Self { result, folder, _kept: None })
     }
 }

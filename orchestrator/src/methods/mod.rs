@@ -17,13 +17,15 @@ use known::Finished;
 use result_document::Document;
 
 macro_rules! methods {
-    ($($(#[$about:meta])* $name:ident = $module:ident;)*) => {
+    (runs { $($(#[$about:meta])* $name:ident = $module:ident;)* } points { $($(#[$of:meta])* $other:ident = $reader:ident;)* }) => {
         $(pub mod $module;)*
+        $(pub mod $reader;)*
 
         /// The commands of the methods, with their options.
         #[derive(Debug, Subcommand)]
         pub enum Method {
             $($(#[$about])* $name($module::Options),)*
+            $($(#[$of])* $other($reader::Options),)*
         }
 
         impl Method {
@@ -34,11 +36,12 @@ macro_rules! methods {
             pub(crate) fn run(self) -> Result<Delivery, Error> {
                 match self {
                     $(Self::$name(options) => $module::run(&options),)*
+                    $(Self::$other(options) => $reader::run(&options),)*
                 }
             }
         }
 
-        /// The names of the methods, which are those of the folders of their journals.
+        /// The names of the methods with runs, which are those of the folders of their journals.
         pub(crate) const NAMES: &[&str] = &[$(<$module::Asked as Analysis>::NAME),*];
 
         /// Joins the shards of the analysis that a request asks for.
@@ -55,20 +58,25 @@ macro_rules! methods {
 
         /// The methods' results in a study's folder, as its page shows them.
         pub(crate) fn shown(study: &Finished<'_>) -> Vec<Document> {
-            [rare::shown(study), $($module::shown(study)),*].into_iter().flatten().collect()
+            [rare::shown(study), $($module::shown(study),)* $($reader::shown(study)),*].into_iter().flatten().collect()
         }
     };
 }
 
+// Those that ask for points of their own, and those that read the points of a finished study alone.
 methods! {
-    /// Finds the parameters that make the measured values most probable
-    Identify = identify;
-    /// Finds the widest tolerances of the parameters at which the wanted share of points is still accepted, or conforms
-    Tolerances = tolerances;
-    /// Tells which parameter matters: Sobol indices, Shapley effects, Morris screening
-    Sensitivity = sensitivity;
-    /// Tells how far parameters may move: maps, largest box, margins
-    Robustness = robustness;
-    /// Shows the trade-off between criteria: Pareto front, best compromise
-    Pareto = pareto;
+    runs {
+        /// Finds the parameters that make the measured values most probable
+        Identify = identify;
+        /// Finds the widest tolerances of the parameters at which the wanted share of points is still accepted, or conforms
+        Tolerances = tolerances;
+        /// Tells which parameter matters: Sobol indices, Shapley effects, Morris screening
+        Sensitivity = sensitivity;
+        /// Tells how far parameters may move: maps, largest box, margins
+        Robustness = robustness;
+    }
+    points {
+        /// Shows the trade-off between criteria: Pareto front, best compromise
+        Pareto = pareto;
+    }
 }

@@ -1,7 +1,6 @@
 //! The page's table of the best points.
 
 use super::payload::PlotColumn;
-use parameter_regions::pareto;
 use parameter_regions::table::{PointTable, Ranked};
 use result_document::format::{number, percent};
 use serde::Serialize;
@@ -28,7 +27,6 @@ pub(super) struct BestRow {
     binding: String,
     /// The conformance probability in per cent, where it is known.
     conforms: Option<String>,
-    pareto: bool,
     cells: Vec<Cell>,
 }
 
@@ -44,12 +42,10 @@ pub(super) fn best_rows(
     conformance: Option<&[f64]>,
     pictured: Option<&[usize]>,
 ) -> Vec<BestRow> {
-    let shown: Vec<usize> = ranking.iter().take(BEST).map(|r| r.point).collect();
-    let unbeaten = pareto::unbeaten(table, &shown);
     ranking
         .iter()
-        .zip(unbeaten)
-        .map(|(ranked, beaten_by_none)| {
+        .take(BEST)
+        .map(|ranked| {
             let Ranked { point: i, distance, binding } = *ranked;
             let parameters = table.parameters.iter().map(|p| Cell { text: number(p.values[i], 5), ..Cell::default() });
             let is_shown = |k: &usize| pictured.is_none_or(|shown| shown.contains(k));
@@ -72,7 +68,6 @@ pub(super) fn best_rows(
                 deviation: number(binding.deviation, 2),
                 binding: table.criteria[binding.criterion].name.clone(),
                 conforms: conformance.map(|p| percent(p[i])),
-                pareto: beaten_by_none,
                 cells: parameters.chain(criteria).collect(),
             }
         })

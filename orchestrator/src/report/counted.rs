@@ -1,10 +1,7 @@
-//! Tables of counts that the terminal and the page share: the risk of accepting, the cases, and other readings of the
-//! tolerances.
+//! Tables of counts that the terminal and the page share: the risk of accepting, and the cases.
 
 use crate::results::Summary;
-use crate::results::summary::{CaseCount, Count, CriterionCount, VariantCount};
-use crate::results::words::capitalised;
-use conformity::conclusion::Conclusion;
+use crate::results::summary::{CaseCount, Count, CriterionCount};
 use conformity::measured::{Limits, Measured};
 use conformity::risk::Risk;
 use result_document::format::{count, number, percent};
@@ -176,48 +173,4 @@ pub fn cases(summary: &Summary) -> Vec<Block> {
                 criteria. A point is verified when it holds in every case. *Held out*: judged as any other case, but not used \
                 by `identify`.";
     vec![heading("By case"), Block::Table(table), Block::Hint(hint.to_owned())]
-}
-
-/// Counts by other readings of the tolerances; nothing where the study gives none.
-pub fn readings(summary: &Summary) -> Vec<Block> {
-    if summary.variants.is_empty() {
-        return Vec::new();
-    }
-    let intervals = summary.verified_interval.is_some();
-    let row = |(name, variant): (&String, &VariantCount)| {
-        let usual = |name: &String| summary.criteria.get(name).map(|c| c.count.passed);
-        let changed = variant.criteria.iter();
-        let changed = changed.filter(|(name, count)| usual(name) != Some(count.passed));
-        let changed = changed.map(|(name, of)| format!("{name} {}", count(of.passed as usize)));
-        let changed: Vec<String> = changed.collect();
-        let mut cells = vec![name.clone(), count(variant.verified.passed as usize)];
-        cells.extend(share(&variant.verified, intervals));
-        cells.push(match &changed[..] {
-            [] => "as above".to_owned(),
-            changed => changed.join(", "),
-        });
-        cells
-    };
-    let mut columns = vec![words("Reading"), numbers(capitalised(summary.met()))];
-    columns.extend(share_columns(intervals));
-    columns.push(words("Criteria with other counts"));
-    let table = Table {
-        name: "Other readings of the tolerances".into(),
-        class: "stack".into(),
-        columns,
-        rows: summary.variants.iter().map(row).collect(),
-    };
-    let mut told = vec![heading("With the tolerances read otherwise")];
-    let conclusion = summary.conclusion.as_ref();
-    if conclusion.is_some_and(Conclusion::is_guarded) {
-        told.push(Block::Sentence(
-            "These counts are of points within the tolerances; what [verdict] asks of accepted points is not applied to them."
-                .to_owned(),
-        ));
-    }
-    told.push(Block::Table(table));
-    let about = summary.variants.iter();
-    let about = about.filter_map(|(name, variant)| Some(format!("{name}: {}", variant.about.as_ref()?)));
-    told.push(Block::List(about.collect()));
-    told
 }

@@ -4,13 +4,12 @@
 use super::overlay::Measured;
 use super::payload::PlotColumn;
 use parameter_regions::table::PointTable;
-use result_document::bins::{axis_range, bins_for, density, histogram, levels};
+use result_document::bins::{axis_range, bins_for, histogram};
 use result_document::format::{count, number, with_unit};
 use result_document::svg::{Axis, Frame, area, circle, envelope, path, text, ticks};
 use std::fmt::Write as _;
 
-/// Points of one column against another, with the accepted box: one by one where `points` are
-/// all of them and not very many, else as densities.
+/// `points` of one column against another, with the accepted box; of very many an even part.
 pub fn plane(
     table: &PointTable,
     x: &PlotColumn<'_>,
@@ -22,43 +21,27 @@ pub fn plane(
     frame.y.to = CAPTION;
     let mut out = frame.axes(&with_unit(x.name, x.unit), Some(&with_unit(y.name, y.unit)));
     out.push_str(&acceptance(&frame, x, y));
-    if !drawn_singly(table, points) {
-        let counts = |keep: &dyn Fn(usize) -> bool| density(x.values, y.values, keep, x.range, y.range, BINS);
-        let all = counts(&|_| true);
-        let inside = counts(&|i| table.verified[i]);
-        let whole = [x.range, y.range];
-        out.push_str(&density_cells(&frame, "dens", &all, whole));
-        // A cell at the edge of the box holds points on both sides of it; the accepted ones are inside.
-        let inner = [x, y].map(|c| c.drawn_in.unwrap_or(c.accepted));
-        out.push_str(&density_cells(&frame, "dens in", &inside, inner));
-        out.push_str(&scale(&frame, 336.0, "dens", &all));
-        out.push_str(&scale(&frame, 448.0, "dens in", &inside));
-    } else {
-        out.push_str(&marks(table, &frame, x, y, points));
-    }
+    let every = points.len().div_ceil(MOST_MARKS).max(1);
+    let points: Vec<usize> = points.iter().copied().step_by(every).collect();
+    out.push_str(&marks(table, &frame, x, y, &points));
     let inside = (0..table.len()).filter(|&i| within(x, i) && within(y, i)).count();
     let in_box = match x.is_criterion || y.is_criterion {
-        false => String::new(),
-        _ if !drawn_singly(table, points) => String::new(),
-        _ => format!(", {} in the box", count(inside)),
+        true if table.len() == total => format!(", {} in the box", count(inside)),
+        _ => String::new(),
     };
-    out.push_str(&frame.caption(&format!("{} points{in_box}, {} accepted", count(total), count(accepted))));
+    let drawn = match points.len() < total {
+        true => format!(", {} drawn", count(points.len())),
+        false => String::new(),
+    };
+    out.push_str(&frame.caption(&format!("{} points{in_box}, {} accepted{drawn}", count(total), count(accepted))));
     let title =
         format!("{} against {}: {inside} of {} points lie in the box of the tolerances", y.name, x.name, table.len());
     frame.wrap(&title, &out)
 }
 
 /// Most points that a picture has marks of; the page's script draws more of them.
-pub(super) const MOST_MARKS: usize = 5000;
+const MOST_MARKS: usize = 5000;
 
-fn drawn_singly(table: &PointTable, points: &[usize]) -> bool {
-    points.len() == table.len() && points.len() <= MOST_MARKS
-}
-
-/// Cells of a density along each axis.
-const BINS: usize = 48;
-/// Shades of a density.
-const SHADES: usize = 5;
 /// Where the plot begins below its line of words.
 const CAPTION: f64 = 30.0;
 
@@ -89,47 +72,6 @@ fn acceptance(frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>) -> String {
         out += &path("nominal", format_args!("M{x0:.1},{v:.1}H{x1:.1}"));
     }
     out
-}
-
-fn density_cells(frame: &Frame, class: &str, counts: &[u32], [across, along]: [[f64; 2]; 2]) -> String {
-    let cells = levels(counts);
-    let across = across.map(|limit| frame.x.clamped(limit));
-    let along = along.map(|limit| frame.y.clamped(limit));
-    let (w, h) = ((frame.x.to - frame.x.from) / BINS as f64, (frame.y.from - frame.y.to) / BINS as f64);
-    let mut paths = vec![String::new(); SHADES];
-    let shade = |level: u8| (level > 0).then(|| usize::from(level - 1) * SHADES / 255);
-    for (row, cells) in cells.chunks(BINS).enumerate() {
-        let top = frame.y.from - (row + 1) as f64 * h;
-        let [top, bottom] = [top, top + h].map(|y| y.clamp(along[1], along[0]));
-        let mut first = 0;
-        // Neighbours of one shade are one area.
-        for run in cells.chunk_by(|a, b| shade(*a) == shade(*b)) {
-            let ends = [first, first + run.len()];
-            let [left, right] = ends.map(|cell| (frame.x.from + cell as f64 * w).clamp(across[0], across[1]));
-            if let Some(shade) = shade(run[0]) {
-                let _ = write!(paths[shade], "M{left:.1},{top:.1}H{right:.1}V{bottom:.1}H{left:.1}z");
-            }
-            first = ends[1];
-        }
-    }
-    paths.iter().enumerate().map(|(s, d)| path(&format!("{class} d{}", s + 1), d)).collect()
-}
-
-/// The shades of a density with the points in a cell of the lightest and the darkest.
-fn scale(frame: &Frame, left: f64, class: &str, counts: &[u32]) -> String {
-    const SIDE: f64 = 11.0;
-    let most = counts.iter().copied().max().unwrap_or(0);
-    let top = frame.y.to - 17.0;
-    let baseline = frame.y.to - 8.0;
-    let fewest = most.min(1).to_string();
-    let mut out = text("tick", [left - 3.0, baseline], "end", &fewest);
-    for shade in 0..SHADES {
-        let x = left + shade as f64 * SIDE;
-        let class = format!("{class} d{}", shade + 1);
-        out += &area(&class, [x, x + SIDE], [top, top + SIDE]);
-    }
-    let end = [left + SHADES as f64 * SIDE + 3.0, baseline];
-    out + &text("tick", end, "start", &count(most as usize))
 }
 
 fn marks(table: &PointTable, frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>, points: &[usize]) -> String {

@@ -1,20 +1,17 @@
 //! A report from the folder that `verify` leaves behind.
 
 use super::judgement::Judgement;
-use super::outlook::{comparison, improvements};
+use super::outlook::comparison;
 use super::whatif::WhatIf;
 use super::{Report, history};
 use crate::error::Error;
 use crate::methods;
 use crate::methods::known::Finished;
 use crate::results::Summary;
-use crate::results::answer::further;
-use crate::results::asides::Asides;
+use crate::results::answer;
 use crate::results::choice;
-use crate::results::settled::Settled;
 use crate::results::table;
 use crate::results::words::capitalised;
-use fmu_points::Conduct;
 use result_document::Document;
 use result_document::format::count;
 use std::path::Path;
@@ -50,9 +47,8 @@ impl Report {
 
 /// The study's documents beside its verdict.
 fn documents(folder: &Path, summary: &Summary) -> Vec<Document> {
-    let general = [comparison(summary), improvements(summary)];
     let study = Finished { folder, summary };
-    general.into_iter().flatten().chain(methods::shown(&study)).collect()
+    comparison(summary).into_iter().chain(methods::shown(&study)).collect()
 }
 
 /// The command that computes the result again, in the folder of the study.
@@ -88,18 +84,10 @@ pub(super) fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
             count(criteria)
         )
     });
-    let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
-    let asides = summary.asides.iter().flat_map(Asides::remarks);
-    let concerns = summary.concerns.iter().map(|concern| format!("{}: {concern}", concern.severity.name()));
-    let watched = summary.settled.iter().filter_map(Settled::remark);
-    conduct
-        .chain(asides)
-        .chain(thinned)
+    thinned
+        .into_iter()
         .chain(pictured)
-        .chain(summary.left_out_remark())
-        .chain(watched)
-        .chain(further(summary))
-        .chain(concerns)
+        .chain(answer::remarks(summary))
         .map(|remark| format!("{}.", capitalised(remark.trim_end_matches('.'))))
         .collect()
 }

@@ -42,7 +42,7 @@ pub struct Report {
     pub judgement: Judgement,
     /// The trajectory of the best point, if it was recorded.
     pub history: Vec<Series>,
-    /// The model's own error, what to improve first, and what the methods told.
+    /// The model's own error, and what the methods told.
     pub documents: Vec<Document>,
     /// The study to be changed in the page, where its points can be judged there.
     pub whatif: Option<whatif::WhatIf>,
@@ -75,13 +75,9 @@ impl Report {
         pictured.filter(|shown| shown.len() < self.summary.criteria.len())
     }
 
-    /// The page.
-    pub fn html(&self) -> Result<String, Error> {
-        page::render(self)
-    }
-
     /// Writes `report.html` and `plots/*.svg` into a folder, and returns the page's path.
     pub fn write(&self, folder: &Path) -> Result<PathBuf, Error> {
+        let (html, pictures) = page::render(self)?;
         let plots = folder.join("plots");
         // As files are: a link is replaced, never written through.
         if plots.is_symlink() {
@@ -89,7 +85,7 @@ impl Report {
         }
         std::fs::create_dir_all(&plots).map_err(Error::io(&plots))?;
         // A picture that cannot be written costs itself: the page has it all the same.
-        let written = page::plots(self)
+        let written = pictures
             .into_iter()
             .map(|(name, plot)| write_file(&plots.join(format!("{name}.svg")), &svg::standalone(&plot)));
         let failed: Vec<Error> = written.filter_map(Result::err).collect();
@@ -97,7 +93,7 @@ impl Report {
             fmu_points::tell::line!("note: {} plots have no file; the first: {first}", failed.len());
         }
         let path = folder.join("report.html");
-        write_file(&path, &self.html()?)?;
+        write_file(&path, &html)?;
         Ok(path)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Report;
 use super::best::{best_rows, heading};
-use super::counted::{cases, readings, risks};
+use super::counted::{cases, risks};
 use super::counts::{Headline, count_rows};
 use super::figures;
 use super::from_results::{provenance, remarks};
@@ -12,12 +12,11 @@ use crate::error::Error;
 use crate::results::Summary;
 use crate::results::answer::{Answer, Sign};
 use crate::results::summary::FailureKind;
+use crate::results::words::counted;
 use base64::{Engine, engine::general_purpose::STANDARD};
 use conformity::conclusion::grouped;
 use conformity::risk::Risk;
-use fmu_import::validity::kind;
 use fmu_points::tell::is_hidden;
-use indexmap::IndexMap;
 use minijinja::{Environment, Value, context, value::Serde};
 use parameter_regions::table::PointTable;
 use result_document::format::{count, number, percent, with_unit};
@@ -28,8 +27,11 @@ use std::borrow::Cow;
 /// More bytes are packed. Fewer are read at once, and in browsers that cannot unpack, too.
 const MOST_PLAIN: usize = 300_000;
 
-/// Renders the page.
-pub fn render(report: &Report) -> Result<String, Error> {
+/// The plots that are written as files: name and picture.
+type Plots = Vec<(String, String)>;
+
+/// Renders the page, and its plots.
+pub fn render(report: &Report) -> Result<(String, Plots), Error> {
     let whole = &report.table;
     let judgement = &report.judgement;
     let table = &*judgement.as_accepted(whole);
@@ -51,6 +53,14 @@ pub fn render(report: &Report) -> Result<String, Error> {
     let packed = bytes.len() > MOST_PLAIN;
     let live = report.live.as_ref().map(serde_json::to_string).transpose()?;
     let answer = Answer::new(summary);
+    let planes = planes(drawn, &columns, &points, counts);
+    let mut plots: Plots =
+        planes.iter().map(|p| (format!("plane-{}-{}", columns[p.x].name, columns[p.y].name), p.svg.clone())).collect();
+    plots.extend(columns.iter().map(|c| (format!("distribution-{}", c.name), figures::distribution(table, c, counts))));
+    plots.extend(report.history.iter().filter_map(|s| Some((format!("history-{}", s.name), figures::history(s)?))));
+    let figures = report.documents.iter().flat_map(Document::figures);
+    plots.extend(figures.map(|figure| (figure.file.clone(), figure.svg.clone())));
+    plots.iter_mut().for_each(|(name, _)| *name = file_name(name));
 
     let mut environment = Environment::new();
     environment.add_filter("marked", |text: &str| Value::from_safe_string(marked(text)));
@@ -107,16 +117,15 @@ pub fn render(report: &Report) -> Result<String, Error> {
         drawn => count(points.len()),
         sampled => points.len() < total,
         beyond => !table.beyond.is_empty(),
-        crowded => points.len() == total && total > figures::MOST_MARKS,
         rows => Serde(count_rows(table, summary, judgement)),
-        counted => result_document::html(&[risks(summary), cases(summary), readings(summary)].concat()),
+        counted => result_document::html(&[risks(summary), cases(summary)].concat()),
         interval_method => &summary.interval_method,
         intervals => summary.verified_interval.is_some(),
         expected => summary
             .expected_verified
             .or_else(|| Some(conformance.as_ref()?.iter().sum()))
-            .map(expected),
-        planes => Serde(planes(drawn, &columns, &points, counts)),
+            .map(counted),
+        planes => Serde(planes),
         parameters => distributions(table, parameters, 0, counts),
         criteria => distributions(table, criteria, parameters.len(), counts),
         best_columns => Serde(columns.iter().map(heading).collect::<Vec<_>>()),
@@ -127,17 +136,16 @@ pub fn render(report: &Report) -> Result<String, Error> {
             conformance.as_deref(),
             report.pictured().as_deref(),
         )),
-        failures => Serde(failures(table, summary)),
+        failures => Serde(failures(summary)),
         histories => histories(report),
         curves => report.history.iter().any(|series| series.measured.is_some()),
         documents => report.documents.iter().map(section).collect::<Vec<_>>(),
         provenance => Serde(provenance(summary)),
-        sampled_from => Serde(sampled_from(table)),
         command => report.command.as_str(),
         study_text => report.study_text.as_str(),
     };
     let html = environment.get_template("report.html")?.render(page)?;
-    Ok(html)
+    Ok((html, plots))
 }
 
 fn section(document: &Document) -> Value {
@@ -146,28 +154,6 @@ fn section(document: &Document) -> Value {
         link => &*document.link,
         html => document.as_html(),
     }
-}
-
-/// The plots that are written as files: name and picture.
-pub fn plots(report: &Report) -> Vec<(String, String)> {
-    let table = &*report.judgement.as_accepted(&report.table);
-    let (drawn, columns) = pictured(report, table);
-    let best = table.best(payload::MOST_POINTS);
-    let order: Vec<usize> = best.iter().map(|r| r.point).collect();
-    let points = payload::embedded(table, &order, columns.len());
-    let counts = report.counts();
-    let mut plots: Vec<(String, String)> = planes(&drawn, &columns, &points, counts)
-        .into_iter()
-        .map(|p| (format!("plane-{}-{}", columns[p.x].name, columns[p.y].name), p.svg))
-        .collect();
-    plots.extend(columns.iter().map(|c| (format!("distribution-{}", c.name), figures::distribution(table, c, counts))));
-    plots.extend(report.history.iter().filter_map(|s| Some((format!("history-{}", s.name), figures::history(s)?))));
-    let figures = report.documents.iter().flat_map(Document::figures);
-    plots.extend(figures.map(|figure| (figure.file.clone(), figure.svg.clone())));
-    for (name, _) in &mut plots {
-        *name = file_name(name);
-    }
-    plots
 }
 
 /// A name that every system takes as that of a file. Of a long one the beginning is left, with a sum of all of it.
@@ -300,49 +286,10 @@ fn judged(series: &figures::Series) -> Option<String> {
     })
 }
 
-/// The parameters with the distributions that they were sampled from, where these are known.
-fn sampled_from(table: &PointTable) -> Vec<(&str, &str)> {
-    let named = table.parameters.iter();
-    named
-        .map(|parameter| (parameter.name.as_str(), parameter.distribution.as_str()))
-        .filter(|(_, distribution)| !distribution.is_empty())
-        .collect()
-}
-
-/// Reasons of failure that differ in their numbers alone: that of the first point, how often, and the first points of each.
-fn failures(table: &PointTable, summary: &Summary) -> Vec<(String, String, String)> {
-    const LISTED: usize = 12;
-    let mut drawn: IndexMap<String, Vec<usize>> = IndexMap::new();
-    for i in (0..table.len()).filter(|&i| !table.completed(i)) {
-        drawn.entry(kind(&table.status[i])).or_default().push(i);
-    }
-    let row = |(reason, points, of): (&str, u64, &[usize])| {
-        let ids = of.iter().take(LISTED).map(|&i| table.ids[i].to_string());
-        let mut list: Vec<String> = ids.collect();
-        if points > list.len() as u64 {
-            list.push("…".into());
-        }
-        (reason.to_owned(), grouped(points), list.join(", "))
-    };
-    let counted = summary.failure_kinds.iter();
-    let rows: Vec<_> = counted
-        .map(|FailureKind { points, first }| {
-            let of = drawn.get(&kind(&first.status));
-            (&*first.status, *points, of.map_or(&[][..], Vec::as_slice))
-        })
-        .collect();
-    rows.into_iter().map(row).collect()
-}
-
-/// A number of points that need not be whole.
-fn expected(points: f64) -> String {
-    if points > 0.0 && points < 0.01 {
-        "fewer than 0.01".into()
-    } else if points < 1e3 {
-        number(points, 4)
-    } else {
-        count(points.round() as usize)
-    }
+/// Reasons of failure that differ in their numbers alone: that of the first point, how often, and which that is.
+fn failures(summary: &Summary) -> Vec<(&str, String, u64)> {
+    let kinds = summary.failure_kinds.iter();
+    kinds.map(|FailureKind { points, first }| (&*first.status, grouped(*points), first.point)).collect()
 }
 
 #[cfg(test)]

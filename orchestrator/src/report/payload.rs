@@ -1,5 +1,4 @@
-//! The data inside the page: columns of the points that can be hovered and selected, and
-//! densities of all points where there are too many to draw one by one.
+//! The data inside the page: columns of the points that are drawn, hovered and selected.
 
 use super::judgement::Judgement;
 use super::whatif::WhatIf;
@@ -8,14 +7,11 @@ use parameter_regions::table::PointTable;
 use result_document::bins;
 use serde::Serialize;
 use std::cell::RefCell;
-use std::collections::BTreeMap;
 
-/// Largest number of points that are drawn one by one.
+/// Largest number of points that are drawn.
 pub(super) const MOST_POINTS: usize = 20_000;
 /// Largest size of the embedded columns, bytes.
 const MOST_COLUMN_BYTES: usize = 2_000_000;
-/// Largest size of the embedded densities, bytes.
-const MOST_DENSITY_BYTES: usize = 1_500_000;
 
 /// Bytes beside the data, which name their parts by begin and end.
 #[derive(Default)]
@@ -57,7 +53,6 @@ pub struct Payload {
     beyond: Option<Part>,
     /// The conformance probabilities, 32-bit floats of five digits, where they are known.
     conformance: Option<Part>,
-    density: Option<Density>,
     /// The study to be changed, where the points can be judged in the page.
     study: Option<WhatIf>,
     /// A byte per point: of an even choice of all points, which is what can be judged where not all are embedded.
@@ -86,16 +81,6 @@ struct Acceptance {
     drawn_in: Option<[f64; 2]>,
     /// A byte per point.
     ok: Part,
-}
-
-#[derive(Default, Serialize)]
-struct Density {
-    bins: usize,
-    /// By "x,y" (column indices, x below y): a byte per cell.
-    all: BTreeMap<String, Part>,
-    verified: BTreeMap<String, Part>,
-    /// Points in the fullest cell: of all, of the accepted ones.
-    most: BTreeMap<String, [u32; 2]>,
 }
 
 /// All columns of a table, parameters first, as the plots see them.
@@ -145,7 +130,7 @@ pub fn columns<'a>(table: &'a PointTable, judgement: &Judgement) -> Vec<PlotColu
     parameters.chain(criteria).collect()
 }
 
-/// Which points are embedded and drawn one by one: all of them, or the best, many verified ones and an even choice of all.
+/// Which points are embedded and drawn: all of them, or the best, many verified ones and an even choice of all.
 pub fn embedded(table: &PointTable, ranking: &[usize], columns: usize) -> Vec<usize> {
     embed(table, ranking, most_embedded(columns))
 }
@@ -239,7 +224,6 @@ pub fn payload(
             true => study.of_some(),
             false => study,
         }),
-        density: (points.len() < total).then(|| densities(table, columns, bytes)),
     }
 }
 
@@ -254,45 +238,6 @@ fn short(number: f64) -> f32 {
 /// packed.
 fn apart<const SIZE: usize>(numbers: impl Iterator<Item = [u8; SIZE]> + Clone) -> impl Iterator<Item = u8> {
     (0..SIZE).flat_map(move |place| numbers.clone().map(move |number| number[place]))
-}
-
-fn densities(table: &PointTable, columns: &[PlotColumn<'_>], bytes: &Bytes) -> Density {
-    let all_pairs = |keep: &dyn Fn(usize, usize) -> bool| -> Vec<(usize, usize)> {
-        (0..columns.len())
-            .flat_map(|a| (a + 1..columns.len()).map(move |b| (a, b)))
-            .filter(|&(a, b)| keep(a, b))
-            .collect()
-    };
-    let first_criterion = table.parameters.len();
-    let fits = |pairs: &[(usize, usize)]| {
-        [64, 48, 32, 24].into_iter().find(|b| pairs.len() * b * b * 8 / 3 <= MOST_DENSITY_BYTES)
-    };
-    // With very many columns, only the pairs with a criterion.
-    let every = all_pairs(&|_, _| true);
-    let (pairs, bins) = match fits(&every) {
-        Some(bins) => (every, bins),
-        None => {
-            let some = all_pairs(&|_, b| b >= first_criterion);
-            let bins = fits(&some).unwrap_or(16);
-            (some, bins)
-        }
-    };
-    let counts = |a: usize, b: usize, keep: &dyn Fn(usize) -> bool| {
-        let (x, y) = (&columns[a], &columns[b]);
-        bins::density(x.values, y.values, keep, x.range, y.range, bins)
-    };
-    let mut density = Density { bins, ..Density::default() };
-    for (a, b) in pairs {
-        let key = || format!("{a},{b}");
-        let all = counts(a, b, &|_| true);
-        let verified = counts(a, b, &|i| table.verified[i]);
-        let most = [&all, &verified].map(|cells| cells.iter().copied().max().unwrap_or(0));
-        density.most.insert(key(), most);
-        density.all.insert(key(), bytes.add(bins::levels(&all)));
-        let verified = bytes.add(bins::levels(&verified));
-        density.verified.insert(key(), verified);
-    }
-    density
 }
 
 #[cfg(test)]

@@ -5,14 +5,16 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
+use super::asides::Asides;
 use super::by_surrogate::BySurrogate;
-use super::improvement::{Halved, Sign as Gain};
-use super::summary::CriterionCount;
+use super::settled::Settled;
+use super::summary::{CriterionCount, FailureKind};
 use super::surrogate;
-use super::words::{accepted, beyond_validity, capitalised, enough, firmness, guard, looked, unknown};
+use super::words::{accepted, beyond_validity, capitalised, firmness, guard, looked, unknown};
 use super::{Summary, resampled::presumed};
 use conformity::conclusion::{Conclusion, Requirement, grouped, percent};
 use conformity::decision::Decision;
+use fmu_points::Conduct;
 use result_document::format::number;
 use study::concern::{Concern, Severity};
 
@@ -252,8 +254,18 @@ fn is_weak(conclusion: &Conclusion) -> bool {
     interval.is_some_and(|[_, most]| most >= 1.0 - USUAL)
 }
 
+/// How the points were computed, and doubts as a whole.
+pub fn remarks(summary: &Summary) -> Vec<String> {
+    let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
+    let asides = summary.asides.iter().flat_map(Asides::remarks);
+    let watched = summary.settled.iter().filter_map(Settled::remark);
+    let doubts = summary.concerns.iter().map(|concern| format!("{}: {concern}", concern.severity.name()));
+    let computed = conduct.chain(asides).chain(summary.left_out_remark()).chain(watched);
+    computed.chain(doubts).chain(further(summary)).collect()
+}
+
 /// How firmly the verdict stands where that is no doubt, and what its risks presume.
-pub fn further(summary: &Summary) -> Vec<String> {
+fn further(summary: &Summary) -> Vec<String> {
     let compared = summary.failed < summary.points && !summary.has_own_values();
     let Some(conclusion) = summary.conclusion.as_ref().filter(|_| compared) else {
         return Vec::new();
@@ -310,7 +322,7 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
     let mut seen = BTreeSet::new();
     let remedies = summary.concerns.iter().flat_map(|c| &c.remedy);
     list.extend(remedies.filter(|remedy| seen.insert(*remedy)).cloned());
-    if let Some(failed) = summary.first_failure.as_ref() {
+    if let Some(FailureKind { first: failed, .. }) = summary.failure_kinds.first() {
         list.push(format!("The first failure is point {}: {}.", failed.point, failed.status.trim_end_matches('.')));
     }
     if summary.failed == summary.points || summary.has_own_values() {
@@ -322,7 +334,7 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
             if conclusion.is_some_and(|conclusion| conclusion.risk.is_none()) {
                 list.push("State every measured value's `uncertainty`: then the risk is known.".to_owned());
             }
-            list.extend(improve_first(summary));
+            list.extend(sensitive(summary));
         }
         Decision::NotVerified => {
             list.extend(nearest(summary));
@@ -341,36 +353,11 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
     list
 }
 
-/// The surest gain, or that the points are too few to tell one.
-pub fn improve_first(summary: &Summary) -> Option<String> {
-    let improvements = summary.improvements.as_ref()?;
-    // Those of points that depend on each other have no intervals that would tell a gain from chance.
-    improvements.now.interval?;
-    let by = |sign| improvements.changes.iter().find(move |c| c.sign() == sign);
-    let Some(first) = by(Gain::Gain) else {
-        let nothing = match by(Gain::Open) {
-            Some(_) => format!(
-                "Too few points to say what to improve first: take more{}.",
-                enough(summary).map_or_else(String::new, |n| format!(" (about {})", grouped(n)))
-            ),
-            None => "Half an uncertainty or tolerance improves nothing.".to_owned(),
-        };
-        return Some(nothing);
-    };
-    let what = match first.halved {
-        Halved::Uncertainty => "uncertainty of the measured value",
-        Halved::Tolerance => "tolerance of",
-    };
-    let interval = first.gain_interval.map_or_else(String::new, |ends| {
-        let [low, high] = ends.map(|end| number(100.0 * end, 3));
-        format!(" (95 % interval {low} .. {high})")
-    });
-    Some(format!(
-        "To improve first: halving the {what} {} raises the {} by {} percentage points{interval}.",
-        first.name,
-        improvements.now.worth(),
-        number(100.0 * first.gain, 3)
-    ))
+/// Where to read which parameter decides.
+fn sensitive(summary: &Summary) -> Option<String> {
+    (!summary.parameters.is_empty()).then(|| {
+        "`orchestrator sensitivity --from` tells which parameter decides the verdict, without a further run.".to_owned()
+    })
 }
 
 /// How far the nearest point is from being accepted.

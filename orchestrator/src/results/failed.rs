@@ -1,6 +1,6 @@
 //! Points without a result: what they leave open of a verdict, and where among the parameters they lie.
 
-use super::{Row, Summary};
+use super::Summary;
 use conformity::conclusion::{Conclusion, grouped};
 use conformity::decision::Decision;
 use fmu_points::names::behind;
@@ -10,7 +10,7 @@ use study::plan::Plan;
 
 /// Warns of points without a result. They count as not verified and not conforming, and are missing elsewhere, so that
 /// the shares and the means of one study tell of different points.
-pub(super) fn concern(summary: &Summary, plan: Option<&Plan>, points: &[Row]) -> Option<Concern> {
+pub(super) fn concern(summary: &Summary, place: impl FnOnce() -> Option<String>) -> Option<Concern> {
     let Summary { failed, points: all, .. } = *summary;
     if failed == 0 {
         return None;
@@ -23,10 +23,7 @@ pub(super) fn concern(summary: &Summary, plan: Option<&Plan>, points: &[Row]) ->
         let remedy = "Find out why all points fail: `orchestrator check` looks at the FMU.";
         return Some(Concern::new(Code::FailedPoints, text).remedied(remedy));
     }
-    let rows = points.iter().map(|(parameters, values)| (&**parameters, values.is_none()));
-    let rows: Vec<(&[f64], bool)> = rows.collect();
-    let place = plan.and_then(|plan| place(plan, &rows));
-    let place = place.map_or_else(String::new, |place| format!(", mostly where {place}"));
+    let place = place().map_or_else(String::new, |place| format!(", mostly where {place}"));
     let text = format!(
         "{} of {} points failed ({reasons}){place}; they count as not {}, and comparisons and sensitivities leave them out",
         grouped(failed),

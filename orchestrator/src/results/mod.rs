@@ -11,7 +11,6 @@ pub mod by_surrogate;
 pub mod choice;
 pub mod concerns;
 mod failed;
-pub mod improvement;
 pub mod looked;
 pub mod origin;
 pub mod parquet;
@@ -30,6 +29,3 @@ pub use concerns::confusions;
 pub use looked::Looked;
 pub use settled::MOST_EXTRA_RUNS;
 pub use summary::Summary;
-
-/// A point's parameters, and its values of the criteria where it has any.
-type Row = (Vec<f64>, Option<Vec<f64>>);

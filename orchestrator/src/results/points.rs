@@ -211,7 +211,6 @@ fn no_points(summary: &Summary) -> PointTable {
     let parameters = summary.parameters.iter().map(|p| ParameterColumn {
         name: p.name.clone(),
         unit: p.unit.clone().unwrap_or_default(),
-        distribution: p.words(),
         values: Vec::new(),
     });
     let criteria = summary.criteria.values();

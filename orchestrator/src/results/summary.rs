@@ -9,12 +9,11 @@ use serde::{Deserialize, Serialize};
 
 use super::asides::Asides;
 use super::by_surrogate::BySurrogate;
-use super::improvement::Improvements;
 use super::settled::Settled;
 use crate::judge::{Criterion, Judge};
 use conformity::conclusion::Conclusion;
 use conformity::decision::Decision;
-use conformity::measured::{Limits, Measurement};
+use conformity::measured::Measurement;
 use conformity::risk::Risk;
 use conformity::validation::Comparison;
 use fmu_points::Conduct;
@@ -59,13 +58,8 @@ pub struct Summary {
     /// By case, where the study has any.
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
     pub cases: IndexMap<String, CaseCount>,
-    /// Counts by other readings of the tolerances.
-    pub variants: IndexMap<String, VariantCount>,
     /// How many points failed for which reason.
     pub failures: IndexMap<String, u64>,
-    /// The first point that failed, for the reason that is the most frequent.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub first_failure: Option<FailedPoint>,
     /// Failures whose reasons differ in their numbers alone, the most frequent first.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub failure_kinds: Vec<FailureKind>,
@@ -91,8 +85,6 @@ pub struct Summary {
     /// What a surrogate of few runs tells, where points were chosen by one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub surrogate: Option<BySurrogate>,
-    /// Improvements by their effect on the verdict, the best first.
-    pub improvements: Option<Improvements>,
     /// How the points were computed, and whether the FMU gave the same again.
     #[serde(flatten)]
     pub conduct: Option<Conduct>,
@@ -270,25 +262,6 @@ pub struct CriterionCount {
     pub criterion: Criterion,
 }
 
-/// The counts of another reading of the tolerances.
-#[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct VariantCount {
-    /// Its meaning, and why it is there.
-    pub about: Option<String>,
-    /// Points that meet all criteria.
-    #[serde(flatten)]
-    pub verified: Count,
-    /// By criterion.
-    pub criteria: IndexMap<String, Count>,
-    /// By group.
-    pub groups: IndexMap<String, Count>,
-    /// The tolerances, in the criteria's units.
-    pub tolerances: IndexMap<String, f64>,
-    /// The limits of criteria with one limit alone, or a tolerance that is not the same to both sides.
-    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
-    pub limits: IndexMap<String, Limits>,
-}
-
 /// An uncertain parameter.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct ParameterSummary {
@@ -375,20 +348,6 @@ impl Run {
 }
 
 impl ParameterSummary {
-    /// The distribution as words: its name, its numbers and their unit.
-    pub fn words(&self) -> String {
-        let word = |(key, value): (&String, &serde_json::Value)| match value {
-            serde_json::Value::String(text) => Some(text.clone()),
-            serde_json::Value::Null => None,
-            other => Some(format!("{key} {other}")),
-        };
-        let words: Vec<String> = self.distribution.iter().filter_map(word).collect();
-        match &self.unit {
-            Some(unit) => format!("{} {unit}", words.join(", ")),
-            None => words.join(", "),
-        }
-    }
-
     /// A study's parameter as the summary lists it.
     pub fn new(input: &study::plan::Input) -> Self {
         let distribution = serde_json::to_value(&input.distribution);

@@ -1,17 +1,14 @@
 //! What a surrogate of few runs tells, beside the counts of these.
 
-use super::Row;
 use super::by_surrogate::{BySurrogate, Fit};
-use super::improvement::{improvements, most_points};
 use super::summary::{Count, Summary};
 use crate::judge::Judge;
 use conformity::conclusion::by_share;
-use conformity::measured::{Limits, Measured};
+use conformity::measured::Measured;
 use conformity::risk::RiskTally;
 use conformity::validation::{Comparison, Numerical, Spread};
 use result_document::format::number;
 use run_budget::{Answers, Basis, Doubt, Limit, Share};
-use study::plan::Plan;
 
 /// How the shares of a summary were found, behind their heading.
 pub fn way(summary: &Summary) -> String {
@@ -33,14 +30,8 @@ pub fn limits(judge: &Judge, guard: f64) -> Vec<Limit> {
 pub struct Evidence<'a> {
     /// The criteria.
     pub judge: &'a Judge,
-    /// The parameters.
-    pub plan: &'a Plan,
     /// What the runs say of the sample.
     pub answers: &'a Answers,
-    /// The parameters at the sample's points, in the study's units.
-    pub sample: &'a [Vec<f64>],
-    /// The same at the runs' points.
-    pub points: &'a [Vec<f64>],
     /// All runs of the FMU.
     pub runs: u64,
     /// The factor of the guard band, and the confidence of the verdict.
@@ -48,8 +39,8 @@ pub struct Evidence<'a> {
 }
 
 impl Evidence<'_> {
-    /// Puts into the summary of chosen runs what they tell of the sampled space: shares, verdict, risks, spread of the values,
-    /// improvements. The numbers of points stay those of runs.
+    /// Puts into the summary of chosen runs what they tell of the sampled space: shares, verdict, risks, spread of the values.
+    /// The numbers of points stay those of runs.
     pub fn complete(&self, summary: &mut Summary) {
         let Self { judge, answers, .. } = *self;
         let all = limits(judge, 0.0);
@@ -113,30 +104,21 @@ impl Evidence<'_> {
         for (count, case) in summary.cases.values_mut().zip(&judge.cases) {
             put(&mut count.count, &all[case.members.clone()]);
         }
-        for (count, variant) in summary.variants.values_mut().zip(&judge.variants) {
-            let one = |(output, limits): (usize, &Limits)| Limit { output, range: limits.ends() };
-            let all: Vec<Limit> = variant.limits.iter().enumerate().map(one).collect();
-            put(&mut count.verified, &all);
-            count.criteria.values_mut().zip(&all).for_each(|(count, limit)| put(count, &[*limit]));
-            let groups = count.groups.values_mut().zip(&judge.groups);
-            groups.for_each(|(count, (_, members))| put(count, &of(&all, members)));
-        }
     }
 
     /// What a plain sample would tell: one that the surrogate gives, or the plain points.
     fn of_the_space(&self, summary: &mut Summary, refuted: bool) {
         let Self { judge, answers, .. } = *self;
-        let rows: Vec<Row> = match refuted {
-            false => self.sample.iter().cloned().zip(answers.outcomes()).collect(),
+        let rows: Vec<Option<Vec<f64>>> = match refuted {
+            false => answers.outcomes(),
             true => {
-                let runs = self.points.iter().zip(&answers.runs).zip(&answers.plain);
-                let plain = runs.filter(|(_, plain)| **plain);
-                plain.map(|((point, run), _)| (point.clone(), run.finite().map(<[f64]>::to_vec))).collect()
+                let plain = answers.runs.iter().zip(&answers.plain).filter(|(_, plain)| **plain);
+                plain.map(|(run, _)| run.finite().map(<[f64]>::to_vec)).collect()
             }
         };
         let mut tally = RiskTally::new(&judge.measurement, judge.guard, 1);
         let mut spreads = vec![Spread::default(); judge.criteria.len()];
-        for (_, values) in &rows {
+        for values in &rows {
             let conformity = values.as_ref().map(|values| judge.measurement.assess(values));
             tally.add(conformity.as_ref());
             spreads.iter_mut().zip(values.iter().flatten()).for_each(|(spread, value)| spread.add(*value));
@@ -156,9 +138,6 @@ impl Evidence<'_> {
                 summary.validation.insert(name.clone(), comparison);
             }
         }
-        let rows = &rows[..rows.len().min(most_points(judge.criteria.len()))];
-        let gains = improvements(judge, Some(self.plan), rows).filter(|_| !summary.has_own_values());
-        summary.improvements = gains.map(super::improvement::Improvements::without_intervals);
     }
 }
 

@@ -1,10 +1,8 @@
 //! Conclusions from all points together besides the counts: how far they reach, how the model
-//! compares with the measurement, what to improve first.
+//! compares with the measurement.
 
-use super::Row;
 use super::concerns::{out_of_reach, unmoved};
-use super::failed::{self, place};
-use super::improvement::{improvements, most_points};
+use super::failed;
 use super::settled::{Edges, Settled};
 use super::summary::Summary;
 use crate::judge::Judge;
@@ -19,36 +17,33 @@ const HELD_PORT: &str = "the FMU waits for others at a port of this machine, whe
                          other, and other programs";
 const ONE_JOB: &str = "Compare with `--jobs 1`, where one point runs at a time.";
 
+/// So many points tell where those lie that fail.
+const PLACED: usize = 4096;
+
 /// Looks at points one by one, in constant memory.
 #[derive(Debug)]
 pub struct Survey<'a> {
     judge: &'a Judge,
     plan: Option<&'a Plan>,
-    /// Whether the points were drawn from the parameters' distributions.
-    drawn: bool,
     points: u64,
     reached: Vec<[f64; 2]>,
     spreads: Vec<Spread>,
-    first: Vec<Row>,
-    /// Whether these went beyond what the model is valid for.
-    beyond: Vec<bool>,
+    /// Of the first points the parameters, whether it failed, and whether it went beyond what the model is valid for.
+    first: Vec<(Vec<f64>, bool, bool)>,
     edges: Edges<'a>,
 }
 
 impl<'a> Survey<'a> {
-    /// No points yet. Without a plan the parameters are not known; `drawn` says whether the points were drawn from the
-    /// parameters' distributions, as those of most designs are.
-    pub fn new(judge: &'a Judge, plan: Option<&'a Plan>, drawn: bool) -> Self {
+    /// No points yet. Without a plan the parameters are not known.
+    pub fn new(judge: &'a Judge, plan: Option<&'a Plan>) -> Self {
         let criteria = judge.criteria.len();
         Self {
             judge,
             plan,
-            drawn,
             points: 0,
             reached: vec![[f64::INFINITY, f64::NEG_INFINITY]; criteria],
             spreads: vec![Spread::default(); criteria],
             first: Vec::new(),
-            beyond: Vec::new(),
             edges: Edges::new(judge),
         }
     }
@@ -56,10 +51,8 @@ impl<'a> Survey<'a> {
     /// Looks at a point, which may have gone `beyond` what the model is valid for.
     pub fn add(&mut self, label: u64, parameters: &[f64], outcome: &Outcome, beyond: bool) {
         self.edges.add(label, outcome);
-        if self.first.len() < most_points(self.judge.criteria.len()) {
-            let values = outcome.as_ref().ok().cloned();
-            self.first.push((parameters.to_vec(), values));
-            self.beyond.push(beyond);
+        if self.first.len() < PLACED {
+            self.first.push((parameters.to_vec(), outcome.is_err(), beyond));
         }
         let Ok(values) = outcome else { return };
         self.points += 1;
@@ -67,6 +60,12 @@ impl<'a> Survey<'a> {
             (*low, *high) = (low.min(value), high.max(value));
             spread.add(value);
         }
+    }
+
+    /// The part of the parameters' space where marked points lie, if that stands out.
+    fn place(&self, is_marked: impl Fn(&(Vec<f64>, bool, bool)) -> bool) -> Option<String> {
+        let rows: Vec<(&[f64], bool)> = self.first.iter().map(|point| (&*point.0, is_marked(point))).collect();
+        failed::place(self.plan?, &rows)
     }
 
     /// Warns of points beyond what the model is valid for.
@@ -77,9 +76,7 @@ impl<'a> Survey<'a> {
             all => format!(", {} of the {} that meet all criteria,", grouped(validity.verified), grouped(all)),
         };
         let told = validity.told(summary.points, &which)?;
-        let rows = self.first.iter().map(|(parameters, _)| &**parameters);
-        let rows: Vec<(&[f64], bool)> = rows.zip(self.beyond.iter().copied()).collect();
-        let place = self.plan.and_then(|plan| place(plan, &rows));
+        let place = self.place(|(_, _, beyond)| *beyond);
         let place = place.map_or_else(String::new, |place| format!(". They lie mostly where {place}"));
         let remedy = "Cut the distributions to where the model is valid, or show that it holds beyond (validity.csv lists the points).";
         Some(Concern::new(Code::BeyondValidity, format!("{told}{place}")).remedied(remedy))
@@ -100,7 +97,7 @@ impl<'a> Survey<'a> {
         }
         let unmoved = criteria().filter_map(|(k, c)| unmoved(c, self.reached[k], self.points));
         summary.concerns.extend(unmoved);
-        let failed = failed::concern(summary, self.plan, &self.first);
+        let failed = failed::concern(summary, || self.place(|(_, failed, _)| *failed));
         summary.concerns.extend(failed);
         let beyond = self.beyond_validity(summary);
         summary.concerns.extend(beyond);
@@ -123,16 +120,6 @@ impl<'a> Survey<'a> {
                     summary.concerns.push(Concern::new(Code::NotCompared, text));
                 }
             }
-        }
-        let drawn = self.plan.filter(|_| self.drawn);
-        if self.points > 0 && !summary.has_own_values() {
-            let gains = improvements(self.judge, drawn, &self.first);
-            // The intervals of gains take the points as independent.
-            let is_sample = summary.verified_interval.is_some() && summary.provenance.replicates.is_none();
-            summary.improvements = match gains {
-                Some(gains) if !is_sample => Some(gains.without_intervals()),
-                gains => gains,
-            };
         }
     }
 

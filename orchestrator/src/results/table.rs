@@ -96,7 +96,6 @@ pub fn from_runs(
     let parameters = varied.iter().map(|&k| ParameterColumn {
         name: inputs[k].name.clone(),
         unit: inputs[k].unit.clone().unwrap_or_default(),
-        distribution: String::new(),
         values: points.iter().map(|p| p[k]).collect(),
     });
     let criteria = judge.criteria.iter().enumerate().map(|(j, criterion)| {

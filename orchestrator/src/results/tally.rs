@@ -8,14 +8,13 @@ use super::failed;
 use super::resampled::{not_stated, told};
 use super::summary::{
     BestPoint, CaseCount, Correlated, Count, CriterionCount, FailedPoint, FailureKind, Kept, ParameterSummary,
-    Provenance, Summary, VariantCount,
+    Provenance, Summary,
 };
-use crate::judge::{Judge, PointVerdict, Variant};
+use crate::judge::{Judge, PointVerdict};
 use conformity::conclusion::{Conclusion, Requirement, Ruling, grouped};
 use conformity::decision::{Decision, randomised};
 use conformity::interval::LEAST_SAMPLES;
 use conformity::looks::Looks;
-use conformity::measured::Limits;
 use conformity::risk::{Guard, RiskTally};
 use fmu_import::validity;
 use fmu_points::failure::Failure;
@@ -62,7 +61,6 @@ pub struct Tally<'a> {
     /// With their classes, by what they say but for its numbers.
     failures: IndexMap<String, (&'static str, FailureKind)>,
     stated: Counts,
-    variants: Vec<Counts>,
     binds: Vec<u64>,
     only_failure: Vec<u64>,
     /// By case: points that hold in it.
@@ -76,7 +74,7 @@ pub struct Tally<'a> {
     best: Option<((bool, f64), Kept)>,
 }
 
-/// Counts by one reading of the tolerances.
+/// Counts of points.
 #[derive(Clone, Debug)]
 struct Counts {
     verified: Passed,
@@ -113,7 +111,6 @@ impl<'a> Tally<'a> {
             Sample::Nets(number) => usize::try_from(number).unwrap_or(1).max(1),
             Sample::Independent | Sample::Dependent => 1,
         };
-        let none = Counts::new(judge, replicates);
         Self {
             judge,
             replicates,
@@ -122,8 +119,7 @@ impl<'a> Tally<'a> {
             look: 1,
             points: 0,
             failures: IndexMap::new(),
-            variants: vec![none.clone(); judge.variants.len()],
-            stated: none,
+            stated: Counts::new(judge, replicates),
             binds: vec![0; judge.criteria.len()],
             only_failure: vec![0; judge.criteria.len()],
             held: vec![vec![0; replicates]; judge.cases.len()],
@@ -161,10 +157,6 @@ impl<'a> Tally<'a> {
         self.risk.add(conformity.as_ref());
         let verdict = PointVerdict { together: conformity.map(|conformity| conformity.all), ..verdict };
         self.stated.add(self.judge, &verdict, replicate);
-        for (counts, variant) in self.variants.iter_mut().zip(&self.judge.variants) {
-            let verdict = self.judge.variant_verdict(variant, values);
-            counts.add(self.judge, &verdict, replicate);
-        }
         match outcome {
             Ok(values) => {
                 self.blame(values, &verdict);
@@ -234,14 +226,14 @@ impl<'a> Tally<'a> {
         }
     }
 
-    fn by_criterion(&self, counts: &Counts) -> IndexMap<String, Count> {
-        let counts = counts.criteria.iter().map(|passed| self.count(passed));
+    fn by_criterion(&self) -> IndexMap<String, Count> {
+        let counts = self.stated.criteria.iter().map(|passed| self.count(passed));
         self.judge.names().cloned().zip(counts).collect()
     }
 
-    fn by_group(&self, counts: &Counts) -> IndexMap<String, Count> {
+    fn by_group(&self) -> IndexMap<String, Count> {
         let names = self.judge.groups.iter().map(|(name, _)| name.clone());
-        let counts = counts.groups.iter().map(|passed| self.count(passed));
+        let counts = self.stated.groups.iter().map(|passed| self.count(passed));
         names.zip(counts).collect()
     }
 
@@ -291,7 +283,7 @@ impl<'a> Tally<'a> {
             unmeasured(&mut conclusion, points);
         }
         let all = self.count(&self.stated.verified);
-        let criteria = self.by_criterion(&self.stated).into_iter().enumerate();
+        let criteria = self.by_criterion().into_iter().enumerate();
         let criteria = criteria.map(|(k, (name, count))| {
             let (criterion, risk) = (&judge.criteria[k], &statement.criteria[k]);
             let count = CriterionCount {
@@ -305,7 +297,6 @@ impl<'a> Tally<'a> {
             };
             (name, count)
         });
-        let variants = judge.variants.iter().zip(&self.variants);
         let mut failures: IndexMap<String, u64> = IndexMap::new();
         for (class, kind) in self.failures.values() {
             *failures.entry((*class).to_owned()).or_default() += kind.points;
@@ -328,11 +319,9 @@ impl<'a> Tally<'a> {
             conclusion: Some(conclusion),
             uncertainty_correlations: correlations(judge),
             criteria: criteria.collect(),
-            groups: self.by_group(&self.stated),
+            groups: self.by_group(),
             cases: self.by_case(),
-            variants: variants.map(|(variant, counts)| self.variant(variant, counts)).collect(),
             failures,
-            first_failure: failure_kinds.first().map(|kind| kind.first.clone()),
             failure_kinds,
             best_point: best.map(|(_, kept)| BestPoint::new(judge, &parameters, kept)),
             parameters,
@@ -352,22 +341,6 @@ impl<'a> Tally<'a> {
             (1, _) => "Clopper and Pearson's".to_owned(),
             (n, _) => format!("Clopper and Pearson's, with each of {n} independently scrambled nets as one trial"),
         }
-    }
-
-    fn variant(&self, variant: &Variant, counts: &Counts) -> (String, VariantCount) {
-        let limits = || self.judge.names().cloned().zip(variant.limits.iter().copied());
-        let is_even = |limits: &Limits| limits.minus == limits.plus;
-        let even = limits().filter(|(_, l)| is_even(l)).map(|(name, l)| (name, l.plus));
-        let others = limits().filter(|(_, l)| !is_even(l));
-        let count = VariantCount {
-            about: variant.about.clone(),
-            verified: self.count(&counts.verified),
-            criteria: self.by_criterion(counts),
-            groups: self.by_group(counts),
-            tolerances: even.collect(),
-            limits: others.collect(),
-        };
-        (variant.name.clone(), count)
     }
 }
 

@@ -42,7 +42,7 @@ fn few([_, most]: [f64; 2], summary: &Summary) -> Option<String> {
 
 /// How many independent points would tell the share of the accepted ones within 30 % of it; none where these are enough, or
 /// none is accepted.
-pub(super) fn enough(summary: &Summary) -> Option<u64> {
+fn enough(summary: &Summary) -> Option<u64> {
     const WITHIN: f64 = 0.3;
     const NINETY_FIVE: f64 = 1.96;
     let accepted = summary.conclusion.as_ref()?.accepted as f64;
@@ -186,7 +186,7 @@ pub(super) fn unknown(summary: &Summary) -> String {
 }
 
 /// A number of points that need not be whole.
-fn counted(points: f64) -> String {
+pub fn counted(points: f64) -> String {
     if points < 1000.0 { format!("{points:.1}") } else { grouped(points.round() as u64) }
 }
 

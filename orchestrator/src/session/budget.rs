@@ -145,8 +145,6 @@ pub struct Told {
     pub places: Vec<u64>,
     /// What they say of the sample.
     pub answers: Answers,
-    /// Parameters of the sample's points, in the study's units.
-    pub sample: Vec<Vec<f64>>,
     /// Whether the study waited for its answer.
     pub awaited: bool,
 }
@@ -159,13 +157,9 @@ impl Told {
             confidence(rule.confidence, history, summary.points, self.awaited, last_look(summary.points, self.awaited))
         });
         let beside = request.budget.as_ref().map_or(0, |budget| budget.beside);
-        let points: Vec<Vec<f64>> = self.places.iter().map(|place| self.sample[*place as usize].clone()).collect();
         let evidence = Evidence {
             judge,
-            plan,
             answers: &self.answers,
-            sample: &self.sample,
-            points: &points,
             runs: summary.points * plan.cases.len().max(1) as u64 + beside,
             verdict: [guard(judge).unwrap_or(0.0), confidence],
         };
@@ -212,7 +206,7 @@ pub fn run(
             }
         }
     }
-    Ok(Told { places, answers: campaign.answers(), sample, awaited: until.is_some() })
+    Ok(Told { places, answers: campaign.answers(), awaited: until.is_some() })
 }
 
 /// The number of the look at so many points, of a study that waits for its answer.

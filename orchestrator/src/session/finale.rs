@@ -51,7 +51,7 @@ impl Verification {
             (None, None) => Sample::of(session.study.design.method, replicates),
         };
         let mut tally = Tally::new(&session.judge, sample);
-        let mut survey = Survey::new(&session.judge, Some(&session.plan), self.is_drawn());
+        let mut survey = Survey::new(&session.judge, Some(&session.plan));
         let mut front = ending.map(Front::new);
         let mut asides = Asides {
             validity: Validity::of(session.package.description()),
@@ -117,15 +117,6 @@ impl Verification {
         summary.run = run;
         files.finish(&summary)?;
         Ok(summary)
-    }
-
-    /// Whether the points were drawn from the parameters' distributions: not those of a table, nor those of a grid.
-    fn is_drawn(&self) -> bool {
-        self.header.table.is_none() && self.session.request.budget.is_none() && !self.is_grid()
-    }
-
-    fn is_grid(&self) -> bool {
-        self.header.table.is_none() && self.session.study.design.method.is_by_levels()
     }
 
     /// Versions, seed and hashes of this run.

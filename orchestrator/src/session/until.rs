@@ -112,16 +112,14 @@ impl Ending {
         if counts { Seen::Counts } else { Seen::Misses }
     }
 
-    fn holds(&self, counts: &[u64], points: u64) -> bool {
+    fn holds(&self, count: u64, points: u64) -> bool {
         const CONFIDENCE: f64 = 0.95;
         match self.condition {
             Condition::Width(width) => {
-                let [low, high] = randomised(counts, points, CONFIDENCE);
+                let [low, high] = randomised(&[count], points, CONFIDENCE);
                 points > 0 && points.is_multiple_of(ROUND) && high - low <= width
             }
-            Condition::Verdict(rule, looks) => {
-                looks.is_due(1, points) && looks.decide(rule, counts, points) != Decision::Inconclusive
-            }
+            Condition::Verdict(rule, looks) => looks.decide(rule, &[count], points) != Decision::Inconclusive,
         }
     }
 }
@@ -156,7 +154,8 @@ pub struct Front<'a> {
     ending: &'a Ending,
     /// The points; `None` while one is not finished.
     seen: Vec<Option<Seen>>,
-    counts: Vec<u64>,
+    /// How many of those before `front` count.
+    count: u64,
     /// Whether any has a result: a study without one has no verdict, and a few failures say little about the FMU.
     compared: bool,
     /// The points before this one are finished and counted.
@@ -166,7 +165,7 @@ pub struct Front<'a> {
 impl<'a> Front<'a> {
     /// No points yet.
     pub fn new(ending: &'a Ending) -> Self {
-        Self { ending, seen: Vec::new(), counts: vec![0], compared: false, front: 0 }
+        Self { ending, seen: Vec::new(), count: 0, compared: false, front: 0 }
     }
 
     /// Notes a finished point; says whether the points up to some index are enough.
@@ -179,11 +178,11 @@ impl<'a> Front<'a> {
         }
         self.seen[index] = Some(seen);
         while let Some(Some(seen)) = self.seen.get(self.front) {
-            self.counts[0] += u64::from(*seen == Seen::Counts);
+            self.count += u64::from(*seen == Seen::Counts);
             self.compared |= *seen != Seen::Failed;
             self.front += 1;
             let points = self.front as u64;
-            if (self.compared || points >= ROUND) && self.ending.holds(&self.counts, points) {
+            if (self.compared || points >= ROUND) && self.ending.holds(self.count, points) {
                 return true;
             }
         }

@@ -224,11 +224,8 @@ fn pareto_weighs_the_criteria_against_each_other() {
         let deviations = member["deviations"].as_array().unwrap();
         deviations.iter().map(|d| d.as_f64().unwrap()).fold(0.0, f64::max)
     };
-    let nominal = &cloud["nominal"];
-    // y = 1 - exp(-2) at the nominal rate of 1.
-    let y = nominal["member"]["values"][0].as_f64().unwrap();
-    assert!((y - 0.8647).abs() < 1e-3, "{nominal}");
-    assert!(largest(&cloud["front"][0]) <= largest(&nominal["member"]) + 1e-9);
+    let front = cloud["front"].as_array().unwrap();
+    assert!(front.iter().all(|member| largest(&front[0]) <= largest(member)), "{cloud}");
     assert!(bench.read("out/report.html").contains("id=\"pareto\""));
     assert!(bench.path("out/plots/pareto-Y-Z.svg").exists());
     assert!(said.out.contains("Best compromise"), "{}", said.out);

@@ -275,7 +275,7 @@ fn a_study_whose_points_all_fail_is_inconclusive() {
         assert_eq!(said.code, 3, "{}{}", said.out, said.err);
         let summary = bench.summary("out");
         assert_eq!(summary["verdict"], "inconclusive");
-        for unknown in ["risk", "expected_verified", "other_verdict_interval", "improvements"] {
+        for unknown in ["risk", "expected_verified", "other_verdict_interval"] {
             assert!(summary[unknown].is_null(), "{unknown}");
         }
         assert_eq!(summary["validation"], serde_json::json!({}));
@@ -297,7 +297,7 @@ fn an_empty_line_of_a_table_is_a_failed_point() {
     assert_eq!(said.code, 0, "{}", said.err);
     let summary = bench.summary("out");
     assert_eq!((&summary["points"], &summary["failed"]), (&4.into(), &1.into()));
-    assert_eq!(summary["first_failure"]["point"], 2);
+    assert_eq!(summary["failure_kinds"][0]["point"], 2);
 }
 
 /// `judge` looks at a table as `verify` looks at its points: a mistaken unit shows at three of them, and rows that were
@@ -385,31 +385,11 @@ window = { from = 0.5, to = "700 ms" }
     }
 }
 
-/// The table of the comparison, and that what is halved in it is what a study with half of it shows.
 #[test]
-fn what_to_improve_first_is_what_a_study_with_half_of_it_shows() {
+fn the_comparison_names_the_largest_uncertainty() {
     let study = STUDY.replace("points = 40", "points = 2000").replace("tolerance = 0.02", "tolerance = 0.01");
     let (_, summary) = verified(&study);
-    let changes = summary["improvements"]["changes"].as_array().unwrap().clone();
-    let of = |kind: &str| changes.iter().find(|c| c["halved"] == kind).unwrap().clone();
     let number = |value: &Value| value.as_f64().unwrap();
-    let half = study.replace("uncertainty = 0.01", "uncertainty = 0.005");
-    let risk = verified(&half).1["risk"].clone();
-    let told = of("uncertainty");
-    assert!((number(&told["consumer"]) - number(&risk["consumer"])).abs() < 1e-9, "{told} {risk}");
-    assert!((number(&told["producer"]) - number(&risk["producer"])).abs() < 1e-9);
-    let half = study.replace("deviation = 0.1", "deviation = 0.05");
-    let (_, brute) = verified(&half);
-    let told = of("tolerance");
-    let [low, high] = [0, 1].map(|k| number(&told["interval"][k]));
-    let share = number(&brute["verified_fraction"]);
-    assert!((low..high).contains(&share), "{told} {share}");
-    assert!(number(&told["effective_points"]) < 2000.0 && number(&told["gain"]) > 0.1);
-    let gain = share - number(&summary["verified_fraction"]);
-    let [low, high] = [0, 1].map(|k| number(&told["gain_interval"][k]));
-    assert!(0.0 < low && high < 0.5, "{told}");
-    let risky = number(&risk["consumer"]);
-    assert!(low - risky < gain && gain < high + risky, "{told} {gain}");
     let compared = &summary["validation"]["Y"];
     assert!(compared["u_num"].is_null() && compared["u_num_note"] == "not observed");
     let error = number(&compared["model"]) - 0.86;

@@ -136,6 +136,4 @@ fn of_many_criteria_some_have_pictures() {
     assert!(page.contains("Y0<") && page.contains("Y299<"));
     let plots = std::fs::read_dir(bench.path("out/plots")).unwrap().count();
     assert!(plots < 150, "{plots}");
-    let summary = bench.summary("out");
-    assert_eq!(summary["improvements"]["changes"].as_array().unwrap().len(), 301);
 }

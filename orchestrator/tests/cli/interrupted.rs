@@ -438,9 +438,6 @@ fn what_has_no_parts_is_refused_with_the_reason() {
     let bench = bench();
     let shard = ["--shard", "1/2"];
     IDENTIFICATION.run(&bench, "i", &shard).is_mistake(&["--shard", "depends on the one before"]);
-    bench
-        .run(&["pareto", "study.toml", "--from", "verified", "--shard", "1/2"])
-        .is_mistake(&["--shard", "a single point"]);
     bench.run(&["robustness", "study.toml", "--from", "verified", "--shard", "1/2"]).is_mistake(&["--confirm"]);
 }
 

@@ -51,8 +51,6 @@ variable = "lag.y"
 nominal = 0.86
 tolerance = "50 %"
 group = "all"
-[variants.wide]
-tolerance.Y = 0.5
 "#;
 
 const SET: &str = "<ParameterSet xmlns=\"http://ssp-standard.org/SSP1/SystemStructureParameterValues\" \

@@ -60,39 +60,6 @@ fn a_starting_study_runs_at_once_and_verifies_nothing() {
     assert!(!verdict.contains("erified:") && !page.contains("Select verified"));
 }
 
-/// Euler's method on a lag: its value after two time constants is 1 - (1 - h)^(2/h) with a step h.
-#[test]
-fn a_step_that_is_too_coarse_is_halved_until_the_values_settle() {
-    let coarse = model("stepSize=\"0.01\"", "stepSize=\"0.5\"");
-    let bench = Bench::empty();
-    bench.fmu("lag.fmu", &["EULER"], &coarse);
-    let said = good(bench.run(&["init", "lag.fmu", "--output", "study.toml"]));
-    let told = "a step of 0.5 s is too coarse: lag.y is 0.9375 with it, 0.8732 with 0.0625 s, and ";
-    assert!(said.err.contains(told), "{}", said.err);
-    let study = bench.read("study.toml");
-    for lines in [&format!("\nstep = 0.0625 # s; {told}"), "\nnominal = 0.873211"] {
-        assert!(study.contains(lines), "no {lines} in {study}");
-    }
-    // What the user asks for stays.
-    let said = good(bench.run(&["init", "lag.fmu", "--step", "0.5"]));
-    assert!(said.err.contains("; the study has 0.5 s"), "{}", said.err);
-    assert!(said.out.contains("\nnominal = 0.9375 #"), "{}", said.out);
-    // What it swings about at first is lost in the mean of a long run, and not in its course.
-    bench.fmu("swing.fmu", &["EULER"], &model("stepSize=\"0.01\"", "stepSize=\"1.5\""));
-    let said = good(bench.run(&["init", "swing.fmu", "--stop", "60"]));
-    assert!(said.err.contains("a step of 1.5 s is too coarse"), "{}", said.err);
-    // An FMU with a solver of its own has no such step.
-    bench.fmu("exact.fmu", &[], &coarse);
-    let said = good(bench.run(&["init", "exact.fmu"]));
-    assert!(!said.err.contains("coarse"), "{}", said.err);
-    assert!(said.out.contains("\nstep = 0.5 # s\n"), "{}", said.out);
-    // A fault on the way.
-    let refusing = model("stepSize=\"0.01\"", "stepSize=\"0.5\"");
-    bench.fmu("refusing.fmu", &["EULER", "REFUSES"], &refusing);
-    let said = good(bench.run(&["init", "refusing.fmu"]));
-    assert!(said.out.contains("\nstep = 0.5 # s\n"), "{}", said.out);
-}
-
 #[test]
 fn measured_values_in_place_of_the_models_verify_it() {
     let (bench, study) = started(&model("Lag", "Lag"), &[]);

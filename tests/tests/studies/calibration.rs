@@ -76,7 +76,7 @@ fn the_verdicts_on_table_3_are_the_papers() {
     let judge = Judge::new(&study, Some(package.description())).unwrap();
     let order: Vec<&str> = judge.criteria.iter().map(|criterion| criterion.name.as_str()).collect();
     assert_eq!(order, ["T_oil", "T_bearing", "F_N", "P_fr"]);
-    let absolute = &judge.variants[0];
+    let is_near = |bearing: f64| (bearing - 82.0).abs() <= 0.75;
     table3(|bound, _, minimum| {
         let verdicts: Vec<(&str, bool, bool)> = bound
             .problem
@@ -86,9 +86,9 @@ fn the_verdicts_on_table_3_are_the_papers() {
             .map(|(case, predicted)| {
                 let [force, power, oil, bearing] = predicted[..] else { panic!("four quantities") };
                 let values = [oil, bearing, force, power];
-                let printed = judge.verdict(Some(&values)).verified();
-                let absolute = judge.variant_verdict(absolute, Some(&values)).verified();
-                (case.label.as_str(), printed, absolute)
+                let passed = judge.verdict(Some(&values)).passed;
+                let absolute = is_near(bearing) && passed[0] && passed[2] && passed[3];
+                (case.label.as_str(), passed.iter().all(|passed| *passed), absolute)
             })
             .collect();
         let absolute: Vec<&str> = verdicts.iter().filter(|v| v.2).map(|v| v.0).collect();

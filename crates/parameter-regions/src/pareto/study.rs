@@ -1,7 +1,6 @@
-//! The trade-off between the criteria of a study: its front, the best compromise, and where the
-//! nominal design lies.
+//! The trade-off between the criteria of a study: its front and the best compromise.
 
-use super::{dominates, front};
+use super::front;
 use crate::table::PointTable;
 use sampling::statistics::moments::{length, pearson, ranks};
 use serde::{Deserialize, Serialize};
@@ -27,18 +26,16 @@ pub struct Pareto {
     /// The point nearest to the measurement, by the root of the sum of squared deviations; its
     /// place in the front. The best compromise is the front's first point.
     pub nearest: usize,
-    /// The design with all parameters at their medians, where it was run.
-    pub nominal: Option<Nominal>,
     /// Rank correlations of the deviations along the front, by pairs of criteria: negative where
     /// one criterion is met better at the other's expense.
     pub conflicts: Vec<Conflict>,
 }
 
-/// A point of the front, or to be compared with it.
+/// A point of the front.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Member {
-    /// The point's number in `points.csv`; the nominal design has none.
-    pub point: Option<u64>,
+    /// The point's number in `points.csv`.
+    pub point: u64,
     /// The parameters.
     pub parameters: Vec<f64>,
     /// The criteria's values.
@@ -48,10 +45,9 @@ pub struct Member {
 }
 
 impl Member {
-    /// A point of a table.
-    pub fn of(table: &PointTable, point: usize) -> Self {
+    fn of(table: &PointTable, point: usize) -> Self {
         Self {
-            point: None,
+            point: table.ids[point],
             parameters: table.parameters.iter().map(|p| p.values[point]).collect(),
             values: table.criteria.iter().map(|c| c.values[point]).collect(),
             deviations: table.deviations(point).collect(),
@@ -72,17 +68,6 @@ impl Member {
     pub fn verified(&self) -> bool {
         self.deviations.iter().all(|d| *d <= 1.0)
     }
-}
-
-/// The nominal design's place relative to the front.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Nominal {
-    /// The design.
-    pub member: Member,
-    /// Number of points on the front that beat it in every criterion.
-    pub beaten_by: usize,
-    /// The least distance to a point of the front, in units of the tolerances.
-    pub to_front: f64,
 }
 
 /// Largest number of front points that are listed. Nobody reads more, and a file of a million would be unwieldy.
@@ -107,18 +92,16 @@ pub struct Conflict {
 /// The best compromise is the point with the least largest deviation (Zeleny 1973, "Compromise
 /// programming", with the infinite norm): every criterion is met with as much room to spare as the
 /// worst of them can have.
-pub fn trade_off(table: &PointTable, nominal: Option<Member>) -> Option<Pareto> {
+pub fn trade_off(table: &PointTable) -> Option<Pareto> {
     let completed: Vec<usize> = (0..table.len()).filter(|&i| table.completed(i)).collect();
     let objectives = completed.iter().map(|&i| table.deviations(i).collect());
     let unbeaten = front(&objectives.collect::<Vec<_>>()).into_iter();
-    let member = |k: usize| Member { point: Some(table.ids[completed[k]]), ..Member::of(table, completed[k]) };
-    let mut chosen: Vec<Member> = unbeaten.map(member).collect();
+    let mut chosen: Vec<Member> = unbeaten.map(|k| Member::of(table, completed[k])).collect();
     chosen.sort_by(|a, b| a.largest().total_cmp(&b.largest()));
     let by_distance = |a: &usize, b: &usize| chosen[*a].distance().total_cmp(&chosen[*b].distance());
     let nearest = (0..chosen.len()).min_by(by_distance)?;
     let unbeaten = chosen.len();
     let unbeaten_verified = chosen.iter().filter(|m| m.verified()).count();
-    let nominal = nominal.map(|member| compare(member, &chosen));
     let conflicts = conflicts(&chosen, table.criteria.len());
     let nearest = shorten(&mut chosen, nearest);
     Some(Pareto {
@@ -127,7 +110,6 @@ pub fn trade_off(table: &PointTable, nominal: Option<Member>) -> Option<Pareto> 
         units: table.parameters.iter().map(|p| p.unit.clone()).collect(),
         criteria: table.criteria.iter().map(|c| c.name.clone()).collect(),
         nearest,
-        nominal,
         conflicts,
         unbeaten,
         unbeaten_verified,
@@ -151,19 +133,6 @@ fn shorten(front: &mut Vec<Member>, nearest: usize) -> usize {
     }
     *front = kept.into_iter().map(|i| front[i].clone()).collect();
     place
-}
-
-fn compare(member: Member, front: &[Member]) -> Nominal {
-    let to = |other: &Member| {
-        let pairs = member.deviations.iter().zip(&other.deviations);
-        length(pairs.map(|(a, b)| a - b))
-    };
-    let beats = |other: &&Member| dominates(&other.deviations, &member.deviations);
-    Nominal {
-        beaten_by: front.iter().filter(beats).count(),
-        to_front: front.iter().map(to).fold(f64::INFINITY, f64::min),
-        member,
-    }
 }
 
 fn conflicts(front: &[Member], criteria: usize) -> Vec<Conflict> {
@@ -200,12 +169,7 @@ mod tests {
         };
         PointTable {
             ids: (1..=x.len() as u64).collect(),
-            parameters: vec![ParameterColumn {
-                name: "x".into(),
-                unit: "m".into(),
-                distribution: String::new(),
-                values: x.to_vec(),
-            }],
+            parameters: vec![ParameterColumn { name: "x".into(), unit: "m".into(), values: x.to_vec() }],
             criteria: vec![criterion(0.0, 1.0), criterion(1.0, 0.5)],
             verified: vec![false; x.len()],
             status: vec!["ok".into(); x.len()],
@@ -214,22 +178,16 @@ mod tests {
     }
 
     #[test]
-    fn the_compromise_shares_the_room_and_the_nominal_design_is_compared() {
+    fn the_compromise_shares_the_room() {
         let x: Vec<f64> = (-20..=40).map(|k| f64::from(k) / 20.0).collect();
-        let nominal = Member::of(&table(&[-0.5]), 0);
-        let p = trade_off(&table(&x), Some(nominal)).unwrap();
+        let p = trade_off(&table(&x)).unwrap();
         // Everything between the two measured values is on the front, nothing else.
         assert_eq!(p.front.len(), 21);
         // x = 2 (1 - x): both deviations are 2/3; the nearest grid point is 0.65.
         assert!((p.front[0].parameters[0] - 0.65).abs() < 1e-9, "{:?}", p.front[0]);
-        assert_eq!(p.front[0].point, Some(34));
+        assert_eq!(p.front[0].point, 34);
         assert!((p.front[p.nearest].parameters[0] - 0.8).abs() < 1e-9);
         assert!(p.front[0].verified() && !p.front[20].verified());
-        let n = p.nominal.unwrap();
-        assert_eq!(n.member.deviations, [0.5, 3.0]);
-        assert_eq!(n.beaten_by, 11);
-        // From (0.5, 3) to (0, 2), the front's end.
-        assert!((n.to_front - 1.25f64.sqrt()).abs() < 1e-9, "{n:?}");
         assert_eq!(p.conflicts.len(), 1);
         assert!((p.conflicts[0].correlation + 1.0).abs() < 1e-12);
     }
@@ -237,7 +195,7 @@ mod tests {
     #[test]
     fn a_large_front_is_counted_and_its_best_points_are_kept() {
         let x: Vec<f64> = (0..=30_000).map(|k| f64::from(k) / 30_000.0).collect();
-        let p = trade_off(&table(&x), None).unwrap();
+        let p = trade_off(&table(&x)).unwrap();
         assert_eq!((p.unbeaten, p.front.len()), (30_001, MOST + usize::from(p.nearest >= MOST / 2)));
         // Verified from 0.5 on.
         assert_eq!(p.unbeaten_verified, 15_001);
@@ -248,13 +206,12 @@ mod tests {
 
     #[test]
     fn the_nearest_point_is_kept_wherever_it_is() {
-        let member =
-            |k: usize| Member { point: Some(k as u64), parameters: vec![], values: vec![], deviations: vec![] };
+        let member = |k: usize| Member { point: k as u64, parameters: vec![], values: vec![], deviations: vec![] };
         let mut front: Vec<Member> = (0..5 * MOST).map(member).collect();
         let place = shorten(&mut front, MOST + 7);
-        assert_eq!((front.len(), front[place].point), (MOST + 1, Some(MOST as u64 + 7)));
+        assert_eq!((front.len(), front[place].point), (MOST + 1, MOST as u64 + 7));
         assert!(front.is_sorted_by_key(|m| m.point));
-        assert!(front[MOST].point > Some(4 * MOST as u64));
+        assert!(front[MOST].point > 4 * MOST as u64);
     }
 
     #[test]
@@ -262,10 +219,10 @@ mod tests {
         let mut t = table(&[0.2, 0.5]);
         t.status[0] = "failed".into();
         t.criteria.iter_mut().for_each(|c| c.values[0] = f64::NAN);
-        let p = trade_off(&t, None).unwrap();
-        assert_eq!((p.points, p.front.len(), p.front[0].point), (1, 1, Some(2)));
+        let p = trade_off(&t).unwrap();
+        assert_eq!((p.points, p.front.len(), p.front[0].point), (1, 1, 2));
         t.status[1] = "failed".into();
         t.criteria.iter_mut().for_each(|c| c.values[1] = f64::NAN);
-        assert_eq!(trade_off(&t, None), None);
+        assert_eq!(trade_off(&t), None);
     }
 }

@@ -36,7 +36,6 @@ fn table(n: usize) -> PointTable {
     let column = |k: usize| ParameterColumn {
         name: format!("p{k}"),
         unit: String::new(),
-        distribution: String::new(),
         values: points.iter().map(|x| x[k]).collect(),
     };
     PointTable {

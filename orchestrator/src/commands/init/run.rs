@@ -8,10 +8,7 @@ use crate::commands::simulate::of_step;
 use crate::error::Error;
 use fmu_import::{Description, Handle, Value, Variable};
 use fmu_points::failure::Failure;
-use fmu_points::names::behind;
-use fmu_points::task::{Schedule, Task};
-use result_document::format::number as digits;
-use sampling::statistics::moments::mean;
+use fmu_points::task::Task;
 use sampling::statistics::{Accumulator, Statistic};
 
 /// The longest time of the run.
@@ -19,10 +16,6 @@ const PATIENCE: Duration = Duration::from_secs(60);
 
 /// The tolerance of the study that is written, as a part of the value.
 pub(super) const TOLERANCE: f64 = 0.05;
-/// Half the step changes a criterion's value by less than this part of it, a sixth of its tolerance, and the whole signal by
-/// less than this part of its range, where the step is short enough.
-const SETTLED: f64 = TOLERANCE / 6.0;
-
 /// Less than this part of its range is next to nothing.
 pub(super) const SMALL: f64 = 0.01;
 
@@ -37,8 +30,6 @@ pub(super) struct Signal<'a> {
     mean: Accumulator,
     rms: Accumulator,
     span: f64,
-    /// Its values at times that runs with other steps have, too.
-    course: Vec<f64>,
     /// How often it turned in the second half of the run.
     turns: u32,
     way: f64,
@@ -55,7 +46,6 @@ impl<'a> Signal<'a> {
             mean: Accumulator::new(Statistic::Mean),
             rms: Accumulator::new(Statistic::Rms),
             span: 0.0,
-            course: Vec::new(),
             turns: 0,
             way: 0.0,
         }
@@ -101,106 +91,19 @@ impl<'a> Signal<'a> {
             _ => self.last,
         }
     }
-
-    /// How far it is from that with a coarser step: its value, as a part of what its tolerance is a part of, and its course in
-    /// the mean, as a part of its range. A value alone may not tell a swing that decays from one that does not.
-    fn change_from(&self, coarse: &Self) -> [f64; 2] {
-        let (statistic, value) = self.value();
-        let range = self.most - self.least;
-        let size = match value.abs() < SMALL * range {
-            true => range,
-            false => value.abs(),
-        };
-        let pairs = self.course.iter().zip(&coarse.course);
-        let apart: Vec<f64> = pairs.map(|(a, b)| (a - b).abs()).collect();
-        [(value - coarse.of(statistic)).abs() / size, mean(&apart) / range.max(SMALL * size)]
-    }
 }
 
-/// The numbers of the first ones that move.
-pub(super) fn moving<'s>(signals: &'s [Signal<'_>], most: usize) -> impl Iterator<Item = usize> + 's {
-    let all = 0..signals.len();
-    all.filter(|&k| signals[k].moves()).take(most)
-}
-
-/// Of those that become criteria, `most` of them, the one that a finer step changes most, where that is notable.
-fn changed(coarse: &[Signal<'_>], finer: &[Signal<'_>], most: usize) -> Option<usize> {
-    let change = |k: &usize| finer[*k].change_from(&coarse[*k]);
-    let is_notable = |part: &f64| *part > SETTLED || part.is_nan();
-    let notable = moving(finer, most).filter(|k| change(k).iter().any(is_notable));
-    let sum = |k: &usize| change(k).iter().sum::<f64>();
-    notable.max_by(|a, b| sum(a).total_cmp(&sum(b)))
-}
-
-/// What the FMU's variables do with a step that is short enough for those of them that become criteria, `most` of them;
-/// and a sentence where the first step is not. `schedule` gets the step, unless `kept` or none is short enough.
-pub(super) fn settled<'a>(
-    isolated: &Isolated,
-    (task, schedule): (Task, &mut Schedule),
-    variables: &[&'a Variable],
-    (most, kept): (usize, bool),
-) -> Result<(Vec<Signal<'a>>, Option<String>), Error> {
-    const HALVINGS: u32 = 6;
-    /// So many values of a signal tell its course.
-    const COURSE: u64 = 500;
-    let until = Instant::now().checked_add(PATIENCE);
-    let first_step = schedule.step;
-    let every = schedule.steps().div_ceil(COURSE).max(1) as usize;
-    let with = |step: f64| {
-        let task = Task { schedule: Schedule { step, ..*schedule }, ..task.clone() };
-        // The same messages again would tell nothing.
-        let end = (until, step == first_step);
-        let every = every * (first_step / step).round() as usize;
-        signals(isolated, &task, variables, end, every)
-    };
-    let first = with(first_step)?;
-    let (mut found, mut first_changed, mut is_short_enough) = (None, None, false);
-    for _ in 0..HALVINGS {
-        let (step, signals) = found.as_ref().map_or((first_step, &first), |(step, signals)| (*step, signals));
-        // An FMU may refuse such a step, and what takes long is no first study.
-        let step = 0.5 * step;
-        let Ok(finer) = with(step) else { break };
-        let Some(changed) = changed(signals, &finer, most) else {
-            is_short_enough = true;
-            break;
-        };
-        first_changed.get_or_insert(changed);
-        found = Some((step, finer));
-    }
-    let (Some((step, signals)), Some(changed)) = (found, first_changed) else {
-        return Ok((first, None));
-    };
-    let (finer, coarse) = (&signals[changed], &first[changed]);
-    let ((statistic, value), [_, course]) = (finer.value(), finer.change_from(coarse));
-    let unit = behind(finer.variable.unit());
-    let told = format!(
-        "a step of {first_step} s is too coarse: {} is {}{unit} with it, {}{unit} with {step} s, and in the mean {} % of its range apart on the way{}",
-        finer.variable.name,
-        digits(coarse.of(statistic), 4),
-        digits(value, 4),
-        digits(100.0 * course, 2),
-        if is_short_enough { "" } else { ", and changes on: choose a step yourself" }
-    );
-    if kept || !is_short_enough {
-        return Ok((first, Some(told)));
-    }
-    schedule.step = step;
-    Ok((signals, Some(told)))
-}
-
-/// Runs the FMU once and looks at these variables, of which every so many values are kept.
-fn signals<'a>(
+/// Runs the FMU once and looks at these variables.
+pub(super) fn signals<'a>(
     isolated: &Isolated,
     task: &Task,
     variables: &[&'a Variable],
-    end: (Option<Instant>, bool),
-    every: usize,
 ) -> Result<Vec<Signal<'a>>, Error> {
     let handles: Vec<Handle> = variables.iter().map(|variable| variable.handle()).collect();
     let mut signals: Vec<Signal<'_>> = variables.iter().map(|v| Signal::new(v)).collect();
     let middle = 0.5 * (task.schedule.start + task.schedule.stop);
-    let (mut before, mut row) = (None, 0);
-    isolated.observe(task, &handles, end, |time, values| {
+    let mut before = None;
+    isolated.observe(task, &handles, Instant::now().checked_add(PATIENCE), |time, values| {
         let elapsed = time - before.replace(time).unwrap_or(time);
         for (signal, value) in signals.iter_mut().zip(values) {
             let value = match value {
@@ -209,11 +112,7 @@ fn signals<'a>(
                 Value::Boolean(_) | Value::String(_) => f64::NAN,
             };
             signal.add(elapsed, value, time > middle);
-            if row % every == 0 {
-                signal.course.push(value);
-            }
         }
-        row += 1;
     })?;
     Ok(signals)
 }

@@ -19,7 +19,7 @@ const MOST_LINES: usize = 60;
 /// Of a table with many columns, so many parameters are shown all the same.
 const FEWEST_PARAMETERS: usize = 5;
 /// How many outputs become criteria where nothing is measured.
-pub(super) const CRITERIA: usize = 3;
+const CRITERIA: usize = 3;
 
 /// A study to be written.
 #[derive(Debug)]
@@ -28,8 +28,6 @@ pub(super) struct Study<'a> {
     /// The FMU's path, as seen from the study.
     pub(super) path: PathBuf,
     pub(super) schedule: Schedule,
-    /// That the first step was too coarse, in a sentence.
-    pub(super) of_step: Option<String>,
     pub(super) parameters: Vec<(&'a Variable, Shown<'a>)>,
     /// Start values of the user's.
     pub(super) set: Vec<(&'a Variable, String)>,
@@ -312,7 +310,7 @@ impl Study<'_> {
     /// The text.
     pub(super) fn text(&self) -> String {
         let Schedule { start, stop, step, .. } = self.schedule;
-        let (fmu, of_step) = (self.fmu, self.of_step.as_deref());
+        let fmu = self.fmu;
         let mut lines = vec![
             format!("title = {}", quoted(&fmu.model_name)),
             format!("fmu = {}", file(&self.path)),
@@ -324,7 +322,7 @@ impl Study<'_> {
         }
         lines.extend([
             format!("stop = {} # s", number(stop)),
-            format!("step = {} # s{}", number(step), of_step.map_or_else(String::new, |told| format!("; {told}"))),
+            format!("step = {} # s", number(step)),
             String::new(),
             "[design]".to_owned(),
             format!("method = \"monte-carlo\" # or {}", Method::named(|method| method != Method::MonteCarlo)),

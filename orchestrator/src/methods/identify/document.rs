@@ -11,13 +11,12 @@ use calibration::problem::{Free, Problem, Spacing};
 use calibration::sample::{self, Sample};
 use calibration::surrogate::text::sentences;
 use calibration::text;
-use minijinja::{Environment, context};
 use sampling::distribution::Distribution;
-use sampling::statistics::moments::{deviation, mean};
 
 use crate::error::Error;
 use crate::identify::bind::Bound;
-use point_journal::files::write_text;
+use crate::report::plain;
+use result_document::bins::{axis_range, bins_for, histogram};
 use result_document::format::{count, number, with_unit as with_unit_in_brackets};
 use result_document::svg::{Frame, area, circle, envelope, path};
 use result_document::{Block, Column, Document, Figure, Key, Table, numbers, words};
@@ -27,7 +26,7 @@ const MOST_ROWS: usize = 200;
 const MOST_CURVES: usize = 24;
 const MOST_PAIRS: usize = 6;
 const MOST_POINTS: usize = 600;
-/// With so many cases the residuals are drawn.
+/// The values of so many cases are folded.
 const MANY_CASES: usize = 6;
 
 /// An identification for its page.
@@ -70,11 +69,11 @@ impl Page<'_> {
     /// The result, in the order in which it is read.
     fn documents(&self) -> Vec<Document> {
         let causes = super::culprits::document(self.outcome);
-        let documents = [causes, Some(self.parameters()), self.pairs(), self.sensors(), Some(self.fit()), self.next()];
+        let documents = [causes, Some(self.parameters()), self.sensors(), Some(self.fit()), self.next()];
         documents.into_iter().flatten().collect()
     }
 
-    /// The result as a section of the study's page.
+    /// The result as a section of a page.
     pub(super) fn section(&self) -> Document {
         let (_, headline, told) = self.headline();
         let mut section = Document::new("identification", "Identification", "Which parameters fit the measured values");
@@ -88,46 +87,20 @@ impl Page<'_> {
         section
     }
 
-    /// The result for the terminal.
-    pub(super) fn as_text(&self) -> String {
-        let (_, headline, told) = self.headline();
-        let mut text: String = self.warnings().iter().map(|warning| format!("warning: {warning}\n")).collect();
-        text += &format!("{headline}.\n");
-        told.iter().for_each(|sentence| text += &format!("{sentence}\n"));
-        for document in self.documents() {
-            let content = document.as_text();
-            if !content.is_empty() {
-                text += &format!("\n{}\n{content}", document.title);
-            }
-        }
-        text
-    }
-
     /// Writes the page into a folder.
     ///
     /// # Errors
     /// When the system says no.
     pub(super) fn write(&self, folder: &Path) -> Result<(), Error> {
-        let documents = self.documents();
-        let links: Vec<[String; 2]> =
-            documents.iter().map(|d| [&d.id, &d.link].map(|words| words.to_string())).collect();
-        let (good, headline, told) = self.headline();
-        let page = context! {
-            title => self.title,
-            style => [
-                result_document::svg::STYLE,
-                include_str!("../../report/assets/report.css")
-            ].concat(),
-            links, good, headline, told,
-            values => self.values(),
-            warnings => self.warnings(),
-            count => self.outcome.free.len(),
-            sections => documents.iter().map(Document::as_html).collect::<String>(),
-            program => concat!("orchestrator ", env!("CARGO_PKG_VERSION")),
+        let (is_good, headline, _) = self.headline();
+        let page = plain::Page {
+            kicker: "Identification",
+            title: self.title,
+            headline: &headline,
+            is_good,
+            documents: &[self.section()],
         };
-        let template = include_str!("page.html");
-        let html = Environment::new().render_named_str("identification.html", template, page)?;
-        Ok(write_text(&folder.join("report.html"), html)?)
+        page.write(&folder.join("report.html"))
     }
 
     /// Whether all is well, what came of it, and how well it fits.
@@ -169,19 +142,6 @@ impl Page<'_> {
         concerns.map(|concern| concern.to_string()).collect()
     }
 
-    /// The parameters in a line each, where there are few and no doubt which set of them it is.
-    fn values(&self) -> Vec<String> {
-        const FEW: usize = 4;
-        let free = self.outcome.free.iter();
-        let few = free.len() <= FEW && !self.outcome.has_several();
-        let line = |free: &FreeOutcome| {
-            let [value, low, high] = told(free);
-            let value = with_unit(value, free);
-            format!("{} {value} ({low} .. {high}, 95 %)", free.name)
-        };
-        free.filter(|_| few).map(line).collect()
-    }
-
     fn residual(&self, case: usize, quantity: usize) -> &Residual {
         &self.outcome.cases[case].residuals[quantity]
     }
@@ -211,28 +171,14 @@ impl Page<'_> {
                  and steps are what the model, or the stated noise, does not explain.",
             );
         }
-        let (mut rows, mut all) = (Vec::new(), Vec::new());
-        let mut figures = Vec::new();
-        for quantity in singles(self.bound) {
-            let of_this = self.rows(quantity);
-            match self.outcome.cases.len() < MANY_CASES {
-                true => rows.extend(of_this),
-                false => {
-                    figures.extend(self.by_case(quantity));
-                    all.extend(of_this);
-                }
-            }
-        }
-        if rows.is_empty() {
+        let rows: Vec<_> = singles(self.bound).flat_map(|quantity| self.rows(quantity)).collect();
+        let is_long = self.outcome.cases.len() >= MANY_CASES;
+        if rows.is_empty() || is_long {
             text::largest(self.outcome).into_iter().for_each(|sentence| told.say(sentence));
         }
-        told.table(values(rows));
-        if !figures.is_empty() {
-            told.blocks.push(Block::Figures("thirds".into(), figures));
-            told.hint(
-                "Model less measurement of each case, in standard uncertainties; the band reaches to two of them.",
-            );
-            told.blocks.push(Block::Folded("All values".into(), false, vec![Block::Table(values(all))]));
+        match is_long && !rows.is_empty() {
+            true => told.blocks.push(Block::Folded("All values".into(), false, vec![Block::Table(values(rows))])),
+            false => told.table(values(rows)),
         }
         list(&mut told, text::excluded(self.outcome));
         list(&mut told, self.outcome.surrogate.as_ref().map(sentences).unwrap_or_default());
@@ -263,26 +209,6 @@ impl Page<'_> {
             ]
         };
         (0..cases.len().min(MOST_ROWS)).map(row).collect()
-    }
-
-    /// A quantity's residuals, case by case.
-    fn by_case(&self, quantity: usize) -> Option<Figure> {
-        let name = &self.bound.problem.quantities[quantity].name;
-        let missed: Vec<f64> =
-            (0..self.outcome.cases.len()).map(|case| self.residual(case, quantity).missed()).collect();
-        let y = range(missed.iter().copied().chain([-3.0, 3.0]))?;
-        let frame = Frame::new(360.0, 200.0, [0.0, missed.len() as f64 + 1.0], y);
-        let mut out = frame.axes("case, in the order of the table", Some("residual"));
-        out += &area("band", [frame.x.from, frame.x.to], [frame.y.at(-2.0), frame.y.at(2.0)]);
-        let points = missed.iter().enumerate();
-        let points = points.map(|(k, v)| circle([frame.x.at(k as f64 + 1.0), frame.y.at(*v)], 3.0));
-        out += &path("pt in", points.collect::<String>());
-        Some(Figure {
-            file: format!("residuals-{quantity}"),
-            caption: name.clone(),
-            svg: frame.wrap(&format!("{name}: residuals by case"), &out),
-            ..Figure::default()
-        })
     }
 
     fn sensors(&self) -> Option<Document> {
@@ -371,8 +297,18 @@ impl Page<'_> {
         told.blocks
             .push(Block::Legend(vec![Key::new("line before", "M0,7h14", "prior: what was known before"), posterior]));
         let all = 0..self.bound.problem.free.len();
-        let figures = all.filter_map(|k| self.density(k)).chain(self.common());
-        told.blocks.push(Block::Figures("thirds".into(), figures.collect()));
+        told.blocks.push(Block::Figures("thirds".into(), all.filter_map(|k| self.density(k)).collect()));
+        let pairs = self.pairs();
+        if !pairs.is_empty() {
+            told.hint(match self.sample {
+                Some(_) => "Each point is a set of parameters from the posterior. A narrow, slanted cloud: the data tell the combination, not each one.",
+                None => {
+                    "The ellipse holds both with 95 % probability, by the normal approximation. A narrow, slanted one: the data tell the combination, \
+                     not each one."
+                }
+            });
+            told.blocks.push(Block::Figures("thirds".into(), pairs));
+        }
         told
     }
 
@@ -390,13 +326,12 @@ impl Page<'_> {
                 [optimum.weight, drawn(free, of.value), drawn(free, of.deviation)]
             })
             .collect();
-        let x = match &sampled {
-            Some(values) => reach(values, ends)?,
-            None => {
-                let around = normals.iter().flat_map(|[_, v, d]| [v - 5.0 * d, v + 5.0 * d]);
-                within(around, ends)?
-            }
-        };
+        let around = normals.iter().flat_map(|[_, v, d]| [v - 5.0 * d, v + 5.0 * d]).collect();
+        let [low, high] = axis_range(sampled.clone().unwrap_or(around), f64::NAN, f64::NAN)?;
+        let x = [low.max(ends[0]), high.min(ends[1])];
+        if x[0] >= x[1] {
+            return None;
+        }
         let before = prior_density(free, ends);
         let after = |v: f64| -> f64 {
             let parts = normals.iter().map(|[weight, centre, width]| {
@@ -406,58 +341,17 @@ impl Page<'_> {
         };
         let after: &dyn Fn(f64) -> f64 = &after;
         let shape = sampled.as_deref().map_or(Shape::Line(after), Shape::Sample);
-        let (svg, scaled) = densities(&free.name, &axis(free), x, &before, &shape);
         Some(Figure {
             file: format!("parameter-{index}"),
             caption: free.name.clone(),
-            svg,
-            note: note(free) + &scaled,
+            svg: densities(&free.name, &axis(free), x, &before, &shape),
+            note: note(free),
             ..Figure::default()
         })
     }
 
-    /// Densities of the means and spreads of the parameters that vary from case to case.
-    fn common(&self) -> Vec<Figure> {
-        let Some(sample) = self.sample else {
-            return Vec::new();
-        };
-        let problem = &self.bound.problem;
-        let first = sample.unknowns() - 2 * problem.populations.len();
-        let figures = problem.populations.iter().enumerate().flat_map(|(number, population)| {
-            let free = &problem.free[population.members[0]];
-            let at = first + 2 * number;
-            let means = sample.places(at);
-            let means: Vec<f64> = means.map(|v| drawn(free, free.value(v))).collect();
-            let spreads = sample.places(at + 1);
-            let spreads: Vec<f64> = spreads.map(|v| drawn(free, free.spread(v))).collect();
-            let scale = drawn(free, free.spread(population.scale(problem)));
-            let half_normal = move |v: f64| {
-                let z = v / scale;
-                (2.0 / std::f64::consts::PI).sqrt() / scale * (-0.5 * z * z).exp()
-            };
-            let ends = [free.min, free.max].map(|v| drawn(free, v));
-            let figure = |what: &str, values: &[f64], ends: [f64; 2], before: &dyn Fn(f64) -> f64| {
-                let x = reach(values, ends)?;
-                let name = format!("{}, {what}", population.name);
-                let axis = axis(&Free { name: name.clone(), ..free.clone() });
-                let (svg, note) = densities(&name, &axis, x, before, &Shape::Sample(values));
-                Some(Figure {
-                    file: format!("{what}-{number}"),
-                    caption: name,
-                    svg,
-                    note: note.trim_start_matches("; ").to_owned(),
-                    ..Figure::default()
-                })
-            };
-            [
-                figure("mean", &means, ends, &prior_density(free, ends)),
-                figure("spread", &spreads, [0.0, f64::INFINITY], &half_normal),
-            ]
-        });
-        figures.flatten().collect()
-    }
-
-    fn pairs(&self) -> Option<Document> {
+    /// Which parameters the data tell only together, those first.
+    fn pairs(&self) -> Vec<Figure> {
         let n = self.bound.problem.free.len();
         let correlation = |a: usize, b: usize| match &self.outcome.posterior {
             Some(sample) => sample.correlations[a][b],
@@ -465,17 +359,7 @@ impl Page<'_> {
         };
         let mut pairs: Vec<(usize, usize)> = (0..n).flat_map(|a| (a + 1..n).map(move |b| (a, b))).collect();
         pairs.sort_by(|p, q| correlation(q.0, q.1).abs().total_cmp(&correlation(p.0, p.1).abs()));
-        let mut told = Document::new("pairs", "Pairs", "Which parameters the data tell only together");
-        let figures = pairs.iter().take(MOST_PAIRS).filter_map(|&(a, b)| self.pair([a, b], correlation(a, b)));
-        told.blocks.push(Block::Figures("thirds".into(), figures.collect()));
-        told.hint(match self.sample {
-            Some(_) => "Each point is a set of parameters from the posterior. A narrow, slanted cloud: the data tell the combination, not each one.",
-            None => {
-                "The ellipse holds both with 95 % probability, by the normal approximation. A narrow, slanted one: the data tell the combination, \
-                 not each one."
-            }
-        });
-        (n > 1).then_some(told)
+        pairs.iter().take(MOST_PAIRS).filter_map(|&(a, b)| self.pair([a, b], correlation(a, b))).collect()
     }
 
     fn pair(&self, [a, b]: [usize; 2], correlation: f64) -> Option<Figure> {
@@ -654,41 +538,24 @@ enum Shape<'a> {
     Line(&'a dyn Fn(f64) -> f64),
 }
 
-/// The range of these values between ends.
-fn within(values: impl Iterator<Item = f64>, ends: [f64; 2]) -> Option<[f64; 2]> {
-    let [low, high] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
-    let [low, high] = [low.max(ends[0]), high.min(ends[1])];
-    (high > low).then_some([low, high])
-}
-
-/// The range in which a sample is drawn.
-fn reach(values: &[f64], ends: [f64; 2]) -> Option<[f64; 2]> {
-    let (centre, width) = (mean(values), deviation(values, 1));
-    within([-5.0, 5.0].into_iter().map(|side| centre + side * width), ends)
-}
-
-/// Prior and posterior over a range, and words on the scale of the prior: where the posterior is far narrower, the prior is drawn
-/// higher, as it would lie on the axis.
-fn densities(name: &str, axis: &str, x: [f64; 2], before: &dyn Fn(f64) -> f64, shape: &Shape<'_>) -> (String, String) {
-    /// The least height of the prior, as a part of the posterior's.
-    const LEAST: f64 = 0.2;
+/// Prior and posterior over a range, each as high as the picture.
+fn densities(name: &str, axis: &str, x: [f64; 2], before: &dyn Fn(f64) -> f64, shape: &Shape<'_>) -> String {
     let width = x[1] - x[0];
     let grid: Vec<f64> = (0..=200).map(|k| x[0] + width * f64::from(k) / 200.0).collect();
-    let line = |of: &dyn Fn(f64) -> f64| grid.iter().map(|v| of(*v)).collect::<Vec<f64>>();
-    let highest = |all: &[f64]| all.iter().copied().fold(0.0, f64::max);
-    let mut before = line(before);
+    let scaled = |heights: Vec<f64>| -> Vec<f64> {
+        let highest = heights.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
+        heights.into_iter().map(|height| height / highest).collect()
+    };
+    let line = |of: &dyn Fn(f64) -> f64| scaled(grid.iter().map(|v| of(*v)).collect());
+    let before = line(before);
     let after = match shape {
         Shape::Line(of) => line(of),
-        Shape::Sample(values) => histogram(values, x),
+        Shape::Sample(values) => {
+            let counts = histogram(values.iter(), x, bins_for(values.len()));
+            scaled(counts.into_iter().map(|count| count as f64).collect())
+        }
     };
-    let times = LEAST * highest(&after) / highest(&before);
-    let mut scaled = String::new();
-    if times > 1.0 && times.is_finite() {
-        before.iter_mut().for_each(|height| *height *= times);
-        scaled = format!("; the prior is drawn {} times as high", number(times, 2));
-    }
-    let top = highest(&after).max(highest(&before));
-    let frame = Frame::new(360.0, 200.0, x, [0.0, 1.08 * top]);
+    let frame = Frame::new(360.0, 200.0, x, [0.0, 1.08]);
     let mut out = frame.axes(axis, None);
     match shape {
         Shape::Sample(_) => {
@@ -701,19 +568,7 @@ fn densities(name: &str, axis: &str, x: [f64; 2], before: &dyn Fn(f64) -> f64, s
         Shape::Line(_) => out += &path("line", envelope(grid.iter().zip(&after), &frame)),
     }
     out += &path("line before", envelope(grid.iter().zip(&before), &frame));
-    (frame.wrap(&format!("{name}: prior and posterior"), &out), scaled)
-}
-
-/// The density of a sample in even bins of a range.
-fn histogram(values: &[f64], x: [f64; 2]) -> Vec<f64> {
-    let bins = ((2.0 * (values.len() as f64).cbrt()) as usize).clamp(8, 40);
-    let width = (x[1] - x[0]) / bins as f64;
-    let mut counts = vec![0.0; bins];
-    for v in values.iter().filter(|v| (x[0]..x[1]).contains(*v)) {
-        counts[(((v - x[0]) / width) as usize).min(bins - 1)] += 1.0;
-    }
-    let all = values.len() as f64 * width;
-    counts.into_iter().map(|count: f64| count / all).collect()
+    frame.wrap(&format!("{name}: prior and posterior"), &out)
 }
 
 /// A value or a standard deviation as it is drawn: on a logarithmic scale its decimal logarithm.

@@ -250,13 +250,14 @@ impl Analysis for Asked {
             sample: sample.as_ref(),
         };
         let origin = Origin { study_sha256: fit.study.digest(), fmu_sha256: Some(fit.package.digest()?), points: None };
-        let section = Section { origin: origin.clone(), document: page.section() };
-        write_json(&folder.join(SECTION), &section)?;
+        let document = page.section();
+        let text = document.as_text();
+        write_json(&folder.join(SECTION), &Section { origin: origin.clone(), document })?;
         // A finished study has a page, which shows the section.
         if !folder.join("summary.json").exists() {
             page.write(folder)?;
         }
-        let mut result = AnalysisResult::new(&outcome, origin, page.as_text(), FILE);
+        let mut result = AnalysisResult::new(&outcome, origin, text, FILE);
         result.add("fit", &outcome.fit());
         result.add("causes", &culprits::causes(&outcome));
         result.add("concerns", &concerns(&outcome));

@@ -25,14 +25,6 @@ pub fn document(result: &Pareto) -> Document {
         count(result.points),
         count(result.unbeaten_verified)
     ));
-    if let Some(nominal) = &result.nominal {
-        told.say(format!(
-            "Of the front, {} points are as near as the nominal design (all parameters at their medians) in every criterion and \
-             nearer in one; it lies {} of a tolerance from the front.",
-            count(nominal.beaten_by),
-            number(nominal.to_front, 3)
-        ));
-    }
     let conflicts = result.conflicts.iter();
     for c in conflicts.filter(|c| c.correlation <= CONFLICT) {
         told.say(format!(
@@ -47,7 +39,7 @@ pub fn document(result: &Pareto) -> Document {
         "Criteria: the value and, in brackets, its deviation in units of the tolerance. The best compromise has the least \
          largest deviation: every criterion keeps as much room as the worst of them can have.",
     );
-    told.blocks.push(legend(result));
+    told.blocks.push(legend());
     told.blocks.push(Block::Figures("thirds".into(), plots(result)));
     told
 }
@@ -58,8 +50,6 @@ fn members(result: &Pareto, best: &Member) -> Table {
     if result.nearest > 0 {
         rows.push(row("Nearest", &result.front[result.nearest]));
     }
-    let nominal = result.nominal.iter();
-    rows.extend(nominal.map(|n| row("Nominal design", &n.member)));
     let parameters = result.parameters.iter().zip(&result.units);
     let parameters = parameters.map(|(name, unit)| Column { unit: unit.clone(), ..numbers(name) });
     let columns = [words(""), numbers("largest"), numbers("distance")].into_iter();
@@ -72,26 +62,20 @@ fn members(result: &Pareto, best: &Member) -> Table {
 }
 
 fn row(title: &str, m: &Member) -> Vec<String> {
-    let point = m.point.map_or_else(String::new, |p| format!(", point {p}"));
     let criterion = |(value, deviation): (&f64, &f64)| format!("{} ({})", number(*value, 5), number(*deviation, 2));
-    let title = [format!("{title}{point}"), number(m.largest(), 3), number(m.distance(), 3)];
+    let title = [format!("{title}, point {}", m.point), number(m.largest(), 3), number(m.distance(), 3)];
     let criteria = m.values.iter().zip(&m.deviations).map(criterion);
     let parameters = m.parameters.iter().map(|v| number(*v, 4));
     title.into_iter().chain(criteria).chain(parameters).collect()
 }
 
-fn legend(result: &Pareto) -> Block {
+fn legend() -> Block {
     let at = |r| circle([7.0, 7.0], r);
-    let mut keys = vec![
+    Block::Legend(vec![
         Key::new("pt in", &at(3.0), "meets all criteria"),
         Key::new("pt part", &at(3.0), "fails one or more"),
         Key::new("chosen", &at(5.5), "best compromise"),
-    ];
-    if result.nominal.is_some() {
-        let diamond = "M7,1.5l5.5,5.5l-5.5,5.5l-5.5,-5.5z";
-        keys.push(Key::new("design", diamond, "nominal design"));
-    }
-    Block::Legend(keys)
+    ])
 }
 
 fn plots(result: &Pareto) -> Vec<Figure> {
@@ -135,10 +119,6 @@ fn plot(result: &Pareto, a: usize, b: usize) -> Figure {
     out += &format!("<g class=\"{class}\">{others}{verified}</g>");
     if let Some(at) = result.front.first().and_then(place) {
         out += &path("chosen", circle(at, 6.0));
-    }
-    if let Some([x, y]) = result.nominal.as_ref().and_then(|n| place(&n.member)) {
-        let diamond = format_args!("M{x:.1},{:.1}l6,6l-6,6l-6,-6z", y - 6.0);
-        out += &path("design", diamond);
     }
     let outside = result.front.iter().filter(|m| place(m).is_none()).count();
     let mut note = String::new();

@@ -9,7 +9,7 @@ use parameter_regions::robustness::margins::Margin;
 use parameter_regions::robustness::region::Region;
 use parameter_regions::robustness::stand::Quality;
 use result_document::format::{number, percent, with_unit};
-use result_document::svg::{Axis, picture, text, ticks, upright};
+use result_document::svg::{Frame, path};
 use result_document::{Block, Document, Figure, Key, Table, numbers, words};
 
 /// The document of a result.
@@ -119,11 +119,7 @@ fn maps(result: &Robustness) -> Vec<Block> {
     }
     type Values = fn(&Map, usize) -> &[f64];
     let group = |name: &str, range: [f64; 2], values: Values, k: usize| {
-        let figure = |map: &Map| Figure {
-            file: format!("map-{name}-{}-{}", result.parameters[map.x], result.parameters[map.y]),
-            svg: drawn(result, map, name, values(map, k), range),
-            ..Figure::default()
-        };
+        let figure = |map: &Map| drawn(result, map, name, values(map, k), range);
         let [low, high] = range.map(|end| number(end, 4));
         let scale = Block::Legend(vec![Key { svg: String::new(), words: low }, Key { svg: shades(), words: high }]);
         let figures = Block::Figures("maps".into(), result.maps.iter().map(figure).collect());
@@ -159,37 +155,28 @@ fn shades() -> String {
 }
 
 /// One map in nine shades.
-fn drawn(result: &Robustness, map: &Map, what: &str, values: &[f64], scale: [f64; 2]) -> String {
-    const LEFT: f64 = 56.0;
-    const TOP: f64 = 6.0;
-    const SIDE: f64 = 180.0;
-    const MIDDLE: f64 = LEFT + SIDE / 2.0;
-    let cell = SIDE / CELLS as f64;
+fn drawn(result: &Robustness, map: &Map, what: &str, values: &[f64], scale: [f64; 2]) -> Figure {
+    let frame = Frame::new(280.0, 250.0, map.x_range, map.y_range);
+    let [across, up] = [map.x, map.y].map(|k| with_unit(&result.parameters[k], &result.units[k]));
+    let [width, height] = [frame.x.to - frame.x.from, frame.y.from - frame.y.to].map(|side| side / CELLS as f64);
     let span = (scale[1] - scale[0]).max(f64::MIN_POSITIVE);
     let mut paths = vec![String::new(); SHADES];
     for (k, v) in values.iter().enumerate() {
         let shade = (((v - scale[0]) / span * SHADES as f64) as usize).min(SHADES - 1);
-        let x = LEFT + (k % CELLS) as f64 * cell;
-        let y = TOP + SIDE - (k / CELLS + 1) as f64 * cell;
+        let x = frame.x.from + (k % CELLS) as f64 * width;
+        let y = frame.y.from - (k / CELLS + 1) as f64 * height;
         // Neighbouring cells overlap slightly: some renderers would show seams between them.
-        let _ = write!(paths[shade], "M{x:.0},{y:.0}h{0:.1}v{0:.1}h-{0:.1}z", cell + 0.3);
+        let [w, h] = [width + 0.3, height + 0.3];
+        let _ = write!(paths[shade], "M{x:.1},{y:.1}h{w:.1}v{h:.1}h-{w:.1}z");
     }
     let shades = paths.iter().enumerate().filter(|(_, d)| !d.is_empty());
-    let mut out: String = shades.map(|(s, d)| result_document::svg::path(&format!("shade s{s}"), d)).collect();
-    let x = Axis::new(map.x_range, [LEFT, LEFT + SIDE]);
-    let y = Axis::new(map.y_range, [TOP + SIDE, TOP]);
-    for t in ticks(x.low, x.high, 3) {
-        out += &text("tick", [x.at(t), SIDE + 21.0], "middle", &number(t, 4));
-    }
-    for t in ticks(y.low, y.high, 4) {
-        out += &text("tick", [LEFT - 4.0, y.at(t) + 4.0], "end", &number(t, 4));
-    }
-    let [across, up] = [map.x, map.y].map(|k| with_unit(&result.parameters[k], &result.units[k]));
+    let shades: String = shades.map(|(s, d)| path(&format!("shade s{s}"), d)).collect();
     let [low, high] = range(values.iter()).map(|end| number(end, 4));
-    out += &text("title", [MIDDLE, SIDE + 38.0], "middle", &across);
-    out += &upright([11.0, TOP + SIDE / 2.0], &up);
-    let ends = format!("{low} .. {high}");
-    out += &text("tick", [MIDDLE, SIDE + 53.0], "middle", &ends);
     let title = format!("{what} over {across} and {up}: {low} to {high}");
-    picture("plot map", [246.0, SIDE + 58.0], &title, &out)
+    Figure {
+        file: format!("map-{what}-{}-{}", result.parameters[map.x], result.parameters[map.y]),
+        svg: frame.wrap(&title, &(frame.axes(&across, Some(&up)) + &shades)),
+        note: format!("{low} .. {high}"),
+        ..Figure::default()
+    }
 }

@@ -111,7 +111,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
         result.keep_together(&plan.together());
     }
     let result = AnalysisResult::new(&result, origin, document(&result).as_text(), FILE);
-    Delivery::without_runs(result, work, folder)
+    Delivery::without_runs(result, &work.study, work.parts.earlier(), folder)
 }
 
 /// The probability that the box must hold.

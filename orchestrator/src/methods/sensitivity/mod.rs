@@ -111,7 +111,8 @@ fn of_points(options: &Options, from: &Path, seed: u64) -> Result<Delivery, Erro
     let origin = asking::origin(&session)?;
     let text = document(&result).as_text();
     let folder = work.output.clone().unwrap_or_else(|| from.to_owned());
-    Delivery::without_runs(AnalysisResult::new(&result, origin, text, FILE), work, folder)
+    let result = AnalysisResult::new(&result, origin, text, FILE);
+    Delivery::without_runs(result, &work.study, work.parts.earlier(), folder)
 }
 
 /// An analysis by runs of its own.

@@ -187,7 +187,7 @@ impl Analysis for Asked {
                 told.reasons.extend(most);
             }
             None => {
-                told.reasons = reasons::of(&session.judge, &goal, &centre, &outcomes);
+                told.reasons = reasons::of(&session.judge, &goal, &centre);
                 let ones = vec![1.0; problem.distributions.len()];
                 told.reasons.extend(most(session, &problem, &sample, &ones));
             }

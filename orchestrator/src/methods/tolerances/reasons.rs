@@ -6,13 +6,8 @@ use parameter_regions::tolerances::Problem;
 use result_document::format::number;
 
 /// The obstacles, a sentence each: given what comes of the centre of all tolerances, one point or one for each of some rows
-/// of the samples, and of the points drawn at the study's own tolerances.
-pub(super) fn of(
-    judge: &Judge,
-    goal: &Goal<'_>,
-    centres: &[Option<Vec<f64>>],
-    points: &[Option<Vec<f64>>],
-) -> Vec<String> {
+/// of the samples.
+pub(super) fn of(judge: &Judge, goal: &Goal<'_>, centres: &[Option<Vec<f64>>]) -> Vec<String> {
     let mut reasons = Vec::new();
     match centres {
         [None] => reasons.push("the model fails with all parameters at their nominal values".to_owned()),
@@ -27,7 +22,6 @@ pub(super) fn of(
             }
         }
     }
-    reasons.extend(contradictions(judge, points));
     reasons
 }
 
@@ -77,35 +71,4 @@ fn nominal_is_off(criterion: &Criterion, value: f64) -> String {
         number(value, 5),
         number(beyond, 3)
     )
-}
-
-/// Criteria that no point meets, and pairs of criteria of which points meet one or the other, but none meets both.
-fn contradictions(judge: &Judge, points: &[Option<Vec<f64>>]) -> Vec<String> {
-    const EXPECTED: f64 = 5.0;
-    let completed: Vec<&Vec<f64>> = points.iter().flatten().collect();
-    let meets = |k: usize, values: &[f64]| judge.criteria[k].accepts(values[k]);
-    let count = |condition: &dyn Fn(&[f64]) -> bool| completed.iter().filter(|values| condition(values)).count() as f64;
-    let alone: Vec<f64> = (0..judge.criteria.len()).map(|k| count(&|values| meets(k, values))).collect();
-    let name = |k: usize| &judge.criteria[k].name;
-    let all = completed.len().max(1) as f64;
-    let mut sentences = Vec::new();
-    for a in 0..alone.len() {
-        if alone[a] == 0.0 {
-            sentences.push(format!("{}: not one of {all} points meets it", name(a)));
-        }
-        for b in a + 1..alone.len() {
-            // Of independent criteria some points would meet both by chance.
-            let expected = alone[a] * alone[b] / all;
-            if expected >= EXPECTED && count(&|values| meets(a, values) && meets(b, values)) == 0.0 {
-                sentences.push(format!(
-                    "{} and {} contradict each other: {} points meet the first, {} the second, and none meets both",
-                    name(a),
-                    name(b),
-                    alone[a],
-                    alone[b]
-                ));
-            }
-        }
-    }
-    sentences
 }

@@ -167,7 +167,7 @@
   // ---- a plane: one column against another ------------------------------------------------------
   const renderers = [];
   let otherwise = false;
-  const WIDTH = 560, HEIGHT = 420, TOP = 30, SHADES = 5;
+  const WIDTH = 560, HEIGHT = 420, TOP = 30;
   const grouped = n => String(n).replace(/\B(?=(\d{3})+$)/g, ",");
   function plane(figure) {
     const axes = { x: Number(figure.dataset.x), y: Number(figure.dataset.y) };
@@ -192,13 +192,7 @@
         "aria-label": `${cy.title} against ${cx.title}. Arrow keys step through the points, Enter selects.` });
       frame(cx, cy);
       acceptance(cx, cy);
-      if (crowd) {
-        const whole = [[-Infinity, Infinity], [-Infinity, Infinity]];
-        shades(data.density.all, "dens", axes.x, axes.y, whole);
-        // A cell at the edge of the box holds points on both sides of it; the accepted ones are inside.
-        if (!otherwise) shades(data.density.verified, "dens in", axes.x, axes.y, [acceptedRange(cx), acceptedRange(cy)]);
-        legends();
-      } else marks(cx, cy);
+      marks(cx, cy);
       frames();
       words(cx, cy);
       picks = draw(svg, "path", { class: "picked" });
@@ -243,36 +237,7 @@
         for (let i = 0; i < size; i++) n += completed[i] && inside(cx, i) && inside(cy, i);
         inBox = `, ${grouped(n)} in the box`;
       }
-      draw(svg, "text", { class: "tick key", x: sx.from, y: TOP - 8 }, `${grouped(data.total)} points${inBox}${crowd && otherwise ? "" : `, ${grouped(data.accepted)} accepted`}`);
-    }
-
-    // The shades with the points in a cell of the lightest and the darkest.
-    function legends() {
-      const key = axes.x < axes.y ? `${axes.x},${axes.y}` : `${axes.y},${axes.x}`, most = data.density.most[key], side = 11;
-      if (!most) return;
-      [["dens", 336], ["dens in", 448]].forEach(([kind, left], which) => {
-        draw(svg, "text", { class: "tick", x: left - 3, y: TOP - 8, "text-anchor": "end" }, Math.min(most[which], 1));
-        for (let k = 0; k < SHADES; k++) draw(svg, "path", { class: `${kind} d${k + 1}`, d: `M${left + k * side},${TOP - 17}h${side}v${side}h${-side}z` });
-        draw(svg, "text", { class: "tick", x: left + SHADES * side + 3, y: TOP - 8 }, grouped(most[which]));
-      });
-    }
-
-    function shades(density, kind, a, b, [across, along]) {
-      if (!across || !along) return;
-      const n = data.density.bins, key = a < b ? `${a},${b}` : `${b},${a}`;
-      if (!density[key]) return;
-      const cells = bytes(density[key]), paths = Array(SHADES).fill("");
-      const [x0, x1] = across.map(sx.clamp), [y1, y0] = along.map(sy.clamp);
-      const between = (v, low, high) => f(Math.min(Math.max(v, low), high));
-      const w = (sx.to - sx.from) / n, h = (sy.from - sy.to) / n;
-      cells.forEach((level, k) => {
-        if (!level) return;
-        const [i, j] = a < b ? [k % n, Math.floor(k / n)] : [Math.floor(k / n), k % n];
-        const left = between(sx.from + i * w, x0, x1), right = between(sx.from + (i + 1) * w, x0, x1);
-        const top = between(sy.from - (j + 1) * h, y0, y1), bottom = between(sy.from - j * h, y0, y1);
-        paths[Math.floor((level - 1) * SHADES / 255)] += `M${left},${top}H${right}V${bottom}H${left}z`;
-      });
-      paths.forEach((d, k) => draw(svg, "path", { class: `${kind} d${k + 1}`, d }));
+      draw(svg, "text", { class: "tick key", x: sx.from, y: TOP - 8 }, `${grouped(data.total)} points${inBox}${crowd && otherwise ? "" : `, ${grouped(data.accepted)} accepted`}${crowd ? `, ${grouped(size)} drawn` : ""}`);
     }
 
     const visible = i => sx.has(columns[axes.x].data[i]) && sy.has(columns[axes.y].data[i]);

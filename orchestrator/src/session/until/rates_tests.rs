@@ -49,7 +49,7 @@ impl Way {
                 break;
             }
         }
-        ending.looks().unwrap().decide(rule, &front.counts, front.front as u64)
+        ending.looks().unwrap().decide(rule, &[front.count], front.front as u64)
     }
 }
 
