@@ -84,7 +84,6 @@ def convert(path: str | Path, folder: str | Path | None = None, zero: str | None
     raise OrchestratorError(f"{path}: {why}; it is damaged, or no {path.suffix}; export it as csv")
 
 
-OF_TIME = {"s", "ms", "us", "ns", "min", "h", "d"}
 # A file may take so many seconds of the processor, and one more for so many bytes; so many bytes of memory, and 40 times its own.
 SECONDS, SPEED, MEMORY = 30, 500_000, 450 << 20
 THREADS = ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "ARROW_NUM_THREADS"]
@@ -122,6 +121,8 @@ def convert_here(path: Path, folder: Path, zero: str | None = None, options: _ro
         reason = " ".join(str(error).split())[:200] or type(error).__name__
         raise OrchestratorError(f"{name}: not readable as {path.suffix}: {reason}; export it as csv") from error
     groups = [group for group in contents.groups if group.channels]
+    if reader not in (_text, _xlsx):
+        _say_units(groups, options, name)
     for line in contents.told:
         print(f"{name}: {line}")
     if contents.left_out:
@@ -142,6 +143,18 @@ def convert_here(path: Path, folder: Path, zero: str | None = None, options: _ro
         raise OrchestratorError(f"{name}: it holds no series of numbers; export the recording as csv")
     folder.mkdir(parents=True, exist_ok=True)
     return [_write(group, folder / f"{path.stem}{f'-{k}' if len(groups) > 1 else ''}.csv", path) for k, group in enumerate(groups, 1)]
+
+
+def _say_units(groups: Sequence[Group], options: _rows.Options, name: str) -> None:
+    """Gives channels the units that the user says; the other options are about cells of text."""
+    stray = next((key for key, value in asdict(options).items() if value is not None and key != "units"), None)
+    if stray:
+        raise OrchestratorError(f"{name}: --{stray} is about text and spreadsheets, and says nothing here; leave it out")
+    known = [channel for group in groups for channel, _, _ in group.channels]
+    for channel in set(options.units).difference(known):
+        raise OrchestratorError(f"{name}: --unit {channel}: there is no such channel; it has {', '.join(known[:20])}")
+    for group in groups:
+        group.channels = [(channel, options.units.get(channel, unit), values) for channel, unit, values in group.channels]
 
 
 def _stamp(text: str) -> datetime.datetime:
@@ -187,7 +200,7 @@ def _write(group: Group, path: Path, source: Path) -> Path:
         # Two loggers of a run often write files of one name.
         raise OrchestratorError(f"{path} is there already and holds something else; choose another folder with --output")
     part.replace(path)
-    timed = any(unit in OF_TIME or not unit and _rows.is_time_name(name.rpartition("/")[2]) for name, unit in map(_rows.split_name, names))
+    timed = any(unit in _rows.OF_TIME or not unit and _rows.is_time_name(name.rpartition("/")[2]) for name, unit in map(_rows.split_name, names))
     timeless = "" if timed else "; without a column of times: time = { rate = ... }"
     print(f"{path}: {len(columns[0])} rows of {', '.join(names[:6])}{' ...' if len(names) > 6 else ''}{timeless}")
     return path

@@ -54,8 +54,8 @@ pub fn name_and_unit(name: &str) -> (&str, Option<String>) {
     let square = enclosed('[', ']').filter(|(bare, inner)| !is_index(bare, inner));
     let parts = square.or_else(|| {
         enclosed('(', ')').filter(|(bare, inner)| {
-            let apart =
-                bare.ends_with(' ') || bare.len() > 2 || is_time_name(bare) || inner.len() > 1 && *inner != "min";
+            let is_plain = *inner != "min" && (bare.len() > 2 || inner.len() > 1);
+            let apart = bare.ends_with(' ') || is_time_name(bare) || is_plain;
             apart && known::usual(inner.trim()).is_some()
         })
     });

@@ -36,7 +36,7 @@ pub struct Column {
 }
 
 /// A time has one of these units.
-pub(crate) fn is_of_time(unit: &str) -> bool {
+pub fn is_of_time(unit: &str) -> bool {
     known::between(unit, "s").is_some()
 }
 
@@ -108,8 +108,8 @@ impl RecordedTable {
 
     /// The column that says in each row of which signal the value is, where a table has such rows: its values are one column of all.
     fn names_signals(&self) -> Option<&str> {
-        const SIGNALS: [&str; 9] =
-            ["signal", "name", "channel", "variable", "parameter", "sensor", "tag", "id", "item"];
+        const SIGNALS: [&str; 10] =
+            ["signal", "name", "channel", "variable", "parameter", "sensor", "tag", "id", "pid", "item"];
         const VALUES: [&str; 4] = ["value", "values", "wert", "reading"];
         let called = |column: &&Column, names: &[&str]| names.iter().any(|name| column.bare.eq_ignore_ascii_case(name));
         let again = |column: &&Column| {
@@ -289,7 +289,7 @@ mod tests {
             ("n(rpm)", Some("rpm")),
             ("F(kN)", Some("kN")),
             ("T (min)", Some("min")),
-            ("T(min)", None),
+            ("Temp(min)", None),
             ("G(h)", None),
             ("V(A)", None),
             ("x[2]", None),
