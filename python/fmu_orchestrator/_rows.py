@@ -464,7 +464,7 @@ def _moment(cell: str, form: str | None) -> Moment | None:
     if found := MONTH_FIRST.match(cell):
         cell = f"{found[2]} {found[1]} {found[3]}{cell[found.end():]}"
     days, rest = None, cell
-    if found := DAY.match(cell):
+    if not HOURS.fullmatch(cell) and (found := DAY.match(cell)):
         days, rest = _days(*found.groups()), cell[found.end():].lstrip(" T,")
         if not days:
             return None
