@@ -107,9 +107,7 @@ def convert_here(path: Path, folder: Path, zero: str | None = None, options: _ro
     """The same in this process."""
     name = name or str(path)
     options = options or _rows.Options()
-    with path.open("rb") as file:
-        begin = file.read(8)
-    reader = next((known for mark, known in MARKS.items() if begin.startswith(mark)), READERS.get(path.suffix.lower(), _text))
+    reader = _reader(path)
     try:
         contents = reader(path, options)
     except OrchestratorError as error:
@@ -166,13 +164,15 @@ def _stamp(text: str) -> datetime.datetime:
     return at if at.tzinfo is None else at.astimezone(datetime.UTC).replace(tzinfo=None)
 
 
-def is_text(path: Path) -> bool:
-    """Whether the program reads a table as it is: the ending says so, or it is of no kind that is known here."""
-    ending = path.suffix.lower()
-    if ending not in READERS or ending == ".parquet" or not path.is_file():
-        return True
+def _reader(path: Path) -> "Reader":
     with path.open("rb") as file:
-        return ending == ".dat" and not file.read(3) == b"MDF"
+        begin = file.read(8)
+    return next((known for mark, known in MARKS.items() if begin.startswith(mark)), READERS.get(path.suffix.lower(), _text))
+
+
+def is_text(path: Path) -> bool:
+    """Whether the program reads a table as it is, or says what it lacks."""
+    return not path.is_file() or _reader(path) in (_text, _parquet)
 
 
 def _write(group: Group, path: Path, source: Path) -> Path:
@@ -437,23 +437,12 @@ def _cell(cell: Any) -> str:
 
 
 EXTRAS = {"asammdf": "mdf", "nptdms": "tdms", "h5py": "hdf5", "scipy": "mat", "openpyxl": "xlsx", "pyarrow": "parquet"}
-READERS: Mapping[str, Callable[[Path, _rows.Options], Contents]] = {
-    ".mf4": _mdf,
-    ".mdf": _mdf,
-    ".dat": _text,
-    ".tdms": _tdms,
-    ".h5": _hdf5,
-    ".hdf5": _hdf5,
-    ".hdf": _hdf5,
-    ".mat": _mat,
-    ".parquet": _parquet,
-    ".xlsx": _xlsx,
-    ".xlsm": _xlsx,
-}
-
-
+Reader = Callable[[Path, _rows.Options], Contents]
+READERS: Mapping[str, Reader] = {ending: reader for endings, reader in (
+    (".mf4 .mdf", _mdf), (".dat", _text), (".tdms", _tdms), (".h5 .hdf5 .hdf", _hdf5), (".mat", _mat), (".parquet", _parquet), (".xlsx .xlsm", _xlsx),
+) for ending in endings.split()}
 # What a file begins with says more than its ending.
-MARKS: Mapping[bytes, Callable[[Path, _rows.Options], Contents]] = {
+MARKS: Mapping[bytes, Reader] = {
     b"MDF ": _mdf, b"UnFinMF": _mdf, b"TDSm": _tdms, b"\x89HDF": _hdf5, b"MATLAB": _mat, b"PAR1": _parquet, b"PK\x03\x04": _xlsx,
 }
 
