@@ -374,8 +374,10 @@ impl Recorded<'_> {
             // Seconds since 1970 have ten digits.
             (None, None) if values.iter().any(|time| time.abs() > 1e11) => {
                 return Err(settings.wrong(format!(
-                    "time `{name}` has no unit and begins at {}, which is too much for s; say time = {{ unit = \"ms\" }}, or us or ns",
-                    values[0]
+                    "time `{name}` has no unit and begins at {}, which is too much for s; say time = {{ unit = \"ms\" }}, or us or ns; of stamps \
+                     such as 20261103131507 {}",
+                    values[0],
+                    number_tables::recorded::convert(table.path())
                 )));
             }
             (None, None) => "s".to_owned(),

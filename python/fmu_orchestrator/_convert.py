@@ -84,7 +84,6 @@ def convert(path: str | Path, folder: str | Path | None = None, zero: str | None
     raise OrchestratorError(f"{path}: {why}; it is damaged, or no {path.suffix}; export it as csv")
 
 
-OF_TIME = {"s", "ms", "us", "ns", "min", "h", "d"}
 # A file may take so many seconds of the processor, and one more for so many bytes; so many bytes of memory, and 40 times its own.
 SECONDS, SPEED, MEMORY = 30, 500_000, 450 << 20
 THREADS = ["OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS", "ARROW_NUM_THREADS"]
@@ -108,9 +107,7 @@ def convert_here(path: Path, folder: Path, zero: str | None = None, options: _ro
     """The same in this process."""
     name = name or str(path)
     options = options or _rows.Options()
-    with path.open("rb") as file:
-        begin = file.read(8)
-    reader = next((known for mark, known in MARKS.items() if begin.startswith(mark)), READERS.get(path.suffix.lower(), _text))
+    reader = _reader(path)
     try:
         contents = reader(path, options)
     except OrchestratorError as error:
@@ -122,6 +119,8 @@ def convert_here(path: Path, folder: Path, zero: str | None = None, options: _ro
         reason = " ".join(str(error).split())[:200] or type(error).__name__
         raise OrchestratorError(f"{name}: not readable as {path.suffix}: {reason}; export it as csv") from error
     groups = [group for group in contents.groups if group.channels]
+    if reader not in (_text, _xlsx):
+        _say_units(groups, options, name)
     for line in contents.told:
         print(f"{name}: {line}")
     if contents.left_out:
@@ -144,6 +143,18 @@ def convert_here(path: Path, folder: Path, zero: str | None = None, options: _ro
     return [_write(group, folder / f"{path.stem}{f'-{k}' if len(groups) > 1 else ''}.csv", path) for k, group in enumerate(groups, 1)]
 
 
+def _say_units(groups: Sequence[Group], options: _rows.Options, name: str) -> None:
+    """Gives channels the units that the user says; the other options are about cells of text."""
+    stray = next((key for key, value in asdict(options).items() if value is not None and key != "units"), None)
+    if stray:
+        raise OrchestratorError(f"{name}: --{stray} is about text and spreadsheets, and says nothing here; leave it out")
+    known = [channel for group in groups for channel, _, _ in group.channels]
+    for channel in set(options.units).difference(known):
+        raise OrchestratorError(f"{name}: --unit {channel}: there is no such channel; it has {', '.join(known[:20])}")
+    for group in groups:
+        group.channels = [(channel, options.units.get(channel, unit), values) for channel, unit, values in group.channels]
+
+
 def _stamp(text: str) -> datetime.datetime:
     """A time stamp without a zone, or in that of Greenwich."""
     try:
@@ -153,13 +164,15 @@ def _stamp(text: str) -> datetime.datetime:
     return at if at.tzinfo is None else at.astimezone(datetime.UTC).replace(tzinfo=None)
 
 
-def is_text(path: Path) -> bool:
-    """Whether the program reads a table as it is: the ending says so, or it is of no kind that is known here."""
-    ending = path.suffix.lower()
-    if ending not in READERS or ending == ".parquet" or not path.is_file():
-        return True
+def _reader(path: Path) -> "Reader":
     with path.open("rb") as file:
-        return ending == ".dat" and not file.read(3) == b"MDF"
+        begin = file.read(8)
+    return next((known for mark, known in MARKS.items() if begin.startswith(mark)), READERS.get(path.suffix.lower(), _text))
+
+
+def is_text(path: Path) -> bool:
+    """Whether the program reads a table as it is, or says what it lacks."""
+    return not path.is_file() or _reader(path) in (_text, _parquet)
 
 
 def _write(group: Group, path: Path, source: Path) -> Path:
@@ -187,7 +200,7 @@ def _write(group: Group, path: Path, source: Path) -> Path:
         # Two loggers of a run often write files of one name.
         raise OrchestratorError(f"{path} is there already and holds something else; choose another folder with --output")
     part.replace(path)
-    timed = any(unit in OF_TIME or not unit and _rows.is_time_name(name.rpartition("/")[2]) for name, unit in map(_rows.split_name, names))
+    timed = any(unit in _rows.OF_TIME or not unit and _rows.is_time_name(name.rpartition("/")[2]) for name, unit in map(_rows.split_name, names))
     timeless = "" if timed else "; without a column of times: time = { rate = ... }"
     print(f"{path}: {len(columns[0])} rows of {', '.join(names[:6])}{' ...' if len(names) > 6 else ''}{timeless}")
     return path
@@ -424,23 +437,12 @@ def _cell(cell: Any) -> str:
 
 
 EXTRAS = {"asammdf": "mdf", "nptdms": "tdms", "h5py": "hdf5", "scipy": "mat", "openpyxl": "xlsx", "pyarrow": "parquet"}
-READERS: Mapping[str, Callable[[Path, _rows.Options], Contents]] = {
-    ".mf4": _mdf,
-    ".mdf": _mdf,
-    ".dat": _text,
-    ".tdms": _tdms,
-    ".h5": _hdf5,
-    ".hdf5": _hdf5,
-    ".hdf": _hdf5,
-    ".mat": _mat,
-    ".parquet": _parquet,
-    ".xlsx": _xlsx,
-    ".xlsm": _xlsx,
-}
-
-
+Reader = Callable[[Path, _rows.Options], Contents]
+READERS: Mapping[str, Reader] = {ending: reader for endings, reader in (
+    (".mf4 .mdf", _mdf), (".dat", _text), (".tdms", _tdms), (".h5 .hdf5 .hdf", _hdf5), (".mat", _mat), (".parquet", _parquet), (".xlsx .xlsm", _xlsx),
+) for ending in endings.split()}
 # What a file begins with says more than its ending.
-MARKS: Mapping[bytes, Callable[[Path, _rows.Options], Contents]] = {
+MARKS: Mapping[bytes, Reader] = {
     b"MDF ": _mdf, b"UnFinMF": _mdf, b"TDSm": _tdms, b"\x89HDF": _hdf5, b"MATLAB": _mat, b"PAR1": _parquet, b"PK\x03\x04": _xlsx,
 }
 

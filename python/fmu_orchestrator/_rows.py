@@ -42,23 +42,22 @@ MONTHS = {name: k for k, names in enumerate("jan ene gen|feb fev|mar mrz|apr avr
 FORMS = {"day first": "%d{0}%m{0}{1}", "month first": "%m{0}%d{0}{1}", "year first": "{1}{0}%m{0}%d"}
 TIMES = {"t", "ts", "time", "zeit", "timestamp", "timestamps", "tout"}
 # Names of columns in a table that has a row for each value of each signal.
-SIGNALS = {"signal", "name", "channel", "variable", "parameter", "sensor", "tag", "id", "item", "kanal", "quantity", "measurement"}
+SIGNALS = {"signal", "name", "channel", "variable", "parameter", "sensor", "tag", "id", "pid", "item", "kanal", "quantity", "measurement"}
 VALUES = {"value", "values", "val", "wert", "messwert", "reading"}
 PARTS = {"year": "year yr yyyy jahr", "month": "month mo mon mm monat", "day": "day dy dd tag", "hour": "hour hr hh stunde",
          "minute": "minute min mi minuten", "second": "second sec ss sekunde"}
-UNITS = {
-    "deg c": "degC", "℃": "degC", "degc": "degC", "grad c": "degC", "cdeg": "degC", "celsius": "degC", "deg f": "degF",
-    "℉": "degF", "degf": "degF", "fahrenheit": "degF", "kelvin": "K", "min⁻¹": "1/min", "min-1": "1/min",
-    "u/min": "rpm", "rpm": "rpm", "n m": "N.m", "n*m": "N.m", "volt": "V", "volts": "V",
-    "ampere": "A", "amps": "A", "second": "s", "seconds": "s", "sekunden": "s", "sec": "s", "minutes": "min", "hours": "h",
-    "psi": "psi", "newton": "N", "watt": "W", "meter": "m", "metre": "m", "percent": "%",
-}
-BRACKETS = ("[]", "()")
-LETTERS = str.maketrans({"°": "deg", "·": ".", "²": "2", "³": "3", "µ": "u", "μ": "u"})
 # Spellings that are right as they stand; only their case tells some of them apart (mN, MN; nm, Nm; us, uS).
 KNOWN = set("1 % s ms us ns min h d Hz kHz MHz GHz m cm mm um km N kN mN MN N.m Nm N.mm Nmm kNm Pa hPa mbar kPa bar MPa psi W kW MW "
-            "K degC degF deg rad rad/s deg/s rpm 1/min 1/s m/s mm/s km/h m/s2 g kg kg/s g/s kg/h m3/s m3/h l/min V mV kV A mA uA J kJ kWh MWh "
-            "Wh Ohm - W/m2 W/m^2 mg/m3 ppm nm uS mS".split())
+            "K degC degF deg rad rad/s deg/s rpm 1/min 1/s m/s mm/s km/h m/s2 g kg kg/s g/s kg/h m3/s m3/h l/min V mV kV A mA uA Ah mAh J kJ "
+            "kWh MWh Wh Ohm - W/m2 W/m^2 mg/m3 ppm nm uS mS".split())
+# Others, in lower case.
+UNITS = {word.strip(): unit for unit, words in {
+    "degC": "deg c|℃|degc|grad c|cdeg|celsius", "degF": "deg f|℉|degf|fahrenheit", "K": "kelvin", "1/min": "min⁻¹|min-1", "rpm": "u/min|rpm",
+    "N.m": "n m|n*m", "V": "volt|volts", "A": "ampere|amps", "s": "second|seconds|sekunden|sec", "min": "minutes", "h": "hours", "psi": "psi",
+    "N": "newton", "W": "watt", "m": "meter|metre", "%": "percent"}.items() for word in words.split("|")}
+OF_TIME = {"s", "ms", "us", "ns", "min", "h", "d"}
+BRACKETS = ("[]", "()")
+LETTERS = str.maketrans({"°": "deg", "·": ".", "²": "2", "³": "3", "µ": "u", "μ": "u"})
 
 
 @dataclass
@@ -105,10 +104,12 @@ def split_name(name: str) -> tuple[str, str]:
     name = " ".join(name.split())
     if found := re.fullmatch(r"(.*\S) ?\[([^][]+)\]", name):
         return (name, "") if re.fullmatch(r"[\d, ]+", found[2]) and " [" not in name else (found[1], unit(found[2]))
-    # `G(h)` is a name, and `t (h)` a time in hours.
-    for form in (r"(.*\S) \(([^()]+)\)", r"(.*\S) in (\S+)", r"(.*\S) / (\S+)", r"(\S+)/\((.+)\)"):
-        if (found := re.fullmatch(form, name)) and _is_unit(found[2]):
-            return found[1].rstrip("/ "), unit(found[2])
+    # `G(h)` and `T(min)` are names, `t (h)`, `t(h)` and `n(rpm)` are not; `time/s` is a time, and `Dev0/A` may be anything.
+    for form in (r"(.*\S)( ?)\(([^()]+)\)", r"(.*\S)( )in (\S+)", r"(.*\S)( )/ (\S+)", r"(\S+)/( ?)\((.+)\)", r"(\S+)()/([^\s()]+)"):
+        if (found := re.fullmatch(form, name)) and _is_unit(found[3]):
+            bare, known = found[1].rstrip("/ "), unit(found[3])
+            if found[2] or is_time_name(bare) and known in OF_TIME or "(" in name and known != "min" and (len(bare) > 2 or len(found[3]) > 1):
+                return bare, known
     return name, ""
 
 
@@ -286,7 +287,8 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     if others:
         above = rows[:first]
         heads = {split_name(cell)[0] for row in above for cell in row}
-        again = next((k for k in others if rows[k] not in above and all(split_name(cell)[0] in heads or _is_unit(cell) for cell in rows[k] if cell)), None)
+        again = next((k for k in others if rows[k] not in above and (width == 1 or sum(map(bool, rows[k])) > 1)
+                      and all(split_name(cell)[0] in heads or _is_unit(cell) for cell in rows[k] if cell)), None)
         if again is not None:
             raise OrchestratorError(f"{path}: another table begins on line {again + 1} (`{' '.join(rows[again])[:60]}`); save each as a file of its own")
         shown = " ".join(rows[others[0]])[:60]
@@ -321,7 +323,7 @@ def _header(path: Path, rows: list[list[str]], first: int, width: int, options: 
     """Names and units above the first row, and the line of the names."""
     def cleaned(k: int) -> list[str]:
         row = list(rows[k])
-        row[0] = row[0].lstrip("#%! ")
+        row[0] = row[0].lstrip("#%!~ ")
         if not row[0] and len(row) > width:
             row = row[1:]
         return [cell.strip("\"' ") for cell in row]
@@ -462,7 +464,7 @@ def _moment(cell: str, form: str | None) -> Moment | None:
     if found := MONTH_FIRST.match(cell):
         cell = f"{found[2]} {found[1]} {found[3]}{cell[found.end():]}"
     days, rest = None, cell
-    if found := DAY.match(cell):
+    if not HOURS.fullmatch(cell) and (found := DAY.match(cell)):
         days, rest = _days(*found.groups()), cell[found.end():].lstrip(" T,")
         if not days:
             return None
@@ -546,7 +548,7 @@ def _refuse_signals_in_rows(
     times = time or next((cells[j] for j, label in enumerate(labels) if is_time_name(label) and kinds[j] == "number"), [])
     for j, label in enumerate(labels):
         found = list(dict.fromkeys(cells[j]))
-        named = label.lower() in SIGNALS and any(other.lower() in VALUES for other in labels)
+        named = label.lower() in SIGNALS and any(other.lower() in VALUES for other in labels) or kinds[j] == "text" and all(map(_is_unit, found))
         # Several rows of one time, each with another text.
         several = kinds[j] == "text" and 0 < 2 * len(set(times)) <= len(times) == len(set(zip(times, cells[j], strict=True)))
         if j not in taken and 1 < len(found) <= len(cells[j]) / 2 and (named or several):

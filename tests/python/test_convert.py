@@ -259,6 +259,17 @@ def test_stamps_of_parquet_and_tdms(tmp_path):
     assert rows(path) == [["time [s]", "wait [s]", "T"], *([str(10.0 * k), str(0.001 * k), str(k + 1.0)] for k in range(3))]
 
 
+def test_a_unit_may_be_said_of_any_channel_and_what_says_nothing_is_refused(tmp_path):
+    path = tmp_path / "m.parquet"
+    pandas.DataFrame({"t": [0.0, 1.0], "x": [1.5, 2.5]}).to_parquet(path)
+    [out] = convert_here(path, tmp_path / "out", options=Options(units={"x": "kN"}))
+    assert out.read_text().startswith("t,x [kN]\n")
+    with pytest.raises(OrchestratorError, match="there is no such channel; it has t, x"):
+        convert_here(path, tmp_path / "out", options=Options(units={"y": "kN"}))
+    with pytest.raises(OrchestratorError, match="--header is about text and spreadsheets"):
+        convert_here(path, tmp_path / "out", options=Options(header=2))
+
+
 def test_help_names_the_formats(capsys):
     with pytest.raises(SystemExit):
         main(["--help"])

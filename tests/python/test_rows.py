@@ -51,6 +51,7 @@ def test_stamps_become_seconds(tmp_path, form):
 @pytest.mark.parametrize(("cells", "seconds"), [
     (["23:59:30", "24:00:00", "24:00:30"], [0, 30, 60]),
     (["0d 23:59:30", "1d 00:00:00"], [0, 30]),
+    (["0 days 23:59:30", "1 days 00:00:00"], [0, 30]),
     (["23:59:30", "00:00:00"], [0, 30]),
     (["13:15:07,25", "13:15:07,75"], [0, 0.5]),
     (["59:59.5", "60:00.5"], [0, 1.0]),
@@ -91,6 +92,8 @@ def test_headers_of_loggers(tmp_path):
 def test_what_stands_in_a_name_need_not_be_a_unit(tmp_path):
     header, _ = converted(tmp_path, rows("t (s),G(h),T in °C,n / rpm,x[2],Dev0/A", "0,1,2,3,4,5", "1,2,3,4,5,6"))
     assert header == ["t [s]", "G(h)", "T [degC]", "n [rpm]", "x[2]", "Dev0/A"]
+    header, _ = converted(tmp_path, rows("~time/s,Current(A),Temp(min),I/mA,p(bar),Q(Ah),V(A),a/(b)", "0,1,2,3,4,5,6,7", "1,2,3,4,5,6,7,8"))
+    assert header == ["time [s]", "Current [A]", "Temp(min)", "I/mA", "p [bar]", "Q [Ah]", "V(A)", "a/(b)"]
 
 
 def test_thousands_and_signs(tmp_path):
@@ -119,6 +122,8 @@ def test_thousands_and_signs(tmp_path):
     (["t [s],F [N]", "0,1.5", "1,2.5", "t [s],F [kN]", "2,2.5"], ["another table begins on line 4"], None),
     (["time,signal,value", "0,F,1.5", "0,n,1500", "1,F,2.5", "1,n,1501"], ["`signal` says in each row whose value it is (`F`, `n`)"], None),
     (["timestamp;id;value", "0.0;1;1.5", "0.1;2;1500", "0.2;1;2.5", "0.3;2;1501"], ["`id` says in each row"], None),
+    (["SECONDS;PID;VALUE;UNITS;", *(f"{k};{'nv'[k % 2]};{k}.5;{'rpm' if k % 2 else 'km/h'};" for k in range(6))], ["`PID` says in each row"], None),
+    (["t [s];X;Einheit", *(f"{k};{k}.5;{'rpm' if k % 2 else 'km/h'}" for k in range(6))], ["`Einheit` says in each row"], None),
     (["Zeit;Art;Messung", *(f"2026-11-03 10:00:0{k};{kind};1.5" for kind in "ab" for k in range(3))], ["`Art` says in each row"], None),
 ])
 def test_two_readings_are_asked_about(tmp_path, lines, words, said):
@@ -156,6 +161,8 @@ def test_what_is_left_out_is_told(tmp_path, capsys):
     assert len(converted(tmp_path, rows(*lines))[1]) == 20
     told = capsys.readouterr().out
     assert "the last one, is cut off" in told and "`State` holds no numbers" in told and "`Total" in told
+    # A stray letter is no second table, though days have it.
+    assert len(converted(tmp_path, rows("t [s],T [degC]", "0,1.5", "1,2.5", "d", "2,3.5"))[1]) == 3
 
 
 def generated(tmp_path, seed):

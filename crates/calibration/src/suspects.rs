@@ -96,7 +96,9 @@ pub struct Confusion {
     pub factor: f64,
     /// What is added then.
     pub offset: f64,
-    /// The reading in words.
+    /// By so many rows its curves are recorded late.
+    pub rows: isize,
+    /// The reading in words; a delay needs none.
     pub words: String,
 }
 
@@ -261,7 +263,7 @@ impl Inquiry<'_> {
         places
     }
 
-    /// Other units and signs, of which a run of the search says that they may explain much: with the places of that run.
+    /// Other units, signs and rows, of which a run of the search says that they may explain much: with the places of that run.
     fn units(&self) -> Result<Vec<Candidate>, NoPrediction> {
         /// A unit is wrong by far or not at all.
         const PART: f64 = 0.25;
@@ -294,9 +296,23 @@ impl Inquiry<'_> {
         Ok(candidates)
     }
 
-    /// The problem with a sensor's values in another unit.
+    /// The problem with a sensor's values in another unit, or of other rows.
     fn read_as(&self, sensor: &Sensor, confusion: &Confusion) -> Problem {
+        const UNKNOWN: f64 = 1e6;
         let mut problem = self.problem.clone();
+        let mut rest = &sensor.group.values[..];
+        for times in sensor.times.iter().filter(|_| confusion.rows != 0) {
+            let (curve, behind) = rest.split_at(times.len());
+            rest = behind;
+            for (k, &[case, quantity]) in curve.iter().enumerate() {
+                let measured = &mut problem.cases[case].measured[quantity];
+                match k.checked_add_signed(confusion.rows).and_then(|row| curve.get(row)) {
+                    Some(&[there, at]) => measured.value = self.problem.cases[there].measured[at].value,
+                    // What was recorded then is not known.
+                    None => measured.accuracy *= UNKNOWN,
+                }
+            }
+        }
         for &[case, quantity] in &sensor.group.values {
             let measured = &mut problem.cases[case].measured[quantity];
             measured.value = confusion.factor * measured.value + confusion.offset;
@@ -456,8 +472,18 @@ impl Inquiry<'_> {
         let confusion = &sensor.confusions[which];
         let problem = self.read_as(sensor, confusion);
         let minimum = self.minimised(&problem, self.model, from.to_vec())?;
-        let fault = Fault::Unit(confusion.words.clone());
-        Ok(Suspect { departure: ODD, ..self.suspect(fault, &sensor.group.name, &problem, &minimum) })
+        let fault = match confusion.rows {
+            0 => Fault::Unit(confusion.words.clone()),
+            _ => Fault::Delay,
+        };
+        let known = self.suspect(fault, &sensor.group.name, &problem, &minimum);
+        Ok(match confusion.rows as f64 {
+            0.0 => Suspect { departure: ODD, ..known },
+            rows => {
+                let value = rows * spacing(&sensor.times);
+                Suspect { value, unit: Some("s".to_owned()), departure: rows.abs(), ..known }
+            }
+        })
     }
 
     /// The middle accuracy of a sensor's values.

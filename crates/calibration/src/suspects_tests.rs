@@ -98,7 +98,7 @@ fn record(planted: Planted, seed: u64) -> (Vec<Suspect>, Fit) {
         unit: None,
         times: vec![times.clone()],
         confusions: [(-1.0, "sign"), (1e3, "milli"), (1e-3, "kilo")]
-            .map(|(factor, words)| Confusion { factor, offset: 0.0, words: words.to_owned() })
+            .map(|(factor, words)| Confusion { factor, offset: 0.0, rows: 0, words: words.to_owned() })
             .to_vec(),
     };
     let sensors = [sensor("place", 0), sensor("force", ROWS)];
@@ -213,4 +213,42 @@ fn a_prior_is_no_bound() {
     let suspects = inquiry.suspects().unwrap();
     assert_eq!(suspects[0].fault, Fault::Range);
     assert!((suspects[0].value - 2.0).abs() < 0.02 && suspects[0].departure > 5.0, "{suspects:?}");
+}
+
+/// Where the signal is rough, no slope tells by how much it is late.
+#[test]
+fn a_recording_that_is_late_by_a_row_is_told() {
+    const PATTERN: [f64; 12] = [0.0, 1.0, -0.7, 0.2, 1.5, -1.1, 0.4, -0.3, 0.9, -1.4, 0.6, -0.2];
+    let model = |_: usize, p: &[f64], _: &[f64]| Ok(PATTERN.map(|part| p[0] * part).to_vec());
+    for (rows, late) in [(1, 0.1), (2, 0.2), (-1, -0.1)] {
+        let at = |k: usize| PATTERN[k.saturating_add_signed(-rows).min(PATTERN.len() - 1)];
+        let values = (0..PATTERN.len()).map(|k| Measured { value: 1.3 * at(k), accuracy: 0.01 });
+        let problem = problem(vec![free("a", Spacing::Linear, 0.5, 1.5)], vec![values.collect()]);
+        let starts = starts(1, 16);
+        let task = Task { problem: &problem, difference: 1e-4, starts: &starts, effort: effort(2, 40) };
+        let Searched { problem, optima, .. } = searched(&task, &model, &|_| ()).unwrap();
+        let confusion = |rows| Confusion { factor: 1.0, offset: 0.0, rows, words: String::new() };
+        let sensor = Sensor {
+            group: Group { name: "force".to_owned(), values: (0..PATTERN.len()).map(|k| [0, k]).collect() },
+            criteria: vec!["force".to_owned()],
+            unit: None,
+            times: vec![(0..PATTERN.len()).map(|k| 0.1 * k as f64).collect()],
+            confusions: [-2, -1, 1, 2].map(confusion).to_vec(),
+        };
+        let inquiry = Inquiry {
+            problem: &problem,
+            difference: 1e-4,
+            starts: &starts,
+            deadline: None,
+            optimum: &optima[0],
+            model: &model,
+            sensors: &[sensor],
+            reach: &[[0.0, f64::INFINITY]],
+            constants: &[],
+        };
+        let suspects = inquiry.suspects().unwrap();
+        let first = suspects.first().unwrap();
+        assert_eq!((&first.fault, &first.unit), (&Fault::Delay, &Some("s".to_owned())), "{suspects:?}");
+        assert!((first.value - late).abs() < 1e-9, "{suspects:?}");
+    }
 }

@@ -117,7 +117,7 @@ impl Units {
         let to = to.filter(|_| !self.is_no_unit(to));
         let remedy = match to {
             Some(_) => "",
-            None => ", of a recording `unit = \"1\"` and its `scale` in the settings of synchronise",
+            None => "; for a recording say `--unit NAME=1` to convert, or `unit = \"none\"` to synchronise",
         };
         // A unit that nobody defines, and one of another quantity, are two mistakes.
         let fault = if self.meanings(&from).is_empty() && !self.0.contains_key(&from) {

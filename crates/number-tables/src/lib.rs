@@ -44,8 +44,8 @@ pub fn open(path: &Path, how: How) -> Result<Box<dyn Rows>, FileError> {
     open(path, how)
 }
 
-/// A column's name without the unit in it, and that: `n [1/min]`, and with a known unit `n (rpm)`. What stands in `x[2]` is an
-/// index, and `G(h)` a name.
+/// A column's name without the unit in it, and that: `n [1/min]`, and with a known unit `n (rpm)` and `Current(A)`. What stands in
+/// `x[2]` is an index, and `G(h)` and `T(min)` are names.
 pub fn name_and_unit(name: &str) -> (&str, Option<String>) {
     let enclosed = |from: char, to: char| name.strip_suffix(to).and_then(|name| name.rsplit_once(from));
     let is_index = |bare: &str, inner: &str| {
@@ -53,7 +53,11 @@ pub fn name_and_unit(name: &str) -> (&str, Option<String>) {
     };
     let square = enclosed('[', ']').filter(|(bare, inner)| !is_index(bare, inner));
     let parts = square.or_else(|| {
-        enclosed('(', ')').filter(|(bare, inner)| bare.ends_with(' ') && known::usual(inner.trim()).is_some())
+        enclosed('(', ')').filter(|(bare, inner)| {
+            let is_plain = *inner != "min" && (bare.len() > 2 || inner.len() > 1);
+            let apart = bare.ends_with(' ') || is_time_name(bare) || is_plain;
+            apart && known::usual(inner.trim()).is_some()
+        })
     });
     match parts {
         Some((bare, inner)) if !bare.trim().is_empty() && !inner.trim().is_empty() => {
@@ -117,12 +121,37 @@ fn remedy(text: &str) -> &'static str {
     }
 }
 
-/// A column that is asked for: the names that it may have, and its purpose.
+/// A column that is asked for: the names that it may have (none: the time, by its unit), and its purpose.
 pub type Column = (Vec<String>, String);
 
 /// A column of one name.
 pub fn column(name: &str, purpose: impl Into<String>) -> Column {
     (vec![name.to_owned()], purpose.into())
+}
+
+/// The column of the time: of this name, or where none is stated the one that its unit or name tells.
+pub fn time_column(stated: Option<&str>) -> Column {
+    (stated.map(str::to_owned).into_iter().collect(), "the time".to_owned())
+}
+
+/// The column `time`, else the only one that has a unit of time or is called time.
+fn place_of_time(path: &Path, header: &[String]) -> Result<usize, FileError> {
+    let is_time =
+        |(bare, unit): (&str, Option<String>)| unit.map_or(is_time_name(bare), |unit| recorded::is_of_time(&unit));
+    let found = |is_it: &dyn Fn(&str) -> bool| -> Vec<usize> {
+        (0..header.len()).filter(|&place| is_it(&header[place])).collect()
+    };
+    let mut places = found(&|name| name_and_unit(name).0 == "time");
+    if places.is_empty() {
+        places = found(&|name| is_time(name_and_unit(name)));
+    }
+    let why = match places[..] {
+        [place] => return Ok(place),
+        [] => "no column has a unit of time or is called `time`",
+        _ => "several columns may be the time",
+    };
+    let names: Vec<String> = header.iter().map(|name| shown(name)).collect();
+    Err(FileError::new(path, format!("{why}: say time = \"...\"; it has {}", names.join(", "))))
 }
 
 /// Columns of numbers from a csv or Parquet file, with the rows' own numbers where it has a column `point`.
@@ -253,6 +282,9 @@ fn shown(text: &str) -> String {
 }
 
 fn find(path: &Path, header: &[String], names: &[String], purpose: &str) -> Result<usize, FileError> {
+    if names.is_empty() {
+        return place_of_time(path, header);
+    }
     let bare = |column: &String, name: &String| column == name || name_and_unit(column).0 == name;
     let exact = names.iter().find_map(|name| header.iter().position(|column| column == name));
     let place = exact.or_else(|| names.iter().find_map(|name| header.iter().position(|column| bare(column, name))));

@@ -36,7 +36,7 @@ pub struct Column {
 }
 
 /// A time has one of these units.
-fn is_of_time(unit: &str) -> bool {
+pub fn is_of_time(unit: &str) -> bool {
     known::between(unit, "s").is_some()
 }
 
@@ -108,8 +108,8 @@ impl RecordedTable {
 
     /// The column that says in each row of which signal the value is, where a table has such rows: its values are one column of all.
     fn names_signals(&self) -> Option<&str> {
-        const SIGNALS: [&str; 9] =
-            ["signal", "name", "channel", "variable", "parameter", "sensor", "tag", "id", "item"];
+        const SIGNALS: [&str; 10] =
+            ["signal", "name", "channel", "variable", "parameter", "sensor", "tag", "id", "pid", "item"];
         const VALUES: [&str; 4] = ["value", "values", "wert", "reading"];
         let called = |column: &&Column, names: &[&str]| names.iter().any(|name| column.bare.eq_ignore_ascii_case(name));
         let again = |column: &&Column| {
@@ -278,6 +278,45 @@ mod tests {
         ] {
             let table = read(text.as_bytes()).unwrap();
             assert_eq!(table.time().ok(), time, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_unit_may_stand_right_behind_the_name() {
+        for (name, unit) in [
+            ("Current(A)", Some("A")),
+            ("t(s)", Some("s")),
+            ("n(rpm)", Some("rpm")),
+            ("F(kN)", Some("kN")),
+            ("T (min)", Some("min")),
+            ("Temp(min)", None),
+            ("G(h)", None),
+            ("V(A)", None),
+            ("x[2]", None),
+            ("Dev(x)", None),
+        ] {
+            assert_eq!(name_and_unit(name).1.as_deref(), unit, "{name}");
+        }
+    }
+
+    #[test]
+    fn studies_know_the_time_by_its_unit_too() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.csv");
+        for (names, times) in [
+            ("u,t [s]", Some([1.0, 3.0])),
+            ("u,Time(ms)", Some([1.0, 3.0])),
+            ("wait [s],time", Some([1.0, 3.0])),
+            ("wait [s],t", None),
+            ("u,v", None),
+        ] {
+            std::fs::write(&path, format!("{names}\n0,1\n2,3\n")).unwrap();
+            let read = crate::Table::read(&path, &[crate::time_column(None)]);
+            let found = read.map(|table| [table.rows[0][0], table.rows[1][0]]);
+            match times {
+                Some(times) => assert_eq!(found.unwrap(), times, "{names}"),
+                None => assert!(found.unwrap_err().to_string().contains("say time = "), "{names}"),
+            }
         }
     }
 

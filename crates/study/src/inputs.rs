@@ -49,8 +49,10 @@ pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> R
         let path = study.path_of(recording.file.as_ref());
         let time = recording.time.as_deref().unwrap_or("time");
         let column = recording.column.as_deref().unwrap_or(key);
-        let columns =
-            [number_tables::column(time, "the time"), number_tables::column(column, format!("the input {key}"))];
+        let columns = [
+            number_tables::time_column(recording.time.as_deref()),
+            number_tables::column(column, format!("the input {key}")),
+        ];
         let table = Table::read(&path, &columns);
         let mut table = table.map_err(|error| study.error_at(&recording.file, error.to_string()))?;
         let in_file = |message: String| named(format!("{}: {message}", path.display()));

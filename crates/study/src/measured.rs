@@ -201,7 +201,7 @@ impl Binder<'_> {
         let time = reference.time.as_deref().unwrap_or("time");
         let column = self.column();
         let mut columns = vec![
-            number_tables::column(time, "the time"),
+            number_tables::time_column(reference.time.as_deref()),
             number_tables::column(column, format!("the criterion {}", self.name.as_ref())),
         ];
         if let Some(column) = &reference.uncertainty_column {

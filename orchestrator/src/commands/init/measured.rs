@@ -9,7 +9,7 @@ use crate::error::Error;
 use fmu_import::quantity::Scale;
 use fmu_import::{Causality, Description, Variable};
 use fmu_points::names::{did_you_mean, nearest};
-use number_tables::recorded::convert;
+use number_tables::recorded::{convert, is_of_time};
 use number_tables::{How, Table, is_time_name};
 use study::inputs::in_seconds;
 
@@ -55,10 +55,14 @@ impl<'a> Measured<'a> {
             let message = format!("a row of words, such as of units, stands below the names; {}", convert(path));
             return Err(Error::content(path, message));
         }
-        let time = header.iter().find(|name| {
-            let bare = split(name, fmu).0;
-            is_time_name(bare) && !fmu.variables.contains_key(bare)
-        });
+        let others = || header.iter().map(|name| (name, split(name, fmu)));
+        let others = || others().filter(|(_, (bare, _))| !fmu.variables.contains_key(*bare));
+        let called = others().find(|(_, (bare, _))| is_time_name(bare));
+        // Of operating points a duration does not rise from row to row.
+        let rises = |(name, (_, unit)): &(&String, (_, Option<String>))| {
+            unit.as_deref().is_some_and(is_of_time) && span(path, name).is_ok()
+        };
+        let time = called.or_else(|| others().find(rises)).map(|(name, _)| name);
         let mut table = Self {
             file: path.to_owned(),
             time: time.cloned(),
@@ -88,7 +92,7 @@ impl<'a> Measured<'a> {
         if self.time.is_some() && !is_input && !is_real(variable) {
             return Err("it is a whole number, and a curve needs real ones".to_owned());
         }
-        Scale::new(unit, fmu, variable)?;
+        Scale::new(unit.as_deref(), fmu, variable)?;
         let asked = number_tables::column(header, "measured values");
         let table = Table::read(&self.file, &[asked]).map_err(|error| error.to_string())?;
         let values: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
@@ -96,10 +100,11 @@ impl<'a> Measured<'a> {
         if self.time.is_some() && !is_input && values.iter().all(|value| Some(value) == first) {
             return Err("it is the same in all rows: write it as `nominal` of a criterion".to_owned());
         }
-        if let (None, Some(unit)) = (unit, variable.unit()) {
+        if let (None, Some(unit)) = (&unit, variable.unit()) {
             fmu_points::tell::line!("note: column `{header}` names no unit, so it is read in {unit}");
         }
-        Ok(Column { header: header.to_owned(), unit: unit.or(variable.unit()).map(str::to_owned), variable, values })
+        let unit = unit.or_else(|| variable.unit().map(str::to_owned));
+        Ok(Column { header: header.to_owned(), unit, variable, values })
     }
 
     /// Leaves out columns of which the FMU computes no finite values, in their order.

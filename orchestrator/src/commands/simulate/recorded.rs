@@ -66,7 +66,7 @@ pub(super) fn inputs(
         let (name, unit) = split(column, fmu);
         let variable = find(fmu, name).map_err(wrong)?;
         let slot = slot_while_running(variable).map_err(wrong)?;
-        let scale = Scale::new(unit, fmu, variable).map_err(wrong)?;
+        let scale = Scale::new(unit.as_deref(), fmu, variable).map_err(wrong)?;
         let columns =
             [number_tables::column(TIME, "the time"), number_tables::column(column, format!("the input {name}"))];
         let table = Table::read(path, &columns)?;
@@ -95,12 +95,11 @@ pub(super) fn inputs(
     Ok(inputs)
 }
 
-/// A column's variable and unit: `NAME`, or `NAME [UNIT]`.
-pub(in crate::commands) fn split<'a>(column: &'a str, fmu: &Description) -> (&'a str, Option<&'a str>) {
-    let parts = column.strip_suffix(']').and_then(|rest| rest.split_once(" ["));
-    match parts {
-        Some((name, unit)) if !fmu.variables.contains_key(column) => (name.trim(), Some(unit)),
-        _ => (column, None),
+/// A column's variable and unit: `NAME`, or `NAME [UNIT]` as in every table.
+pub(in crate::commands) fn split<'a>(column: &'a str, fmu: &Description) -> (&'a str, Option<String>) {
+    match fmu.variables.contains_key(column) {
+        true => (column, None),
+        false => number_tables::name_and_unit(column),
     }
 }
 

@@ -83,7 +83,7 @@ fn sensors(bound: &Bound) -> Vec<Sensor> {
             criteria: Vec::new(),
             unit: named.unit.clone(),
             times: Vec::new(),
-            confusions: readings(named.unit.as_deref()),
+            confusions: readings(named.unit.as_deref(), curve.is_some()),
         });
         sensor.group.values.extend((0..problem.cases.len()).map(|case| [case, quantity]));
         if !sensor.criteria.contains(name) {
@@ -95,15 +95,18 @@ fn sensors(bound: &Bound) -> Vec<Sensor> {
     sensors.into_values().collect()
 }
 
-/// What values may be mistaken for.
-fn readings(unit: Option<&str>) -> Vec<Confusion> {
-    let sign = Confusion { factor: -1.0, offset: 0.0, words: "its sign were the other one".to_owned() };
+/// What values may be mistaken for. A signal that changes from row to row is late by whole rows: no line through it tells.
+fn readings(unit: Option<&str>, is_curve: bool) -> Vec<Confusion> {
+    let same = Confusion { factor: 1.0, offset: 0.0, rows: 0, words: String::new() };
+    let sign = Confusion { factor: -1.0, words: "its sign were the other one".to_owned(), ..same.clone() };
+    let late = [-2, -1, 1, 2].into_iter().filter(|_| is_curve).map(|rows| Confusion { rows, ..same.clone() });
     let units = confusions(unit).into_iter().map(|(Conversion { factor, offset }, units)| Confusion {
         factor,
         offset,
+        rows: 0,
         words: format!("{units} were mixed up"),
     });
-    [sign].into_iter().chain(units).collect()
+    [sign].into_iter().chain(late).chain(units).collect()
 }
 
 /// The constants of the FMU that may be other ones, each tried with another value at an optimum; none where these are more runs
