@@ -107,7 +107,7 @@ impl Jacobian {
         // No two states in the same proportion, so that no two effects cancel by a model's symmetry.
         let part = |state: usize| {
             let size = 0.5 + 0.5 * (state as f64 * 0.618_033_988_749_894_9).fract();
-            if state % 2 == 0 { size } else { -size }
+            if state.is_multiple_of(2) { size } else { -size }
         };
         if !self.change(f, place, 0..place.states.len(), part)? {
             return Ok(false);

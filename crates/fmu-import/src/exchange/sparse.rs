@@ -136,15 +136,12 @@ mod tests {
     #[test]
     fn the_solution_solves_the_equations() {
         for n in [1, 2, 7, 60] {
-            let mut coefficients: Columns = vec![Vec::new(); n];
-            for column in 0..n {
-                for row in 0..n {
-                    let is_near = column.abs_diff(row) == 1 || row == 0 || (column * 7 + row * 3) % 11 == 0;
-                    if is_near && row != column {
-                        coefficients[column].push((row, ((column * 5 + row * 3) % 7) as f64 - 3.1));
-                    }
-                }
-            }
+            let stands = |row: usize, column: usize| {
+                let is_near = column.abs_diff(row) == 1 || row == 0 || (column * 7 + row * 3).is_multiple_of(11);
+                (is_near && row != column).then(|| (row, ((column * 5 + row * 3) % 7) as f64 - 3.1))
+            };
+            let coefficients: Columns =
+                (0..n).map(|column| (0..n).filter_map(|row| stands(row, column)).collect()).collect();
             for shift in [1e-9, 1.0, 100.0] {
                 let mut triangles = Triangles::of(&coefficients);
                 if !triangles.decompose(&coefficients, shift) {
