@@ -506,6 +506,7 @@ impl Model for Stand {
         self.resting = Remembered::default();
         self.operation = Remembered::default();
         self.tell_of_motion(log);
+        self.look();
         self.tell(log);
         Ok(())
     }
