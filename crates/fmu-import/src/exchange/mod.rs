@@ -8,8 +8,10 @@
 
 mod clocks;
 mod equations;
+mod jacobian;
 mod march;
 mod rosenbrock;
+mod sparse;
 
 use crate::call::Call;
 use crate::component::Base;

@@ -2,8 +2,10 @@
 //! Solving Ordinary Differential Equations II, section IV.7 and the code RODAS.
 //!
 //! One method serves stiff and other systems: the derivatives over the states are taken by differences at each step,
-//! so that none of them is ever old. There are n + 8 evaluations a step of n states.
+//! so that none of them is ever old.
 
+use super::jacobian::{Jacobian, Place, Rates};
+use super::sparse::Triangles;
 use crate::call::Call;
 
 const GAMMA: f64 = 0.25;
@@ -35,19 +37,15 @@ const G: [[f64; 5]; 6] = [
     ],
 ];
 
-/// Gives the rates at a time, s, and states; whether there are any, as an FMU may refuse to compute them there.
-pub(super) type Rates<'a> = dyn FnMut(f64, &[f64], &mut [f64]) -> Result<bool, Call> + 'a;
-
 /// The method with its workspace, for one number of states.
 #[derive(Debug, Default)]
 pub(super) struct Rosenbrock {
-    /// The derivatives of the rates over the states, by rows; over time; and the rates.
-    jacobian: Vec<f64>,
+    /// The derivatives of the rates over the states and over time, and the rates.
+    jacobian: Jacobian,
     in_time: Vec<f64>,
     first: Vec<f64>,
-    /// The matrix of the stages, decomposed, and the rows that were exchanged.
-    matrix: Vec<f64>,
-    pivots: Vec<usize>,
+    /// The matrix of the stages, decomposed.
+    matrix: Triangles,
     increments: [Vec<f64>; 6],
     at: Vec<f64>,
     rates: Vec<f64>,
@@ -57,11 +55,10 @@ impl Rosenbrock {
     /// One for `n` states.
     pub(super) fn new(n: usize) -> Self {
         Self {
-            jacobian: vec![0.0; n * n],
+            jacobian: Jacobian::new(n),
             in_time: vec![0.0; n],
             first: vec![0.0; n],
-            matrix: vec![0.0; n * n],
-            pivots: vec![0; n],
+            matrix: Triangles::default(),
             increments: std::array::from_fn(|_| vec![0.0; n]),
             at: vec![0.0; n],
             rates: vec![0.0; n],
@@ -78,42 +75,27 @@ impl Rosenbrock {
         nominals: &[f64],
         h: f64,
     ) -> Result<bool, Call> {
-        let n = states.len();
-        if n == 0 {
+        if states.is_empty() {
             return Ok(true);
         }
         if !f(time, states, &mut self.first)? {
             return Ok(false);
         }
         let root = f64::EPSILON.sqrt();
-        self.at.copy_from_slice(states);
-        for column in 0..n {
-            let size = root * states[column].abs().max(nominals[column]);
-            // Where the FMU cannot look ahead it may look back.
-            let mut seen = false;
-            for change in [size, -size] {
-                self.at[column] = states[column] + change;
-                // As rounding leaves it.
-                let change = self.at[column] - states[column];
-                if f(time, &self.at, &mut self.rates)? {
-                    for row in 0..n {
-                        self.jacobian[row * n + column] = (self.rates[row] - self.first[row]) / change;
-                    }
-                    seen = true;
-                    break;
-                }
-            }
-            if !seen {
-                return Ok(false);
-            }
-            self.at[column] = states[column];
+        let sizes = states.iter().zip(nominals).map(|(state, nominal)| root * state.abs().max(*nominal));
+        let sizes: Vec<f64> = sizes.collect();
+        let Some(more) = self.jacobian.compute(f, Place { time, states, rates: &self.first, sizes: &sizes })? else {
+            return Ok(false);
+        };
+        if more || !self.matrix.is_for(states.len()) {
+            self.matrix = Triangles::of(&self.jacobian.columns);
         }
         // Without rates ahead in time, the error of the step says what that costs.
         self.in_time.fill(0.0);
         let later = (time + root * time.abs().max(h)).min(time + h);
         if later > time && f(later, states, &mut self.rates)? {
-            for row in 0..n {
-                self.in_time[row] = (self.rates[row] - self.first[row]) / (later - time);
+            for (slope, (after, before)) in self.in_time.iter_mut().zip(self.rates.iter().zip(&self.first)) {
+                *slope = (after - before) / (later - time);
             }
         }
         Ok(true)
@@ -140,13 +122,7 @@ impl Rosenbrock {
         if n == 0 {
             return Ok(Some(0.0));
         }
-        for (place, slope) in self.matrix.iter_mut().zip(&self.jacobian) {
-            *place = -slope;
-        }
-        for row in 0..n {
-            self.matrix[row * n + row] += 1.0 / (h * GAMMA);
-        }
-        if !decompose(&mut self.matrix, &mut self.pivots) {
+        if !self.matrix.decompose(&self.jacobian.columns, 1.0 / (h * GAMMA)) {
             return Ok(None);
         }
         for stage in 0..6 {
@@ -167,7 +143,7 @@ impl Rosenbrock {
                 add(&mut self.rates, weight / h, increment);
             }
             add(&mut self.rates, D[stage] * h, &self.in_time);
-            solve(&self.matrix, &self.pivots, &mut self.rates);
+            self.matrix.solve(&mut self.rates);
             self.increments[stage].copy_from_slice(&self.rates);
         }
         end.copy_from_slice(&self.at);
@@ -187,52 +163,6 @@ impl Rosenbrock {
 fn add(to: &mut [f64], weight: f64, what: &[f64]) {
     for (to, what) in to.iter_mut().zip(what) {
         *to += weight * what;
-    }
-}
-
-/// Decomposes a square matrix, by rows, into triangles with exchanges of rows; whether that is possible.
-fn decompose(matrix: &mut [f64], pivots: &mut [usize]) -> bool {
-    let n = pivots.len();
-    for step in 0..n {
-        let size = |row: usize| matrix[row * n + step].abs();
-        let best = (step..n).fold(step, |best, row| if size(row) > size(best) { row } else { best });
-        pivots[step] = best;
-        let largest = matrix[best * n + step];
-        if largest == 0.0 || !largest.is_finite() {
-            return false;
-        }
-        if best != step {
-            for column in 0..n {
-                matrix.swap(best * n + column, step * n + column);
-            }
-        }
-        for row in step + 1..n {
-            let factor = matrix[row * n + step] / matrix[step * n + step];
-            matrix[row * n + step] = factor;
-            for column in step + 1..n {
-                matrix[row * n + column] -= factor * matrix[step * n + column];
-            }
-        }
-    }
-    true
-}
-
-/// Solves with a decomposed matrix.
-fn solve(matrix: &[f64], pivots: &[usize], right: &mut [f64]) {
-    let n = pivots.len();
-    for (step, pivot) in pivots.iter().enumerate() {
-        right.swap(step, *pivot);
-    }
-    for row in 0..n {
-        for column in 0..row {
-            right[row] -= matrix[row * n + column] * right[column];
-        }
-    }
-    for row in (0..n).rev() {
-        for column in row + 1..n {
-            right[row] -= matrix[row * n + column] * right[column];
-        }
-        right[row] /= matrix[row * n + row];
     }
 }
 
@@ -311,10 +241,35 @@ mod tests {
         };
         let mut method = Rosenbrock::new(2);
         assert!(method.linearise(&mut f, 0.0, &[1.0, 0.0], &[1.0; 2], 4.0).unwrap());
-        method.jacobian.copy_from_slice(&[1.0, 1.0, 1.0, -1.0]);
+        method.jacobian.columns = vec![vec![(0, 1.0), (1, 1.0)], vec![(0, 1.0), (1, -1.0)]];
         let mut end = [0.0; 2];
         let error = method.attempt(&mut f, 0.0, &[1.0, 0.0], 4.0, &[1.0; 2], &mut end).unwrap();
         assert!(error.is_some());
+    }
+
+    /// Heat along a chain whose first state, once it is cool, cools the last: the states are looked at one by one twice,
+    /// else by three or four groups.
+    #[test]
+    fn a_long_chain_takes_few_evaluations() {
+        const N: usize = 300;
+        let end = |steps: usize| {
+            let mut evaluations = 0;
+            let mut f = |_: f64, x: &[f64], rates: &mut [f64]| {
+                evaluations += 1;
+                for i in 0..N {
+                    rates[i] = 1e5 * (x[i.max(1) - 1] - 2.0 * x[i] + x[(i + 1).min(N - 1)]);
+                }
+                rates[N - 1] += 1e3 * (x[0] - 0.9).min(0.0);
+                Ok(true)
+            };
+            let start = (0..N).map(|i| if i < N / 2 { 1.0 } else { 0.0 }).collect();
+            let (end, _) = run(&mut f, start, 0.5, steps);
+            assert!(evaluations < 2 * N + 13 * steps, "{evaluations}");
+            end
+        };
+        let (long, short) = (end(40), end(160));
+        assert!(short[0] < 0.9 && short[N - 1] < 0.1, "{short:?}");
+        assert!(long.iter().zip(&short).all(|(a, b)| (a - b).abs() < 1e-4), "{long:?} {short:?}");
     }
 
     #[test]
