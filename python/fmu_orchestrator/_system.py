@@ -30,6 +30,7 @@ PLATFORMS = {"linux": ("linux64", "x86_64-linux"), "win32": ("win64", "x86_64-wi
 # What the library leaves out of a variable's description.
 LEFT_OUT = ("unit", "displayUnit", "quantity", "relativeQuantity", "min", "max", "nominal")
 BASES = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
+REALS = ("Real", "Float64", "Float32")
 SAME = (1.0, 0.0)
 
 Element = ElementTree.Element
@@ -360,7 +361,7 @@ class Builder:
         variable = component.variables[name]
         if variable["kind"] == "Enumeration":
             return str(variable.get("items", {}).get(text, text))
-        if variable["kind"] not in ("Real", "Float64", "Float32"):
+        if variable["kind"] not in REALS:
             return text
         change = conversion(unit, units, variable.get("unit"), component.units)
         if change is None:
@@ -384,7 +385,8 @@ class Builder:
             elif name in self.exposed:
                 origin, known = self.exposed[name]
                 inner = variable[0] if self.fmi == 2 else variable
-                variable.attrib.update({key: known[key] for key in ("causality", "variability") if key in known})
+                usual = "continuous" if known["kind"] in REALS else "discrete"
+                variable.attrib.update(causality=known.get("causality", "local"), variability=known.get("variability", usual))
                 inner.attrib.update({key: known[key] for key in LEFT_OUT if key in known})
                 if "unit" in known:
                     inner.set("unit", defined(units, known["unit"], self.structure.components[origin].units, origin))
