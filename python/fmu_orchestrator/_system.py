@@ -7,6 +7,7 @@ its `container.ts_multiplier` says how many of these it takes at once; a contain
 """
 
 import argparse
+import importlib
 import logging
 import posixpath
 import re
@@ -247,14 +248,12 @@ class Reader:
 class Builder:
     """Makes the FMU of what was read."""
 
-    def __init__(self, reader: Reader) -> None:
-        from fmu_manipulation_toolbox.container import EmbeddedFMUPort, FMUContainer
-
-        self.reader, self.structure, self.make = reader, reader.structure, FMUContainer
+    def __init__(self, reader: Reader, library: Any) -> None:
+        self.reader, self.structure, self.make = reader, reader.structure, library.FMUContainer
         versions = {component.fmi for component in self.structure.components.values()}
         self.fmi = versions.pop() if len(versions) == 1 else 2
-        self.types = set(EmbeddedFMUPort.CONTAINER_TO_FMI[self.fmi]) - {"binary", "clock"}
-        self.inner = FMUContainer("coupled", reader.folder, fmi_version=self.fmi)
+        self.types = set(library.EmbeddedFMUPort.CONTAINER_TO_FMI[self.fmi]) - {"binary", "clock"}
+        self.inner = self.make("coupled", reader.folder, fmi_version=self.fmi)
         for component in self.structure.components.values():
             self.inner.get_fmu(component.file)
         self.exposed: dict[str, tuple[str, dict[str, Any]]] = {}
@@ -430,18 +429,20 @@ def system(path: str | Path, step: float, output: str | Path, *, force: bool = F
     if output.exists() and not force:
         raise OrchestratorError(f"{output} is there already; name another file, or give --force")
     try:
-        from fmu_manipulation_toolbox.container import FMUContainerError
+        library = importlib.import_module("fmu_manipulation_toolbox.container")
     except ImportError:
         raise OrchestratorError('fmu-manipulation-toolbox is missing: pip install "fmu-orchestrator[system]"') from None
     logger = logging.getLogger("fmu_manipulation_toolbox")
     logger.propagate, logger.handlers = False, [Remarks()]
     with tempfile.TemporaryDirectory(prefix="system-") as folder:
-        reader = Reader(path, Path(folder))
         try:
-            builder = Builder(reader)
+            reader = Reader(path, Path(folder))
+            builder = Builder(reader, library)
             builder.build(step, output)
-        except FMUContainerError as error:
-            raise OrchestratorError(f"{path}: {error.reason}") from None
+        except library.FMUContainerError as error:
+            raise OrchestratorError(f"{path}: {error}") from None
+        except (ValueError, LookupError) as error:
+            raise OrchestratorError(f"{path}: something in it is not by the standard: {error!r}") from None
         except OSError as error:
             raise OrchestratorError(f"{output}: {error.strerror or error}") from None
     if unused := reader.structure.unused:
