@@ -223,3 +223,22 @@ impl Probe {
         }
     }
 }
+
+#[cfg(test)]
+mod exchange_tests {
+    use super::*;
+
+    #[test]
+    fn steps_inside_are_halved_with_those_outside() {
+        let schedule = Schedule { start: 0.0, stop: 8.0, step: 0.8, window_start: 0.0, leap: false, tolerance: None };
+        let other = (8, Value::Real(1.0));
+        let given =
+            Task { exchange: Some((7, 4)), fixed: vec![(7, Value::Integer(4)), other.clone()], ..Task::new(schedule) };
+        for (times, steps) in [(1, 2), (2, 1)] {
+            let mut task = given.clone();
+            task.halve_steps(times);
+            assert_eq!(task.schedule.step, 0.8 / f64::from(4 / steps));
+            assert_eq!(task.fixed, [other.clone(), (7, Value::Integer(steps.into()))]);
+        }
+    }
+}
