@@ -93,6 +93,8 @@ class Reader:
             raise OrchestratorError(f"{path}: {error.strerror or error}") from None
         except zipfile.BadZipFile:
             raise OrchestratorError(f"{path}: no SSP, which is a zip archive with SystemStructure.ssd") from None
+        if "SystemStructure.ssd" not in self.archive.namelist():
+            raise OrchestratorError(f"{path}: no SSP: it holds no SystemStructure.ssd; name the system's file")
         self.root = self.xml("SystemStructure.ssd")
         self.units = units_in(self.root, "Units")
         for system in self.root.iterfind("System"):
@@ -444,7 +446,7 @@ def system(path: str | Path, step: float, output: str | Path, *, force: bool = F
         except (ValueError, LookupError) as error:
             raise OrchestratorError(f"{path}: something in it is not by the standard: {error!r}") from None
         except OSError as error:
-            raise OrchestratorError(f"{output}: {error.strerror or error}") from None
+            raise OrchestratorError(f"{output}: {error.strerror or error}; name a folder that can be written") from None
     if unused := reader.structure.unused:
         print(f"warning: {len(unused)} parameters have no value or fit no variable, and are left out: {', '.join(unused[:3])}", file=sys.stderr)
     count = len(reader.structure.components)
