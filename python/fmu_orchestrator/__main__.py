@@ -5,7 +5,7 @@ import signal
 import subprocess
 import sys
 
-from . import _convert
+from . import _convert, _system
 from ._errors import OrchestratorError
 from ._files import program, study_path
 
@@ -22,10 +22,11 @@ def arguments(given: list[str]) -> list[str]:
 
 
 def main() -> int:
-    """Becomes the program; ``convert`` is the package's own."""
+    """Becomes the program; ``convert`` and ``system`` are the package's own."""
     try:
-        if sys.argv[1:2] == ["convert"]:
-            return _convert.main(sys.argv[2:])
+        own = {"convert": _convert.main, "system": _system.main}.get("".join(sys.argv[1:2]))
+        if own:
+            return own(sys.argv[2:])
         command = [str(program()), *arguments(sys.argv[1:])]
     except OrchestratorError as error:
         print(f"error: {error}", file=sys.stderr)

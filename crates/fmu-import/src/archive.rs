@@ -74,10 +74,7 @@ pub enum ArchiveError {
     #[error("not an FMU: it holds no modelDescription.xml")]
     NoDescription,
     /// It is a system of FMUs by the standard SSP.
-    #[error(
-        "a system of FMUs (SSP), where one FMU is needed: unpack it and name one, or make one FMU of it by a tool such as \
-             fmu-manipulation-toolbox"
-    )]
+    #[error("a system of FMUs (SSP), where one FMU is needed")]
     System,
     /// The model description has another name.
     #[error("{0}: call it {DESCRIPTION}, as names differ by upper and lower case")]

@@ -31,6 +31,10 @@ pub struct Task {
     pub sizes: Vec<(u32, u64)>,
     /// Start values that stay as they are, by value reference.
     pub fixed: Vec<(u32, Value)>,
+    /// Of an FMU made of several: the variable that says how many of its finest steps lie between two exchanges of values inside of
+    /// it, by value reference, and its value. No communication step from outside changes those.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exchange: Option<(u32, i128)>,
     /// The variables that take a point's values, in the order of those values.
     pub varied: Vec<Slot>,
     /// The inputs that change over time.
@@ -46,9 +50,21 @@ impl Task {
             schedule,
             sizes: Vec::new(),
             fixed: Vec::new(),
+            exchange: None,
             varied: Vec::new(),
             inputs: Vec::new(),
             observed: Vec::new(),
+        }
+    }
+
+    /// Halves the communication step so many times, and with it the time between the exchanges of values inside of the FMU.
+    pub fn halve_steps(&mut self, times: u32) {
+        self.schedule.step /= f64::from(2_u32.pow(times));
+        if let Some((reference, steps)) = self.exchange {
+            let steps = (steps >> times).max(1);
+            self.exchange = Some((reference, steps));
+            self.fixed.retain(|(fixed, _)| *fixed != reference);
+            self.fixed.push((reference, Value::Integer(steps)));
         }
     }
 }
@@ -204,6 +220,25 @@ impl Probe {
             Some(Detail::Percent(percent)) => Accumulator::percentile(percent),
             Some(Detail::Level(level, direction)) => Accumulator::crossing(level, direction),
             _ => Accumulator::new(self.statistic),
+        }
+    }
+}
+
+#[cfg(test)]
+mod exchange_tests {
+    use super::*;
+
+    #[test]
+    fn steps_inside_are_halved_with_those_outside() {
+        let schedule = Schedule { start: 0.0, stop: 8.0, step: 0.8, window_start: 0.0, leap: false, tolerance: None };
+        let other = (8, Value::Real(1.0));
+        let given =
+            Task { exchange: Some((7, 4)), fixed: vec![(7, Value::Integer(4)), other.clone()], ..Task::new(schedule) };
+        for (times, steps) in [(1, 2), (2, 1)] {
+            let mut task = given.clone();
+            task.halve_steps(times);
+            assert_eq!(task.schedule.step, 0.8 / f64::from(4 / steps));
+            assert_eq!(task.fixed, [other.clone(), (7, Value::Integer(steps.into()))]);
         }
     }
 }

@@ -9,7 +9,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let parameter = |k: usize| ParameterColumn {
         name: format!("p{k}"),
         unit: "mm".into(),
-        distribution: String::new(),
         values: points.iter().map(|x| x[k]).collect(),
     };
     let criterion = |name: &str, value: &dyn Fn(&[f64; 2]) -> f64| {

@@ -53,7 +53,9 @@ impl Binder<'_> {
         let (outputs, observed) = self.criteria(&schedule)?;
         let observed = self.windows(&mut schedule, observed)?;
         let Recordings { series: inputs, errors, concerns } = inputs::series(self.study, self.fmu, &schedule)?;
-        let task = Task { schedule, sizes: self.fmu.sizes.clone(), fixed: self.fixed()?, varied, inputs, observed };
+        let fixed = self.fixed()?;
+        let exchange = self.exchange(&fixed);
+        let task = Task { schedule, sizes: self.fmu.sizes.clone(), fixed, exchange, varied, inputs, observed };
         Ok(Bound { outputs, task, errors, concerns })
     }
 
@@ -286,6 +288,17 @@ impl Binder<'_> {
             }
         }
         Ok(observed)
+    }
+
+    /// The variable by which a container of FMUs, as fmu-manipulation-toolbox makes them, multiplies its step.
+    fn exchange(&self, fixed: &[(u32, Value)]) -> Option<(u32, i128)> {
+        let variable = self.fmu.variables.get("container.ts_multiplier")?;
+        let reference = variable.handle().reference;
+        let given = fixed.iter().find(|(fixed, _)| *fixed == reference).map(|(_, value)| value.clone());
+        match given.or_else(|| variable.kind.start_value())? {
+            Value::Integer(steps) => Some((reference, steps)),
+            _ => None,
+        }
     }
 
     fn fixed(&self) -> Result<Vec<(u32, Value)>, FileError> {

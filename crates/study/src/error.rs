@@ -19,6 +19,10 @@ pub fn unusable(error: &FmuError) -> String {
         {
             format!("{}: a study, where an FMU is needed; name the FMU, or run the study by `verify`", path.display())
         }
+        FmuError { path, fault: FmuFault::Archive(ArchiveError::System) } => {
+            let way = "python -m fmu_orchestrator system";
+            format!("{error}: `{way} {} --step 0.001 --output system.fmu` makes one of it", path.display())
+        }
         other => other.to_string(),
     }
 }

@@ -121,7 +121,7 @@ pub struct Finer<'a, 'b, 'c>(pub &'a FmuModel<'b, 'c>);
 impl Simulate for Finer<'_, '_, '_> {
     fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
         let Self(model) = self;
-        model.apart(|task| task.schedule.step *= 0.5, queries, model.points(queries))
+        model.apart(|task| task.halve_steps(1), queries, model.points(queries))
     }
 }
 

@@ -48,13 +48,12 @@ pub(super) fn longer(schedule: &Schedule) -> Schedule {
 }
 
 /// The case with a finer setting, so many times.
-pub(super) fn refined_case(case: &Case, by: Refined, times: i32) -> Case {
-    let factor = by.ratio().powi(-times);
+pub(super) fn refined_case(case: &Case, by: Refined, times: u32) -> Case {
     let mut case = case.clone();
-    let schedule = &mut case.task.schedule;
+    let tolerance = &mut case.task.schedule.tolerance;
     match by {
-        Refined::Step => schedule.step *= factor,
-        Refined::Tolerance => schedule.tolerance = schedule.tolerance.map(|given| factor * given),
+        Refined::Step => case.task.halve_steps(times),
+        Refined::Tolerance => *tolerance = tolerance.map(|given| given / by.ratio().powf(f64::from(times))),
     }
     case
 }

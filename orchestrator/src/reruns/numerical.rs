@@ -145,7 +145,7 @@ fn numerical(reruns: &Reruns<'_>) -> Vec<Numerical> {
     let mut largest = vec![Numerical::default(); session.judge.criteria.len()];
     for index in 0..POINTS.min(verification.source.len()) {
         let values = verification.job(index).values;
-        let run = |by: Refined, times: i32| {
+        let run = |by: Refined, times: u32| {
             let finer: Vec<Case> = cases.iter().map(|case| refined_case(case, by, times)).collect();
             let answer = reruns.answer(&finer, values.clone()).ok()?;
             session.outcome(answer).ok()
