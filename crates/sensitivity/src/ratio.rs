@@ -93,8 +93,11 @@ fn is_seen(variance: f64, mean: f64) -> bool {
     variance > f64::EPSILON * mean.powi(2).max(f64::MIN_POSITIVE)
 }
 
-/// Fewer independent runs than these that carry an output's variance tell no interval of its parts: 128 normal numbers have 43.
-const CARRIERS: f64 = 12.0;
+/// Whether so many [`carriers`] tell an interval of parts of the variance: 12 do (128 normal numbers have 43), and where they are rarer
+/// the root of the number of base points, so that some of the pairs of runs are carriers both.
+fn are_enough(carriers: f64, points: usize) -> bool {
+    carriers >= 12.0_f64.max((points as f64).sqrt())
+}
 
 /// How many independent runs carry the variance of an output, of as many as the `ends` have: all of them where each is as far from the
 /// mean, 1 where one is far off. All runs of the design show it, since each alone has the output's distribution. Without a
@@ -127,7 +130,7 @@ pub fn estimate(over: &Parts, under: &Parts, offset: f64, carriers: f64) -> Opti
 /// The same, where other terms than those of the estimate show how far it scatters, and its standard error is not less than `least`.
 ///
 /// A few runs that carry the variance make the ratio skewed, and some of their kind were not drawn: the interval is a part of 16 over
-/// their number wider, and there is none of fewer than 12 (both by trials: see `docs/evidence/coverage.md`).
+/// their number wider (by trials: see `docs/evidence/coverage.md`), and there is none where they are too few.
 ///
 /// Without any variance nothing explains it: the ratio is 0. Where the independent runs alone show none, it is unknown.
 pub fn scattering(
@@ -145,7 +148,11 @@ pub fn scattering(
         _ if carriers.is_infinite() => 0.0,
         _ => f64::NAN,
     };
-    Some(Estimate::around(value, if carriers < CARRIERS { f64::NAN } else { half * (1.0 + SKEWNESS / carriers) }))
+    let half = match are_enough(carriers, over.sums.len()) {
+        true => half * (1.0 + SKEWNESS / carriers),
+        false => f64::NAN,
+    };
+    Some(Estimate::around(value, half))
 }
 
 /// Half the width of a ratio's 95 % interval, without what few carriers ask for.
@@ -360,6 +367,10 @@ mod tests {
         let [bare, wider, none] = [MANY, 32.0, 11.9].map(|carriers| estimate(&over, &under, 0.0, carriers).unwrap());
         holds(wider, [1.5, 1.5 + 1.5 * (bare.low - 1.5), 1.5 + 1.5 * (bare.high - 1.5)]);
         assert!(none.value == 1.5 && none.low.is_nan() && none.high.is_nan());
+        // Of 400 base points 20 are enough.
+        let many = Parts::of([1.0, 2.0].repeat(200));
+        let stated = [19.9, 20.0].map(|carriers| estimate(&many, &many, 0.0, carriers).unwrap().low.is_finite());
+        assert_eq!(stated, [false, true]);
         // The error is that of the terms, or the least one with Student's factor of 31 degrees of freedom.
         let least = scattering(&over, &over, &under, 0.0, 1.0, MANY).unwrap();
         near([least.high], [1.5 + 2.039_513_446]);
