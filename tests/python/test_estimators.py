@@ -76,7 +76,7 @@ def test_few_runs_that_carry_the_variance_tell_no_interval(indices, name):
         squares = (columns[name] - columns[name].mean()) ** 2
         carriers = 2 * BASE / squares.size * squares.sum() ** 2 / (squares**2).sum()
         for order in ("first", "total"):
-            assert all((one["high"] is None) == (carriers < 12) for one in outputs[name]["sobol"][order]), carriers
+            assert all((one["high"] is None) == (carriers < 8) for one in outputs[name]["sobol"][order]), carriers
 
 
 @pytest.mark.parametrize("name", ["F_N", "P_fr", "verified"])
@@ -152,15 +152,16 @@ def test_shapley_effects_are_the_mean_of_salibs_in_both_directions(tmp_path):
         np.testing.assert_allclose(values(found), expected, rtol=0, atol=1e-10)
         assert abs(values(found).sum() - 1) < 1e-10
         # The mean of both scatters no more than either. Ours comes from sixteen nets: Student's factor of 15 degrees of freedom
-        # over 1.96, is 1.09, and it is wider by 16 over the number of runs that carry the variance.
+        # over 1.96, is 1.09; it is wider the fewer runs carry the variance.
         squares = (columns[name] - columns[name].mean()) ** 2
         carriers = 2 * 64 / squares.size * squares.sum() ** 2 / (squares**2).sum()
-        assert (found[0]["high"] is None) == (carriers < 12)
-        if carriers < 12:
+        assert (found[0]["high"] is None) == (carriers < 8)
+        if carriers < 8:
             continue
         half = np.array([(estimate["high"] - estimate["low"]) / 2 for estimate in found])
         widest = np.max([each["shapley_normalized_conf"] for each in theirs], axis=0)
-        assert np.all(half <= 1.02 * 1.09 * (1 + 16 / carriers) * widest), (half, widest)
+        few = 3.7 / carriers if carriers < 12 else 0
+        assert np.all(half <= 1.02 * 1.09 * (1 + 16 / carriers) * widest + few), (half, widest)
 
 
 def test_the_clearance_dominates_the_bearing_temperature(tmp_path):

@@ -93,12 +93,6 @@ fn is_seen(variance: f64, mean: f64) -> bool {
     variance > f64::EPSILON * mean.powi(2).max(f64::MIN_POSITIVE)
 }
 
-/// Whether so many [`carriers`] tell an interval of parts of the variance: 12 do (128 normal numbers have 43), and where they are rarer
-/// the root of the number of base points, so that some of the pairs of runs are carriers both.
-fn are_enough(carriers: f64, points: usize) -> bool {
-    carriers >= 12.0_f64.max((points as f64).sqrt())
-}
-
 /// How many independent runs carry the variance of an output, of as many as the `ends` have: all of them where each is as far from the
 /// mean, 1 where one is far off. All runs of the design show it, since each alone has the output's distribution. Without a
 /// variance they are infinitely many.
@@ -129,8 +123,10 @@ pub fn estimate(over: &Parts, under: &Parts, offset: f64, carriers: f64) -> Opti
 
 /// The same, where other terms than those of the estimate show how far it scatters, and its standard error is not less than `least`.
 ///
-/// A few runs that carry the variance make the ratio skewed, and some of their kind were not drawn: the interval is a part of 16 over
-/// their number wider (by trials: see `docs/evidence/coverage.md`), and there is none where they are too few.
+/// The interval of a ratio that few runs carry is wider by trials (`docs/evidence/coverage.md`): such a ratio is skewed, by a part of 16
+/// over their number. Where they are fewer than 12, or than the root of the number of base points, so that hardly any pair of runs
+/// are both carriers, what so many have not shown counts, too: 3.7 over their number (the upper limit of Clopper and Pearson's interval of
+/// none). Of fewer than 8 there is no interval.
 ///
 /// Without any variance nothing explains it: the ratio is 0. Where the independent runs alone show none, it is unknown.
 pub fn scattering(
@@ -141,16 +137,16 @@ pub fn scattering(
     least: f64,
     carriers: f64,
 ) -> Option<Estimate> {
-    const SKEWNESS: f64 = 16.0;
     let half = half_width(scatter, under, least)?;
     let value = match ratio(over, under, |_| true) {
         ratio if ratio.is_finite() => offset + ratio,
         _ if carriers.is_infinite() => 0.0,
         _ => f64::NAN,
     };
-    let half = match are_enough(carriers, over.sums.len()) {
-        true => half * (1.0 + SKEWNESS / carriers),
-        false => f64::NAN,
+    let rare = carriers < 12.0_f64.max((over.sums.len() as f64).sqrt());
+    let half = match carriers < 8.0 {
+        true => f64::NAN,
+        false => half * (1.0 + 16.0 / carriers) + if rare { 3.7 / carriers } else { 0.0 },
     };
     Some(Estimate::around(value, half))
 }
@@ -364,13 +360,19 @@ mod tests {
         near([of(&some)], [180.0 / 73.0]);
         assert_eq!(of(&[0.1 + 0.2, 0.3]), f64::INFINITY);
         let (over, under) = (Parts::of([1.0, 2.0].repeat(16)), Parts::of([1.0; 32]));
-        let [bare, wider, none] = [MANY, 32.0, 11.9].map(|carriers| estimate(&over, &under, 0.0, carriers).unwrap());
+        let [bare, wider, none] = [MANY, 32.0, 7.9].map(|carriers| estimate(&over, &under, 0.0, carriers).unwrap());
         holds(wider, [1.5, 1.5 + 1.5 * (bare.low - 1.5), 1.5 + 1.5 * (bare.high - 1.5)]);
         assert!(none.value == 1.5 && none.low.is_nan() && none.high.is_nan());
-        // Of 400 base points 20 are enough.
+        // What fewer than 12, or of 400 base points than 20, have not shown.
+        let more = |over: &Parts, carriers: f64| {
+            let estimate = |carriers| estimate(over, over, 0.0, carriers).unwrap();
+            estimate(carriers).high - 1.0 - (1.0 + 16.0 / carriers) * (estimate(MANY).high - 1.0)
+        };
         let many = Parts::of([1.0, 2.0].repeat(200));
-        let stated = [19.9, 20.0].map(|carriers| estimate(&many, &many, 0.0, carriers).unwrap().low.is_finite());
-        assert_eq!(stated, [false, true]);
+        near(
+            [more(&over, 8.0), more(&over, 12.0), more(&many, 19.0), more(&many, 20.0)],
+            [3.7 / 8.0, 0.0, 3.7 / 19.0, 0.0],
+        );
         // The error is that of the terms, or the least one with Student's factor of 31 degrees of freedom.
         let least = scattering(&over, &over, &under, 0.0, 1.0, MANY).unwrap();
         near([least.high], [1.5 + 2.039_513_446]);
