@@ -61,8 +61,8 @@ def test_joint_probabilities_are_those_of_drawn_errors(tmp_path):
 
 
 def of_error(expanded, coverage, rectangular, gain, noise, repeats, value):
-    """The distribution of a measured value's error: normal, Student's and rectangular parts by convolution; its expanded
-    uncertainty; standard uncertainty, its Student's part and the degrees of freedom of that."""
+    """The distribution of a measured value's error: normal, Student's and rectangular parts by convolution; half the
+    interval that holds 95.45 %; standard uncertainty, its Student's part and the degrees of freedom of that."""
     half = expanded if rectangular else 0
     normal = np.hypot(0 if rectangular else expanded / coverage, gain / (2 if rectangular else coverage) * value)
     student = noise / np.sqrt(repeats) if repeats > 1 else 0
@@ -86,7 +86,6 @@ def of_error(expanded, coverage, rectangular, gain, noise, repeats, value):
         return optimize.brentq(lambda x: 2 * cdf(x) - 1 - probability, 1e-9, 1e3, xtol=1e-9)
 
     standard = np.sqrt(normal**2 + student**2 + half**2 / 3)
-    plain = not (half or student)
     def beside_points(probability, scale, freedom):
         # The sum with the scatter of points, by its characteristic function (Gil-Pelaez).
         def of_student(t, scale, nu):
@@ -99,7 +98,7 @@ def of_error(expanded, coverage, rectangular, gain, noise, repeats, value):
         of_all = of_all * of_student(t, student, repeats - 1) if student else of_all
         return optimize.brentq(lambda x: 2 / np.pi * np.sum(weights * of_all * np.sin(t * x) / t) - probability, 1e-9, 50 * scale)
 
-    return cdf, beside_points, coverage * normal if plain else half_interval(0.95), standard, student
+    return cdf, beside_points, half_interval(0.954499736), standard, student
 
 
 @pytest.mark.parametrize("seed", range(12))

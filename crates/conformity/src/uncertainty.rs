@@ -11,6 +11,10 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use crate::normal;
 
+/// What an expanded uncertainty holds of an error that is not normal, and of every error where two are compared: as much as k = 2 does
+/// of a normal one (GUM, table G.2).
+pub const COVERED: f64 = 0.954_499_736_103_642;
+
 /// The shape of the offset's distribution.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -144,7 +148,7 @@ impl Uncertainty {
                 true => self.expanded,
                 false => self.normal_coverage() * law.normal,
             },
-            false => law.half_interval(0.95),
+            false => law.half_interval(COVERED),
         };
         law
     }
@@ -163,7 +167,7 @@ pub struct Law {
     /// The half-width of the rectangular part.
     pub half_width: f64,
     /// The expanded uncertainty: of a normal error as many standard uncertainties as its coverage factor says, otherwise
-    /// half the interval that holds 95 % of the distribution.
+    /// half the interval that holds [`COVERED`] of the distribution.
     pub expanded: f64,
 }
 

@@ -4,7 +4,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::measured::Measured;
-use crate::uncertainty::Law;
+use crate::uncertainty::{COVERED, Law};
 
 /// The comparison for one criterion, in its unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,14 +29,15 @@ pub struct Comparison {
     pub u_val: f64,
     /// Whether all three are known; otherwise u_val is a lower bound.
     pub complete: bool,
-    /// The effective degrees of freedom of u_val (Welch and Satterthwaite); none where they are as good as infinite.
+    /// The effective degrees of freedom of u_val (Welch and Satterthwaite); none where they are as good as infinite. `coverage` is
+    /// larger than Student's factor of these.
     #[serde(default)]
     pub freedom: Option<f64>,
-    /// E_n = E / sqrt(U_S^2 + U_D^2), with the expanded uncertainties of model (k as below) and measured value (ISO 13528,
-    /// 9.7); none where the latter is not stated, or both are 0.
+    /// E_n = E / sqrt(U_S^2 + U_D^2), with the expanded uncertainties of model and measured value (ISO 13528, 9.7), whose intervals
+    /// hold 95.45 % each, whatever k the study states; none where the latter is not stated, or both are 0.
     #[serde(default)]
     pub e_n: Option<f64>,
-    /// The coverage factor of the interval: what holds as much as 2 does of a normal number, of so many points and repeats.
+    /// The coverage factor k of the interval: with it 95.45 % of the sum's distribution lie within, as 2 does of a normal number.
     pub coverage: f64,
     /// E - k u_val and E + k u_val, between which the model's error lies.
     pub model_error: [f64; 2],
@@ -63,8 +64,6 @@ impl Comparison {
     /// The comparison with a measured value, given the model's values. None where nothing is measured, or one of its numbers
     /// would be beyond all numbers.
     pub fn new(measured: &Measured, values: Scatter, numerical: Numerical) -> Option<Self> {
-        /// That of two standard deviations of a normal number (GUM, table G.2).
-        const PROBABILITY: f64 = 0.954_499_736_103_642;
         let Scatter { mean, deviation, points } = values;
         let u_d = measured.error.map(|error| error.standard());
         let known = [("numerical", numerical.standard), ("input", Some(deviation)), ("measurement", u_d)];
@@ -79,12 +78,15 @@ impl Comparison {
         let freedom = [of_measured, scatter].into_iter().filter_map(|law| law.freedom_within(u_val));
         let freedom = freedom.map(f64::recip).reduce(|a, b| a + b).map(f64::recip);
         let coverage = match freedom {
-            Some(_) => input.half_interval_with(rest, PROBABILITY) / u_val,
+            Some(_) => input.half_interval_with(rest, COVERED) / u_val,
             None => 2.0,
         };
         let error = mean - measured.value?;
-        let of_model = input.with_normal(of_solution).half_interval(PROBABILITY);
-        let e_n = measured.error.map(|law| error / of_model.hypot(law.expanded)).filter(|ratio| ratio.is_finite());
+        let of_model = input.with_normal(of_solution).half_interval(COVERED);
+        let e_n = measured
+            .error
+            .map(|law| error / of_model.hypot(law.half_interval(COVERED)))
+            .filter(|ratio| ratio.is_finite());
         let largest = known.iter().max_by(|a, b| {
             let [a, b] = [a.1, b.1].map(|u| u.unwrap_or(0.0));
             a.total_cmp(&b)

@@ -4,7 +4,6 @@ pub mod functions;
 pub mod method;
 pub mod morris;
 pub mod pairs;
-mod rare;
 pub mod ratio;
 pub mod shapley;
 pub mod sobol;

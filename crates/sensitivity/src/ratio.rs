@@ -33,6 +33,12 @@ impl Parts {
         each.map(|(sum, count)| sum / count)
     }
 
+    /// The mean of all terms.
+    pub fn mean(&self) -> f64 {
+        let [sum, count] = self.total(|_| true);
+        sum / count
+    }
+
     /// How many base points have a term.
     pub fn used(&self) -> usize {
         self.counts.iter().filter(|count| **count > 0.0).count()
@@ -76,11 +82,27 @@ pub(crate) fn centre(points: &[[f64; 2]]) -> f64 {
 
 fn but_for_rounding(parts: Parts, centre: f64) -> Parts {
     let [sum, count] = parts.total(|_| true);
-    let least = f64::EPSILON * centre.powi(2).max(f64::MIN_POSITIVE);
-    if sum > least * count {
+    if is_seen(sum / count, centre) {
         return parts;
     }
     Parts { sums: vec![0.0; parts.sums.len()], ..parts }
+}
+
+/// Whether a variance is more than rounding about this mean.
+fn is_seen(variance: f64, mean: f64) -> bool {
+    variance > f64::EPSILON * mean.powi(2).max(f64::MIN_POSITIVE)
+}
+
+/// How many independent runs carry the variance of an output, of as many as the `ends` have: all of them where each is as far from the
+/// mean, 1 where one is far off. All runs of the design show it, since each alone has the output's distribution. Without a
+/// variance they are infinitely many.
+pub fn carriers(outputs: &[f64], ends: &[[f64; 2]]) -> f64 {
+    let known: Vec<f64> = outputs.iter().copied().filter(|value| value.is_finite()).collect();
+    let (centre, count) = (mean(&known), known.len() as f64);
+    let squares = known.iter().map(|value| (value - centre).powi(2));
+    let [sum, of_squares] = squares.fold([0.0, 0.0], |[sum, of], square| [sum + square, of + square * square]);
+    let independent = ends.iter().flatten().filter(|value| value.is_finite()).count() as f64;
+    if is_seen(sum / count, centre) { independent / count * sum * sum / of_squares } else { f64::INFINITY }
 }
 
 /// The ratio of two means over the base points to keep.
@@ -92,33 +114,44 @@ pub fn ratio(over: &Parts, under: &Parts, keep: impl Fn(usize) -> bool) -> f64 {
     mean(over) / mean(under)
 }
 
-/// A ratio with an offset, and its interval. It is 0 where there is no variance: nothing explains it.
+/// A ratio with an offset, and its interval, of an output with so many [`carriers`].
 ///
 /// `None` where fewer than two blocks have terms.
-pub fn estimate(over: &Parts, under: &Parts, offset: f64) -> Option<Estimate> {
-    scattering(over, over, under, offset)
+pub fn estimate(over: &Parts, under: &Parts, offset: f64, carriers: f64) -> Option<Estimate> {
+    scattering(over, over, under, offset, 0.0, carriers)
 }
 
-/// A ratio of squares, whose few largest terms carry much of it: its width is once more a part of 32 over the number of base points
-/// larger. Without that the totals of a product of three were off by more than 1.5 half widths in 1.9 % of seeds at 64 base points, in
-/// 1.4 % at 128.
-pub fn of_squares(over: &Parts, under: &Parts) -> Option<Estimate> {
-    let Estimate { value, high, .. } = estimate(over, under, 0.0)?;
-    Some(Estimate::around(value, (high - value) * (1.0 + 2.0 * BLOCKS as f64 / over.sums.len() as f64)))
-}
-
-/// The same, where other terms than those of the estimate show how far it scatters.
-pub fn scattering(over: &Parts, scatter: &Parts, under: &Parts, offset: f64) -> Option<Estimate> {
-    let half = half_width(scatter, under, ratio(scatter, under, |_| true))?;
-    let ratio = ratio(over, under, |_| true);
-    let value = match ratio.is_finite() {
-        true => offset + ratio,
-        false => 0.0,
+/// The same, where other terms than those of the estimate show how far it scatters, and its standard error is not less than `least`.
+///
+/// The interval of a ratio that few runs carry is wider by trials (`docs/evidence/coverage.md`): such a ratio is skewed, by a part of 16
+/// over their number. Where they are fewer than 12, or than the root of the number of base points, so that hardly any pair of runs
+/// are both carriers, what so many have not shown counts, too: 3.7 over their number (the upper limit of Clopper and Pearson's interval of
+/// none). Of fewer than 8 there is no interval.
+///
+/// Without any variance nothing explains it: the ratio is 0. Where the independent runs alone show none, it is unknown.
+pub fn scattering(
+    over: &Parts,
+    scatter: &Parts,
+    under: &Parts,
+    offset: f64,
+    least: f64,
+    carriers: f64,
+) -> Option<Estimate> {
+    let half = half_width(scatter, under, least)?;
+    let value = match ratio(over, under, |_| true) {
+        ratio if ratio.is_finite() => offset + ratio,
+        _ if carriers.is_infinite() => 0.0,
+        _ => f64::NAN,
+    };
+    let rare = carriers < 12.0_f64.max((over.sums.len() as f64).sqrt());
+    let half = match carriers < 8.0 {
+        true => f64::NAN,
+        false => half * (1.0 + 16.0 / carriers) + if rare { 3.7 / carriers } else { 0.0 },
     };
     Some(Estimate::around(value, half))
 }
 
-/// Half the width of a ratio's 95 % interval.
+/// Half the width of a ratio's 95 % interval, without what few carriers ask for.
 ///
 /// The wider one of two:
 /// - Student's from the ratio with each of sixteen blocks left out (delete-a-group jackknife; Kott 2001, "The delete-a-group
@@ -126,11 +159,8 @@ pub fn scattering(over: &Parts, scatter: &Parts, under: &Parts, offset: f64) -> 
 /// - Student's of as many independent points, by linearisation (Efron 1982, "The jackknife, the bootstrap and other resampling
 ///   plans", chapter 6), since sixteen nets may scatter little by chance.
 ///
-/// Of few base points the ratio is skewed, so that the width is a part of 16 over their number larger: at 64 points 1.7 % of
-/// all indices were off by more than 1.5 half widths without it.
-///
 /// `None` where fewer than two blocks have terms.
-pub fn half_width(over: &Parts, under: &Parts, ratio_of_all: f64) -> Option<f64> {
+fn half_width(over: &Parts, under: &Parts, least: f64) -> Option<f64> {
     let points = over.sums.len();
     let block = |j: usize| block(j, points);
     let mut filled = [false; BLOCKS];
@@ -142,6 +172,7 @@ pub fn half_width(over: &Parts, under: &Parts, ratio_of_all: f64) -> Option<f64>
         Some(student.inverse_cdf(0.975))
     };
     quantile(filled.len())?;
+    let ratio_of_all = ratio(over, under, |_| true);
     if !ratio_of_all.is_finite() {
         return Some(0.0);
     }
@@ -156,9 +187,9 @@ pub fn half_width(over: &Parts, under: &Parts, ratio_of_all: f64) -> Option<f64>
         (term - ratio_of_all * square).powi(2)
     };
     let independent = (0..points).map(influence).sum::<f64>().sqrt() / (n * below);
-    let of_points = quantile(over.used())? * independent;
+    let of_points = quantile(over.used())? * independent.max(least);
     let of_nets = quantile(filled.len())? * jackknife(&without);
-    Some(of_points.max(of_nets) * (1.0 + BLOCKS as f64 / points as f64))
+    Some(of_points.max(of_nets))
 }
 
 /// The standard error of an estimate from its values with each group left out.
@@ -176,6 +207,15 @@ pub struct Combined {
     /// The terms that show how far it scatters: the weights of each of four parts of the base points come from the others.
     /// Weights that suit the very points they are taken from make the scatter look smaller than it is.
     pub crosswise: Vec<f64>,
+    /// The weight of the second one.
+    pub weight: f64,
+}
+
+impl Combined {
+    /// One estimator with all the weight.
+    pub fn only(terms: Vec<f64>, weight: f64) -> Self {
+        Self { crosswise: terms.clone(), terms, weight }
+    }
 }
 
 /// Combines two estimators of the same ratio, from the terms of each. All terms are finite.
@@ -209,7 +249,7 @@ pub fn combined(first: &[f64], second: &[f64], under: &Parts) -> Combined {
     };
     let of_all = weight(None);
     let of_others: [f64; FOLDS] = std::array::from_fn(|k| weight(Some(k)));
-    Combined { terms: weighted(&|_| of_all), crosswise: weighted(&|j| of_others[fold(j)]) }
+    Combined { terms: weighted(&|_| of_all), crosswise: weighted(&|j| of_others[fold(j)]), weight: of_all }
 }
 
 /// Outputs in a unit in which their squares are numbers: no part of a variance depends on the unit.
@@ -221,7 +261,9 @@ pub(crate) fn moderate(outputs: &[f64]) -> Vec<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::testing::near;
+    use crate::testing::{holds, near};
+
+    const MANY: f64 = f64::INFINITY;
 
     /// numpy: the residuals of a ratio of means, with Student's quantile of 63 degrees of freedom.
     #[test]
@@ -229,10 +271,10 @@ mod tests {
         let numbers = 0..64_u32;
         let over = Parts::of(numbers.clone().map(|k| f64::from(k * k % 7)));
         let under = Parts::of(numbers.map(|k| f64::from(1 + k % 3)));
-        let estimate = estimate(&over, &under, 0.0).unwrap();
+        let estimate = estimate(&over, &under, 0.0, MANY).unwrap();
         assert!((estimate.value - 0.992_125_984).abs() < 1e-9);
         let half = estimate.high - estimate.value;
-        assert!((half / 1.25 - 0.204_155_408_9).abs() < 1e-9, "{half}");
+        assert!((half - 0.204_155_408_9).abs() < 1e-9, "{half}");
     }
 
     /// The wider one of the intervals of points and of sixteen blocks: numpy, with Student's quantiles.
@@ -246,9 +288,8 @@ mod tests {
             });
             let under = (0..points).map(|k| 1.0 + f64::from(k % 16) / 8.0);
             let over = Parts::of(over);
-            let estimate = estimate(&over, &Parts::of(under), 0.0).unwrap();
-            let more = 1.0 + 16.0 / f64::from(points);
-            (over.used(), [estimate.value, (estimate.high - estimate.value) / more])
+            let estimate = estimate(&over, &Parts::of(under), 0.0, MANY).unwrap();
+            (over.used(), [estimate.value, estimate.high - estimate.value])
         };
         near(of_points(256, 0.0, &[]).1, [3.973_991_935_5, 0.319_516_497_2]);
         let (used, all) = of_points(256, 1.0, &[]);
@@ -268,7 +309,7 @@ mod tests {
         let under = Parts::of([1.0, 2.0].repeat(16));
         let with = |count: usize| {
             let terms = (0..32).map(|k| if k < count { k as f64 } else { f64::NAN });
-            estimate(&Parts::of(terms), &under, 0.0)
+            estimate(&Parts::of(terms), &under, 0.0, MANY)
         };
         assert_eq!([0, 1, 2].map(|count| with(count).is_some()), [false; 3]);
         assert!(with(3).is_some());
@@ -304,8 +345,39 @@ mod tests {
         assert!(!kept(paired_variance(&[[7.1, 7.1]; 4])));
         // Nothing explains such an output.
         let over = Parts::of([0.0, 1.0, 0.0, 1.0]);
-        let none = estimate(&over, &variance(&[[1.0; 2]; 4]), 1.0);
+        let none = estimate(&over, &variance(&[[1.0; 2]; 4]), 1.0, carriers(&[1.0; 4], &[]));
         assert_eq!(none, Some(Estimate::around(0.0, 0.0)));
+    }
+
+    /// Of two in twenty that are far off 2.44 carry the variance: (sum of squares)^2 over the sum of fourth powers, in numpy.
+    #[test]
+    fn few_runs_that_carry_the_variance_widen_the_interval_or_leave_none() {
+        let mut outputs = [0.0; 20];
+        (outputs[3], outputs[12]) = (1.0, 1.0);
+        let of = |outputs: &[f64]| carriers(outputs, &[[0.0; 2]; 10]);
+        near([of(&outputs), of(&[-1.0, 1.0])], [180.0 / 73.0, 20.0]);
+        let some = [&outputs[..], &[f64::NAN; 5]].concat();
+        near([of(&some)], [180.0 / 73.0]);
+        assert_eq!(of(&[0.1 + 0.2, 0.3]), f64::INFINITY);
+        let (over, under) = (Parts::of([1.0, 2.0].repeat(16)), Parts::of([1.0; 32]));
+        let [bare, wider, none] = [MANY, 32.0, 7.9].map(|carriers| estimate(&over, &under, 0.0, carriers).unwrap());
+        holds(wider, [1.5, 1.5 + 1.5 * (bare.low - 1.5), 1.5 + 1.5 * (bare.high - 1.5)]);
+        assert!(none.value == 1.5 && none.low.is_nan() && none.high.is_nan());
+        // What fewer than 12, or of 400 base points than 20, have not shown.
+        let more = |over: &Parts, carriers: f64| {
+            let estimate = |carriers| estimate(over, over, 0.0, carriers).unwrap();
+            estimate(carriers).high - 1.0 - (1.0 + 16.0 / carriers) * (estimate(MANY).high - 1.0)
+        };
+        let many = Parts::of([1.0, 2.0].repeat(200));
+        near(
+            [more(&over, 8.0), more(&over, 12.0), more(&many, 19.0), more(&many, 20.0)],
+            [3.7 / 8.0, 0.0, 3.7 / 19.0, 0.0],
+        );
+        // The error is that of the terms, or the least one with Student's factor of 31 degrees of freedom.
+        let least = scattering(&over, &over, &under, 0.0, 1.0, MANY).unwrap();
+        near([least.high], [1.5 + 2.039_513_446]);
+        // The independent runs show no variance of an output that has one.
+        assert!(estimate(&over, &Parts::of([0.0; 32]), 0.0, 20.0).unwrap().value.is_nan());
     }
 
     /// Where both estimators are off by the same, no weight is better than another.

@@ -7,8 +7,7 @@
 
 use crate::method::{Facts, FirstOrder, FromRuns, Measure, Settled, Space, Told, read};
 use crate::pairs::pairs;
-use crate::rare::{Shared, where_seen, widened};
-use crate::ratio::{self, Parts};
+use crate::ratio::{self, Combined, Parts};
 use sampling::statistics::estimate::Estimate;
 use sampling::statistics::moments::mean;
 use serde::{Deserialize, Serialize};
@@ -87,8 +86,41 @@ pub struct Indices {
     pub failed: usize,
 }
 
-/// Of two values, so many independent runs with the rarer one tell no interval of an index.
-const FEW: usize = 4;
+/// A base point's term of an estimator, from its part of V and the values of its runs of A, A_B and B.
+type Term = fn(f64, [f64; 3]) -> f64;
+
+/// Two estimators of the variance that a parameter explains alone: [Saltelli's](FirstOrder::Saltelli) product and
+/// [Jansen's](FirstOrder::Jansen) difference.
+const FIRST: [Term; 2] = [|_, [a, ab, b]| b * (ab - a), |v, [_, ab, b]| v - 0.5 * (b - ab).powi(2)];
+
+/// Jansen's difference without V, which needs two runs only.
+const DIFFERENCE: Term = |_, [_, ab, b]| -0.5 * (b - ab).powi(2);
+
+/// Of what the others leave unexplained: V without the product of A and B exchanged, and Jansen's difference.
+const TOTAL: [Term; 2] = [|v, [a, ab, b]| v - a * (ab - b), |_, [a, ab, _]| 0.5 * (a - ab).powi(2)];
+
+/// The standard deviation of an estimator's terms over the root of their number, if the values of A, or of B, were independent of the
+/// other two: with those of other base points. The smaller one of both.
+///
+/// A product of two values is large where both are. Where that is rare, the base points may have no such pair, so that their
+/// scatter does not show it; with so many further pairs it does. One of the two partings leaves those runs together that share nearly
+/// all that matters.
+fn apart(runs: &[[f64; 3]], term: impl Fn([f64; 3]) -> f64) -> f64 {
+    const SHIFTS: usize = 32;
+    let n = runs.len();
+    let of = |which: usize| {
+        let shifts = (0..SHIFTS).map(|k| 1 + k * (n - 1) / SHIFTS);
+        let parted = shifts.flat_map(|shift| (0..n).map(move |j| (runs[j], runs[(j + shift) % n][which])));
+        let terms = parted.map(|(mut run, other)| {
+            run[which] = other;
+            term(run)
+        });
+        let finite = terms.filter(|term| term.is_finite());
+        let [count, sum, squares] = finite.fold([0.0; 3], |[n, sum, squares], x| [n + 1.0, sum + x, squares + x * x]);
+        ((squares - sum * sum / count).max(0.0) / (count * n as f64)).sqrt()
+    };
+    of(0).min(of(2))
+}
 
 /// Computes the indices from the outputs of the rows of [`design`], in its order.
 ///
@@ -117,33 +149,36 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
         0 => estimator,
         _ => FirstOrder::Jansen,
     };
+    let (carriers, centre) = (ratio::carriers(outputs, &ends), ratio::centre(&ends));
+    let part_of_variance = |[a, _, b]: [f64; 3]| 0.5 * ((a - centre).powi(2) + (b - centre).powi(2));
     let mut result = Indices { first: vec![], total: vec![], used: vec![], failed };
     for i in 1..=parameters {
-        let of = |term: fn(f64, f64, f64) -> f64| -> Vec<f64> {
-            let terms = rows.iter().map(|row| term(row[0], row[i], row[width - 1]));
-            terms.collect()
+        let runs: Vec<[f64; 3]> = rows.iter().map(|row| [row[0], row[i], row[width - 1]]).collect();
+        let of = |form: Term| -> Vec<f64> { runs.iter().map(|&run| form(part_of_variance(run), run)).collect() };
+        let estimate = |forms: [Term; 2], estimator: FirstOrder, offset: f64| {
+            let [product, difference] = forms.map(of);
+            let Combined { terms, crosswise, weight } = match estimator {
+                FirstOrder::Combined => ratio::combined(&product, &difference, &variance),
+                FirstOrder::Saltelli => Combined::only(product, 0.0),
+                FirstOrder::Jansen => Combined::only(difference, 1.0),
+            };
+            let [terms, crosswise] = [terms, crosswise].map(Parts::of);
+            let ratio = ratio::ratio(&terms, &variance, |_| true);
+            let error = |run: [f64; 3]| {
+                let v = part_of_variance(run);
+                (1.0 - weight) * forms[0](v, run) + weight * forms[1](v, run) - ratio * v
+            };
+            let least = apart(&runs, error) / variance.mean();
+            ratio::scattering(&terms, &crosswise, &variance, offset, least, carriers)
         };
-        let total = Parts::of(of(|a, ab, _| (a - ab).powi(2) / 2.0));
-        let saltelli = || of(|a, ab, b| b * (ab - a));
-        let jansen = || of(|_, ab, b| -(b - ab).powi(2) / 2.0);
-        let first = match estimator {
-            FirstOrder::Combined => {
-                let whole = variance.means().zip(jansen());
-                let jansen: Vec<f64> = whole.map(|(variance, rest)| variance + rest).collect();
-                let combined = ratio::combined(&saltelli(), &jansen, &variance);
-                let [terms, crosswise] = [combined.terms, combined.crosswise].map(Parts::of);
-                ratio::scattering(&terms, &crosswise, &variance, 0.0)?
-            }
-            FirstOrder::Saltelli => ratio::estimate(&Parts::of(saltelli()), &variance, 0.0)?,
-            FirstOrder::Jansen => ratio::estimate(&Parts::of(jansen()), &variance, 1.0)?,
-        };
-        let with = |end: usize| rows.iter().map(move |row| [row[i], row[end]]);
-        result.first.push(widened(first, Shared::Parameter, &ends, || with(width - 1)));
-        result.total.push(widened(ratio::of_squares(&total, &variance)?, Shared::Others, &ends, || with(0)));
-        result.used.push(total.used());
+        result.first.push(match estimator {
+            FirstOrder::Jansen => estimate([FIRST[0], DIFFERENCE], estimator, 1.0)?,
+            _ => estimate(FIRST, estimator, 0.0)?,
+        });
+        let of_total = if estimator == FirstOrder::Combined { estimator } else { FirstOrder::Jansen };
+        result.total.push(estimate(TOTAL, of_total, 0.0)?);
+        result.used.push(Parts::of(of(TOTAL[1])).used());
     }
-    let shifted: Vec<f64> = rows.concat();
-    [&mut result.first, &mut result.total].into_iter().for_each(|all| where_seen(all, &shifted, &ends, FEW));
     Some(result)
 }
 
@@ -210,7 +245,7 @@ mod tests {
     /// The short form of `cargo run --release --example coverage`.
     #[test]
     fn intervals_hold_the_exact_indices_in_95_per_cent_of_repetitions() {
-        const REPETITIONS: u64 = 200;
+        const REPETITIONS: u64 = 60;
         const BASE: u64 = 256;
         let a = [0.0, 1.0, 4.5, 9.0];
         let (gf, gt) = sobol_g_indices(&a);
@@ -237,44 +272,65 @@ mod tests {
 
     type Trial = (&'static str, Box<dyn Fn(&[f64]) -> f64>, [Vec<f64>; 2]);
 
-    /// Three functions of six parameters with their indices.
-    fn trials() -> [Trial; 3] {
+    /// Functions of six parameters with their indices. Of the last three few runs carry the variance.
+    fn trials() -> [Trial; 6] {
         let a = [0.0, 0.5, 3.0, 9.0, 99.0, 99.0];
         let (first, total) = sobol_g_indices(&a);
         let product = |u: &[f64]| u[..3].iter().map(|u| 2.0 * u - 0.5).product::<f64>();
+        let five = |u: &[f64]| u[..5].iter().map(|u| 2.0 * u - 1.0).product::<f64>();
+        let steep = |u: &[f64]| u[0].powi(20) * u[1];
+        // A switch that few runs close, and how much then flows.
+        let switch = |u: &[f64]| (u[0] - 0.9).max(0.0) * u[1];
         // Sobol and Levitan's: the exponential of a sum.
         const RATES: [f64; 6] = [1.5, 0.9, 0.7, 0.5, 0.3, 0.1];
         let levitan = |u: &[f64]| u.iter().zip(RATES).map(|(u, rate)| rate * u).sum::<f64>().exp();
-        // Of a product each factor has a variance over its squared mean: 4/3, and that of an exponential.
+        // Of a product each factor has a variance over its squared mean: 4/3, that of an exponential, of a power, of a ramp that
+        // begins at 0.9.
         let of_exponential = |rate: f64| 0.5 * rate * (2.0 * rate).exp_m1() / rate.exp_m1().powi(2) - 1.0;
+        let (of_power, of_ramp) = (21.0 * 21.0 / 41.0 - 1.0, 4.0 / 0.3 - 1.0);
         let of_product = |relative: &[f64]| {
             let whole: f64 = relative.iter().map(|v| 1.0 + v).product();
             let part = |of: &dyn Fn(f64) -> f64| relative.iter().map(|v| of(*v) / (whole - 1.0)).collect::<Vec<f64>>();
             [part(&|v| v), part(&|v| v / (1.0 + v) * whole)]
         };
+        let of_two = |one: f64| of_product(&[one, 1.0 / 3.0, 0.0, 0.0, 0.0, 0.0]);
         [
             ("g", Box::new(move |u: &[f64]| sobol_g(u, &a)), [first, total]),
             ("product", Box::new(product), of_product(&[4.0 / 3.0, 4.0 / 3.0, 4.0 / 3.0, 0.0, 0.0, 0.0])),
             ("Sobol-Levitan", Box::new(levitan), of_product(&RATES.map(of_exponential))),
+            ("product of five", Box::new(five), [vec![0.0; 6], vec![1.0, 1.0, 1.0, 1.0, 1.0, 0.0]]),
+            ("power", Box::new(steep), of_two(of_power)),
+            ("switch", Box::new(switch), of_two(of_ramp)),
         ]
     }
 
-    /// How many of these seeds have each index off by more than 1.5 half widths, first order and total.
-    fn far_off(base: u64, seeds: std::ops::Range<u64>) -> Vec<(&'static str, [Vec<u64>; 2])> {
-        let off = |index: &Estimate, exact: f64| {
-            let half = 0.5 * (index.high - index.low);
-            u64::from((index.value - exact).abs() > 1.5 * half)
-        };
+    /// Of these seeds: how many state intervals, how many of each index hold, and how many are off by more than 1.5 half widths, first
+    /// order and total.
+    struct Told {
+        what: String,
+        stated: u64,
+        held: Vec<u64>,
+        off: Vec<u64>,
+    }
+
+    fn told(base: u64, seeds: std::ops::Range<u64>) -> Vec<Told> {
         let of_trial = |(name, f, exact): Trial| {
-            let mut count = [vec![0; 6], vec![0; 6]];
+            let mut told =
+                Told { what: format!("base {base}, {name}"), stated: 0, held: vec![0; 12], off: vec![0; 12] };
             for seed in seeds.clone() {
                 let s = indices(&evaluate(&scrambled_pairs(base, 6, seed), &f), 6, FirstOrder::default()).unwrap();
-                for (which, estimates) in [s.first, s.total].iter().enumerate() {
-                    (0..6).for_each(|k| count[which][k] += off(&estimates[k], exact[which][k]));
+                if s.total[0].low.is_nan() {
+                    continue;
+                }
+                told.stated += 1;
+                for (k, (index, exact)) in s.first.iter().chain(&s.total).zip(exact.iter().flatten()).enumerate() {
+                    told.held[k] += u64::from(holds_nearly(index, *exact));
+                    told.off[k] += u64::from((index.value - exact).abs() > 0.75 * (index.high - index.low) + 1e-9);
                 }
             }
-            println!("base {base}, {name}: {count:?} of {} seeds", seeds.end - seeds.start);
-            (name, count)
+            let Told { what, stated, held, off } = &told;
+            println!("{what}: {stated} stated, held {held:?}, off {off:?}");
+            told
         };
         trials().into_iter().map(of_trial).collect()
     }
@@ -304,19 +360,26 @@ mod tests {
     }
 
     #[test]
-    fn hardly_any_index_is_far_off() {
-        let all: u64 = far_off(256, 1000..1040).iter().flat_map(|(_, off)| off.iter().flatten()).sum();
-        assert!(all <= 14, "{all} of 1440");
+    fn intervals_hold_and_hardly_any_index_is_far_off() {
+        for Told { what, stated, held, off } in told(128, 1000..1040) {
+            let count = |of: Vec<u64>| of.iter().sum::<u64>() as f64;
+            let [held, off] = [held, off].map(count).map(|count| count / (12 * stated.max(1)) as f64);
+            assert!(stated == 0 || held >= 0.95 && off <= 0.01, "{what}: {stated} stated, {held} hold, {off} far off");
+        }
     }
 
+    /// Where a tenth of the seeds states intervals, 93 % of each hold, and 1 % of each is far off at most.
     #[test]
     #[ignore = "takes minutes; run by scripts/test --long"]
-    fn no_index_of_any_base_is_far_off() {
-        for base in [64, 128, 256, 512] {
-            for (name, off) in far_off(base, 1000..3000) {
-                assert!(off.iter().flatten().all(|&off| off <= 20), "{base}, {name}: {off:?} of 2000");
-            }
-        }
+    fn intervals_hold_and_no_index_of_any_base_is_far_off() {
+        let all = [64, 128, 256, 512].into_iter().flat_map(|base| told(base, 1000..3000));
+        let fails = |told: &Told| {
+            let Told { stated, held, off, .. } = told;
+            *stated >= 200
+                && (held.iter().any(|held| 100 * held < 93 * stated) || off.iter().any(|off| 100 * off > *stated))
+        };
+        let failed: Vec<String> = all.filter(fails).map(|told| told.what).collect();
+        assert!(failed.is_empty(), "{failed:?}");
     }
 
     /// Of outputs that are 1 where each of the first `of` parameters of three lies above a limit: how many of these seeds state an
@@ -402,24 +465,29 @@ mod tests {
         assert_eq!(Sobol.shown(&Sobol.tell(&rows, &[f64::NAN; 256], &settled(64, 5))), []);
     }
 
-    /// numpy, scipy: Jansen's interval of pass or fail, of which one in ten is rare. Four pairs of B and A_B show their
-    /// scatter, and those of one pair.
+    /// numpy and scipy, each step written once more: 18.8 of 128 independent runs carry the variance.
+    /// The errors are those of points, of nets, and with the values of A or B of other base points.
     #[test]
-    fn rare_pairs_of_a_verdict_leave_a_wide_interval() {
-        let rare = |u: &[f64]| f64::from(u8::from(u[0] + 0.3 * u[1] > 1.05));
-        let outputs = evaluate(&lattice(40, 4), rare);
-        let indices = indices(&outputs, 2, FirstOrder::Jansen).unwrap();
-        // Of 40 base points the width is 1.4 times as large.
-        let value = 0.722_222_222_2;
-        holds(
-            indices.first[0],
-            [value, value - 1.4 * (value - 0.273_415_779_1), value + 1.4 * (1.171_028_665_4 - value)],
-        );
-        let value = 0.166_666_666_7;
-        holds(
-            indices.first[1],
-            [value, value - 1.4 * (value + 0.495_690_741_9), value + 1.4 * (value + 0.495_690_741_9)],
-        );
+    fn indices_and_their_intervals_are_those_of_numpy() {
+        let steep = |u: &[f64]| if u[0] > 0.7 { u[1] * u[1] + 0.1 * u[0] } else { 0.1 * u[0] };
+        let outputs = evaluate(&lattice(64, 4), steep);
+        let about = |value: f64, half: f64| [value, value - half, value + half];
+        let found = indices(&outputs, 2, FirstOrder::Combined).unwrap();
+        holds(found.first[0], about(0.496_468_471_2, 0.468_514_719_3));
+        holds(found.total[0], about(0.843_436_558_6, 0.475_386_705_8));
+        holds(found.first[1], about(-0.040_443_917_3, 0.471_192_627_7));
+        holds(found.total[1], about(0.502_266_595_2, 0.529_443_371_9));
+        let found = indices(&outputs, 2, FirstOrder::Jansen).unwrap();
+        holds(found.first[0], about(0.484_653_924_1, 0.652_906_555_1));
+        holds(found.total[1], about(0.446_666_078_9, 0.651_415_237_5));
+        let found = indices(&outputs, 2, FirstOrder::Saltelli).unwrap();
+        holds(found.first[0], about(0.505_641_860_0, 0.715_858_303_1));
+        holds(found.total[0], about(0.781_258_298_5, 0.786_016_244_6));
+        // Without one run of A: Jansen's form of both, and none of the base points' other indices is lost.
+        let lost = [&[f64::NAN][..], &outputs[1..]].concat();
+        let found = indices(&lost, 2, FirstOrder::Combined).unwrap();
+        assert_eq!((found.failed, found.used), (1, vec![63; 2]));
+        assert!(found.first.iter().chain(&found.total).all(|index| index.low < index.value));
     }
 
     #[test]

@@ -89,7 +89,7 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
                     let freedom = error.freedom_within(error.standard());
                     let freedom =
                         freedom.map_or_else(String::new, |f| format!(", {} degrees of freedom", number(f, 2)));
-                    format!("{expanded}{unit} (95 %: k = {}{freedom})", number(error.expanded / error.standard(), 3))
+                    format!("{expanded}{unit} (95.45 %: k = {}{freedom})", number(error.expanded / error.standard(), 3))
                 }
             }
         }

@@ -63,7 +63,7 @@ impl Output {
         } else if !all(|e| e.value.is_finite()) {
             "a parameter has no number, as too few runs tell it, so none can be called the most important"
         } else if surest.iter().any(|estimate| estimate.low.is_nan() || estimate.high.is_nan()) {
-            "without intervals no parameter can be called the most important"
+            "without intervals, as too few runs carry its variance, no parameter can be called the most important: take more"
         } else {
             "the intervals overlap: no parameter can be called the most important"
         }
