@@ -506,7 +506,6 @@ impl Model for Stand {
         self.resting = Remembered::default();
         self.operation = Remembered::default();
         self.tell_of_motion(log);
-        self.look();
         self.tell(log);
         Ok(())
     }
