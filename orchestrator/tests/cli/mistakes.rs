@@ -299,7 +299,6 @@ fn options_of_a_run() {
     let bench = Bench::new();
     bench.write("study.toml", STUDY);
     for (options, parts) in [
-        (["-points", "5"], ["'-points'", "'--points'"]),
         (["--memory-limit", "10"], ["`10` is not a size", "500MB"]),
         (["--launcher", "ssh {host}"], ["{host}", "--hosts FILE"]),
     ] {
