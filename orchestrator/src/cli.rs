@@ -53,13 +53,22 @@ fn told(message: &str) -> String {
     let parts = message[..end].split("\n\n");
     let parts = parts.map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "));
     let parts: Vec<String> = parts.collect();
-    let line = match parts[0].starts_with("unexpected argument '--in-process' found") {
-        true => "unexpected argument '--in-process' found; it is called `--isolation none` now".to_owned(),
-        false => parts.join("; "),
-    };
+    let line = elsewhere(&parts[0]).unwrap_or_else(|| parts.join("; "));
     let line = line + "; --help shows what there is";
     let replaced = |text: String, (from, to): &(&str, &str)| text.replace(from, to);
     WORDS.iter().fold(line, replaced)
+}
+
+/// What clap cannot know of an argument that it does not expect.
+fn elsewhere(fault: &str) -> Option<String> {
+    let option = fault.strip_prefix("unexpected argument '-")?;
+    if option.starts_with("-in-process'") {
+        return Some("unexpected argument '--in-process' found; it is called `--isolation none` now".to_owned());
+    }
+    // Clap tells the first letter of a name behind one hyphen.
+    let letter = option.split('\'').next().filter(|letter| letter.chars().all(char::is_alphabetic))?;
+    let word = std::env::args().find(|word| word.len() > 2 && word.starts_with(&format!("-{letter}")))?;
+    Some(format!("unexpected argument '{word}' found; a name of several letters has two hyphens: '-{word}'"))
 }
 
 const EXIT: &str = "Exit codes: 0 done (verify, judge, merge: verified), 1 not verified, 2 a mistake in the call or a file, \

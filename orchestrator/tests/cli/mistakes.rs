@@ -301,6 +301,7 @@ fn options_of_a_run() {
     for (options, parts) in [
         (["--memory-limit", "10"], ["`10` is not a size", "500MB"]),
         (["--launcher", "ssh {host}"], ["{host}", "--hosts FILE"]),
+        (["-points", "10"], ["two hyphens", "--points"]),
     ] {
         bench.run(&[&["verify", "study.toml"][..], &options].concat()).is_mistake(&parts);
     }
