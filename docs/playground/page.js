@@ -1,5 +1,5 @@
 "use strict";
-// The stand with its parameters as sliders. `Simulator` is the report's (docs/evidence/live.md); all pictures are of its results.
+// The stand with its parameters as sliders. All pictures are of its results.
 const Playground = (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
   // Name, words, unit, numbers from the unit to SI, ends of the slider.

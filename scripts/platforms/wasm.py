@@ -1,4 +1,4 @@
-"""The stand as a WebAssembly module, with which a report simulates points by itself (docs/evidence/live.md)."""
+"""The stand as a WebAssembly module, with which the playground simulates."""
 
 from .build import LIBRARY, PROFILE, RUSTC, flags
 from .common import IDENTIFIER, run, say, target_dir

@@ -6,11 +6,11 @@ Needs Chromium and its driver, and an FMU with its WebAssembly module: `scripts/
 import csv
 import subprocess
 import sys
+import zipfile
 from pathlib import Path
 
 import pytest
 from test_acceptance import PROGRAM
-from test_live import module  # noqa: F401
 from test_report import barriers, browser, pytestmark  # noqa: F401
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -21,6 +21,14 @@ STATE = """const done = arguments[0], begun = Date.now(), look = () => {
 }; look()"""
 SPEED = """const s = document.querySelector('input[data-name="drive.speed"]'); document.getElementById('state').textContent = '';
   s.value = s.max; s.dispatchEvent(new Event('input'));"""
+
+
+@pytest.fixture(scope="module")
+def module(fmu):
+    with zipfile.ZipFile(fmu) as archive:
+        if not any(name.startswith("extra/") and name.endswith(".wasm") for name in archive.namelist()):
+            pytest.skip("the FMU has no WebAssembly module; scripts/package-fmu --web adds it")
+    return fmu
 
 
 def simulated(fmu, folder, **values):

@@ -232,10 +232,4 @@ pub struct Report {
     /// The folder that `verify` has written
     #[arg(value_name = "DIR")]
     pub folder: PathBuf,
-    /// Put the FMU's WebAssembly module into the page, so that "What if" simulates fresh points
-    #[arg(long)]
-    pub live: bool,
-    /// The FMU, instead of the study's (with --live)
-    #[arg(long, value_name = "FMU", requires = "live")]
-    pub fmu: Option<PathBuf>,
 }

@@ -7,7 +7,6 @@ pub mod figures;
 mod from_results;
 pub(crate) mod history;
 pub mod judgement;
-pub(crate) mod live;
 pub(crate) mod outlook;
 mod overlay;
 mod page;
@@ -46,8 +45,6 @@ pub struct Report {
     pub documents: Vec<Document>,
     /// The study to be changed in the page, where its points can be judged there.
     pub whatif: Option<whatif::WhatIf>,
-    /// The FMU's module, where the page shall simulate points by itself.
-    pub live: Option<live::Live>,
     /// The command that reproduces the result.
     pub command: String,
     /// The study as a file, to be kept with the result.

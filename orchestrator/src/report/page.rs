@@ -51,7 +51,6 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
     let data = script_safe(&serde_json::to_string(&data)?);
     let bytes = bytes.all();
     let packed = bytes.len() > MOST_PLAIN;
-    let live = report.live.as_ref().map(serde_json::to_string).transpose()?;
     let answer = Answer::new(summary);
     let planes = planes(drawn, &columns, &points, counts);
     let mut plots: Plots =
@@ -84,14 +83,11 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
             include_str!("assets/judge.js"),
             include_str!("assets/weights.js"),
             include_str!("assets/reweigh.js"),
-            include_str!("assets/live.js"),
             include_str!("assets/toml.js"),
             include_str!("assets/whatif.js"),
             include_str!("assets/report.js")
         ),
-        simulator => include_str!("assets/simulator.js"),
         whatif => report.whatif.is_some(),
-        live => live.as_deref().map(script_safe),
         data,
         bytes => match packed {
             true => super::packed(&bytes).map_err(serde_json::Error::io)?,

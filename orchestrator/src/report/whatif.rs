@@ -126,15 +126,6 @@ impl WhatIf {
         })
     }
 
-    /// Whether points of other distributions can be drawn in the page.
-    ///
-    /// # Errors
-    /// Says why not.
-    pub fn can_be_drawn(&self) -> Result<(), String> {
-        let reason = self.fixed.as_ref();
-        reason.map_or(Ok(()), |reason| Err(format!("no fresh points can be drawn in the page: {reason}")))
-    }
-
     /// The points that the page holds are a choice, in no order of the design: of nets nothing tells any more which belong
     /// together.
     pub(super) fn of_some(mut self) -> Self {

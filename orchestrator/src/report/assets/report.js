@@ -139,12 +139,6 @@
       }
       before = c;
     }
-    if (Live.able()) {
-      const place = make("div", undefined, tip), own = columns.filter(c => c.criterion);
-      place.className = "traces";
-      place.style.minHeight = `${58 * Math.min(own.length, 4)}px`;
-      Live.draw(columns.filter(c => !c.criterion).map(c => c.data[i]), own, place, { make, number });
-    }
     tip.hidden = false;
     const box = tip.getBoundingClientRect(), gap = 16;
     const room = document.documentElement.clientWidth;
@@ -519,6 +513,5 @@
     renderers.forEach(render => render());
     changed();
   };
-  Live.start(columns.filter(c => c.criterion));
   WhatIf.start({ data, columns, completed, bytes, make, number, grouped, labelled, redraw });
 })();

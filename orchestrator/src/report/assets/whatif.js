@@ -6,8 +6,6 @@ const WhatIf = (() => {
   // As many digits as a hand on a slider can mean.
   const rounded = v => Number(v.toPrecision(5));
   let page, study, points, setting, changes, found;
-  // Points that were simulated here, with the changes of the distributions that they belong to.
-  let fresh = null, running = null, trouble = "";
 
   // ---- what is asked ------------------------------------------------------------------------------------------
   const begin = () => {
@@ -34,16 +32,9 @@ const WhatIf = (() => {
   };
 
   // ---- what follows -------------------------------------------------------------------------------------------------
-  const keyOf = own => JSON.stringify(Object.entries(own).sort());
   const evaluate = () => {
     const result = Judge.judge(setting, points);
     found = result;
-    const key = keyOf(changes);
-    if (fresh?.key === key) {
-      found = Judge.judge(setting, fresh.points);
-      found.fresh = true;
-      return found;
-    }
     if (Object.keys(changes).length) {
       const weights = Weights.of(study.parameters, changes, points.parameters, points.size);
       found = Reweigh.judge(setting, points, result, weights, page.data.total);
@@ -68,9 +59,7 @@ const WhatIf = (() => {
       for (let i = 0; i < margins.length; i++) margins[i] = Math.min(margins[i], page.completed[i] ? Judge.margin(criterion, c.data[i]) : -Infinity);
     });
     const verified = Uint8Array.from(margins, m => band !== null && m >= band ? 1 : 0);
-    // Fresh points are not in the plots.
-    const accepted = found.fresh ? verified.reduce((sum, is) => sum + is, 0) : found.accepted;
-    page.redraw({ changed: differs(), guarded: band !== 0, accepted, verified });
+    page.redraw({ changed: differs(), guarded: band !== 0, accepted: found.accepted, verified });
   };
 
   // ---- the changed study as text -------------------------------------------------------------------------------------------
@@ -222,16 +211,13 @@ const WhatIf = (() => {
   };
   const warnings = () => {
     const list = [];
-    if (page.data.sample && !found.fresh) list.push(`From an even choice of ${page.grouped(points.size)} of the ${page.grouped(page.data.total)} points${points.grid ? "" : "; the intervals count these"}.`);
+    if (page.data.sample) list.push(`From an even choice of ${page.grouped(points.size)} of the ${page.grouped(page.data.total)} points${points.grid ? "" : "; the intervals count these"}.`);
     if (found.effective !== undefined) {
       list.push(`Other distributions by weights: the points count as ${page.grouped(Math.round(found.effective))} of ${page.grouped(points.size)}.`);
       if (setting.rule?.risk !== undefined) list.push("A fresh study would find a guard band of its own; the one here is an estimate, and the verdict and its interval hold for any that the required risk allows.");
       if (found.some) list.push(`If the points of a fresh study were independent, at least one of ${page.grouped(page.data.total)} would be accepted with a probability of ${ends(found.some)} %.`);
       if (found.effective < Weights.FEW) list.push("That is too few to rely on: run the changed study.");
     }
-    if (found.fresh) list.push(`From ${page.grouped(Live.POINTS)} fresh points of the changed distributions, simulated here.${found.failed ? ` Of these, ${page.grouped(found.failed)} failed and count as not accepted.` : ""} The plots show the study's own points, judged in the same way.`);
-    if (running) list.push("Fresh points are being simulated …");
-    if (trouble) list.push(`Fresh points could not be simulated: ${trouble}.`);
     if (found.verdict === "not decided") list.push(differs() ? "Run the changed study to decide." : "The verdict above is that of the whole study.");
     if (study.looked_again && setting.rule) list.push("This study was looked at more than once; the verdict here is that of one look and surer than it may be.");
     if (differs() && study.criteria.some(c => c.derived)) list.push("The errors of derived measured values stay as they are here; judge the changed study.");
@@ -284,29 +270,8 @@ const WhatIf = (() => {
       evaluate();
       show();
       clearTimeout(drawing);
-      drawing = setTimeout(() => { applyToPlots(); simulate(); }, 30);
+      drawing = setTimeout(applyToPlots, 30);
     });
-  };
-  const simulated = async () => {
-    const own = await Live.points(study.parameters, clone(changes));
-    return { ...own, known: Judge.known(cases(), own.values) };
-  };
-  // Fresh points for the present distributions, one request after the other: the last one counts.
-  const simulate = async () => {
-    const key = keyOf(changes);
-    if (!Live.able() || running || !Object.keys(changes).length || fresh?.key === key) return;
-    running = key;
-    show();
-    try {
-      fresh = { key, points: await simulated() };
-      trouble = "";
-    } catch (error) {
-      trouble = error.message;
-      fresh = null;
-    }
-    running = null;
-    update();
-    if (!trouble) simulate();
   };
   const update = () => { evaluate(); show(); applyToPlots(); };
 
@@ -339,10 +304,6 @@ const WhatIf = (() => {
     saved.addEventListener("click", save);
     evaluate();
     show();
-    Live.checked()?.catch(error => {
-      trouble = error.message;
-      show();
-    });
   };
 
   /** Changes the study by numbers, and returns what follows: { criteria: { NAME: { nominal, tolerance, minus, plus, expanded } }, share,
@@ -362,15 +323,5 @@ const WhatIf = (() => {
     return { ...rest, text: text() };
   };
 
-  /** The same, with fresh points for changed distributions: what follows, the points, and how long they took, ms. */
-  const askFresh = async request => {
-    ask(request);
-    const begun = performance.now(), own = await simulated(), milliseconds = performance.now() - begun;
-    fresh = { key: keyOf(changes), points: own };
-    update();
-    const { flags, ...rest } = found;
-    return { ...rest, milliseconds, parameters: own.parameters.map(list => Array.from(list)), values: own.values.map(list => Array.from(list)) };
-  };
-
-  return { start, ask, askFresh };
+  return { start, ask };
 })();

@@ -1,6 +1,6 @@
 "use strict";
-// Simulates points with an FMU's WebAssembly module: the functions of FMI 2.0 for Co-Simulation (docs/evidence/live.md). The function is
-// whole by itself, since a worker gets its text. `task` is what `report/live.rs` writes.
+// Simulates points with an FMU's WebAssembly module: the functions of FMI 2.0 for Co-Simulation ; `task` is what `page.js`
+// writes.
 const Simulator = (module, task) => {
   const PAGE = 65536, OK = 1, DISCARD = 2, ERROR = 3, TERMINATED = 3;
   const NAME = 0, GUID = 256, CALLBACKS = 2048, REFERENCE = 2080, NUMBER = 2088, ORDER = 2096;
