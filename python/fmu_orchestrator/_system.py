@@ -377,6 +377,9 @@ class Builder:
         root.set("description", f"The system {self.reader.path.name} of {', '.join(self.structure.components)}")
         for experiment in root.iterfind("DefaultExperiment"):
             experiment.set("stepSize", repr(step))
+        for interface in root.iterfind("CoSimulation") if self.fmi == 3 else ():
+            # The library writes it, but FMI 3.0 has it no more.
+            interface.attrib.pop("canNotUseMemoryManagementFunctions", None)
         units: Units = {}
         for variable in root.iterfind("ModelVariables/*"):
             name = variable.attrib["name"]

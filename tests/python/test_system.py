@@ -192,6 +192,13 @@ def test_what_it_cannot_honour_is_refused_in_a_line(fmu, tmp_path, before, after
     assert not (tmp_path / "rig.fmu").exists()
 
 
+def test_fmus_of_fmi_3_give_the_same(fmu, made, tmp_path):
+    done = make(pack(tmp_path / "rig.ssp", fmu.with_name("PlainBearingStand-fmi3.fmu")), tmp_path / "three.fmu")
+    assert done.returncode == 0, done.stderr
+    assert simulated(tmp_path / "three.fmu") == simulated(made)
+    assert command("check", tmp_path / "three.fmu").returncode == 0
+
+
 def test_a_file_that_is_there_stays(made):
     held = made.read_bytes()
     done = make(made.with_name("rig.ssp"), made)

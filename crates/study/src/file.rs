@@ -93,8 +93,8 @@ impl Study {
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let ends = |name: &str| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(name));
         let message = if ends("ssp") {
-            "is a system of FMUs (SSP), where a study (a TOML file) is needed: make one FMU of it by a tool such as \
-             fmu-manipulation-toolbox, and write a study of that by `init`"
+            "is a system of FMUs (SSP), where a study (a TOML file) is needed: make one FMU of it by \
+             `python -m fmu_orchestrator system`, and write a study of that by `init`"
                 .to_owned()
         } else if ends("fmu") {
             let path = path.display();

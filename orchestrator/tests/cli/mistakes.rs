@@ -63,7 +63,7 @@ fn one_file_in_the_place_of_another() {
     bench.run(&["simulate", "study.toml"]).is_mistake(&["study.toml: a study, where an FMU is needed"]);
     bench.zip("two.ssp", &[("SystemStructure.ssd", b"<x/>")]);
     for command in ["simulate", "verify", "init"] {
-        bench.run(&[command, "two.ssp"]).is_mistake(&["two.ssp", "a system of FMUs (SSP)", "system two.ssp --step"]);
+        bench.run(&[command, "two.ssp"]).is_mistake(&["two.ssp", "a system of FMUs", "-m fmu_orchestrator system"]);
     }
     bench.run(&["simulate", "lag.fmu", "--set-from", "study.toml"]).is_mistake(&["study.toml: no SSP parameter set"]);
     for folder in ["study.toml", "study.toml/below"] {
