@@ -177,10 +177,6 @@ mod tests {
                 "invalid value '10s' for '--stop <T>': a number is needed, with a decimal point and without a unit",
             ),
             ("o verify s --ponits 3", "unexpected argument '--ponits' found; a similar argument exists: '--points'"),
-            (
-                "o identify s --descents 3",
-                "unexpected argument '--descents' found; `descents` is set in the study, under [identify]",
-            ),
             ("o verify", "the following required arguments are missing: <STUDY>"),
             ("o verfy s", "unrecognized subcommand 'verfy'; a similar subcommand exists: 'verify'"),
             (

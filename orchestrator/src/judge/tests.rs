@@ -198,10 +198,6 @@ fn errors_have_their_place() {
     assert_eq!(judge(&wrong).unwrap_err(), "s.toml:3:15: T: the nominal value NaN is not a finite number");
     let wrong = STUDY.replace("nominal = 82", "nominal = 0");
     assert!(judge(&wrong).unwrap_err().contains("give it without %"));
-    let wrong = STUDY.replace("tolerance.T =", "tolerance.TT =");
-    assert!(judge(&wrong).unwrap_err().contains("no criterion `TT`"));
-    let wrong = STUDY.replace("\"0.75 degC\"", "\"0.75 K\"");
-    assert!(judge(&wrong).unwrap_err().contains("without the FMU"));
 }
 
 const ALONE: &str = r#"

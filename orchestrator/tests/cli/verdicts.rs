@@ -211,7 +211,7 @@ fn the_dossier_is_in_summary_and_page() {
     let date = summary["run"]["date"].as_str().unwrap();
     assert!(date.ends_with('Z') && date.len() == 20, "{date}");
     let page = bench.read("out/report.html");
-    for part in ["A. Engineer &lt;test&gt;", "Rig 2", date, "normal, mean 1"] {
+    for part in ["A. Engineer &lt;test&gt;", "Rig 2", date, "mean = 1"] {
         assert!(page.contains(part), "no {part}");
     }
 }
