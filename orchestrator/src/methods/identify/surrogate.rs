@@ -62,7 +62,8 @@ impl Known {
             let column = table.criteria.iter().find(|column| column.name == quantity.name);
             column.filter(|column| told(&quantity.unit, &column.unit))
         });
-        let (Some(inputs), Some(outputs)) = (inputs.collect::<Option<Vec<_>>>(), outputs.collect::<Option<Vec<_>>>()) else {
+        let (Some(inputs), Some(outputs)) = (inputs.collect::<Option<Vec<_>>>(), outputs.collect::<Option<Vec<_>>>())
+        else {
             return Ok(Self::default());
         };
         // What else varies, a search holds.
