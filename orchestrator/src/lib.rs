@@ -11,6 +11,7 @@ pub mod junit;
 pub mod methods;
 pub mod options;
 pub mod packed;
+pub(crate) mod plain;
 pub mod recording;
 pub mod report;
 pub mod reruns;

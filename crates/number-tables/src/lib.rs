@@ -68,6 +68,11 @@ pub fn name_and_unit(name: &str) -> (&str, Option<String>) {
     }
 }
 
+/// A time has one of these units.
+pub fn is_of_time(unit: &str) -> bool {
+    known::between(unit, "s").is_some()
+}
+
 /// Whether a column is called time: `T` is a temperature.
 pub fn is_time_name(name: &str) -> bool {
     name == "t" || ["time", "zeit"].iter().any(|word| name.eq_ignore_ascii_case(word))
@@ -136,8 +141,7 @@ pub fn time_column(stated: Option<&str>) -> Column {
 
 /// The column `time`, else the only one that has a unit of time or is called time.
 fn place_of_time(path: &Path, header: &[String]) -> Result<usize, FileError> {
-    let is_time =
-        |(bare, unit): (&str, Option<String>)| unit.map_or(is_time_name(bare), |unit| recorded::is_of_time(&unit));
+    let is_time = |(bare, unit): (&str, Option<String>)| unit.map_or(is_time_name(bare), |unit| is_of_time(&unit));
     let found = |is_it: &dyn Fn(&str) -> bool| -> Vec<usize> {
         (0..header.len()).filter(|&place| is_it(&header[place])).collect()
     };

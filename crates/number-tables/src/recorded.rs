@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use crate::files::{self, FileError};
 use crate::rows::How;
-use crate::{is_time_name, name_and_unit, shown};
+use crate::{is_of_time, is_time_name, name_and_unit, shown};
 use fmu_import::units::known;
 use fmu_points::names::{did_you_mean, nearest};
 
@@ -33,11 +33,6 @@ pub struct Column {
     pub empty: usize,
     /// The cells that are no numbers: row, line and text.
     pub texts: Vec<(usize, u64, String)>,
-}
-
-/// A time has one of these units.
-pub fn is_of_time(unit: &str) -> bool {
-    known::between(unit, "s").is_some()
 }
 
 /// How files of other formats begin.

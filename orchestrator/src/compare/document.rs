@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::{Change, Comparison, said};
 use crate::error::Error;
-use crate::report::plain;
+use crate::plain;
 use point_journal::files::{make_folder, write_json};
 use result_document::format::{count, number, with_unit};
 use result_document::{Block, Document, Table, numbers, words};

@@ -11,7 +11,6 @@ pub(crate) mod outlook;
 mod overlay;
 mod page;
 mod payload;
-pub(crate) mod plain;
 mod planes;
 pub(crate) mod recording;
 pub(crate) mod whatif;

@@ -15,7 +15,7 @@ use sampling::distribution::Distribution;
 
 use crate::error::Error;
 use crate::identify::bind::Bound;
-use crate::report::plain;
+use crate::plain;
 use result_document::bins::{axis_range, bins_for, histogram};
 use result_document::format::{count, number, with_unit as with_unit_in_brackets};
 use result_document::svg::{Frame, area, circle, envelope, path};

@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use super::write_file;
 use crate::error::Error;
+use fmu_points::tell::visible;
 use minijinja::{Environment, context};
+use point_journal::files::write_text;
 use result_document::Document;
 
 /// A page of documents under one answer.
@@ -34,11 +35,11 @@ impl Page<'_> {
             title => self.title,
             headline => self.headline,
             kind => if self.is_good { "yes" } else { "no" },
-            style => [result_document::svg::STYLE, include_str!("assets/report.css")].concat(),
+            style => [result_document::svg::STYLE, include_str!("report/assets/report.css")].concat(),
             sections,
         };
-        let template = include_str!("assets/plain.html");
+        let template = include_str!("report/assets/plain.html");
         let html = Environment::new().render_named_str("plain.html", template, page)?;
-        write_file(file, &html)
+        Ok(write_text(file, &*visible(&html))?)
     }
 }
