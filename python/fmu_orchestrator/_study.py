@@ -241,18 +241,20 @@ class Study:
         *,
         level: float | None = None,
         confirm: int | None = None,
+        budget: int | None = None,
         seed: int | None = None,
         output: StrPath | None = None,
         **running: Unpack[Running],
     ) -> Robustness:
         """Tells how far parameters may move, from the points of a finished study.
 
-        ``level`` is the verification probability that the box must hold; ``confirm`` runs so many new points in it.
+        ``level`` is the verification probability that the box must hold; ``confirm`` runs so many new points in it,
+        ``budget`` at most so many in all.
         """
         source, folder = self._folders(points_of, output)
         # The program looks where the study's name says; a study that was changed here has another folder.
         source = source or self._folder(None)
-        options: dict[str, Value] = {"from": source, "level": level, "confirm": confirm, "seed": seed}
+        options: dict[str, Value] = {"from": source, "level": level, "confirm": confirm, "budget": budget, "seed": seed}
         done = self._run("robustness", folder, options, running, state="robustness")
         return Robustness(folder, done.text)
 
@@ -262,14 +264,16 @@ class Study:
         *,
         points: int | None = None,
         confirm: int | None = None,
+        budget: int | None = None,
         seed: int | None = None,
         output: StrPath | None = None,
         **running: Unpack[Running],
     ) -> Tolerances:
         """Finds the widest tolerances of the parameters at which the model still conforms; the section ``[verdict]`` or
-        ``[tolerances]`` states the wanted share. The points of a finished study are used first."""
+        ``[tolerances]`` states the wanted share. The points of a finished study are used first; with ``budget`` a surrogate of
+        them finds, and so many runs confirm."""
         source, folder = self._folders(points_of, output)
-        options: dict[str, Value] = {"from": source, "points": points, "confirm": confirm, "seed": seed}
+        options: dict[str, Value] = {"from": source, "points": points, "confirm": confirm, "budget": budget, "seed": seed}
         done = self._run("tolerances", folder, options, running, state="tolerances")
         return Tolerances(folder, done.text)
 

@@ -42,6 +42,12 @@ impl Triangles {
         empty(&mut self.upper);
         self.pivots.clear();
         self.diagonal.clear();
+        // Beside its row's largest coefficient a pivot counts: a row that stands on its diagonal alone is not mixed with others,
+        // whose numbers may be larger by far.
+        let mut sizes = vec![shift.abs(); n];
+        for (row, coefficient) in coefficients.iter().flatten() {
+            sizes[*row] = sizes[*row].max(coefficient.abs());
+        }
         let mut left: Vec<bool> = vec![true; n];
         for (place, &own) in self.order.iter().enumerate() {
             let column = &mut self.column;
@@ -60,11 +66,12 @@ impl Triangles {
                 }
             }
             let rows = || (0..n).filter(|&row| left[row] && column[row] != 0.0);
-            let Some(largest) = rows().max_by(|&a, &b| column[a].abs().total_cmp(&column[b].abs())) else {
+            let weight = |row: usize| column[row].abs() / sizes[row];
+            let Some(largest) = rows().max_by(|&a, &b| weight(a).total_cmp(&weight(b))) else {
                 return false;
             };
-            let size = column[largest].abs();
-            let pivot = if left[own] && column[own].abs() >= PIVOT * size { own } else { largest };
+            let size = weight(largest);
+            let pivot = if left[own] && weight(own) >= PIVOT * size { own } else { largest };
             if !size.is_finite() {
                 return false;
             }
@@ -163,6 +170,17 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// A state of its own beside one on which it has a large effect: nothing of the other's comes into it.
+    #[test]
+    fn a_row_that_stands_alone_keeps_its_value() {
+        let coefficients = vec![vec![(1, 1e12)], vec![(1, -3.0)]];
+        let mut triangles = Triangles::of(&coefficients);
+        assert!(triangles.decompose(&coefficients, 0.7));
+        let mut solution = [0.0, 0.3];
+        triangles.solve(&mut solution);
+        assert_eq!(solution[0], 0.0);
     }
 
     #[test]
