@@ -25,8 +25,8 @@ use crate::wire::{Order, Origin, Outcome, Reply, Trouble};
 
 /// The byte that fills unwritten memory where a point runs again.
 const FILL: u8 = 0x55;
-/// So many points, each in a child that loads the FMU itself, have one worker: where things lie in memory is drawn anew with
-/// each worker.
+/// So many points that run again, or whose child loads the FMU itself, have one worker: where things lie in memory is drawn
+/// anew with each worker.
 const POINTS_OF_A_WORKER: u32 = 20;
 /// An FMU that could not be loaded is loaded again after so long.
 const PAUSES: [Duration; 3] = [Duration::from_millis(50), Duration::from_millis(300), Duration::from_secs(1)];
@@ -127,7 +127,9 @@ impl Isolated {
         if self.again && self.copy.is_none() {
             self.copy = self.common.ground.copy();
             // Without room for it, the same files serve.
-            self.copy.iter().for_each(|copy| copy.path().clone_into(&mut self.loading.setup.fmu));
+            for worker in [&mut self.forking, &mut self.loading] {
+                self.copy.iter().for_each(|copy| copy.path().clone_into(&mut worker.setup.fmu));
+            }
         }
         if self.room.is_none() {
             let room = Room::take(&self.common.ground.scratch).map_err(|error| Gone::Start(error.to_string()))?;
@@ -141,15 +143,16 @@ impl Isolated {
 
     /// How a point's process begins now. Whoever is told that it is open must find out.
     fn start(&self) -> Start {
-        if self.again || self.common.ground.changed().is_some() {
+        if self.common.ground.changed().is_some() {
             return Start::New;
         }
         let mut start = locked(&self.common.start);
-        let now = *start;
-        if now == Start::Open {
-            *start = Start::OnTrial;
+        match *start {
+            // Points that run again decide nothing.
+            Start::Open | Start::OnTrial if self.again => Start::New,
+            Start::Open => std::mem::replace(&mut *start, Start::OnTrial),
+            now => now,
         }
-        now
     }
 
     /// Lets points run, and hands over the outcome of each; gives those back that have none, and the reason.
@@ -163,17 +166,17 @@ impl Isolated {
         self.settle_in()?;
         let common = Arc::clone(&self.common);
         let mut open: BTreeMap<u64, &Job> = jobs.iter().map(|job| (job.index, job)).collect();
-        let worker = match way(Vec::new()) {
-            Order::Forked(_) => &mut self.forking,
-            Order::Used(_) => &mut self.using,
-            _ => {
-                if self.count.is_multiple_of(POINTS_OF_A_WORKER) {
-                    self.loading.end();
-                }
-                self.count += 1;
-                &mut self.loading
-            }
+        let (worker, lasting) = match way(Vec::new()) {
+            Order::Forked(_) => (&mut self.forking, !self.again),
+            Order::Used(_) => (&mut self.using, true),
+            _ => (&mut self.loading, false),
         };
+        if !lasting {
+            if self.count.is_multiple_of(POINTS_OF_A_WORKER) {
+                worker.end();
+            }
+            self.count += 1;
+        }
         let folder = match common.ground.changed() {
             Some(_) => Some(common.ground.folder().map_err(|error| Gone::Start(error.to_string()))?),
             None => None,

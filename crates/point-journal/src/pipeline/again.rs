@@ -30,10 +30,11 @@ const LITTLE: Duration = Duration::from_secs(2);
 const PART: u32 = 50;
 /// So many points run again for that time on a machine that has no other work: on a busy one no fewer do.
 const FEWEST: usize = 24;
-/// So many points drawn from all that each host has answered run again, while all that takes less than this together, or than this
-/// part of the time of the run: what spoils one point in twenty shows among them.
+/// So many points drawn from all that each host has answered run again, while all that takes less than this together and than this
+/// part of the time of the run, or than the lesser part: what spoils one point in twenty shows among them.
 const DRAWN: usize = 60;
 const LITTLE_OF_DRAWN: Duration = Duration::from_millis(200);
+const PART_OF_SHORT: u32 = 4;
 const PART_OF_DRAWN: u32 = 20;
 
 /// A point with what is recorded of it.
@@ -134,7 +135,7 @@ impl Again {
             let spent = begun.elapsed();
             let room = match is_first || count < FEWEST {
                 true => LITTLE.max(whole / PART),
-                false => LITTLE_OF_DRAWN.max(whole / PART_OF_DRAWN),
+                false => LITTLE_OF_DRAWN.min(whole / PART_OF_SHORT).max(whole / PART_OF_DRAWN),
             };
             if stopped() || count > 0 && spent > room || count >= self.most {
                 break;
