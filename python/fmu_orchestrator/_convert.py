@@ -328,6 +328,8 @@ def _hdf5(path: Path, _: object = None) -> Contents:
     items: list[tuple[str, str, Any]] = []
 
     def visit(name: str, node: Any) -> None:
+        if "pandas_type" in node.attrs:
+            raise OrchestratorError(f"{path}: pandas keeps names and times apart from the numbers; pandas.read_hdf(FILE).to_parquet(...) joins them")
         if not isinstance(node, h5py.Dataset) or node.shape is None:
             return
         if node.external or node.is_virtual:
@@ -443,7 +445,7 @@ READERS: Mapping[str, Reader] = {ending: reader for endings, reader in (
 ) for ending in endings.split()}
 # What a file begins with says more than its ending.
 MARKS: Mapping[bytes, Reader] = {
-    b"MDF ": _mdf, b"UnFinMF": _mdf, b"TDSm": _tdms, b"\x89HDF": _hdf5, b"MATLAB": _mat, b"PAR1": _parquet, b"PK\x03\x04": _xlsx,
+    b"MDF ": _mdf, b"UnFinMF": _mdf, b"TDSm": _tdms, b"\x89HDF": _hdf5, b"MATLAB ": _mat, b"PAR1": _parquet, b"PK\x03\x04": _xlsx,
 }
 
 OPTIONS = {
