@@ -228,7 +228,7 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     if len(body) < 2:
         raise OrchestratorError(f"{path}: fewer than two rows of numbers; say --delimiter or --header, or export it as csv")
     # Rows of the recording have one width, or lack empty cells at their ends.
-    filled = {k: max(j for j, cell in enumerate(rows[k]) if cell) + 1 for k in body}
+    filled = {k: max(j for j, cell in enumerate(row) if cell) + 1 for k, row in enumerate(rows) if any(row)}
     width = Counter(len(rows[k]) for k in body).most_common(1)[0][0]
     kinds, marks = zip(*(_kind([rows[k][j] for k in body if len(rows[k]) == width]) for j in range(width)), strict=True)
     typed = [j for j, kind in enumerate(kinds) if kind != "text"]
