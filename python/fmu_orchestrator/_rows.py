@@ -254,7 +254,7 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
         first -= 1
     good = [k for k in good if first is not None and k >= first]
     # A row of marks alone is one, too: without it the times of a constant rate would shift.
-    good = sorted({*good, *(k for k in range(good[0] if good else 0, good[-1] if good else 0)
+    good = sorted({*good, *(k for k in range(good[0] if good else 0, len(rows) if good else 0)
                             if any(rows[k]) and len(rows[k]) == width and all(cell.lower() in NOTHING for cell in rows[k]))})
     if first is None or not good:
         raise OrchestratorError(f"{path}: no rows of numbers of one width; say --delimiter or --header")

@@ -109,7 +109,7 @@ def test_what_other_peoples_loggers_wrote(tmp_path):
     assert header[:3] == ["time [s]", "WVHT [m]", "DPD [s]"] and [row[:2] for row in table] == [[0.0, "MM"], [600.0, 1.5], [600.0 + 30 * 86400, "MM"]]
     # Units in brackets below the names, blanks between; rows of marks alone.
     assert converted(tmp_path, rows("Time  F  n", "(s) (kN) (rpm)", "0.0 1.5 3", "0.1 2.5 4"))[0] == ["Time [s]", "F [kN]", "n [rpm]"]
-    assert converted(tmp_path, rows("F [N]", "1.5", "n/a", "2.5"))[1] == [[1.5], [""], [2.5]]
+    assert converted(tmp_path, rows("F [N]", "1.5", "n/a", "2.5", "n/a"))[1] == [[1.5], [""], [2.5], [""]]
     (tmp_path / "day.csv").write_text(rows("MATLAB_DATE,T", "737151,1.5", "737152,2.5"))
     [out] = convert_here(tmp_path / "day.csv", tmp_path / "out")
     assert out.read_text().splitlines()[0] == "MATLAB_DATE,T"
