@@ -264,14 +264,14 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
             f"{path}: line {long + 1} has {filled[long]} cells and most rows have {width}; a decimal comma needs another letter between "
             "cells: say --delimiter, or correct the line")
     names, units, header = _header(path, rows, first, width, options)
-    above = [k for k in body if k < header - 1]
-    for k, after in pairwise(above):
+    over = [k for k in body if k < header - 1]
+    for k, after in pairwise(over):
         if after == k + 1 and len(rows[k]) == len(rows[after]) > 2 and min(sum(map(_is_value, rows[line])) for line in (k, after)) > 1:
             raise OrchestratorError(
                 f"{path}: line {k + 1} (`{' '.join(rows[k])[:40]}`) belongs to another table, which stands above that of line {header}; save it as a "
                 f"file of its own, and say --header {header} for the other")
-    if above:
-        told.append(f"{len(above)} lines with numbers above the names were left out, line {above[0] + 1} first: `{' '.join(rows[above[0]])[:60]}`")
+    if over:
+        told.append(f"{len(over)} lines with numbers above the names were left out, line {over[0] + 1} first: `{' '.join(rows[over[0]])[:60]}`")
     columns_named = max((j + 1 for j, name in enumerate(names) if name), default=0)
     if columns_named > width:
         if not options.header:
