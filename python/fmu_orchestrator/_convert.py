@@ -35,6 +35,10 @@ class Group:
     channels: list[tuple[str, str, Any]] = field(default_factory=list)  # name, unit, values
 
 
+class Clock(list[Any]):
+    """A channel of moments: seconds since the start of the file."""
+
+
 @dataclass
 class Contents:
     """What a file holds."""
@@ -132,7 +136,8 @@ def convert_here(path: Path, folder: Path, zero: str | None = None, options: _ro
         if zero is not None:
             late = (contents.start - _stamp(zero)).total_seconds()
             for group in groups:
-                group.time = None if group.time is None else [None if time is None else round(time + late, 9) for time in group.time]
+                group.time = None if group.time is None else _later(group.time, late)
+                group.channels = [(channel, unit, _later(values, late) if isinstance(values, Clock) else values) for channel, unit, values in group.channels]
             contents.start = _stamp(zero)
         print(f"{name}: its time 0 is {contents.start.isoformat()}; other files of the run: --zero {contents.start.isoformat()}")
     elif zero is not None:
@@ -141,6 +146,10 @@ def convert_here(path: Path, folder: Path, zero: str | None = None, options: _ro
         raise OrchestratorError(f"{name}: it holds no series of numbers; export the recording as csv")
     folder.mkdir(parents=True, exist_ok=True)
     return [_write(group, folder / f"{path.stem}{f'-{k}' if len(groups) > 1 else ''}.csv", path) for k, group in enumerate(groups, 1)]
+
+
+def _later(times: Iterable[float | None], late: float) -> list[float | None]:
+    return [None if time is None else round(time + late, 9) for time in times]
 
 
 def _say_units(groups: Sequence[Group], options: _rows.Options, name: str) -> None:
@@ -275,10 +284,10 @@ def _tdms(path: Path, _: object = None) -> Contents:
             values, stamped = channel[:], ""
             if getattr(getattr(values, "dtype", None), "kind", "") == "M" and len(values) > 1:
                 # Stamps of their own count from the first start, or from the first of them.
-                origin = first if first is not None else values[0]
-                contents.start = contents.start or _stamp(str(origin)[:26])
-                values, stamped = (values - origin) / _second(origin), "s"
-            if not _is_series(values):
+                first = values[0] if first is None else first
+                contents.start = contents.start or _stamp(str(first)[:26])
+                values, stamped = Clock(((values - first) / _second(first)).tolist()), "s"
+            if not stamped and not _is_series(values):
                 contents.left_out.append(f"{part.name}/{channel.name}")
                 continue
             known = channel.properties
@@ -328,6 +337,8 @@ def _hdf5(path: Path, _: object = None) -> Contents:
     items: list[tuple[str, str, Any]] = []
 
     def visit(name: str, node: Any) -> None:
+        if "pandas_type" in node.attrs:
+            raise OrchestratorError(f"{path}: pandas keeps names and times apart from the numbers; pandas.read_hdf(FILE).to_parquet(...) joins them")
         if not isinstance(node, h5py.Dataset) or node.shape is None:
             return
         if node.external or node.is_virtual:
@@ -383,21 +394,24 @@ def _flat(name: str, value: Any, contents: Contents) -> Iterator[tuple[str, str,
 def _parquet(path: Path, _: object = None) -> Contents:
     """Moments and durations become seconds."""
     table = _library("pyarrow.parquet", path).read_table(path)
-    group, contents = Group(path.stem, None), Contents()
-    for name in table.column_names:
-        values = table[name].to_pylist()
+    types = _library("pyarrow", path).types
+    group, contents, zero = Group(path.stem, None), Contents(), None
+    for name, column in zip(table.column_names, table.columns, strict=True):
         unit = (table.schema.field(name).metadata or {}).get(b"unit", b"").decode("utf-8", "replace")
-        first = next((value for value in values if value is not None), None)
-        if isinstance(first, datetime.timedelta):
-            values, unit = [None if value is None else value.total_seconds() for value in values], "s"
-        elif isinstance(first, datetime.date):
-            moments = [None if value is None else _stamp(value.isoformat()) for value in values]
-            zero = contents.start = contents.start or next(moment for moment in moments if moment is not None)
-            values, unit = [None if moment is None else (moment - zero).total_seconds() for moment in moments], "s"
-            contents.told.append(f"time: `{name}`, {values[0]} .. {values[-1]} s")
-        elif type(first).__name__ == "Decimal":
-            values = [None if value is None else float(value) for value in values]
-        elif isinstance(first, bool) or not isinstance(first, int | float):
+        kind = column.type
+        if types.is_timestamp(kind) or types.is_date(kind) or types.is_duration(kind):
+            is_moment = not types.is_duration(kind)
+            ticks = column.cast("timestamp[ns]" if is_moment else "duration[ns]").cast("int64").to_pylist()
+            if is_moment and zero is None:
+                zero = next((tick for tick in ticks if tick is not None), 0)
+                contents.start = datetime.datetime(1970, 1, 1) + datetime.timedelta(microseconds=zero // 1000)
+            origin = zero or 0 if is_moment else 0
+            values, unit = (Clock if is_moment else list)(None if tick is None else (tick - origin) / 1e9 for tick in ticks), "s"
+            if is_moment:
+                contents.told.append(f"time: `{name}`, {values[0]} .. {values[-1]} s")
+        elif types.is_integer(kind) or types.is_floating(kind) or types.is_decimal(kind):
+            values = (column.cast("float64") if types.is_decimal(kind) else column).to_pylist()
+        else:
             contents.left_out.append(name)
             continue
         bare, own = _rows.split_name(name)
@@ -443,7 +457,7 @@ READERS: Mapping[str, Reader] = {ending: reader for endings, reader in (
 ) for ending in endings.split()}
 # What a file begins with says more than its ending.
 MARKS: Mapping[bytes, Reader] = {
-    b"MDF ": _mdf, b"UnFinMF": _mdf, b"TDSm": _tdms, b"\x89HDF": _hdf5, b"MATLAB": _mat, b"PAR1": _parquet, b"PK\x03\x04": _xlsx,
+    b"MDF ": _mdf, b"UnFinMF": _mdf, b"TDSm": _tdms, b"\x89HDF": _hdf5, b"MATLAB ": _mat, b"PAR1": _parquet, b"PK\x03\x04": _xlsx,
 }
 
 OPTIONS = {

@@ -24,6 +24,7 @@ from ._errors import OrchestratorError
 
 SEPARATORS = {"tab": "\t", ";": ";", "|": "|", ",": ",", "space": " "}
 SAMPLE = 2000
+DAY_NS = 86400 * 10**9
 # Cells that say that there is no value, whoever wrote them.
 NOTHING = {"", "-", "--", "---", "nan", "n/a", "#n/a", "na", "null", "none", "<na>", "#n/v"}
 NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)*|[.,]\d+)([eE][+-]?\d+|[dD][+-]\d+)?")
@@ -44,7 +45,7 @@ TIMES = {"t", "ts", "time", "zeit", "timestamp", "timestamps", "tout"}
 # Names of columns in a table that has a row for each value of each signal.
 SIGNALS = {"signal", "name", "channel", "variable", "parameter", "sensor", "tag", "id", "pid", "item", "kanal", "quantity", "measurement"}
 VALUES = {"value", "values", "val", "wert", "messwert", "reading"}
-PARTS = {"year": "year yr yyyy jahr", "month": "month mo mon mm monat", "day": "day dy dd tag", "hour": "hour hr hh stunde",
+PARTS = {"year": "year yr yy yyyy jahr", "month": "month mo mon mm monat", "day": "day dy dd tag", "hour": "hour hr hh stunde",
          "minute": "minute min mi minuten", "second": "second sec ss sekunde"}
 # Spellings that are right as they stand; only their case tells some of them apart (mN, MN; nm, Nm; us, uS).
 KNOWN = set("1 % s ms us ns min h d Hz kHz MHz GHz m cm mm um km N kN mN MN N.m Nm N.mm Nmm kNm Pa hPa mbar kPa bar MPa psi W kW MW "
@@ -116,7 +117,7 @@ def split_name(name: str) -> tuple[str, str]:
 def text(path: Path, encoding: str | None) -> tuple[str, str]:
     """The text of a file and its encoding."""
     content = path.read_bytes()
-    marks = [(b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16")]
+    marks = [(b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16")]
     known = encoding or next((name for mark, name in marks if content.startswith(mark)), None)
     if known is None and content[1:8:2] == bytes(len(content[1:8:2])) and len(content) > 8 and 0 not in content[:8:2]:
         known = "utf-16-le"
@@ -127,7 +128,8 @@ def text(path: Path, encoding: str | None) -> tuple[str, str]:
             continue
         if "\0" in decoded[:100_000]:
             break
-        return decoded, name
+        # Some loggers begin each line with the mark of the encoding.
+        return decoded.replace("\ufeff", ""), name
     raise OrchestratorError(f"{path}: no text in {known or 'UTF-8 or Windows-1252'}; say --encoding, or export it as csv")
 
 
@@ -165,7 +167,7 @@ def _words(line: str) -> list[str]:
     """Words of a line; a unit belongs to the name before it."""
     row: list[str] = []
     for word in line.removeprefix("#").split():
-        if row and word[0] in "[(":
+        if row and word[0] in "[(" and row[-1][0] not in "[(":
             row[-1] += f" {word}"
         else:
             row.append(word)
@@ -224,11 +226,11 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     if options.header:
         body = [k for k in body if k >= options.header]
     if len(body) < 2:
-        raise OrchestratorError(f"{path}: no rows of numbers; say --delimiter or --header, or export it as csv")
+        raise OrchestratorError(f"{path}: fewer than two rows of numbers; say --delimiter or --header, or export it as csv")
     # Rows of the recording have one width, or lack empty cells at their ends.
-    filled = {k: max(j for j, cell in enumerate(rows[k]) if cell) + 1 for k in body}
+    filled = {k: max(j for j, cell in enumerate(row) if cell) + 1 for k, row in enumerate(rows) if any(row)}
     width = Counter(len(rows[k]) for k in body).most_common(1)[0][0]
-    kinds = [_kind([rows[k][j] for k in body if len(rows[k]) == width]) for j in range(width)]
+    kinds, marks = zip(*(_kind([rows[k][j] for k in body if len(rows[k]) == width]) for j in range(width)), strict=True)
     typed = [j for j, kind in enumerate(kinds) if kind != "text"]
     if not typed:
         raise OrchestratorError(f"{path}: no column of numbers; say --delimiter")
@@ -236,7 +238,7 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     def known(k: int) -> tuple[int, int]:
         """How many cells of a row are what their columns are, and how many there are."""
         row = rows[k]
-        there = [j for j in typed if j < len(row) and row[j].lower() not in NOTHING]
+        there = [j for j in typed if j < len(row) and row[j].lower() not in NOTHING and row[j] != marks[j]]
         return sum(_is_number(row[j]) or bool(_suffix(row[j])) if kinds[j] == "number" else _is_value(row[j]) for j in there), len(there)
 
     def fits(k: int) -> bool:
@@ -251,6 +253,9 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     while first is not None and first - 1 in good[: good.index(first)]:
         first -= 1
     good = [k for k in good if first is not None and k >= first]
+    # A row of marks alone is one, too: without it the times of a constant rate would shift.
+    good = sorted({*good, *(k for k in range(good[0] if good else 0, len(rows) if good else 0)
+                            if any(rows[k]) and len(rows[k]) == width and all(cell.lower() in NOTHING for cell in rows[k]))})
     if first is None or not good:
         raise OrchestratorError(f"{path}: no rows of numbers of one width; say --delimiter or --header")
     long = next((k for k in body if filled[k] > width and k > good[0]), None)
@@ -259,6 +264,14 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
             f"{path}: line {long + 1} has {filled[long]} cells and most rows have {width}; a decimal comma needs another letter between "
             "cells: say --delimiter, or correct the line")
     names, units, header = _header(path, rows, first, width, options)
+    over = [k for k in body if k < header - 1]
+    for k, after in pairwise(over):
+        if after == k + 1 and len(rows[k]) == len(rows[after]) > 2 and min(sum(map(_is_value, rows[line])) for line in (k, after)) > 1:
+            raise OrchestratorError(
+                f"{path}: line {k + 1} (`{' '.join(rows[k])[:40]}`) belongs to another table, which stands above that of line {header}; save it as a "
+                f"file of its own, and say --header {header} for the other")
+    if over:
+        told.append(f"{len(over)} lines with numbers above the names were left out, line {over[0] + 1} first: `{' '.join(rows[over[0]])[:60]}`")
     columns_named = max((j + 1 for j, name in enumerate(names) if name), default=0)
     if columns_named > width:
         if not options.header:
@@ -301,21 +314,24 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     return _columns(path, names, units, kinds, cells, number, options, told)
 
 
-def _kind(cells: Sequence[str]) -> str:
+def _kind(cells: Sequence[str]) -> tuple[str, str]:
+    """What a column holds, and the only text among its numbers, which is a mark."""
     there = [cell for cell in cells[:SAMPLE] if cell.lower() not in NOTHING]
     numbers, stamps = sum(map(_is_number, there)), sum(map(_is_stamp, there))
-    with_unit = sum(bool(_suffix(cell)) for cell in there)
     if stamps > len(there) / 2:
-        return "stamp"
-    return "number" if max(numbers, with_unit) >= len(there) / 2 and there and numbers + with_unit else "text"
+        return "stamp", ""
+    others = [cell for cell in there if not _is_number(cell)]
+    with_unit, texts = sum(bool(_suffix(cell)) for cell in others), set(others)
+    mark = others[0] if len(texts) == 1 < len(others) and numbers and not with_unit else ""
+    return "number" if mark or max(numbers, with_unit) >= len(there) / 2 and numbers + with_unit else "text", mark
 
 
 def _suffix(cell: str) -> str:
     """The unit behind a number."""
-    if not cell or cell[-1].isdigit():
+    if not cell or cell.isdecimal():
         return ""
-    # A minus behind a number is its sign in some files, and no unit.
-    found = re.fullmatch(NUMBER.pattern + r"\s*([^\d\s.,;-][^\d]*)", _plain(cell))
+    # A minus behind a number is its sign in some files, and no unit; a unit that begins with a figure stands behind a blank.
+    found = re.fullmatch(NUMBER.pattern + r"\s*([^\d\s.,;-].*|(?<=\s)1/.*)", _plain(cell))
     return found[found.re.groups] if found and _is_unit(found[found.re.groups]) else ""
 
 
@@ -348,7 +364,7 @@ def _header(path: Path, rows: list[list[str]], first: int, width: int, options: 
 
     def are_units(row: list[str]) -> bool:
         said = [cell for cell in row if cell]
-        return bool(said) and 2 * sum(map(_is_unit, said)) >= len(said)
+        return 2 * sum(map(_is_unit, said)) > len(said)
 
     # Units stand right below the names, with at most two rows of remarks behind them.
     below = [j for j in range(max(1, len(heads) - 3), len(heads)) if are_units(heads[j])][-1:]
@@ -488,7 +504,7 @@ def _moment(cell: str, form: str | None) -> Moment | None:
 
 
 def _columns(
-    path: Path, names: list[str], units: list[str], kinds: list[str], cells: list[list[str]], number: Callable[[str], float | None],
+    path: Path, names: list[str], units: list[str], kinds: Sequence[str], cells: list[list[str]], number: Callable[[str], float | None],
     options: Options, told: list[str],
 ) -> Columns:
     width = len(cells)
@@ -512,7 +528,7 @@ def _columns(
             continue
         if kinds[j] != "number":
             sample = next((cell for cell in cells[j] if cell and not _is_number(cell)), "")
-            held = "moments" if kinds[j] == "stamp" else "no numbers"
+            held = "moments" if kinds[j] == "stamp" else "text"
             told.append(f"column `{labels[j]}` holds {held} (`{sample[:40]}`) and was left out")
             continue
         suffixes = {_suffix(cell) for cell in cells[j] if cell.lower() not in NOTHING} - {""}
@@ -542,7 +558,7 @@ def _columns(
 
 
 def _refuse_signals_in_rows(
-    path: Path, labels: list[str], kinds: list[str], cells: list[list[str]], time: Sequence[Any] | None, taken: set[int]
+    path: Path, labels: list[str], kinds: Sequence[str], cells: list[list[str]], time: Sequence[Any] | None, taken: set[int]
 ) -> None:
     """A table with a row for each value of each signal would become one column of all of them."""
     times = time or next((cells[j] for j, label in enumerate(labels) if is_time_name(label) and kinds[j] == "number"), [])
@@ -557,7 +573,7 @@ def _refuse_signals_in_rows(
 
 
 def _time(
-    path: Path, labels: list[str], names: list[str], kinds: list[str], cells: list[list[str]], number: Callable[[str], float | None],
+    path: Path, labels: list[str], names: list[str], kinds: Sequence[str], cells: list[list[str]], number: Callable[[str], float | None],
     options: Options, told: list[str], taken: set[int],
 ) -> tuple[list[float | None] | None, datetime.datetime | None]:
     """Seconds since the first stamp, and that, where there are stamps."""
@@ -602,7 +618,7 @@ def _time(
         raise OrchestratorError(f"{path}: `{' '.join(cells[j][bad] for j in chosen)}` of the time {name} (row {bad + 1}) is no time like the others; say --format")
     if head.days is None:
         return _of_day(joined, name, told), None
-    readings: dict[str, list[datetime.datetime | None]] = {}
+    readings: dict[str, list[int | None]] = {}
     for order in ("", *FORMS):
         if all(moment is None or moment.days and order in moment.days for moment in joined):
             readings[order] = [_at(moment, order) if moment else None for moment in joined]
@@ -637,9 +653,10 @@ def _join(parts: list[Moment | None]) -> Moment | None:
     return day and clock and Moment(day.days, clock.seconds, day.is_short)
 
 
-def _at(moment: Moment, order: str) -> datetime.datetime:
+def _at(moment: Moment, order: str) -> int:
+    """Nanoseconds since the day 0: loggers write more figures than a ``datetime`` has."""
     assert moment.days
-    return datetime.datetime.combine(moment.days[order], datetime.time()) + datetime.timedelta(seconds=moment.seconds or 0.0)
+    return moment.days[order].toordinal() * DAY_NS + round((moment.seconds or 0.0) * 1e9)
 
 
 def _of_day(moments: Sequence[Moment | None], name: str, told: list[str]) -> list[float | None]:
@@ -661,36 +678,40 @@ def _tell_time(seconds: Sequence[float | None], name: str, told: list[str]) -> N
     told.append(f"time: {name}, {min(there):.12g} .. {max(there):.12g} s" + (f"; it falls {falls} times (a clock that was set back?)" if falls else ""))
 
 
-def _seconds(row: Sequence[datetime.datetime | None], name: str, told: list[str]) -> tuple[list[float | None], datetime.datetime]:
+def _seconds(row: Sequence[int | None], name: str, told: list[str]) -> tuple[list[float | None], datetime.datetime]:
     zero = next(at for at in row if at is not None)
-    seconds = [None if at is None else (at - zero).total_seconds() for at in row]
+    seconds = [None if at is None else (at - zero) / 1e9 for at in row]
     _tell_time(seconds, name, told)
-    return seconds, zero
+    return seconds, datetime.datetime.fromordinal(zero // DAY_NS) + datetime.timedelta(microseconds=zero % DAY_NS // 1000)
 
 
 def _calendar(
-    labels: list[str], kinds: list[str], cells: list[list[str]], number: Callable[[str], float | None], taken: set[int]
-) -> list[datetime.datetime | None] | None:
+    labels: list[str], kinds: Sequence[str], cells: list[list[str]], number: Callable[[str], float | None], taken: set[int]
+) -> list[int | None] | None:
     """Year, month, day, hour and minute in columns."""
     places = {}
     for part, words in PARTS.items():
-        found = [j for j, label in enumerate(labels) if label.lower() in words.split() and kinds[j] == "number"]
+        # Beside a month `MM`, `mm` is a minute.
+        found = [j for j, label in enumerate(labels) if ("mi" if label == "mm" and "MM" in labels else label.lower()) in words.split() and kinds[j] == "number"]
         if len(found) == 1:
             places[part] = found[0]
     if not {"year", "month", "day"} <= places.keys():
         return None
-    row: list[datetime.datetime | None] = []
+    row: list[int | None] = []
     for k in range(len(cells[0])):
         values = {part: number(cells[j][k]) for part, j in places.items()}
         if any(value is None for value in values.values()):
             row.append(None)
             continue
         try:
-            day = datetime.datetime(int(values["year"] or 0), int(values["month"] or 0), int(values["day"] or 0))
+            day = datetime.date(*(int(values[part] or 0) for part in ("year", "month", "day")))
         except ValueError:
             return None
+        if day.year < 100:
+            return None
         # Weather data count the hours from 1 to 24 and write the end of each.
-        row.append(day + datetime.timedelta(hours=values.get("hour") or 0, minutes=values.get("minute") or 0, seconds=values.get("second") or 0))
+        seconds = sum(of * (values.get(part) or 0) for part, of in (("hour", 3600), ("minute", 60), ("second", 1)))
+        row.append(_at(Moment({"": day}, seconds), ""))
     taken.update(places.values())
     return row
 

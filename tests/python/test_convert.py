@@ -256,7 +256,18 @@ def test_stamps_of_parquet_and_tdms(tmp_path):
     at = [datetime.datetime(2026, 11, 3, 22) + datetime.timedelta(seconds=10 * k) for k in range(3)]
     parquet.write_table(pyarrow.table({"time": at, "wait": [datetime.timedelta(milliseconds=k) for k in range(3)], "T": [1.0, 2.0, 3.0]}), tmp_path / "x.parquet")
     [path] = convert(tmp_path / "x.parquet", tmp_path / "out", zero="2026-11-03T21:59:50")
-    assert rows(path) == [["time [s]", "wait [s]", "T"], *([str(10.0 * k), str(0.001 * k), str(k + 1.0)] for k in range(3))]
+    assert rows(path) == [["time [s]", "wait [s]", "T"], *([str(10.0 * k + 10.0), str(0.001 * k), str(k + 1.0)] for k in range(3))]
+    # Nanoseconds stay; moments of another column count from the same start.
+    at = np.datetime64("2026-11-03T22:00:00.000000001") + np.arange(3) * np.timedelta64(20_001, "ns")
+    pandas.DataFrame({"at": at, "late": at + np.timedelta64(2, "s"), "T": [1.0, 2.0, 3.0]}).to_parquet(tmp_path / "n.parquet")
+    [path] = convert(tmp_path / "n.parquet", tmp_path / "out")
+    assert rows(path)[2] == ["2.0001e-05", "2.000020001", "2.0"]
+    nptdms = pytest.importorskip("nptdms")
+    at = np.datetime64("2026-11-03T22:00:00.000") + np.arange(3) * np.timedelta64(250, "ms")
+    with nptdms.TdmsWriter(tmp_path / "x.tdms") as file:
+        file.write_segment([nptdms.ChannelObject("g", "at", at), nptdms.ChannelObject("g", "late", at + np.timedelta64(2, "s"))])
+    [path] = convert(tmp_path / "x.tdms", tmp_path / "tdms", zero="2026-11-03T21:59:50")
+    assert rows(path) == [["at [s]", "late [s]"], *([str(10 + 0.25 * k), str(12 + 0.25 * k)] for k in range(3))]
 
 
 def test_a_unit_may_be_said_of_any_channel_and_what_says_nothing_is_refused(tmp_path):
@@ -299,3 +310,12 @@ def test_cells_of_a_spreadsheet_are_what_is_shown(tmp_path):
     # 1.01 days as a time of day are a date of the year 1900.
     with pytest.raises(OrchestratorError, match="no time like the others"):
         read([["t", "F"], [0.99, 1.5], [1.01, 2.5]], A="h:mm:ss")
+
+
+def test_hdf5_of_pandas_names_the_way_out(tmp_path):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "x.h5", "w") as file:
+        file["run/block0_values"] = np.arange(6.0).reshape(3, 2)
+        file["run"].attrs["pandas_type"] = "frame"
+    with pytest.raises(OrchestratorError, match=r"pandas.read_hdf\(FILE\).to_parquet"):
+        convert_here(tmp_path / "x.h5", tmp_path / "out")

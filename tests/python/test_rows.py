@@ -96,6 +96,30 @@ def test_what_stands_in_a_name_need_not_be_a_unit(tmp_path):
     assert header == ["time [s]", "Current [A]", "Temp(min)", "I/mA", "p [bar]", "Q [Ah]", "V(A)", "a/(b)"]
 
 
+def test_what_other_peoples_loggers_wrote(tmp_path):
+    # A mark of the encoding on each line; nanoseconds; figures in the unit behind a number.
+    lines = [f'\ufeff"2026-11-03 13:15:00.{k}20000010",{k}.5 m/s²,{k} 1/min' for k in range(3)]
+    header, table = converted(tmp_path, rows("Time,v,n", *lines))
+    assert header == ["time [s]", "v [m/s2]", "n [1/min]"] and table == [[0.1 * k, k + 0.5, k] for k in range(3)]
+    assert converted(tmp_path, rows("Time,v", "2026-11-03T13:15:00.000000010,1.5", "2026-11-03T13:15:00.000020031,2.5"))[1] == [[0, 1.5], [2.0021e-5, 2.5]]
+    # Buoys write the month as MM and the minute as mm, and MM where nothing was measured.
+    buoy = rows("#YY  MM DD hh mm  WVHT DPD APD WSPD ATMP WTMP", "#yr  mo dy hr mn   m sec sec m/s degC degC",
+                *(f"2019 {at}  {height} 8 7 1.5 10 11" for at, height in (("04 02 13 40", "MM"), ("04 02 13 50", "1.5"), ("05 02 13 50", "MM"))))
+    header, table = converted(tmp_path, buoy)
+    assert header[:3] == ["time [s]", "WVHT [m]", "DPD [s]"] and [row[:2] for row in table] == [[0.0, "MM"], [600.0, 1.5], [600.0 + 30 * 86400, "MM"]]
+    # Units in brackets below the names, blanks between; rows of marks alone.
+    assert converted(tmp_path, rows("Time  F  n", "(s) (kN) (rpm)", "0.0 1.5 3", "0.1 2.5 4"))[0] == ["Time [s]", "F [kN]", "n [rpm]"]
+    assert converted(tmp_path, rows("F [N]", "1.5", "n/a", "2.5", "n/a"))[1] == [[1.5], [""], [2.5], [""]]
+    (tmp_path / "day.csv").write_text(rows("MATLAB_DATE,T", "737151,1.5", "737152,2.5"))
+    [out] = convert_here(tmp_path / "day.csv", tmp_path / "out")
+    assert out.read_text().splitlines()[0] == "MATLAB_DATE,T"
+
+
+def test_rows_above_the_names_are_told(tmp_path, capsys):
+    assert converted(tmp_path, rows("Serial;12345", "", "t [s];F", "0;1,5", "1;2,5"))[1] == [[0.0, 1.5], [1.0, 2.5]]
+    assert "1 lines with numbers above the names were left out, line 1 first: `Serial 12345`" in capsys.readouterr().out
+
+
 def test_thousands_and_signs(tmp_path):
     lines = ["t [s];P [MWh]", "0;4.300,00", "1;900,50", "2;\u22121'200,25".replace("'", ".")]
     assert [row[1] for row in converted(tmp_path, rows(*lines))[1]] == [4300.0, 900.5, -1200.25]
@@ -120,6 +144,8 @@ def test_thousands_and_signs(tmp_path):
     (["when;P", "11-03-02;1.5", "11-03-03;2.5"], ['"%d-%m-%y" or "%m-%d-%y" or "%y-%m-%d"'], {"format": "%y-%m-%d"}),
     (["t;F", "s;N", "0;1.5", "1;2.5", "t;F", "s;kN", "2;2.5"], ["another table begins on line 6 (`s kN`)"], None),
     (["t [s],F [N]", "0,1.5", "1,2.5", "t [s],F [kN]", "2,2.5"], ["another table begins on line 4"], None),
+    (["Nr,at,x", "1,2026-11-03 13:15,5", "2,2026-11-03 13:16,6", "", "t [s],F,n", "0,1.5,7", "1,2.5,8", "2,3.5,9"], ["line 2", "--header 5"], {"header": 5}),
+    ([",A,B", ",rpm,kind", "x,y,z", "0,1.5,7", "1,2.5,8"], ["--header"], {"header": 3}),
     (["time,signal,value", "0,F,1.5", "0,n,1500", "1,F,2.5", "1,n,1501"], ["`signal` says in each row whose value it is (`F`, `n`)"], None),
     (["timestamp;id;value", "0.0;1;1.5", "0.1;2;1500", "0.2;1;2.5", "0.3;2;1501"], ["`id` says in each row"], None),
     (["SECONDS;PID;VALUE;UNITS;", *(f"{k};{'nv'[k % 2]};{k}.5;{'rpm' if k % 2 else 'km/h'};" for k in range(6))], ["`PID` says in each row"], None),
@@ -160,7 +186,7 @@ def test_what_is_left_out_is_told(tmp_path, capsys):
     lines = ["t [s],T [degC],State", *(f"{k},{k}.5,R" for k in range(20)), "Total,,", "20,20"]
     assert len(converted(tmp_path, rows(*lines))[1]) == 20
     told = capsys.readouterr().out
-    assert "the last one, is cut off" in told and "`State` holds no numbers" in told and "`Total" in told
+    assert "the last one, is cut off" in told and "`State` holds text" in told and "`Total" in told
     # A stray letter is no second table, though days have it.
     assert len(converted(tmp_path, rows("t [s],T [degC]", "0,1.5", "1,2.5", "d", "2,3.5"))[1]) == 3
 
