@@ -47,7 +47,8 @@ impl IdentificationOutcome {
     pub fn fit(&self) -> Fit {
         match self.probability {
             None if !self.is_out_of_reach() => Fit::Untested,
-            Some(_) if self.doubts().is_empty() => Fit::Good,
+            // Far within the stated uncertainties the order of the residuals is a doubt, and no miss.
+            Some(_) if self.is_too_close() || self.doubts().is_empty() => Fit::Good,
             _ => Fit::Misses,
         }
     }
@@ -240,5 +241,11 @@ mod tests {
         assert_eq!(outcome.fit(), Fit::Misses);
         let text = said(&outcome);
         assert!(text.contains("The residuals of curve are no noise"), "{text}");
+        // A wave of a thousandth of the stated noise is told, and misses nothing.
+        let values: Vec<f64> = (0..100).map(|k| 1e-3 * (0.2 * f64::from(k)).sin()).collect();
+        let outcome = fitted(measured(&values, 1.0), &|p, _| p);
+        assert_eq!(outcome.fit(), Fit::Good);
+        let text = said(&outcome);
+        assert!(text.contains("The residuals of curve are no noise") && text.contains("fits so well"), "{text}");
     }
 }
