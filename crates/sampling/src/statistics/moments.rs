@@ -69,18 +69,8 @@ pub fn pearson(a: &[f64], b: &[f64]) -> f64 {
 
 /// Ranks from 1; equal values share the mean of theirs.
 pub fn ranks(values: &[f64]) -> Vec<f64> {
-    ranks_in(&ascending(values), values)
-}
-
-/// The places of values, from the least to the largest.
-pub fn ascending(values: &[f64]) -> Vec<usize> {
     let mut order: Vec<usize> = (0..values.len()).collect();
     order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
-    order
-}
-
-/// Ranks among the values at some places, which are given in ascending order of these; 0 at the others.
-pub fn ranks_in(order: &[usize], values: &[f64]) -> Vec<f64> {
     let mut ranks = vec![0.0; values.len()];
     let mut done = 0;
     for tie in order.chunk_by(|&a, &b| values[a] == values[b]) {
