@@ -4,10 +4,13 @@ use std::path::Path;
 
 use super::{Change, Comparison, said};
 use crate::error::Error;
+use crate::judge::Criterion;
 use crate::plain;
 use point_journal::files::{make_folder, write_json};
+use result_document::bins::axis_range;
 use result_document::format::{count, number, with_unit};
-use result_document::{Block, Document, Table, numbers, words};
+use result_document::svg::{Frame, area, circle, path};
+use result_document::{Block, Document, Figure, Key, Table, numbers, words};
 
 impl Comparison {
     /// The document for terminal and page.
@@ -17,6 +20,12 @@ impl Comparison {
         told.warn(&self.warnings);
         told.table(self.counts());
         told.heading(format!("Changes at {} points", count(self.pairs as usize)));
+        let figures = self.criteria.values().filter(|change| change.changed > 0).map(|change| change.figure.clone());
+        let figures: Vec<Figure> = figures.collect();
+        if !figures.is_empty() {
+            told.blocks.push(legend());
+            told.blocks.push(Block::Figures("thirds".into(), figures));
+        }
         told.table(self.changes());
         for (name, change) in self.criteria.iter().filter(|(_, change)| !change.regions.is_empty()) {
             told.say(format!("Where {name} changed most:"));
@@ -99,6 +108,61 @@ impl Comparison {
             ],
             rows: self.criteria.iter().map(row).collect(),
         }
+    }
+}
+
+fn legend() -> Block {
+    let key = |class, radius, words: &str| Key::new(class, &circle([7.0, 7.0], radius), words);
+    Block::Legend(vec![
+        key("pt in", 3.0, "within the tolerance in both"),
+        key("pt out", 3.0, "outside in both"),
+        key("pt part", 4.5, "changed sides"),
+        Key::new("nominal", "M1,13L13,1", "no change"),
+    ])
+}
+
+/// The new values over the old ones, with the tolerances of both; of very many an even part, and all that changed sides.
+pub(super) fn scatter(
+    name: &str,
+    criteria: [&Criterion; 2],
+    points: impl ExactSizeIterator<Item = ([f64; 2], [bool; 2])> + Clone,
+) -> Figure {
+    const MOST: usize = 2000;
+    let [was, is] = criteria.map(|criterion| criterion.limits.ends());
+    let values = points.clone().flat_map(|(values, _)| values);
+    let range = axis_range(values, was[0].min(is[0]), was[1].max(is[1])).unwrap_or([0.0, 1.0]);
+    let frame = Frame::new(360.0, 340.0, range, range);
+    let unit = criteria[0].unit.as_deref().unwrap_or_default();
+    let mut out = frame.axes(&with_unit("old", unit), Some(&with_unit("new", unit)));
+    let (x, y) = (frame.x, frame.y);
+    out += &area("accept", was.map(|end| x.clamped(end)), [y.from, y.to]);
+    out += &area("accept", [x.from, x.to], is.map(|end| y.clamped(end)));
+    out += &path("nominal", format_args!("M{:.1},{:.1}L{:.1},{:.1}", x.from, y.from, x.to, y.to));
+    let every = points.len().div_ceil(MOST).max(1);
+    let mut outside = 0;
+    for (class, radius, sides) in
+        [("out", 3.0, [[false; 2]; 2]), ("in", 3.0, [[true; 2]; 2]), ("part", 4.5, [[true, false], [false, true]])]
+    {
+        let of_kind =
+            points.clone().enumerate().filter(|(k, (_, ok))| sides.contains(ok) && (ok[0] != ok[1] || k % every == 0));
+        let (shown, hidden): (Vec<[f64; 2]>, Vec<[f64; 2]>) =
+            of_kind.map(|(_, (values, _))| values).partition(|[old, new]| x.contains(*old) && y.contains(*new));
+        outside += hidden.len();
+        let marks = shown.into_iter().map(|[old, new]| circle([x.at(old), y.at(new)], radius));
+        out += &path(&format!("pt {class}"), marks.collect::<String>());
+    }
+    let mut note = match every {
+        1 => String::new(),
+        _ => format!("One point of {every} is drawn, and all that changed sides. "),
+    };
+    if outside > 0 {
+        note += &format!("{} points lie outside the picture.", count(outside));
+    }
+    Figure {
+        caption: name.to_owned(),
+        svg: frame.wrap(&format!("{name}: new value over old value"), &out),
+        note,
+        ..Figure::default()
     }
 }
 

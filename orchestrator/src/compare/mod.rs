@@ -18,6 +18,7 @@ use conformity::conclusion::grouped;
 use conformity::decision::Decision;
 use pairs::Pairs;
 use parameter_regions::table::PointTable;
+use result_document::Figure;
 use result_document::format::number;
 use sampling::statistics::moments::{ks_distance, ks_probability, mean, quantile, sorted};
 
@@ -124,6 +125,9 @@ pub struct Change {
     pub flipped_within: Points,
     /// The same beyond it.
     pub flipped: Points,
+    /// The new values over the old ones.
+    #[serde(skip)]
+    pub figure: Figure,
     /// Where the points lie that changed most.
     pub regions: Vec<Region>,
 }
@@ -241,11 +245,7 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
         let values: Vec<[f64; 2]> =
             pairs.both.iter().map(|[i, j]| [columns[0].values[*i], columns[1].values[*j]]).collect();
         let ok: Vec<[bool; 2]> = pairs.both.iter().map(|[i, j]| [columns[0].ok[*i], columns[1].ok[*j]]).collect();
-        let judged = Judged {
-            criterion: &was.criterion,
-            uncertainty,
-            other_limits: was.criterion.limits != is.criterion.limits,
-        };
+        let judged = Judged { name, criteria: [&was.criterion, &is.criterion], uncertainty };
         let change = judged.change(&before.1, &pairs, &values, &ok, &mut really);
         told.criteria.insert(name.clone(), change);
     }
@@ -276,9 +276,9 @@ fn uncertainty(name: &str, summaries: [&Summary; 2]) -> Option<f64> {
 
 /// A criterion that both results have.
 struct Judged<'a> {
-    criterion: &'a Criterion,
+    name: &'a str,
+    criteria: [&'a Criterion; 2],
     uncertainty: Option<f64>,
-    other_limits: bool,
 }
 
 impl Judged<'_> {
@@ -291,7 +291,8 @@ impl Judged<'_> {
         ok: &[[bool; 2]],
         really: &mut [bool],
     ) -> Change {
-        let room = self.criterion.room();
+        let [was, is] = self.criteria;
+        let room = was.room();
         let id = |pair: usize| table.ids[pairs.both[pair][0]];
         let has_both = |pair: &usize| values[*pair].iter().all(|value| value.is_finite());
         let both: Vec<usize> = (0..values.len()).filter(has_both).collect();
@@ -303,7 +304,8 @@ impl Judged<'_> {
         let flipped = both.iter().copied().filter(|&pair| ok[pair][0] != ok[pair][1]);
         // Another answer at the same value has no numerical reason.
         let is_same = |pair: &usize| values[*pair][0].to_bits() == values[*pair][1].to_bits();
-        let is_real = |pair: &usize| self.other_limits || is_same(pair) || (is_changed(pair) && exceeds(pair));
+        let other_limits = was.limits != is.limits;
+        let is_real = |pair: &usize| other_limits || is_same(pair) || (is_changed(pair) && exceeds(pair));
         let (flipped, within): (Vec<usize>, Vec<usize>) = flipped.partition(is_real);
         flipped.iter().for_each(|&pair| really[pair] = true);
         let by_size = |a: &&usize, b: &&usize| {
@@ -319,7 +321,8 @@ impl Judged<'_> {
         let differences: Vec<f64> = both.iter().map(|&pair| difference(pair)).collect();
         let ids = |pairs: &[usize]| pairs.iter().map(|&pair| id(pair)).collect();
         Change {
-            unit: self.criterion.unit.clone(),
+            unit: was.unit.clone(),
+            figure: document::scatter(self.name, self.criteria, both.iter().map(|pair| (values[*pair], ok[*pair]))),
             compared: both.len() as u64,
             numerical_uncertainty: self.uncertainty,
             changed: changed.len() as u64,
