@@ -159,7 +159,7 @@ fn suggest(message: &str) -> String {
 
 /// Says what is expected in words of the study, not in those of the program.
 fn plain(message: &str) -> String {
-    const WORDS: [(&str, &str); 11] = [
+    const WORDS: [(&str, &str); 12] = [
         (
             "missing field `share`",
             "`share` is missing, the part of the points that must meet all criteria: share = \"90 %\"",

@@ -12,7 +12,6 @@ use super::output;
 use crate::cli::Simulate;
 use crate::error::Error;
 use fmu_import::{Causality, Description, Package, Value, Variable};
-use fmu_points::failure::Failure;
 use fmu_points::task::{Schedule, Task};
 use study::inputs::takes_any_step;
 use study::plan::{bare, find, size_of, value_of};

@@ -18,7 +18,6 @@ impl Comparison {
         let mut told = Document::new("changes", "Changes", "What changed");
         told.blocks.push(Block::List(self.differences.clone()));
         told.warn(&self.warnings);
-        told.table(self.counts());
         told.heading(format!("Changes at {} points", count(self.pairs as usize)));
         let figures = self.criteria.values().filter(|change| change.changed > 0).map(|change| change.figure.clone());
         let figures: Vec<Figure> = figures.collect();
@@ -32,6 +31,8 @@ impl Comparison {
             told.table(regions(name, change));
         }
         told.hint(self.rule);
+        told.heading("Both results");
+        told.table(self.counts());
         told
     }
 
