@@ -26,9 +26,10 @@ impl Comparison {
             told.blocks.push(Block::Figures("thirds".into(), figures));
         }
         told.table(self.changes());
-        for (name, change) in self.criteria.iter().filter(|(_, change)| !change.regions.is_empty()) {
-            told.say(format!("Where {name} changed most:"));
-            told.table(regions(name, change));
+        for (name, change) in &self.criteria {
+            if let Some(place) = &change.place {
+                told.say(format!("{name} changed most where {place}."));
+            }
         }
         told.hint(self.rule);
         told.heading("Both results");
@@ -164,24 +165,6 @@ pub(super) fn scatter(
         svg: frame.wrap(&format!("{name}: new value over old value"), &out),
         note,
         ..Figure::default()
-    }
-}
-
-fn regions(name: &str, change: &Change) -> Table {
-    let rows = change.regions.iter().map(|region| {
-        let range = |[low, high]: [f64; 2]| format!("{} .. {}", number(low, 4), number(high, 4));
-        vec![
-            with_unit(&region.parameter, &region.unit),
-            range(region.most_changed),
-            range(region.others),
-            number(region.distance, 2),
-        ]
-    });
-    Table {
-        name: format!("Where {name} changed most"),
-        columns: vec![words("Parameter"), numbers("Most changed"), numbers("Others"), numbers("Distance")],
-        rows: rows.collect(),
-        ..Table::default()
     }
 }
 

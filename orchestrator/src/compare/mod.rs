@@ -3,7 +3,6 @@
 mod document;
 mod pairs;
 
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use indexmap::IndexMap;
@@ -13,14 +12,14 @@ use crate::error::Error;
 use crate::judge::Criterion;
 use crate::junit::{Outcome, Test};
 use crate::results::summary::CriterionCount;
-use crate::results::{Summary, table};
+use crate::results::{self, Summary, table};
 use conformity::conclusion::grouped;
 use conformity::decision::Decision;
 use pairs::Pairs;
 use parameter_regions::table::PointTable;
 use result_document::Figure;
 use result_document::format::number;
-use sampling::statistics::moments::{ks_distance, ks_probability, mean, quantile, sorted};
+use sampling::statistics::moments::{mean, quantile, sorted};
 
 pub use document::write;
 
@@ -129,7 +128,7 @@ pub struct Change {
     #[serde(skip)]
     pub figure: Figure,
     /// Where the points lie that changed most.
-    pub regions: Vec<Region>,
+    pub place: Option<String>,
 }
 
 /// The largest change of a criterion's values.
@@ -143,21 +142,6 @@ pub struct Largest {
     pub new: f64,
     /// The difference as a share of the tolerance.
     pub of_tolerance: f64,
-}
-
-/// The part of a parameter's range with the points that changed most.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Region {
-    /// The parameter.
-    pub parameter: String,
-    /// Its unit.
-    pub unit: String,
-    /// From where to where nine tenths of the points lie that changed most.
-    pub most_changed: [f64; 2],
-    /// The same of the other points.
-    pub others: [f64; 2],
-    /// The distance of the two distributions (Kolmogorov-Smirnov): 1 where the parameter decides alone.
-    pub distance: f64,
 }
 
 /// The comparison of two results.
@@ -329,70 +313,33 @@ impl Judged<'_> {
             beyond: beyond.len() as u64,
             mean: if differences.is_empty() { 0.0 } else { mean(&differences) },
             largest,
-            regions: regions(table, pairs, &both, &beyond, &flipped, &differences),
+            place: (!beyond.is_empty()).then(|| place(table, pairs, &both, &flipped, &differences)).flatten(),
             flipped: ids(&flipped),
             flipped_within: ids(&within),
         }
     }
 }
 
-/// The parameters that decide where values changed most, the most telling first: those of the points that changed sides, or
-/// else of the tenth with the largest changes, against the other points.
-fn regions(
-    table: &PointTable,
-    pairs: &Pairs,
-    both: &[usize],
-    beyond: &[usize],
-    flipped: &[usize],
-    differences: &[f64],
-) -> Vec<Region> {
+/// Where the points that changed sides lie among the parameters, or else the tenth with the largest changes.
+fn place(table: &PointTable, pairs: &Pairs, both: &[usize], flipped: &[usize], differences: &[f64]) -> Option<String> {
     /// Fewer points show no region.
     const LEAST: usize = 5;
-    /// A distance that chance makes as seldom, of all parameters together, tells something.
-    const CHANCE: f64 = 0.01;
-    if beyond.is_empty() {
-        return Vec::new();
-    }
-    let chosen: Vec<bool> = match flipped.len() {
-        LEAST.. => {
-            let flipped: HashSet<&usize> = flipped.iter().collect();
-            both.iter().map(|pair| flipped.contains(pair)).collect()
-        }
-        _ => {
-            let sizes: Vec<f64> = differences.iter().map(|difference| difference.abs()).collect();
-            let limit = quantile(&sorted(sizes.clone()), 0.9);
-            sizes.iter().map(|size| *size >= limit && *size > 0.0).collect()
-        }
-    };
-    let count = chosen.iter().filter(|chosen| **chosen).count();
-    if count < LEAST || both.len() - count < LEAST {
-        return Vec::new();
-    }
-    let columns: Vec<Vec<f64>> = table
-        .parameters
-        .iter()
-        .map(|parameter| both.iter().map(|&pair| parameter.values[pairs.both[pair][0]]).collect())
-        .collect();
-    let side = |values: &[f64], wanted: bool| {
-        let of_side = values.iter().zip(&chosen).filter(|(value, chosen)| **chosen == wanted && value.is_finite());
-        sorted(of_side.map(|(value, _)| *value).collect())
-    };
-    let inner = |values: &[f64]| [0.05, 0.95].map(|part| quantile(values, part));
-    let regions = table.parameters.iter().zip(&columns).filter_map(|(parameter, values)| {
-        let [changed, others] = [true, false].map(|wanted| side(values, wanted));
-        let distance = ks_distance(&changed, &others);
-        let chance = ks_probability(distance, changed.len(), others.len());
-        (chance * columns.len() as f64 <= CHANCE).then(|| Region {
-            parameter: parameter.name.clone(),
-            unit: parameter.unit.clone(),
-            most_changed: inner(&changed),
-            others: inner(&others),
-            distance,
-        })
+    let limit = quantile(&sorted(differences.iter().map(|difference| difference.abs()).collect()), 0.9);
+    let points = both.iter().zip(differences).map(|(pair, difference)| {
+        let is_chosen = match flipped.len() {
+            LEAST.. => flipped.binary_search(pair).is_ok(),
+            _ => difference.abs() >= limit && *difference != 0.0,
+        };
+        let parameters = table.parameters.iter().map(|parameter| parameter.values[pairs.both[*pair][0]]);
+        (parameters.collect(), is_chosen)
     });
-    let mut regions: Vec<Region> = regions.collect();
-    regions.sort_by(|a, b| b.distance.total_cmp(&a.distance));
-    regions
+    let points: Vec<(Vec<f64>, bool)> = points.collect();
+    let chosen = points.iter().filter(|(_, is_chosen)| *is_chosen).count();
+    let named = table.parameters.iter().enumerate();
+    let named: Vec<_> = named
+        .map(|(k, parameter)| (k, &*parameter.name, Some(&*parameter.unit).filter(|unit| !unit.is_empty())))
+        .collect();
+    (chosen.min(both.len() - chosen) >= LEAST).then(|| results::place(&named, &points))?
 }
 
 fn points(count: u64) -> String {
