@@ -56,7 +56,7 @@ impl Comparison {
         let short = |digest: &Option<String>| text(digest).chars().take(12).collect::<String>();
         let new_fmu = match self.as_packed {
             true => "as packed".to_owned(),
-            false => short(&self.new.fmu_sha256),
+            false => short(&self.new.from.fmu_sha256),
         };
         Table {
             name: "Both results".into(),
@@ -67,10 +67,10 @@ impl Comparison {
                 row("without a result", sides.map(|side| number(side.failed))),
                 row("within all tolerances", sides.map(|side| number(side.verified))),
                 row("accepted", sides.map(|side| side.accepted.map_or_else(|| "–".to_owned(), number))),
-                row("model version", sides.map(|side| text(&side.fmu_version))),
-                row("FMU, SHA-256", [short(&self.old.fmu_sha256), new_fmu]),
-                row("study, SHA-256", sides.map(|side| short(&Some(side.study_sha256.clone())))),
-                row("program", sides.map(|side| side.orchestrator.clone())),
+                row("model version", sides.map(|side| text(&side.from.fmu_version))),
+                row("FMU, SHA-256", [short(&self.old.from.fmu_sha256), new_fmu]),
+                row("study, SHA-256", sides.map(|side| short(&Some(side.from.study_sha256.clone())))),
+                row("program", sides.map(|side| side.from.orchestrator.clone())),
             ],
             ..Table::default()
         }
@@ -96,18 +96,23 @@ impl Comparison {
         Table {
             name: "Changes by criterion".into(),
             class: "stack".into(),
-            columns: vec![
-                words("Criterion"),
-                numbers("Changed"),
-                numbers("Beyond"),
-                numbers("Uncertainty"),
-                numbers("Mean"),
-                numbers("Largest"),
-                numbers("% of tolerance"),
-                numbers("At point"),
-                numbers("Flipped"),
-                numbers("Within"),
-            ],
+            columns: [
+                vec![words("Criterion")],
+                [
+                    "Changed",
+                    "Beyond",
+                    "Uncertainty",
+                    "Mean",
+                    "Largest",
+                    "% of tolerance",
+                    "At point",
+                    "Flipped",
+                    "Within",
+                ]
+                .map(numbers)
+                .to_vec(),
+            ]
+            .concat(),
             rows: self.criteria.iter().map(row).collect(),
         }
     }

@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::error::Error;
 use crate::judge::Criterion;
 use crate::junit::{Outcome, Test};
-use crate::results::summary::CriterionCount;
+use crate::results::summary::{CriterionCount, Provenance};
 use crate::results::{self, Summary, table};
 use conformity::conclusion::grouped;
 use conformity::decision::Decision;
@@ -38,7 +38,7 @@ const COVERAGE: f64 = 2.0;
 const GROWN: f64 = 1.5;
 
 /// One of the two results.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Side {
     /// The folder.
     pub folder: PathBuf,
@@ -52,21 +52,13 @@ pub struct Side {
     pub verified: u64,
     /// How many are accepted, with the guard bands.
     pub accepted: Option<u64>,
-    /// The model's name.
-    pub fmu: Option<String>,
-    /// Its version.
-    pub fmu_version: Option<String>,
-    /// The FMU's SHA-256 digest.
-    pub fmu_sha256: Option<String>,
-    /// The study's SHA-256 digest.
-    pub study_sha256: String,
-    /// The program's version.
-    pub orchestrator: String,
+    /// What was run.
+    #[serde(flatten)]
+    pub from: Provenance,
 }
 
 impl Side {
     fn new(folder: &Path, summary: &Summary) -> Self {
-        let from = &summary.provenance;
         let conclusion = summary.conclusion.as_ref();
         Self {
             folder: folder.to_owned(),
@@ -75,11 +67,7 @@ impl Side {
             failed: summary.failed,
             verified: summary.verified,
             accepted: conclusion.map(|conclusion| conclusion.accepted),
-            fmu: from.fmu.clone(),
-            fmu_version: from.fmu_version.clone(),
-            fmu_sha256: from.fmu_sha256.clone(),
-            study_sha256: from.study_sha256.clone(),
-            orchestrator: from.orchestrator.clone(),
+            from: summary.provenance.clone(),
         }
     }
 }
@@ -145,7 +133,7 @@ pub struct Largest {
 }
 
 /// The comparison of two results.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Comparison {
     /// Whether nothing differs: the same verdict, counts that fit, each point has its partner, and none changed sides.
     pub same: bool,
