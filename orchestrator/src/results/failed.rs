@@ -4,6 +4,7 @@ use super::Summary;
 use conformity::conclusion::{Conclusion, grouped};
 use conformity::decision::Decision;
 use fmu_points::names::behind;
+use result_document::format::number;
 use sampling::statistics::moments::{ks_distance, sorted};
 use study::concern::{Code, Concern};
 
@@ -62,8 +63,8 @@ pub fn place(varied: &[(usize, &str, Option<&str>)], points: &[(impl AsRef<[f64]
     }
     let unit = behind(unit);
     let range = |values: &[f64]| {
-        let [low, high] = [values.first(), values.last()].map(|v| v.copied().unwrap_or(f64::NAN));
-        format!("{low:.4} .. {high:.4}{unit}")
+        let [low, high] = [values.first(), values.last()].map(|v| number(v.copied().unwrap_or(f64::NAN), 4));
+        format!("{low} .. {high}{unit}")
     };
     Some(format!("{name} is {} (elsewhere {})", range(&marked), range(&others)))
 }
