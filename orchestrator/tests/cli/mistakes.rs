@@ -315,7 +315,7 @@ fn slips_in_a_study() {
         ("\"normal\"", "\"uniform\"\nmin = 2\nmax = 1", "10:13", "does not use `mean`; it takes min, max"),
         ("\"normal\"", "\"Normal\"", "11:16", "did you mean `normal`?"),
         ("\"normal\"", "3", "11:16", "expected a text in quotes"),
-        ("\"normal\"", "\"sample\"", "10:13", "`file` is missing for the distribution sample: a table"),
+        ("\"normal\"", "\"sample\"", "10:13", "does not use `mean`; it takes file"),
         ("distribution = \"normal\"\n", "", "10:1", "missing: `distribution`"),
         ("variable = \"lag.y\"\n", "", "15:1", "missing: `variable`"),
         ("variable = \"lag.y\"", "variable = \"lag.rate\"", "16:12", "remove the criterion or name an output"),
