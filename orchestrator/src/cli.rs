@@ -52,7 +52,7 @@ fn told(message: &str) -> String {
     let end = ends.into_iter().flatten().min().unwrap_or(message.len());
     let parts = message[..end].split("\n\n");
     let parts = parts.map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "));
-    let parts: Vec<String> = parts.collect();
+    let parts: Vec<String> = parts.filter(|part| !part.starts_with("tip: to pass")).collect();
     let line = elsewhere(&parts[0]).unwrap_or_else(|| parts.join("; "));
     let line = line + "; --help shows what there is";
     let replaced = |text: String, (from, to): &(&str, &str)| text.replace(from, to);

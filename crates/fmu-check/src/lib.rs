@@ -84,6 +84,7 @@ pub fn check(fmu: &Path, conditions: &Conditions) -> Result<Findings, CheckError
     match Package::open(fmu) {
         Ok(package) => findings.look(package, conditions)?,
         // An archive that is no FMU of this version, or damaged, is a finding; what is no archive, a mistake.
+        Err(error @ FmuError { fault: FmuFault::Archive(ArchiveError::System), .. }) => return Err(error.into()),
         Err(FmuError { fault, .. }) if fault.is_in_fmu() => match fault {
             FmuFault::Description(fault) => {
                 let hit = Hit::of(document::NAME, fault.to_string());
@@ -150,7 +151,7 @@ impl Findings {
         let folder = stop::scratch()?;
         let unpacked = match package.unpack(folder.path()) {
             Ok(unpacked) => unpacked,
-            Err(FmuError { fault: FmuFault::Archive(fault), .. }) => {
+            Err(FmuError { fault: FmuFault::Archive(fault), .. }) if fault.is_a_fault() => {
                 // Where something is wrong with this machine's binary, it has been said.
                 if !files.fatal {
                     let rule = match fault {
@@ -227,11 +228,10 @@ impl Findings {
             return false;
         };
         let missing = needed::missing(&binary);
-        if !missing.is_empty() {
+        if let Some(text) = &missing {
             let name = binary.strip_prefix(unpacked).unwrap_or(&binary);
-            let text = format!("it needs {}, not found on this machine: install what is missing", missing.join(", "));
-            self.add("binary-libraries", Hit::of(&name.to_string_lossy(), text));
+            self.add("binary-libraries", Hit::of(&name.to_string_lossy(), text.clone()));
         }
-        !missing.is_empty()
+        missing.is_some()
     }
 }

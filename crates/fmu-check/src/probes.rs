@@ -126,6 +126,11 @@ impl<'a> Probes<'a> {
                 if text.ends_with(child::TIMEOUT) {
                     text += &format!(" after {} s (--patience)", self.patience.as_secs_f64());
                 }
+                if text.contains("DoStep") && self.fmu.default_experiment.step.is_none() {
+                    text += "; the FMU suggests no step: try another (--step)";
+                } else if text.contains("InitializationMode") {
+                    text += "; try other start values (--set)";
+                }
                 let rule = match &alone.report {
                     Some(report) if report.unloadable.is_some() => "binary-loads",
                     _ => "simulation-runs",

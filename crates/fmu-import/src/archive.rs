@@ -89,11 +89,11 @@ pub enum ArchiveError {
     #[error("{0}: FMUs are unpacked here; set TMPDIR to a folder with room")]
     NoRoom(io::Error),
     /// There is no binary for this platform.
-    #[error("no binary for this platform ({platform}); the FMU holds {}", available(held))]
+    #[error("no binary for this platform ({platform}); the FMU holds {}", held.join(", "))]
     NoBinary {
         /// This platform, as the FMU's version of the standard names it.
         platform: &'static str,
-        /// The platforms for which the FMU holds a binary.
+        /// The platforms for which the FMU holds a binary, and what else it does.
         held: Vec<String>,
     },
     /// The binary for this platform has another name than the model.
@@ -156,10 +156,6 @@ impl ArchiveError {
         let entry = entry.to_owned();
         Self::Damaged { entry, why }
     }
-}
-
-fn available(platforms: &[String]) -> String {
-    if platforms.is_empty() { "none at all (source code only?)".to_owned() } else { platforms.join(", ") }
 }
 
 /// An FMU's files.
@@ -328,6 +324,12 @@ impl Archive {
         let platform = version.platform();
         let held = self.platforms(identifier);
         if !held.iter().any(|held| held == platform) {
+            let source = self.entries().iter().any(|entry| entry.starts_with("sources/"));
+            let source = source.then(|| "the source code (`fmpy compile` builds it)".to_owned());
+            let mut held: Vec<String> = held.into_iter().chain(source).collect();
+            if held.is_empty() {
+                held.push("none at all".to_owned());
+            }
             let otherwise = || ArchiveError::NoBinary { platform, held };
             let misnamed = self.misnamed(identifier, platform);
             return Err(misnamed.unwrap_or_else(otherwise));

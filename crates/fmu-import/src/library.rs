@@ -259,16 +259,15 @@ fn inputs(description: &Description) -> HashMap<Handle, bool> {
 
 /// Why the loader refused: all libraries that are missing, of which it names the first only, or else its own words.
 fn reason(path: &Path, error: &libloading::Error) -> String {
-    match &needed::missing(path)[..] {
+    match needed::missing(path) {
+        Some(missing) => missing,
         // So does the loader say that nothing in a folder may be run.
-        [] if plain(error).contains("failed to map segment") => format!(
+        None if plain(error).contains("failed to map segment") => format!(
             "{}: no program may run from this folder (mounted noexec?); set TMPDIR to another one",
             path.parent().unwrap_or(path).display()
         ),
         // It says the path once more.
-        [] => plain(error).replace(&format!("{}: ", path.display()), ""),
-        [one] => format!("it needs {one}, which is not there: install it"),
-        some => format!("it needs {}, which are not there: install them", some.join(", ")),
+        None => plain(error).replace(&format!("{}: ", path.display()), ""),
     }
 }
 

@@ -117,7 +117,9 @@ impl Units {
         let to = to.filter(|_| !self.is_no_unit(to));
         let remedy = match to {
             Some(_) => "",
-            None => "; for a recording say `--unit NAME=1` to convert, or `unit = \"none\"` to synchronise",
+            None => {
+                "; give the number alone, or say of a recording `--unit NAME=1` (convert) or `unit = \"none\"` (synchronise)"
+            }
         };
         // A unit that nobody defines, and one of another quantity, are two mistakes.
         let fault = if self.meanings(&from).is_empty() && !self.0.contains_key(&from) {

@@ -1,7 +1,7 @@
 //! Names in sentences: suggestions for mistyped ones, units behind numbers.
 
 /// Names that other programs use for a thing, and the name here.
-const ELSEWHERE: [(&str, &str); 17] = [
+const ELSEWHERE: [(&str, &str); 18] = [
     ("gauss", "normal"),
     ("gaussian", "normal"),
     ("rectangular", "uniform"),
@@ -12,6 +12,7 @@ const ELSEWHERE: [(&str, &str); 17] = [
     ("std", "deviation"),
     ("sd", "deviation"),
     ("sigma", "deviation"),
+    ("variance", "deviation"),
     ("lhs", "latin-hypercube"),
     ("lhc", "latin-hypercube"),
     ("random", "monte-carlo"),

@@ -120,7 +120,7 @@ fn remedy(text: &str) -> &'static str {
     } else if text.starts_with('#') {
         "; a spreadsheet's error: leave the cell empty where a value may be missing, or mend the formula"
     } else if text.chars().any(char::is_alphabetic) {
-        "; a table has one line of names and then numbers: units belong in the study"
+        "; a table has one line of names and then numbers: units belong in the study, an item of an enumeration is its number"
     } else {
         ""
     }

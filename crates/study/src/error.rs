@@ -103,7 +103,7 @@ impl Place<'_> {
 
 /// How each line of a study is written, for one that breaks the rules of TOML.
 const RULES: &str = "each line of a study is `key = value` or `[section]`: a text stands between straight quotes (one with a backslash \
-                     between '), a number has a point, and a part of a name with a point in it needs quotes, too";
+                     between '), a number has a point, a comment begins with #, and a part of a name with a point in it needs quotes, too";
 
 /// Keys with which one would give a criterion one limit only.
 const LIMITS: [&str; 6] = ["min", "max", "lower", "upper", "below", "above"];
@@ -159,9 +159,14 @@ fn suggest(message: &str) -> String {
 
 /// Says what is expected in words of the study, not in those of the program.
 fn plain(message: &str) -> String {
-    const WORDS: [(&str, &str); 10] = [
-        ("missing field `fmu`", "`fmu` is missing, the model: fmu = \"my.fmu\""),
-        ("missing field", "there is missing"),
+    const WORDS: [(&str, &str); 12] = [
+        (
+            "missing field `share`",
+            "`share` is missing, the part of the points that must meet all criteria: share = \"90 %\"",
+        ),
+        ("missing field", "missing:"),
+        ("wanted string or table", "expected a text in quotes"),
+        ("expected a map", "expected a section with keys"),
         ("expected f64", "expected a number"),
         ("expected u64", "expected a whole number, not negative"),
         ("expected usize", "expected a whole number, not negative"),
@@ -198,7 +203,6 @@ mod tests {
                 "2:1: there may be several of this section: write two brackets around its name, [[cases]]",
             ),
             ("\"lag.rate\"]", "lag.rate]", "4:17: a name with a point in it needs quotes: [parameters.\"lag.rate\"]"),
-            ("fmu = \"lag.fmu\"\n", "", "`fmu` is missing, the model: fmu = \"my.fmu\""),
             ("\"normal\"", "\"gauss\"", "did you mean `normal`?"),
             ("[design]", "[[desing]]", "did you mean `design`?"),
             ("[design]", "[[design]]", "there is only one of this section: write [design] instead of [[design]]"),
@@ -209,6 +213,8 @@ mod tests {
             ),
             ("\"normal\"", "\"rectangular\"", "did you mean `uniform`?"),
             ("deviation", "sigma", "did you mean `deviation`?"),
+            ("distribution = \"normal\"\n", "", "4:1: missing: `distribution`"),
+            ("\"normal\"", "3", "5:16: expected a text in quotes"),
             ("points = 8", "method = \"lhs\"", "did you mean `latin-hypercube`?"),
         ] {
             assert!(STUDY.contains(from), "{from}");

@@ -3,7 +3,7 @@
 use std::fmt::Display;
 use std::path::{Path, PathBuf};
 
-use fmu_import::{ArchiveError, FmuError, FmuFault, Package, digest, sha256};
+use fmu_import::{Package, digest, sha256};
 use indexmap::IndexMap;
 use number_tables::files::{self, FileError};
 use sampling::design::Sampling;
@@ -27,7 +27,8 @@ pub struct Study {
     pub title: Option<String>,
     /// Purpose of the study, for people.
     pub about: Option<String>,
-    /// The FMU, relative to the study file.
+    /// The FMU, relative to the study file. `judge` needs none, where it is empty.
+    #[serde(default = "no_fmu")]
     pub fmu: Spanned<PathBuf>,
     /// How long and in which steps.
     #[serde(default)]
@@ -83,6 +84,10 @@ pub struct Study {
     /// The folder of the files that it names, where that is not its own.
     #[serde(skip)]
     pub(crate) base: Option<PathBuf>,
+}
+
+fn no_fmu() -> Spanned<PathBuf> {
+    Spanned::new(0..0, PathBuf::new())
 }
 
 impl Study {
@@ -143,15 +148,16 @@ impl Study {
     /// Opens its FMU, or another one instead, with the sizes of arrays that it fixes.
     ///
     /// # Errors
-    /// When it cannot be used; where there is none, with the place in the study that names it.
+    /// When it cannot be used; with the place in the study that names it.
     pub fn open_fmu(&self, instead: Option<&Path>) -> Result<Package, OpenError> {
+        if instead.is_none() && self.fmu.as_ref().as_os_str().is_empty() {
+            return Err(FileError::new(&self.path, "names no FMU: add fmu = \"my.fmu\" above all sections").into());
+        }
         let named = self.fmu_path();
         let package = Package::open(instead.unwrap_or(&named));
-        let mut package = package.map_err(|error| match error {
-            FmuError { fault: FmuFault::Archive(ArchiveError::Missing), .. } if instead.is_none() => {
-                self.error_at(&self.fmu, unusable(&error)).into()
-            }
-            other => OpenError::from(other),
+        let mut package = package.map_err(|error| match instead {
+            None => self.error_at(&self.fmu, unusable(&error)).into(),
+            Some(_) => OpenError::from(error),
         })?;
         let mut sizes = Vec::new();
         for (name, setting) in &self.fixed {

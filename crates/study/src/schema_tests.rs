@@ -199,7 +199,6 @@ fn every_shipped_study_is_valid() {
 #[test]
 fn the_schema_refuses_what_the_reader_refuses() {
     let mistakes = [
-        ("title = \"no FMU\"", "study lacks \"fmu\""),
         ("fmu = 3", "study.fmu is no"),
         ("fmu = \"a\"\n[design]\npionts = 3", "study.design.pionts"),
         ("fmu = \"a\"\n[design]\nmethod = \"sobel\"", "study.design.method"),

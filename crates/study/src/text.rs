@@ -222,7 +222,11 @@ pub enum Setting {
 
 /// Measured value of one quantity with its tolerance.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields, rename_all = "kebab-case", expecting = "a section with variable, nominal and tolerance")]
+#[serde(
+    deny_unknown_fields,
+    rename_all = "kebab-case",
+    expecting = "a section with a name, [criteria.NAME], and variable, nominal, tolerance"
+)]
 pub struct CriterionText {
     /// The FMU's variable.
     pub variable: Spanned<String>,

@@ -1,5 +1,6 @@
 //! How far a model value may be from the measured one, as a study writes it.
 
+use std::collections::HashMap;
 use std::fmt;
 
 use fmu_import::quantity::Quantity;
@@ -28,14 +29,7 @@ pub enum ToleranceText {
 enum ToleranceForm {
     Number(f64),
     Text(String),
-    Uneven(Uneven),
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Uneven {
-    minus: Quantity,
-    plus: Quantity,
+    Uneven(HashMap<String, Quantity>),
 }
 
 impl TryFrom<ToleranceForm> for ToleranceText {
@@ -45,7 +39,10 @@ impl TryFrom<ToleranceForm> for ToleranceText {
         Ok(match form {
             ToleranceForm::Number(number) => Self::Even(number.into()),
             ToleranceForm::Text(text) => Self::Even(text.parse()?),
-            ToleranceForm::Uneven(Uneven { minus, plus }) => Self::Uneven { minus, plus },
+            ToleranceForm::Uneven(mut sides) => match (sides.remove("minus"), sides.remove("plus")) {
+                (Some(minus), Some(plus)) if sides.is_empty() => Self::Uneven { minus, plus },
+                _ => return Err("expected both sides, { minus = \"1 mm\", plus = \"2 mm\" }".to_owned()),
+            },
         })
     }
 }

@@ -21,7 +21,7 @@ use write::{Criteria, Shown};
 
 pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {
     if let Some(path) = options.output.as_ref().filter(|path| path.exists()) {
-        let message = format!("{} exists already", path.display());
+        let message = format!("{} exists already; choose another name", path.display());
         return Err(Error::option("output", message));
     }
     let mut package = Package::open(&options.fmu)?;

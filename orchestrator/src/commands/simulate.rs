@@ -12,7 +12,6 @@ use super::output;
 use crate::cli::Simulate;
 use crate::error::Error;
 use fmu_import::{Causality, Description, Package, Value, Variable};
-use fmu_points::failure::Failure;
 use fmu_points::task::{Schedule, Task};
 use study::inputs::takes_any_step;
 use study::plan::{bare, find, size_of, value_of};
@@ -57,13 +56,13 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, Error> {
             match run.trajectory(&task, &[], &columns, out, "standard output".as_ref()) {
                 // A reader that has gone, such as `head`, is no error.
                 Err(Error::File(error)) if error.kind == Some(io::ErrorKind::BrokenPipe) => {}
-                Err(error) => return Err(of_step(error, step)),
+                Err(error) => return Err(advised(error, step)),
                 Ok(_) => {}
             }
         }
         Some(path) => {
             let file = File::create(path).map_err(Error::io(path))?;
-            let last = run.trajectory(&task, &[], &columns, file, path).map_err(|error| of_step(error, step))?;
+            let last = run.trajectory(&task, &[], &columns, file, path).map_err(|error| advised(error, step))?;
             output::print(&columns.summary(&last));
         }
     }
@@ -141,10 +140,14 @@ pub(super) fn setting<'a>(text: &str, fmu: &'a Description) -> Result<(&'a Varia
     Ok((variable, value.trim().to_owned()))
 }
 
-/// The error with advice where the FMU refused a step that nobody has asked for.
-pub(super) fn of_step(error: Error, step: Option<f64>) -> Error {
+/// The error with advice where the FMU refused its start values, or a step that nobody has asked for.
+pub(super) fn advised(error: Error, step: Option<f64>) -> Error {
+    let text = error.to_string();
     match (error, step) {
-        (Error::Simulation(failure @ Failure::Discard(_)), Some(step)) => Error::Step { failure, step },
+        (Error::Simulation(failure), Some(step)) if text.contains("DoStep") => Error::Step { failure, step },
+        (Error::Simulation(_), _) if text.contains("InitializationMode") => {
+            Error::Refused(text + "; set other start values by --set NAME=VALUE")
+        }
         (other, _) => other,
     }
 }

@@ -4,10 +4,13 @@ use std::path::Path;
 
 use super::{Change, Comparison, said};
 use crate::error::Error;
+use crate::judge::Criterion;
 use crate::plain;
 use point_journal::files::{make_folder, write_json};
+use result_document::bins::axis_range;
 use result_document::format::{count, number, with_unit};
-use result_document::{Block, Document, Table, numbers, words};
+use result_document::svg::{Frame, area, circle, path};
+use result_document::{Block, Document, Figure, Key, Table, numbers, words};
 
 impl Comparison {
     /// The document for terminal and page.
@@ -15,14 +18,22 @@ impl Comparison {
         let mut told = Document::new("changes", "Changes", "What changed");
         told.blocks.push(Block::List(self.differences.clone()));
         told.warn(&self.warnings);
-        told.table(self.counts());
         told.heading(format!("Changes at {} points", count(self.pairs as usize)));
+        let figures = self.criteria.values().filter(|change| change.changed > 0).map(|change| change.figure.clone());
+        let figures: Vec<Figure> = figures.collect();
+        if !figures.is_empty() {
+            told.blocks.push(legend());
+            told.blocks.push(Block::Figures("thirds".into(), figures));
+        }
         told.table(self.changes());
-        for (name, change) in self.criteria.iter().filter(|(_, change)| !change.regions.is_empty()) {
-            told.say(format!("Where {name} changed most:"));
-            told.table(regions(name, change));
+        for (name, change) in &self.criteria {
+            if let Some(place) = &change.place {
+                told.say(format!("{name} changed most where {place}."));
+            }
         }
         told.hint(self.rule);
+        told.heading("Both results");
+        told.table(self.counts());
         told
     }
 
@@ -45,7 +56,7 @@ impl Comparison {
         let short = |digest: &Option<String>| text(digest).chars().take(12).collect::<String>();
         let new_fmu = match self.as_packed {
             true => "as packed".to_owned(),
-            false => short(&self.new.fmu_sha256),
+            false => short(&self.new.from.fmu_sha256),
         };
         Table {
             name: "Both results".into(),
@@ -56,10 +67,10 @@ impl Comparison {
                 row("without a result", sides.map(|side| number(side.failed))),
                 row("within all tolerances", sides.map(|side| number(side.verified))),
                 row("accepted", sides.map(|side| side.accepted.map_or_else(|| "–".to_owned(), number))),
-                row("model version", sides.map(|side| text(&side.fmu_version))),
-                row("FMU, SHA-256", [short(&self.old.fmu_sha256), new_fmu]),
-                row("study, SHA-256", sides.map(|side| short(&Some(side.study_sha256.clone())))),
-                row("program", sides.map(|side| side.orchestrator.clone())),
+                row("model version", sides.map(|side| text(&side.from.fmu_version))),
+                row("FMU, SHA-256", [short(&self.old.from.fmu_sha256), new_fmu]),
+                row("study, SHA-256", sides.map(|side| short(&Some(side.from.study_sha256.clone())))),
+                row("program", sides.map(|side| side.from.orchestrator.clone())),
             ],
             ..Table::default()
         }
@@ -85,38 +96,80 @@ impl Comparison {
         Table {
             name: "Changes by criterion".into(),
             class: "stack".into(),
-            columns: vec![
-                words("Criterion"),
-                numbers("Changed"),
-                numbers("Beyond"),
-                numbers("Uncertainty"),
-                numbers("Mean"),
-                numbers("Largest"),
-                numbers("% of tolerance"),
-                numbers("At point"),
-                numbers("Flipped"),
-                numbers("Within"),
-            ],
+            columns: [
+                vec![words("Criterion")],
+                [
+                    "Changed",
+                    "Beyond",
+                    "Uncertainty",
+                    "Mean",
+                    "Largest",
+                    "% of tolerance",
+                    "At point",
+                    "Flipped",
+                    "Within",
+                ]
+                .map(numbers)
+                .to_vec(),
+            ]
+            .concat(),
             rows: self.criteria.iter().map(row).collect(),
         }
     }
 }
 
-fn regions(name: &str, change: &Change) -> Table {
-    let rows = change.regions.iter().map(|region| {
-        let range = |[low, high]: [f64; 2]| format!("{} .. {}", number(low, 4), number(high, 4));
-        vec![
-            with_unit(&region.parameter, &region.unit),
-            range(region.most_changed),
-            range(region.others),
-            number(region.distance, 2),
-        ]
-    });
-    Table {
-        name: format!("Where {name} changed most"),
-        columns: vec![words("Parameter"), numbers("Most changed"), numbers("Others"), numbers("Distance")],
-        rows: rows.collect(),
-        ..Table::default()
+fn legend() -> Block {
+    let key = |class, radius, words: &str| Key::new(class, &circle([7.0, 7.0], radius), words);
+    Block::Legend(vec![
+        key("pt in", 3.0, "within the tolerance in both"),
+        key("pt out", 3.0, "outside in both"),
+        key("pt part", 4.5, "changed sides"),
+        Key::new("nominal", "M1,13L13,1", "no change"),
+    ])
+}
+
+/// The new values over the old ones, with the tolerances of both; of very many an even part, and all that changed sides.
+pub(super) fn scatter(
+    name: &str,
+    criteria: [&Criterion; 2],
+    points: impl ExactSizeIterator<Item = ([f64; 2], [bool; 2])> + Clone,
+) -> Figure {
+    const MOST: usize = 2000;
+    let [was, is] = criteria.map(|criterion| criterion.limits.ends());
+    let values = points.clone().flat_map(|(values, _)| values);
+    let range = axis_range(values, was[0].min(is[0]), was[1].max(is[1])).unwrap_or([0.0, 1.0]);
+    let frame = Frame::new(360.0, 340.0, range, range);
+    let unit = criteria[0].unit.as_deref().unwrap_or_default();
+    let mut out = frame.axes(&with_unit("old", unit), Some(&with_unit("new", unit)));
+    let (x, y) = (frame.x, frame.y);
+    out += &area("accept", was.map(|end| x.clamped(end)), [y.from, y.to]);
+    out += &area("accept", [x.from, x.to], is.map(|end| y.clamped(end)));
+    out += &path("nominal", format_args!("M{:.1},{:.1}L{:.1},{:.1}", x.from, y.from, x.to, y.to));
+    let every = points.len().div_ceil(MOST).max(1);
+    let mut outside = 0;
+    for (class, radius, sides) in
+        [("out", 3.0, [[false; 2]; 2]), ("in", 3.0, [[true; 2]; 2]), ("part", 4.5, [[true, false], [false, true]])]
+    {
+        let of_kind =
+            points.clone().enumerate().filter(|(k, (_, ok))| sides.contains(ok) && (ok[0] != ok[1] || k % every == 0));
+        let (shown, hidden): (Vec<[f64; 2]>, Vec<[f64; 2]>) =
+            of_kind.map(|(_, (values, _))| values).partition(|[old, new]| x.contains(*old) && y.contains(*new));
+        outside += hidden.len();
+        let marks = shown.into_iter().map(|[old, new]| circle([x.at(old), y.at(new)], radius));
+        out += &path(&format!("pt {class}"), marks.collect::<String>());
+    }
+    let mut note = match every {
+        1 => String::new(),
+        _ => format!("One point of {every} is drawn, and all that changed sides. "),
+    };
+    if outside > 0 {
+        note += &format!("{} points lie outside the picture.", count(outside));
+    }
+    Figure {
+        caption: name.to_owned(),
+        svg: frame.wrap(&format!("{name}: new value over old value"), &out),
+        note,
+        ..Figure::default()
     }
 }
 

@@ -3,7 +3,6 @@
 mod document;
 mod pairs;
 
-use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
 use indexmap::IndexMap;
@@ -12,14 +11,15 @@ use serde::Serialize;
 use crate::error::Error;
 use crate::judge::Criterion;
 use crate::junit::{Outcome, Test};
-use crate::results::summary::CriterionCount;
-use crate::results::{Summary, table};
+use crate::results::summary::{CriterionCount, Provenance};
+use crate::results::{self, Summary, table};
 use conformity::conclusion::grouped;
 use conformity::decision::Decision;
 use pairs::Pairs;
 use parameter_regions::table::PointTable;
+use result_document::Figure;
 use result_document::format::number;
-use sampling::statistics::moments::{ks_distance, ks_probability, mean, quantile, sorted};
+use sampling::statistics::moments::{mean, quantile, sorted};
 
 pub use document::write;
 
@@ -38,7 +38,7 @@ const COVERAGE: f64 = 2.0;
 const GROWN: f64 = 1.5;
 
 /// One of the two results.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Side {
     /// The folder.
     pub folder: PathBuf,
@@ -52,21 +52,13 @@ pub struct Side {
     pub verified: u64,
     /// How many are accepted, with the guard bands.
     pub accepted: Option<u64>,
-    /// The model's name.
-    pub fmu: Option<String>,
-    /// Its version.
-    pub fmu_version: Option<String>,
-    /// The FMU's SHA-256 digest.
-    pub fmu_sha256: Option<String>,
-    /// The study's SHA-256 digest.
-    pub study_sha256: String,
-    /// The program's version.
-    pub orchestrator: String,
+    /// What was run.
+    #[serde(flatten)]
+    pub from: Provenance,
 }
 
 impl Side {
     fn new(folder: &Path, summary: &Summary) -> Self {
-        let from = &summary.provenance;
         let conclusion = summary.conclusion.as_ref();
         Self {
             folder: folder.to_owned(),
@@ -75,11 +67,7 @@ impl Side {
             failed: summary.failed,
             verified: summary.verified,
             accepted: conclusion.map(|conclusion| conclusion.accepted),
-            fmu: from.fmu.clone(),
-            fmu_version: from.fmu_version.clone(),
-            fmu_sha256: from.fmu_sha256.clone(),
-            study_sha256: from.study_sha256.clone(),
-            orchestrator: from.orchestrator.clone(),
+            from: summary.provenance.clone(),
         }
     }
 }
@@ -124,8 +112,11 @@ pub struct Change {
     pub flipped_within: Points,
     /// The same beyond it.
     pub flipped: Points,
+    /// The new values over the old ones.
+    #[serde(skip)]
+    pub figure: Figure,
     /// Where the points lie that changed most.
-    pub regions: Vec<Region>,
+    pub place: Option<String>,
 }
 
 /// The largest change of a criterion's values.
@@ -141,23 +132,8 @@ pub struct Largest {
     pub of_tolerance: f64,
 }
 
-/// The part of a parameter's range with the points that changed most.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Region {
-    /// The parameter.
-    pub parameter: String,
-    /// Its unit.
-    pub unit: String,
-    /// From where to where nine tenths of the points lie that changed most.
-    pub most_changed: [f64; 2],
-    /// The same of the other points.
-    pub others: [f64; 2],
-    /// The distance of the two distributions (Kolmogorov-Smirnov): 1 where the parameter decides alone.
-    pub distance: f64,
-}
-
 /// The comparison of two results.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Comparison {
     /// Whether nothing differs: the same verdict, counts that fit, each point has its partner, and none changed sides.
     pub same: bool,
@@ -241,11 +217,7 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
         let values: Vec<[f64; 2]> =
             pairs.both.iter().map(|[i, j]| [columns[0].values[*i], columns[1].values[*j]]).collect();
         let ok: Vec<[bool; 2]> = pairs.both.iter().map(|[i, j]| [columns[0].ok[*i], columns[1].ok[*j]]).collect();
-        let judged = Judged {
-            criterion: &was.criterion,
-            uncertainty,
-            other_limits: was.criterion.limits != is.criterion.limits,
-        };
+        let judged = Judged { name, criteria: [&was.criterion, &is.criterion], uncertainty };
         let change = judged.change(&before.1, &pairs, &values, &ok, &mut really);
         told.criteria.insert(name.clone(), change);
     }
@@ -276,9 +248,9 @@ fn uncertainty(name: &str, summaries: [&Summary; 2]) -> Option<f64> {
 
 /// A criterion that both results have.
 struct Judged<'a> {
-    criterion: &'a Criterion,
+    name: &'a str,
+    criteria: [&'a Criterion; 2],
     uncertainty: Option<f64>,
-    other_limits: bool,
 }
 
 impl Judged<'_> {
@@ -291,7 +263,8 @@ impl Judged<'_> {
         ok: &[[bool; 2]],
         really: &mut [bool],
     ) -> Change {
-        let room = self.criterion.room();
+        let [was, is] = self.criteria;
+        let room = was.room();
         let id = |pair: usize| table.ids[pairs.both[pair][0]];
         let has_both = |pair: &usize| values[*pair].iter().all(|value| value.is_finite());
         let both: Vec<usize> = (0..values.len()).filter(has_both).collect();
@@ -303,7 +276,8 @@ impl Judged<'_> {
         let flipped = both.iter().copied().filter(|&pair| ok[pair][0] != ok[pair][1]);
         // Another answer at the same value has no numerical reason.
         let is_same = |pair: &usize| values[*pair][0].to_bits() == values[*pair][1].to_bits();
-        let is_real = |pair: &usize| self.other_limits || is_same(pair) || (is_changed(pair) && exceeds(pair));
+        let other_limits = was.limits != is.limits;
+        let is_real = |pair: &usize| other_limits || is_same(pair) || (is_changed(pair) && exceeds(pair));
         let (flipped, within): (Vec<usize>, Vec<usize>) = flipped.partition(is_real);
         flipped.iter().for_each(|&pair| really[pair] = true);
         let by_size = |a: &&usize, b: &&usize| {
@@ -319,77 +293,41 @@ impl Judged<'_> {
         let differences: Vec<f64> = both.iter().map(|&pair| difference(pair)).collect();
         let ids = |pairs: &[usize]| pairs.iter().map(|&pair| id(pair)).collect();
         Change {
-            unit: self.criterion.unit.clone(),
+            unit: was.unit.clone(),
+            figure: document::scatter(self.name, self.criteria, both.iter().map(|pair| (values[*pair], ok[*pair]))),
             compared: both.len() as u64,
             numerical_uncertainty: self.uncertainty,
             changed: changed.len() as u64,
             beyond: beyond.len() as u64,
             mean: if differences.is_empty() { 0.0 } else { mean(&differences) },
             largest,
-            regions: regions(table, pairs, &both, &beyond, &flipped, &differences),
+            place: (!beyond.is_empty()).then(|| place(table, pairs, &both, &flipped, &differences)).flatten(),
             flipped: ids(&flipped),
             flipped_within: ids(&within),
         }
     }
 }
 
-/// The parameters that decide where values changed most, the most telling first: those of the points that changed sides, or
-/// else of the tenth with the largest changes, against the other points.
-fn regions(
-    table: &PointTable,
-    pairs: &Pairs,
-    both: &[usize],
-    beyond: &[usize],
-    flipped: &[usize],
-    differences: &[f64],
-) -> Vec<Region> {
+/// Where the points that changed sides lie among the parameters, or else the tenth with the largest changes.
+fn place(table: &PointTable, pairs: &Pairs, both: &[usize], flipped: &[usize], differences: &[f64]) -> Option<String> {
     /// Fewer points show no region.
     const LEAST: usize = 5;
-    /// A distance that chance makes as seldom, of all parameters together, tells something.
-    const CHANCE: f64 = 0.01;
-    if beyond.is_empty() {
-        return Vec::new();
-    }
-    let chosen: Vec<bool> = match flipped.len() {
-        LEAST.. => {
-            let flipped: HashSet<&usize> = flipped.iter().collect();
-            both.iter().map(|pair| flipped.contains(pair)).collect()
-        }
-        _ => {
-            let sizes: Vec<f64> = differences.iter().map(|difference| difference.abs()).collect();
-            let limit = quantile(&sorted(sizes.clone()), 0.9);
-            sizes.iter().map(|size| *size >= limit && *size > 0.0).collect()
-        }
-    };
-    let count = chosen.iter().filter(|chosen| **chosen).count();
-    if count < LEAST || both.len() - count < LEAST {
-        return Vec::new();
-    }
-    let columns: Vec<Vec<f64>> = table
-        .parameters
-        .iter()
-        .map(|parameter| both.iter().map(|&pair| parameter.values[pairs.both[pair][0]]).collect())
-        .collect();
-    let side = |values: &[f64], wanted: bool| {
-        let of_side = values.iter().zip(&chosen).filter(|(value, chosen)| **chosen == wanted && value.is_finite());
-        sorted(of_side.map(|(value, _)| *value).collect())
-    };
-    let inner = |values: &[f64]| [0.05, 0.95].map(|part| quantile(values, part));
-    let regions = table.parameters.iter().zip(&columns).filter_map(|(parameter, values)| {
-        let [changed, others] = [true, false].map(|wanted| side(values, wanted));
-        let distance = ks_distance(&changed, &others);
-        let chance = ks_probability(distance, changed.len(), others.len());
-        (chance * columns.len() as f64 <= CHANCE).then(|| Region {
-            parameter: parameter.name.clone(),
-            unit: parameter.unit.clone(),
-            most_changed: inner(&changed),
-            others: inner(&others),
-            distance,
-        })
+    let limit = quantile(&sorted(differences.iter().map(|difference| difference.abs()).collect()), 0.9);
+    let points = both.iter().zip(differences).map(|(pair, difference)| {
+        let is_chosen = match flipped.len() {
+            LEAST.. => flipped.binary_search(pair).is_ok(),
+            _ => difference.abs() >= limit && *difference != 0.0,
+        };
+        let parameters = table.parameters.iter().map(|parameter| parameter.values[pairs.both[*pair][0]]);
+        (parameters.collect(), is_chosen)
     });
-    let mut regions: Vec<Region> = regions.collect();
-    regions.sort_by(|a, b| b.distance.total_cmp(&a.distance));
-    regions
+    let points: Vec<(Vec<f64>, bool)> = points.collect();
+    let chosen = points.iter().filter(|(_, is_chosen)| *is_chosen).count();
+    let named = table.parameters.iter().enumerate();
+    let named: Vec<_> = named
+        .map(|(k, parameter)| (k, &*parameter.name, Some(&*parameter.unit).filter(|unit| !unit.is_empty())))
+        .collect();
+    (chosen.min(both.len() - chosen) >= LEAST).then(|| results::place(&named, &points))?
 }
 
 fn points(count: u64) -> String {

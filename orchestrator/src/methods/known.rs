@@ -13,9 +13,10 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 use study::Study;
 
-/// The folder of the finished study that the user names, or that of its results.
-pub(super) fn from(named: Option<&Path>, study: &Path) -> PathBuf {
-    named.map_or_else(|| folder_of(study), Path::to_owned)
+/// The folder of the finished study that the user names, the one for the results where a study is in it, or the usual one.
+pub(super) fn from(named: Option<&Path>, output: Option<&Path>, study: &Path) -> PathBuf {
+    let output = output.filter(|folder| folder.join("summary.json").exists());
+    named.or(output).map_or_else(|| folder_of(study), Path::to_owned)
 }
 
 /// A path that means the same in every folder.

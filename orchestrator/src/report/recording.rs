@@ -8,6 +8,7 @@ use minijinja::{Environment, context};
 use result_document::Figure;
 use result_document::bins::axis_range;
 use result_document::format::number;
+use result_document::marked;
 use result_document::svg::{Frame, area, envelope, path};
 use rig_signals::{Channel, DerivedCriterion, RigRecording, Synchronised, criteria};
 use sampling::statistics::moments::mean;
@@ -88,7 +89,7 @@ pub fn write(
         smoothing => bearing.map(|bearing| bearing.smoothing.to_string()),
         window => format!("{start} .. {end} s"),
         blocks => delay.blocks,
-        warnings => Serde(&result.warnings),
+        warnings => result.warnings.iter().map(|text| Value::from_safe_string(marked(text))).collect::<Vec<_>>(),
         figures => Serde(&figures),
         rows,
         confidence => number(100.0 * recording.confidence, 4),

@@ -4,9 +4,9 @@ use super::Summary;
 use conformity::conclusion::{Conclusion, grouped};
 use conformity::decision::Decision;
 use fmu_points::names::behind;
+use result_document::format::number;
 use sampling::statistics::moments::{ks_distance, sorted};
 use study::concern::{Code, Concern};
-use study::plan::Plan;
 
 /// Warns of points without a result. They count as not verified and not conforming, and are missing elsewhere, so that
 /// the shares and the means of one study tell of different points.
@@ -39,33 +39,34 @@ pub(super) fn concern(summary: &Summary, place: impl FnOnce() -> Option<String>)
 }
 
 /// The parameter that sets marked points, such as failed ones, apart most, if any does: the largest distance between the
-/// distribution functions of marked and other points (Kolmogorov and Smirnov), where that is not chance.
-pub(super) fn place(plan: &Plan, points: &[(&[f64], bool)]) -> Option<String> {
+/// distribution functions of marked and other points (Kolmogorov and Smirnov), where that is not chance. `varied` has the
+/// parameters by number, with names and units.
+pub fn place(varied: &[(usize, &str, Option<&str>)], points: &[(impl AsRef<[f64]>, bool)]) -> Option<String> {
     const CLEAR: f64 = 0.5;
-    let of = |k: usize| {
+    let of = |&(k, name, unit): &(usize, _, _)| {
         let values = |of: bool| {
             let rows = points.iter().filter(|(_, marked)| *marked == of);
-            sorted(rows.map(|(parameters, _)| parameters[k]).collect())
+            sorted(rows.map(|(parameters, _)| parameters.as_ref()[k]).collect())
         };
         let [marked, others] = [values(true), values(false)];
-        (ks_distance(&marked, &others), k, marked, others)
+        (ks_distance(&marked, &others), name, unit, marked, others)
     };
-    let varied = plan.varied();
     let chance = |marked: usize, others: usize| {
         // The probability of a larger distance by chance is about 2 exp(-2 d^2 n m / (n + m)), for each parameter.
         let tail = 0.01 / varied.len() as f64;
         (0.5 * (2.0 / tail).ln() * (1.0 / marked as f64 + 1.0 / others as f64)).sqrt()
     };
-    let (distance, k, marked, others) = varied.iter().map(|&k| of(k)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let (distance, name, unit, marked, others): (f64, &str, _, _, _) =
+        varied.iter().map(of).max_by(|a, b| a.0.total_cmp(&b.0))?;
     if distance < CLEAR.max(chance(marked.len(), others.len())) {
         return None;
     }
-    let unit = behind(plan.inputs[k].unit.as_deref());
+    let unit = behind(unit);
     let range = |values: &[f64]| {
-        let [low, high] = [values.first(), values.last()].map(|v| v.copied().unwrap_or(f64::NAN));
-        format!("{low:.4} .. {high:.4}{unit}")
+        let [low, high] = [values.first(), values.last()].map(|v| number(v.copied().unwrap_or(f64::NAN), 4));
+        format!("{low} .. {high}{unit}")
     };
-    Some(format!("{} is {} (elsewhere {})", plan.inputs[k].name, range(&marked), range(&others)))
+    Some(format!("{name} is {} (elsewhere {})", range(&marked), range(&others)))
 }
 
 /// The conclusion where no point has a result: there is nothing to decide by.

@@ -26,6 +26,7 @@ pub mod validity;
 pub mod words;
 
 pub use concerns::confusions;
+pub use failed::place;
 pub use looked::Looked;
 pub use settled::MOST_EXTRA_RUNS;
 pub use summary::Summary;

@@ -65,7 +65,9 @@ impl<'a> Survey<'a> {
     /// The part of the parameters' space where marked points lie, if that stands out.
     fn place(&self, is_marked: impl Fn(&(Vec<f64>, bool, bool)) -> bool) -> Option<String> {
         let rows: Vec<(&[f64], bool)> = self.first.iter().map(|point| (&*point.0, is_marked(point))).collect();
-        failed::place(self.plan?, &rows)
+        let plan = self.plan?;
+        let named = |&k: &usize| (k, &*plan.inputs[k].name, plan.inputs[k].unit.as_deref());
+        failed::place(&plan.varied().iter().map(named).collect::<Vec<_>>(), &rows)
     }
 
     /// Warns of points beyond what the model is valid for.

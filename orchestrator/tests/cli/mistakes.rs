@@ -62,9 +62,14 @@ fn one_file_in_the_place_of_another() {
     bench.run(&["judge", "study.toml", "lag.fmu"]).is_mistake(&["lag.fmu: a zip archive", "save the table as csv"]);
     bench.run(&["simulate", "study.toml"]).is_mistake(&["study.toml: a study, where an FMU is needed"]);
     bench.zip("two.ssp", &[("SystemStructure.ssd", b"<x/>")]);
-    for command in ["simulate", "verify", "init"] {
-        bench.run(&[command, "two.ssp"]).is_mistake(&["two.ssp", "a system of FMUs", "-m fmu_orchestrator system"]);
+    bench.write("system.toml", &STUDY.replace("lag.fmu", "two.ssp"));
+    for command in
+        ["simulate two.ssp", "verify two.ssp", "init two.ssp", "inspect two.ssp", "check two.ssp", "verify system.toml"]
+    {
+        let said = bench.run(&command.split(' ').collect::<Vec<_>>());
+        said.is_mistake(&["two.ssp", "a system of FMUs", "-m fmu_orchestrator system"]);
     }
+    bench.run(&["verify", "system.toml"]).is_mistake(&["system.toml:2:7: "]);
     bench.run(&["simulate", "lag.fmu", "--set-from", "study.toml"]).is_mistake(&["study.toml: no SSP parameter set"]);
     for folder in ["study.toml", "study.toml/below"] {
         bench
@@ -279,6 +284,166 @@ fn typing_errors_in_a_study() {
         .is_mistake(&["study.toml:16:13", "{ file = \"drive.csv\" }"]);
 }
 
+/// Slips of the pen, each with its place and what to do.
+#[test]
+fn slips_in_a_study() {
+    let bench = Bench::new();
+    bench.write("in.csv", "time,u,late,text\n0,1,1,1\n1,1,2,#DIV/0!\n2,1,3,1\n");
+    let slips = [
+        ("stop = 2", "stop = true", "5:8", "expected a number"),
+        ("stop = 2", "stop = inf", "5:1", "must be later than the start"),
+        ("stop = 2", "start = 3\nstop = 2", "6:1", "must be later than the start 3.0 s"),
+        ("stop = 2", "stop = 2\nstep = \"fast\"", "6:8", "`fast` is not a number, or a number with a unit"),
+        ("stop = 2", "stop = 2\nstep = 1e-12", "6:1", "absurdly small"),
+        ("stop = 2", "end = 2", "5:1", "expected one of `start`, `stop`"),
+        ("points = 8", "points = 8.5", "8:10", "expected a whole number"),
+        ("points = 8", "points = \"8\"", "8:10", "expected a whole number"),
+        ("points = 8", "points = 8\nmethod = \"random\"", "9:10", "did you mean `monte-carlo`?"),
+        ("points = 8", "points = 8\npoints-from = \"a.csv\"", "9:1", "did you mean `points`?"),
+        ("points = 8", "points = 8\nseed = -1", "9:8", "expected a whole number, not negative"),
+        ("[design]", "[Design]", "7:2", "did you mean `design`?"),
+        ("[criteria.Y]", "[criterion.Y]", "15:2", "did you mean `criteria`?"),
+        ("[criteria.Y]", "[criteria]", "16:12", "a section with a name, [criteria.NAME]"),
+        ("[criteria.Y]", "[criteria.\"\"]", "15:11", "needs a name"),
+        ("[parameters.\"lag.rate\"]", "[parameters.lag_rate]", "10:13", "did you mean `lag.rate`?"),
+        ("[parameters.\"lag.rate\"]", "[parameters.\"lag.y\"]", "10:13", "it is computed by the FMU; only parameters"),
+        ("mean = 1", "mean = \"1 m/s\"", "10:13", "the value is in 1/s; use 1/s"),
+        ("mean = 1", "mean = \"one\"", "12:8", "`one` is not a number"),
+        ("mean = 1", "mean = inf", "10:13", "not a finite number"),
+        ("deviation = 0.1", "deviation = nan", "10:13", "must be positive"),
+        ("deviation = 0.1", "variance = 0.01", "13:1", "did you mean `deviation`?"),
+        ("\"normal\"", "\"uniform\"\nmin = 2\nmax = 1", "10:13", "does not use `mean`; it takes min, max"),
+        ("\"normal\"", "\"Normal\"", "11:16", "did you mean `normal`?"),
+        ("\"normal\"", "3", "11:16", "expected a text in quotes"),
+        ("\"normal\"", "\"sample\"", "10:13", "does not use `mean`; it takes file"),
+        ("distribution = \"normal\"\n", "", "10:1", "missing: `distribution`"),
+        ("variable = \"lag.y\"\n", "", "15:1", "missing: `variable`"),
+        ("variable = \"lag.y\"", "variable = \"lag.rate\"", "16:12", "remove the criterion or name an output"),
+        ("variable = \"lag.y\"", "variables = \"lag.y\"", "16:1", "did you mean `variable`?"),
+        ("variable = \"lag.y\"", "variable = \u{201c}lag.y\u{201d}", "16:12", "straight quotes"),
+        ("nominal = 0.86", "nominal = 3018 // rpm", "17:11", "a comment begins with #"),
+        ("nominal = 0.86", "nominal\u{a0}= 0.86", "17:8", "each line of a study is `key = value`"),
+        ("nominal = 0.86", "nominal = \"0,86\"", "17:11", "write a point in the number instead of the comma"),
+        ("nominal = 0.86", "nominal = \"0.86 mm\"", "15:11", "use 1, %; give the number alone"),
+        ("nominal = 0.86", "value = 0.86", "17:1", "did you mean `nominal`?"),
+        ("tolerance = 0.02", "tolerance = 0", "15:11", "must be a positive, finite number"),
+        ("tolerance = 0.02", "tolerance = [0.1, 0.2]", "18:13", "{ minus = \"1 mm\", plus = \"2 mm\" }"),
+        ("tolerance = 0.02", "tolerance = { minus = 1 }", "18:13", "{ minus = \"1 mm\", plus = \"2 mm\" }"),
+        (
+            "tolerance = 0.02",
+            "tolerance = \"2 percent\"",
+            "15:11",
+            "unit `percent` is not known: the value is in no unit; use 1, %",
+        ),
+        ("tolerance = 0.02", "", "15:11", "add `tolerance`, such as \"0.5 %\""),
+        ("tolerance = 0.02", "tolerance = 0.02\nstatistic = \"average\"", "19:13", "did you mean `mean`?"),
+        ("tolerance = 0.02", "tolerance = 0.02\nstatistic = \"percentile\"", "15:11", "such as percent = 95"),
+        ("tolerance = 0.02", "tolerance = 0.02\npercent = 5", "15:11", "add that, or remove `percent`"),
+        ("tolerance = 0.02", "tolerance = 0.02\nwindow = 5", "19:10", "must lie between start and stop, 0 s and 2 s"),
+        ("tolerance = 0.02", "tolerance = 0.02\nwindow = \"1 m\"", "19:10", "use s, ms, min or h"),
+        ("tolerance = 0.02", "tolerance = 0.02\nuncertainty = -0.1", "19:15", "must be a positive, finite number"),
+        ("tolerance = 0.02", "tolerance = 0.02\ncoverage = 2", "19:12", "add `uncertainty` or remove it"),
+        ("tolerance = 0.02", "tolerance = 0.02\nmetric = \"rmse\"", "15:11", "add `reference`, or remove `metric`"),
+        ("tolerance = 0.02", "tolerance = 0.02\nat-most = 1", "15:11", "keep one of them"),
+        ("tolerance = 0.02", "tolerance = 0.02\nreference = \"m.csv\"", "19:13", "{ key = value }"),
+        ("tolerance = 0.02", "tolerance = 0.02\nunit = 3", "19:8", "expected a text in quotes"),
+        ("tolerance = 0.02", "tolerance = 0.02\n[verdict]\nshare = 5", "20:9", "such as \"5 %\" or 0.05"),
+        ("tolerance = 0.02", "tolerance = 0.02\n[verdict]\nrisk = \"5 %\"", "19:1", "share = \"90 %\""),
+        (
+            "tolerance = 0.02",
+            "tolerance = 0.02\n[verdict]\nshare = 0.5\nconfidence = 95",
+            "21:14",
+            "at least 0.5 and below 1",
+        ),
+        ("tolerance = 0.02", "tolerance = 0.02\n[fixed]\n\"lag.rate\" = 1", "20:1", "keep one"),
+        ("tolerance = 0.02", "tolerance = 0.02\n[fixed]\n\"lag.length\" = \"1 kg\"", "20:16", "use m, mm"),
+        ("tolerance = 0.02", "tolerance = 0.02\n[inputs.\"drive.u\"]\nfile = \"none.csv\"", "20:8", "no such file"),
+        (
+            "tolerance = 0.02",
+            "tolerance = 0.02\n[inputs.\"drive.u\"]\nfile = \"in.csv\"\ncolumm = \"u\"",
+            "21:1",
+            "did you mean `column`?",
+        ),
+        (
+            "tolerance = 0.02",
+            "tolerance = 0.02\n[inputs.\"drive.u\"]\nfile = \"in.csv\"\ncolumn = \"v\"",
+            "20:8",
+            "it has time, u, late, text",
+        ),
+        (
+            "tolerance = 0.02",
+            "tolerance = 0.02\n[inputs.\"drive.u\"]\nfile = \"in.csv\"\ncolumn = \"text\"",
+            "20:8",
+            "a spreadsheet's error: leave the cell empty",
+        ),
+        (
+            "tolerance = 0.02",
+            "tolerance = 0.02\n[inputs.\"drive.u\"]\nfile = \"in.csv\"\ntime = \"late\"\ncolumn = \"u\"",
+            "19:9",
+            "set start = 1, or write extrapolate",
+        ),
+        (
+            "tolerance = 0.02",
+            "tolerance = 0.02\n[[cases]]\nname = \"a\"\nheld_out = true",
+            "21:1",
+            "did you mean `held-out`?",
+        ),
+        (
+            "tolerance = 0.02",
+            "tolerance = 0.02\n[[cases]]\nname = \"a\"\nfixed = { \"lag.rate\" = 2 }",
+            "21:11",
+            "remove it there or from the case `a`",
+        ),
+        ("tolerance = 0.02", "tolerance = 0.02\n[[cases]]\nname = \"a/b\"", "20:8", "without `/`"),
+        (
+            "tolerance = 0.02",
+            "tolerance = 0.02\n[identify]\nfree = [\"lag.rate\"]",
+            "20:8",
+            "expected a section with keys",
+        ),
+    ];
+    for (from, to, place, remedy) in slips {
+        assert!(STUDY.contains(from), "{from}");
+        bench.write("study.toml", &STUDY.replace(from, to));
+        bench.run(&["verify", "study.toml"]).is_mistake(&[&format!("study.toml:{place}: "), remedy]);
+    }
+}
+
+#[test]
+fn slips_in_a_command() {
+    let bench = Bench::new();
+    bench.write("study.toml", STUDY);
+    bench.write("in.csv", "time,u\n0,1\n2,1\n");
+    for (command, remedy) in [
+        ("verify study.toml --point 8", "a similar argument exists: '--points'"),
+        ("verify study.toml --point-timeout 5s", "without a unit"),
+        ("verify study.toml --shard 3/2", "not a part such as 2/8"),
+        ("verify study.toml --extra-runs -1", "unexpected argument '-1' found; --help"),
+        ("verify study.toml --resume --force", "'--resume' cannot be used with '--force'"),
+        ("verify study.toml --fmu study.toml", "a study, where an FMU is needed"),
+        ("verify study.toml --until soon", "\"ci 0.01\""),
+        ("verify study.toml --budget 3", "20 to 1000 runs"),
+        (
+            "verify study.toml --isolation none --points-from in.csv",
+            "no column `lag.rate` for the parameter lag.rate; it has time, u",
+        ),
+        ("verify .", "a folder; give a file"),
+        ("verfy study.toml", "a similar subcommand exists: 'verify'"),
+        ("judge study.toml", "<TABLE>"),
+        ("simulate lag.fmu --set =1", "no variable"),
+        ("simulate lag.fmu --input in.csv", "column `u`: the FMU has no variable `u`; did you mean `drive.u`?"),
+        ("replay nowhere 1", "run `verify` into it first"),
+        ("compare nowhere", "<NEW>"),
+        ("check lag.fmu --step 0", "a positive, finite number of seconds"),
+        ("init lag.fmu --output study.toml", "exists already; choose another name"),
+        ("sensitivity study.toml --method foo", "there are sobol, morris"),
+        ("identify study.toml", "add `uncertainty`"),
+        ("pack study.toml --output lag.fmu", "choose another name"),
+    ] {
+        bench.run(&command.split(' ').collect::<Vec<_>>()).is_mistake(&[remedy]);
+    }
+}
+
 #[test]
 fn no_key_of_a_study_is_unread() {
     // Whichever command reads the study: line, column, and the nearest key.
@@ -391,6 +556,25 @@ fn tables_that_do_not_fit() {
     latin.is_mistake(&["table.csv", "line 1", "UTF-8"]);
     let missing = bench.run(&["judge", "study.toml", "none.csv"]);
     missing.is_mistake(&["none.csv"]);
+}
+
+/// The table has what the model gave: `judge` alone needs no FMU.
+#[test]
+fn a_study_without_a_model() {
+    let bench = Bench::new();
+    bench.write("study.toml", &STUDY.replace("fmu = \"lag.fmu\"", ""));
+    bench.write("table.csv", "point,Y\n1,0.85\n2,0.9\n");
+    for _ in 0..2 {
+        let said = bench.run(&["judge", "study.toml", "table.csv", "--output", "r"]);
+        assert_eq!(said.code, 0, "{}", said.err);
+    }
+    assert_eq!(bench.summary("r")["verified"], 1);
+    assert_eq!(bench.run(&["report", "r"]).code, 0);
+    for command in ["verify", "identify", "sensitivity"] {
+        let said = bench.run(&[command, "study.toml"]);
+        said.is_mistake(&["study.toml: names no FMU: add fmu = \"my.fmu\""]);
+    }
+    assert_eq!(bench.run(&["verify", "study.toml", "--fmu", "lag.fmu"]).code, 0);
 }
 
 #[test]

@@ -81,7 +81,7 @@ impl Slot {
         let stored = self.stored(value);
         if !self.items.is_empty() && !self.items.iter().any(|&item| item as f64 == stored) {
             return Err(format!(
-                "{name} = {value} is none of the enumeration's items {}",
+                "{name} = {value} is none of the enumeration's items {}: give a `sample` of them",
                 self.allowed_text(|limit| limit)
             ));
         }
@@ -205,7 +205,10 @@ mod tests {
         for (value, allowed) in [(0.4, false), (0.6, true), (2.4, true), (3.0, false), (5.4, true), (5.6, false)] {
             assert_eq!(slot.check(value).is_ok(), allowed, "{value}");
         }
-        assert_eq!(slot.check(4.2).unwrap_err(), "e = 4.2 is none of the enumeration's items 1, 2, 5");
+        assert_eq!(
+            slot.check(4.2).unwrap_err(),
+            "e = 4.2 is none of the enumeration's items 1, 2, 5: give a `sample` of them"
+        );
         assert_eq!(slot.allowed(), [[0.5, 2.5], [4.5, 5.5]]);
     }
 }

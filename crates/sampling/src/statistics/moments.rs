@@ -107,19 +107,6 @@ pub fn ks_distance(a: &[f64], b: &[f64]) -> f64 {
     most
 }
 
-/// The asymptotic probability of a distance as large between two samples of one distribution
-/// (Kolmogorov's distribution with the small-sample correction of Stephens 1970).
-pub fn ks_probability(distance: f64, n: usize, m: usize) -> f64 {
-    let ne = ((n * m) as f64 / (n + m) as f64).sqrt();
-    let l = (ne + 0.12 + 0.11 / ne) * distance;
-    if l < 0.2 {
-        return 1.0;
-    }
-    let series: f64 =
-        (1..=100).map(|k| if k % 2 == 1 { 2.0 } else { -2.0 } * (-2.0 * (f64::from(k) * l).powi(2)).exp()).sum();
-    series.clamp(0.0, 1.0)
-}
-
 /// Sorted copy.
 pub fn sorted(mut values: Vec<f64>) -> Vec<f64> {
     values.sort_by(f64::total_cmp);
@@ -192,8 +179,6 @@ mod tests {
     fn ks_of_separate_and_equal_samples() {
         assert_eq!(ks_distance(&[1.0, 2.0], &[3.0, 4.0]), 1.0);
         assert_eq!(ks_distance(&[1.0, 2.0], &[1.0, 2.0]), 0.0);
-        // Smirnov (1948): the 5 % point of the limit distribution is 1.3581.
-        assert!((ks_probability(1.3581 / 5000f64.sqrt(), 10_000, 10_000) - 0.05).abs() < 1e-3);
     }
 
     #[test]
@@ -203,30 +188,6 @@ mod tests {
         assert_eq!(distance(&[1.0, 2.0], &[1.0, 1.0, 3.0, 3.0, 3.0]), [0.6; 2]);
         // The steps are 0 - 1/4, 3/4 - 1/4, 3/4 - 2/4, 1 - 2/4.
         assert_eq!(distance(&[1.0, 1.0, 1.0, 5.0], &[0.0, 2.0, 6.0, 7.0]), [0.5; 2]);
-    }
-
-    /// Kolmogorov's distribution: Smirnov (1948), "Table for estimating the goodness of fit of empirical distributions",
-    /// Ann. Math. Stat. 19; critical values of the corrected distance: Stephens (1970), J. Royal Stat. Soc. B 32.
-    #[test]
-    fn small_samples_have_the_probabilities_that_stephens_gives() {
-        // 30 and 70 values count as much as 21 and a known distribution.
-        let corrected = 21_f64.sqrt() + 0.12 + 0.11 / 21_f64.sqrt();
-        for (l, probability) in [(0.5, 0.963945), (1.0, 0.27), (1.224, 0.10), (1.358, 0.05), (1.628, 0.01)] {
-            let chance = ks_probability(l / corrected, 30, 70);
-            assert!((chance - probability).abs() < 1e-4, "{l}: {chance}");
-        }
-    }
-
-    /// So few terms of the series do not add up where the distance is small; the probability is one but for 5e-13 there.
-    #[test]
-    fn a_small_distance_is_certain_to_be_exceeded() {
-        assert_eq!(ks_probability(0.0, 50, 50), 1.0);
-        assert_eq!(ks_probability(0.01 / 5.142, 50, 50), 1.0);
-        // Where the series begins, the other form of the distribution is 1 - sqrt(2 pi) / l exp(-(pi / l)^2 / 8).
-        let (l, corrected) = (0.2, 21_f64.sqrt() + 0.12 + 0.11 / 21_f64.sqrt());
-        assert_eq!(l / corrected * corrected, l);
-        let chance = ks_probability(l / corrected, 30, 70);
-        assert!((1.0 - chance - 5.05e-13).abs() < 1e-15, "{chance}");
     }
 
     proptest! {

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use crate::cli::Init;
 use crate::commands::isolated::Isolated;
-use crate::commands::simulate::of_step;
+use crate::commands::simulate::advised;
 use crate::error::Error;
 use fmu_import::{Description, Handle, Value, Variable};
 use fmu_points::failure::Failure;
@@ -129,7 +129,7 @@ pub(super) fn advice(error: Error, options: &Init, fmu: &Description, step: f64)
         }
         other => {
             let ours = options.step.is_none() && fmu.default_experiment.step.is_none();
-            of_step(other, ours.then_some(step))
+            advised(other, ours.then_some(step))
         }
     }
 }

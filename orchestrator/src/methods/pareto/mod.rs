@@ -26,7 +26,7 @@ pub const FILE: &str = "pareto.json";
 pub struct Options {
     /// The study, a TOML file
     pub study: PathBuf,
-    /// The folder of the finished study [default: results/ and the study's name]
+    /// The folder of the finished study [default: --output, if it is there, or results/ and the study's name]
     #[arg(long, value_name = "DIR")]
     pub from: Option<PathBuf>,
     /// The folder for the results [default: that of the finished study]
@@ -47,7 +47,7 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 /// # Errors
 /// When the study or its points cannot be used.
 pub fn run(options: &Options) -> Result<Delivery, Error> {
-    let from = known::from(options.from.as_deref(), &options.study);
+    let from = known::from(options.from.as_deref(), options.output.as_deref(), &options.study);
     let (summary, table) = known::points_of(&from, &Study::read(&options.study)?)?;
     let result = trade_off(&table).ok_or_else(|| Error::Search("no point has values".to_owned()))?;
     let result = AnalysisResult::new(&result, Origin::of_points(&summary), document(&result).as_text(), FILE);

@@ -36,7 +36,7 @@ pub struct Options {
     /// The study, how its points are run, and where the results go
     #[command(flatten)]
     pub work: Work,
-    /// The folder of the finished study [default: results/ and the study's name]
+    /// The folder of the finished study [default: --output, if it is there, or results/ and the study's name]
     #[arg(long, value_name = "DIR")]
     pub from: Option<PathBuf>,
     /// The share of the box that must be verified [default: the study's, or 0.9]
@@ -69,7 +69,7 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 /// When the options, the study or its points cannot be used.
 pub fn run(options: &Options) -> Result<Delivery, Error> {
     let work = &options.work;
-    let from = known::from(options.from.as_deref(), &work.study);
+    let from = known::from(options.from.as_deref(), work.output.as_deref(), &work.study);
     let study = Study::read(&work.study)?;
     let said = &study.robustness;
     if let Some(runs) = options.budget.filter(|runs| *runs < BESIDE + 2) {

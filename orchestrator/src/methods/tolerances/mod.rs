@@ -42,7 +42,7 @@ pub struct Options {
     /// The study, how its points are run, and where the results go
     #[command(flatten)]
     pub work: Work,
-    /// The folder of the finished study, whose points are used first [default: results/ and the study's name]
+    /// The folder of the finished study, whose points are used first [default: --output, if it is there, or results/ and the study's name]
     #[arg(long, value_name = "DIR")]
     pub from: Option<PathBuf>,
     /// Points of each round of the search [default: `points` under `[tolerances]`, or 1024]
@@ -80,7 +80,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
     }
     let confirm = options.budget.map(|runs| runs - BESIDE);
     let analysis = Asked {
-        from: known::absolute(&known::from(options.from.as_deref(), path)),
+        from: known::absolute(&known::from(options.from.as_deref(), options.work.output.as_deref(), path)),
         points: options.points.or(said.points).unwrap_or(1024).max(16),
         confirm: confirm.or(options.confirm).or(said.confirm).unwrap_or(1000).max(1),
         by_surrogate: options.budget.is_some(),
