@@ -32,7 +32,7 @@ pub(crate) fn run(setup: &Setup, scratch: &Path, patience: Duration, fill: Optio
         fmu: &setup.fmu,
         name: &setup.fmu,
         scratch,
-        here: true,
+        here: setup.here,
         limits: Limits { time: patience, memory: MEMORY },
         echo: false,
     };

@@ -32,6 +32,8 @@ pub(crate) enum Life {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(crate) struct Setup {
     pub(crate) fmu: PathBuf,
+    /// Whether it keeps the user's working directory.
+    pub(crate) here: bool,
     pub(crate) life: Life,
     pub(crate) schedule: Schedule,
     pub(crate) columns: Vec<Handle>,

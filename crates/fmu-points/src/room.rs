@@ -62,20 +62,21 @@ fn make(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Empties a folder, whatever a point has left there. What cannot be removed stays.
+/// Empties a folder, whatever a point has left there. What cannot be removed stays. Where no folder stands any more, or one that
+/// nobody may write to, it is made anew: a link leads to what is not the FMU's.
 pub(crate) fn clear(folder: &Path) -> io::Result<()> {
-    let Ok(entries) = fs::read_dir(folder) else {
-        let _ = fs::remove_file(folder);
+    let found = fs::symlink_metadata(folder);
+    if !found.is_ok_and(|found| found.is_dir() && !found.permissions().readonly()) {
+        let _ = remove(folder);
         return make(folder);
-    };
-    for entry in entries.flatten() {
-        let path = entry.path();
-        match entry.file_type().is_ok_and(|kind| kind.is_dir()) {
-            true => drop(fs::remove_dir_all(path)),
-            false => drop(fs::remove_file(path)),
-        }
     }
+    fs::read_dir(folder)?.flatten().for_each(|entry| drop(remove(&entry.path())));
     Ok(())
+}
+
+/// Removes a folder with all that is in it, or anything else; of a link, the link alone.
+fn remove(path: &Path) -> io::Result<()> {
+    fs::remove_dir(path).or_else(|_| fs::remove_file(path)).or_else(|_| fs::remove_dir_all(path))
 }
 
 #[cfg(test)]
@@ -98,6 +99,16 @@ mod tests {
         // A point may remove its room; what the room stands in does not come back.
         clear(&first).unwrap();
         assert!(first.is_dir());
+        #[cfg(unix)]
+        {
+            // A point may put a link in its place.
+            let other = tempfile::tempdir().unwrap();
+            fs::write(other.path().join("kept"), "x").unwrap();
+            fs::remove_dir(&first).unwrap();
+            std::os::unix::fs::symlink(other.path(), &first).unwrap();
+            clear(&first).unwrap();
+            assert!(fs::symlink_metadata(&first).unwrap().is_dir() && other.path().join("kept").exists());
+        }
         fs::remove_dir_all(place.path()).unwrap();
         assert!(clear(&first).is_err() && !place.path().exists());
     }

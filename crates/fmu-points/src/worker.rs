@@ -259,6 +259,8 @@ impl Service {
         for folder in [&self.setup.temporary, &self.setup.place].into_iter().flatten() {
             room::clear(folder)?;
         }
+        // A point may have removed the one that this process was in.
+        self.setup.place.as_ref().map_or(Ok(()), std::env::set_current_dir)?;
         let library = self.library.clone();
         let library = library.filter(|_| matches!(order, Order::Forked(_)));
         let is_loaded = library.is_some();

@@ -18,10 +18,12 @@ pub fn is_kept<'t>(fmu: &Description, tasks: impl IntoIterator<Item = &'t Task>)
 
 /// Whether a text that the study sets is the relative path of something that exists.
 pub fn is_named_in(task: &Task) -> bool {
-    task.fixed.iter().any(|(_, value)| match value {
-        Value::String(text) => is_here(text),
-        _ => false,
-    })
+    is_named_among(&task.fixed)
+}
+
+/// The same of values of an FMU's variables.
+pub fn is_named_among(values: &[(u32, Value)]) -> bool {
+    values.iter().any(|(_, value)| matches!(value, Value::String(text) if is_here(text)))
 }
 
 /// Whether the start value of a text is the relative path of something that exists.

@@ -66,11 +66,6 @@ impl Snapshot {
             .or_else(|| missing(self, other))
             .or_else(|| Some(self.0.iter().filter_map(changed).min()?.1))
     }
-
-    #[cfg(target_os = "linux")]
-    fn folders(&self) -> impl Iterator<Item = &Path> {
-        self.0.keys().map(PathBuf::as_path).filter(|p| p.is_dir())
-    }
 }
 
 /// Watches a folder with all that is in it.
@@ -165,7 +160,8 @@ mod linux {
     pub(super) struct Events(OwnedFd);
 
     impl Events {
-        /// The events of all folders of a snapshot; `None` where the system has no room for them.
+        /// The events of all that is in a snapshot, of files, too, since a link from elsewhere leads to a file alone; `None` where the
+        /// system has no room for them.
         pub(super) fn of(snapshot: &Snapshot) -> Option<Self> {
             let wanted = WatchFlags::MODIFY
                 | WatchFlags::ATTRIB
@@ -177,8 +173,8 @@ mod linux {
                 | WatchFlags::CLOSE_WRITE
                 | WatchFlags::DONT_FOLLOW;
             let queue = inotify::init(CreateFlags::NONBLOCK | CreateFlags::CLOEXEC).ok()?;
-            for folder in snapshot.folders() {
-                inotify::add_watch(&queue, folder, wanted).ok()?;
+            for path in snapshot.0.keys() {
+                inotify::add_watch(&queue, path, wanted).ok()?;
             }
             Some(Self(queue))
         }
@@ -253,6 +249,17 @@ mod tests {
             fs::remove_file(f.join("resources/state")).unwrap();
         };
         assert!(told(back).is_some());
+    }
+
+    #[test]
+    fn a_change_through_a_link_from_elsewhere_is_seen() {
+        let elsewhere = folder();
+        let link = elsewhere.path().join("link");
+        let act = |folder: &Path| {
+            fs::hard_link(folder.join("resources/data.txt"), &link).unwrap();
+            fs::write(&link, "2").unwrap();
+        };
+        assert_eq!(told(act).as_deref(), Some(Path::new("resources/data.txt")));
     }
 
     #[test]
