@@ -187,7 +187,6 @@ class Study:
         base: int | None = None,
         morris: int | None = None,
         shapley: int | None = None,
-        estimator: Literal["combined", "jansen", "saltelli"] | None = None,
         budget: int | None = None,
         seed: int | None = None,
         output: StrPath | None = None,
@@ -201,7 +200,7 @@ class Study:
         """
         folder = self._folder(output)
         options: dict[str, Value] = {"method": method, "size": size, "base": base, "morris": morris, "shapley": shapley}
-        options |= {"estimator": estimator, "budget": budget, "seed": seed}
+        options |= {"budget": budget, "seed": seed}
         done = self._run("sensitivity", folder, options, running, state="sensitivity")
         return Sensitivity(folder, done.text)
 

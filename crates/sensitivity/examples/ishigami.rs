@@ -9,13 +9,13 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (first, total) = ishigami_indices();
     let mut held = 0;
     for seed in 1..=10 {
-        let settled = Settled { size: 1024, estimator: FirstOrder::Combined, seed };
+        let settled = Settled { size: 1024, seed };
 
         // Points in the unit cube: map them to the distributions of your parameters, run the model, keep the order.
         let design = Sobol.design(&space, &settled)?;
         let values: Vec<f64> = design.iter().map(|point| ishigami(point)).collect();
 
-        let found = indices(&values, 3, settled.estimator).ok_or("too few runs")?;
+        let found = indices(&values, 3, FirstOrder::default()).ok_or("too few runs")?;
         for parameter in 0..3 {
             let (s, t) = (found.first[parameter], found.total[parameter]);
             println!(

@@ -115,12 +115,4 @@ mod tests {
         let message = "unknown method `Sobol`; there are sobol, morris, shapley";
         assert!(unknown.is_err_and(|error| error.starts_with(message)));
     }
-
-    #[test]
-    fn estimators_are_called_by_name() {
-        let names = ["combined", "jansen", "saltelli"];
-        assert_eq!(FirstOrder::ALL.map(FirstOrder::name), names);
-        assert_eq!(names.map(FirstOrder::named), FirstOrder::ALL.map(Some));
-        assert_eq!(FirstOrder::named("Jansen"), None);
-    }
 }

@@ -1,7 +1,6 @@
 //! The interface of a sensitivity method.
 
 use nalgebra::DMatrix;
-use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 use sampling::statistics::estimate::Estimate;
@@ -9,9 +8,8 @@ use sampling::statistics::estimate::Estimate;
 /// Results of a method for one output, under their keys in `sensitivity.json`.
 pub type Told = Map<String, Value>;
 
-/// The estimator of first-order Sobol indices.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+/// The estimator of first-order Sobol indices. Results come from the default one; the others are what other programs compute.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum FirstOrder {
     /// The weighted mean of both others that scatters least, with weights from the same runs: their difference has the
     /// mean 0, so that it is a control variate (Lavenberg & Welch 1981, "A perspective on the use of control variables
@@ -24,25 +22,6 @@ pub enum FirstOrder {
     /// mean(f_B (f_AB - f_A)): Saltelli et al. (2010), table 2 (b). Surer for a parameter without
     /// influence, of which it is exactly 0.
     Saltelli,
-}
-
-impl FirstOrder {
-    /// All of them.
-    pub const ALL: [Self; 3] = [Self::Combined, Self::Jansen, Self::Saltelli];
-
-    /// Its name in a study and on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Combined => "combined",
-            Self::Jansen => "jansen",
-            Self::Saltelli => "saltelli",
-        }
-    }
-
-    /// The one of this name.
-    pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|one| one.name() == name)
-    }
 }
 
 /// The parameters that vary.
@@ -59,8 +38,6 @@ pub struct Space {
 pub struct Settled {
     /// The size of the design. The method says what it counts: base points, trajectories.
     pub size: u64,
-    /// How first-order Sobol indices are estimated.
-    pub estimator: FirstOrder,
     /// The seed.
     pub seed: u64,
 }

@@ -38,10 +38,10 @@ impl FromRuns for Sobol {
         Ok(design(&pairs))
     }
 
-    fn tell(&self, design: &[Vec<f64>], values: &[f64], settled: &Settled) -> Told {
+    fn tell(&self, design: &[Vec<f64>], values: &[f64], _: &Settled) -> Told {
         let parameters = design.first().map_or(0, Vec::len);
-        let indices = indices(values, parameters, settled.estimator);
-        let growing = convergence(values, parameters, settled.estimator);
+        let indices = indices(values, parameters, FirstOrder::default());
+        let growing = convergence(values, parameters);
         let totals = |s: Indices| s.total.iter().map(|e| e.value).collect::<Vec<f64>>();
         let growing: Vec<_> = growing.into_iter().map(|(n, s)| (n, totals(s))).collect();
         Told::from_iter([("sobol".to_owned(), json!(indices)), ("convergence".to_owned(), json!(growing))])
@@ -183,11 +183,11 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
 }
 
 /// Indices from growing parts of the design, to show convergence: base points, indices.
-pub fn convergence(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Vec<(usize, Indices)> {
+pub fn convergence(outputs: &[f64], parameters: usize) -> Vec<(usize, Indices)> {
     let width = parameters + 2;
     let n = outputs.len() / width;
     let halves = std::iter::successors(Some(n), |m| (*m / 2 >= 32).then_some(m / 2));
-    let of_part = |m| Some((m, indices(&outputs[..m * width], parameters, estimator)?));
+    let of_part = |m| Some((m, indices(&outputs[..m * width], parameters, FirstOrder::default())?));
     let mut parts: Vec<(usize, Indices)> = halves.filter_map(of_part).collect();
     parts.reverse();
     parts
@@ -436,9 +436,9 @@ mod tests {
     #[test]
     fn convergence_ends_with_the_whole_design() {
         let y = evaluate(&random_pairs(256, 3, 3), ishigami);
-        let steps = convergence(&y, 3, FirstOrder::Saltelli);
+        let steps = convergence(&y, 3);
         assert_eq!(steps.iter().map(|s| s.0).collect::<Vec<_>>(), [32, 64, 128, 256]);
-        assert_eq!(steps[3].1, indices(&y, 3, FirstOrder::Saltelli).unwrap());
+        assert_eq!(steps[3].1, indices(&y, 3, FirstOrder::default()).unwrap());
     }
 
     /// The design has the rows A, A_B of each parameter, B: those of A and B are a sample of the parameters.

@@ -1,11 +1,11 @@
 //! Helpers for the tests of several methods.
 
-use crate::method::{FirstOrder, Settled};
+use crate::method::Settled;
 use sampling::statistics::estimate::Estimate;
 
 /// A study of this size and seed.
 pub(crate) fn settled(size: u64, seed: u64) -> Settled {
-    Settled { size, estimator: FirstOrder::default(), seed }
+    Settled { size, seed }
 }
 
 /// Points of a lattice that any language can write down.

@@ -15,8 +15,6 @@ pub struct SensitivityText {
     pub method: Option<Spanned<String>>,
     /// How much is run: base points of `sobol` and `shapley`, trajectories of `morris`.
     pub size: Option<Spanned<u64>>,
-    /// How first-order Sobol indices are estimated: `combined`, `jansen`, or `saltelli`.
-    pub estimator: Option<Spanned<String>>,
     /// The seed of the runs.
     pub seed: Option<u64>,
 }

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 use sampling::design::cube;
 use sensitivity::functions::{ishigami, ishigami_indices, sobol_g};
-use sensitivity::method::{FirstOrder, Settled};
+use sensitivity::method::Settled;
 use sensitivity::pairs::pairs;
 use sensitivity::shapley::{design, effects};
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -158,7 +158,7 @@ fn nested(function: Function, matrix: &DMatrix<f64>) -> Result<Vec<f64>, String>
 fn held(case: &Case, base: u64, repetitions: u64) -> Result<(), String> {
     let d = case.exact.len();
     let one = |seed: u64| -> Result<[Vec<f64>; 3], String> {
-        let settled = Settled { size: base, estimator: FirstOrder::default(), seed };
+        let settled = Settled { size: base, seed };
         let pairs = pairs(d, base, 7000 + seed)?;
         let rows = design(&pairs, case.correlation.as_ref(), seed)?;
         let outputs: Vec<f64> = rows.iter().map(|u| (case.function)(u)).collect();

@@ -508,11 +508,7 @@ fn values_for_single_commands() {
         "`moris`",
         "sobol, morris",
     ]);
-    say("[sensitivity]\nestimator = \"sobol\"", &sensitivity)
-        .is_mistake(&["study.toml:20:13", "`combined`, `jansen` and `saltelli`"]);
     say("", &["sensitivity", "study.toml", "--method", "moris"]).is_mistake(&["--method", "sobol, morris"]);
-    let estimator = ["--estimator", "jansen", "--morris", "4"];
-    say("", &[&sensitivity[..], &estimator].concat()).is_mistake(&["--estimator", "morris has no estimators"]);
     say("[fixed]\n\"lag.length\" = [3]", &["verify", "study.toml"])
         .is_mistake(&["study.toml:20:", "a start value is a number"]);
     say("[robustness]\nlevel = 2", &["robustness", "study.toml"])

@@ -8,7 +8,6 @@ mod outputs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
@@ -18,7 +17,7 @@ use crate::error::Error;
 use crate::options::Work;
 use crate::results::{points, table};
 use crate::session::{Request, Session};
-use ::sensitivity::method::{self, FirstOrder, Settled, Space};
+use ::sensitivity::method::{self, Settled, Space};
 use ::sensitivity::{RUNS, named};
 use number_tables::csv_file;
 use outputs::from_runs;
@@ -39,12 +38,6 @@ pub const FILE: &str = "sensitivity.json";
 const CORRELATED: &str = "the parameters are correlated, so Shapley effects divide among them what they explain together: one \
     without any influence on the model has a part of what its partners explain";
 
-fn estimator() -> impl TypedValueParser<Value = FirstOrder> {
-    let names = PossibleValuesParser::new(FirstOrder::ALL.map(FirstOrder::name));
-    // The parser lets no other name pass.
-    names.map(|name| FirstOrder::named(&name).unwrap_or_default())
-}
-
 /// Options of `sensitivity`.
 #[derive(Debug, Args)]
 #[command(after_help = "Example: orchestrator sensitivity studies/paper-table3.toml --base 256")]
@@ -53,10 +46,10 @@ pub struct Options {
     #[command(flatten)]
     pub work: Work,
     /// Indices by a surrogate of the points of a finished study, without a further run
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["method", "size", "base", "morris", "shapley", "estimator"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["method", "size", "base", "morris", "shapley"])]
     pub from: Option<PathBuf>,
     /// The same from at most N runs of the FMU in all: those of `verify --budget N` in this folder, where they are there
-    #[arg(long, value_name = "N", conflicts_with_all = ["from", "method", "size", "base", "morris", "shapley", "estimator", "shard", "shard_index"])]
+    #[arg(long, value_name = "N", conflicts_with_all = ["from", "method", "size", "base", "morris", "shapley", "shard", "shard_index"])]
     pub budget: Option<u64>,
     /// The method, such as sobol, morris or shapley [default: the study's, or sobol]
     #[arg(long, value_name = "NAME", conflicts_with_all = ["base", "morris", "shapley"])]
@@ -73,9 +66,6 @@ pub struct Options {
     /// Shapley effects (also of correlated parameters) from N base points: N (d + 1) runs, correlated N 2 d
     #[arg(long, value_name = "N")]
     pub shapley: Option<u64>,
-    /// How first-order Sobol indices are estimated [default: the study's, or combined]
-    #[arg(long, value_parser = estimator())]
-    pub estimator: Option<FirstOrder>,
     /// The seed [default: the study's, or 1]
     #[arg(long, value_name = "S")]
     pub seed: Option<u64>,
@@ -120,7 +110,6 @@ fn of_points(options: &Options, from: &Path, seed: u64) -> Result<Delivery, Erro
 pub struct Asked {
     method: String,
     size: u64,
-    estimator: FirstOrder,
     seed: u64,
 }
 
@@ -128,13 +117,6 @@ impl Asked {
     /// The settings from the options, else from the study, else the defaults.
     fn new(options: &Options, study: &Study) -> Result<Self, Error> {
         let said = &study.sensitivity;
-        let estimator = said.estimator.as_ref().map(|name| {
-            FirstOrder::named(name.as_ref()).ok_or_else(|| {
-                let [others @ .., last] = &FirstOrder::ALL.map(|known| format!("`{}`", known.name()));
-                let known = format!("{} and {last}", others.join(", "));
-                study.error_at(name, format!("the estimators are {known}"))
-            })
-        });
         let method = said.method.as_ref().map(|name| {
             let known = named(name.as_ref());
             known.map_err(|message| study.error_at(name, message))
@@ -152,17 +134,9 @@ impl Asked {
                 (usual, said.size.as_ref().map(|size| *size.as_ref()))
             }
         };
-        if options.estimator.is_some() && method.facts().name != RUNS[0].facts().name {
-            let message = format!("{} has no estimators to choose from", method.facts().name);
-            return Err(Error::option("estimator", message));
-        }
         Ok(Self {
             method: method.facts().name.to_owned(),
             size: size.unwrap_or(method.facts().usual_size),
-            estimator: match options.estimator {
-                Some(estimator) => estimator,
-                None => estimator.transpose()?.unwrap_or_default(),
-            },
             seed: options.seed.or(said.seed).unwrap_or(1),
         })
     }
@@ -172,7 +146,7 @@ impl Asked {
     }
 
     fn settled(&self) -> Settled {
-        Settled { size: self.size, estimator: self.estimator, seed: self.seed }
+        Settled { size: self.size, seed: self.seed }
     }
 }
 

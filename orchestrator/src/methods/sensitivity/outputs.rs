@@ -2,7 +2,7 @@
 
 use super::failures;
 use parameter_regions::table::PointTable;
-use sensitivity::method::{FirstOrder, FromRuns, Measure, Settled, Told};
+use sensitivity::method::{FromRuns, Measure, Settled, Told};
 use sensitivity::sobol::Indices;
 use sensitivity::{Estimate, RUNS, dominant};
 use serde::{Deserialize, Serialize};
@@ -84,7 +84,7 @@ fn most_important(shown: &[Measure], parameters: &[String]) -> Option<String> {
 
 /// The keys of the methods that were not used, without values.
 fn unused(seed: u64) -> Told {
-    let settled = Settled { size: 0, estimator: FirstOrder::default(), seed };
+    let settled = Settled { size: 0, seed };
     let keys = RUNS.iter().map(|method| method.tell(&[], &[], &settled));
     keys.flatten().collect()
 }
