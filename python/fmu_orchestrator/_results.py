@@ -325,7 +325,7 @@ class Sensitivity(Analysis):
         """The Sobol indices of an output, by parameter."""
         found = self.outputs[output].get("sobol")
         if found is None:
-            raise OrchestratorError(f"{self.folder}: no Sobol indices of {output}; use method=\"sobol\"")
+            raise OrchestratorError(f"{self.folder}: no Sobol indices of {output}; use base=256")
         return {name: estimate["value"] for name, estimate in zip(self.parameters, found[order], strict=True)}
 
     @cached_property

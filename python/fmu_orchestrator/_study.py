@@ -182,8 +182,6 @@ class Study:
     def sensitivity(
         self,
         *,
-        method: str | None = None,
-        size: int | None = None,
         base: int | None = None,
         morris: int | None = None,
         shapley: int | None = None,
@@ -192,14 +190,12 @@ class Study:
         output: StrPath | None = None,
         **running: Unpack[Running],
     ) -> Sensitivity:
-        """Tells which parameter matters: ``method="sobol"`` or another one, with a design of so large a ``size``.
-
-        ``base``, ``morris`` and ``shapley`` are short for Sobol indices of N base points, Morris screening, and Shapley
-        effects of N base points, which take correlated parameters, too. ``budget`` is the most runs, whose indices a surrogate
+        """Tells which parameter matters: Sobol indices of ``base`` points, screening by ``morris`` trajectories, or Shapley effects
+        of ``shapley`` base points, which take correlated parameters, too. ``budget`` is the most runs, whose indices a surrogate
         tells.
         """
         folder = self._folder(output)
-        options: dict[str, Value] = {"method": method, "size": size, "base": base, "morris": morris, "shapley": shapley}
+        options: dict[str, Value] = {"base": base, "morris": morris, "shapley": shapley}
         options |= {"budget": budget, "seed": seed}
         done = self._run("sensitivity", folder, options, running, state="sensitivity")
         return Sensitivity(folder, done.text)

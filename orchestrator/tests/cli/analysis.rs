@@ -155,7 +155,7 @@ fn a_study_says_what_the_command_line_leaves_open() {
     let screening = "[sensitivity]\nmethod = \"morris\"\nsize = 6\n";
     let (method, count) = runs(screening, &[]);
     assert_eq!((method.as_str(), count), ("Morris screening, 18 runs", 18));
-    assert_eq!(runs(screening, &["--size", "4"]).1, 12);
+    assert_eq!(runs(screening, &["--morris", "4"]).1, 12);
     // The study's size is that of its own method.
     assert_eq!(runs(screening, &["--base", "16"]).1, 64);
     assert_eq!(runs("[sensitivity]\nsize = 16\n", &[]).1, 64);

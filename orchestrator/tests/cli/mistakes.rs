@@ -508,7 +508,6 @@ fn values_for_single_commands() {
         "`moris`",
         "sobol, morris",
     ]);
-    say("", &["sensitivity", "study.toml", "--method", "moris"]).is_mistake(&["--method", "sobol, morris"]);
     say("[fixed]\n\"lag.length\" = [3]", &["verify", "study.toml"])
         .is_mistake(&["study.toml:20:", "a start value is a number"]);
     say("[robustness]\nlevel = 2", &["robustness", "study.toml"])

@@ -46,18 +46,12 @@ pub struct Options {
     #[command(flatten)]
     pub work: Work,
     /// Indices by a surrogate of the points of a finished study, without a further run
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["method", "size", "base", "morris", "shapley"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["base", "morris", "shapley"])]
     pub from: Option<PathBuf>,
     /// The same from at most N runs of the FMU in all: those of `verify --budget N` in this folder, where they are there
-    #[arg(long, value_name = "N", conflicts_with_all = ["from", "method", "size", "base", "morris", "shapley", "shard", "shard_index"])]
+    #[arg(long, value_name = "N", conflicts_with_all = ["from", "base", "morris", "shapley", "shard", "shard_index"])]
     pub budget: Option<u64>,
-    /// The method, such as sobol, morris or shapley [default: the study's, or sobol]
-    #[arg(long, value_name = "NAME", conflicts_with_all = ["base", "morris", "shapley"])]
-    pub method: Option<String>,
-    /// Base points, or trajectories of morris [default: the study's, or 256 (morris: 20)]
-    #[arg(long, value_name = "N", conflicts_with_all = ["base", "morris", "shapley"])]
-    pub size: Option<u64>,
-    /// Sobol indices from N base points: N (d + 2) runs for d parameters
+    /// Sobol indices from N base points: N (d + 2) runs for d parameters [default: what the study says, or 256]
     #[arg(long, value_name = "N", conflicts_with_all = ["morris", "shapley"])]
     pub base: Option<u64>,
     /// Morris screening with R trajectories: R (d + 1) runs
@@ -121,13 +115,12 @@ impl Asked {
             let known = named(name.as_ref());
             known.map_err(|message| study.error_at(name, message))
         });
-        let (in_study, asked) = (method.transpose()?, options.method_and_size()?);
-        let usual = in_study.unwrap_or(RUNS[0]);
+        let usual = method.transpose()?.unwrap_or(RUNS[0]);
+        let sizes = [options.base, options.morris, options.shapley];
+        let asked = RUNS.iter().zip(sizes).find_map(|(method, size)| Some((*method, Some(size?))));
         let (method, size) = match asked {
-            // The study's size is that of its own method.
-            (Some(method), size) if method.facts().name != usual.facts().name => (method, size),
-            (_, Some(size)) => (usual, Some(size)),
-            (_, None) => {
+            Some(asked) => asked,
+            None => {
                 if let Some(size) = &said.size {
                     enough(*size.as_ref()).map_err(|message| study.error_at(size, message))?;
                 }
@@ -147,21 +140,6 @@ impl Asked {
 
     fn settled(&self) -> Settled {
         Settled { size: self.size, seed: self.seed }
-    }
-}
-
-impl Options {
-    /// Method and size from the command line.
-    fn method_and_size(&self) -> Result<(Option<&'static dyn method::FromRuns>, Option<u64>), Error> {
-        let sizes = [("sobol", self.base), ("morris", self.morris), ("shapley", self.shapley)];
-        let by_size = sizes.into_iter().find(|(_, size)| size.is_some());
-        let chosen = match (&self.method, by_size) {
-            (Some(name), _) => (Some(name.as_str()), self.size),
-            (None, Some((name, size))) => (Some(name), size),
-            (None, None) => (None, self.size),
-        };
-        let method = chosen.0.map(named).transpose();
-        Ok((method.map_err(|message| Error::option("method", message))?, chosen.1))
     }
 }
 
