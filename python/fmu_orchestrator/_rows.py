@@ -306,6 +306,9 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
             raise OrchestratorError(f"{path}: another table begins on line {again + 1} (`{' '.join(rows[again])[:60]}`); save each as a file of its own")
         shown = " ".join(rows[others[0]])[:60]
         told.append(f"{len(others)} lines hold no row of the recording and were left out, line {others[0] + 1} first: `{shown}`")
+    blank = [k for k in range(good[0], good[-1]) if width == 1 and not any(rows[k])]
+    if blank:
+        told.append(f"{len(blank)} blank lines between the values were left out, line {blank[0] + 1} first: if a value is missing there, write nan")
     short = [k for k in good if len(rows[k]) < width]
     if short:
         told.append(f"{len(short)} rows have fewer than {width} cells, line {short[0] + 1} first: their last columns are empty")

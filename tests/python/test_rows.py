@@ -191,6 +191,11 @@ def test_what_is_left_out_is_told(tmp_path, capsys):
     assert len(converted(tmp_path, rows("t [s],T [degC]", "0,1.5", "1,2.5", "d", "2,3.5"))[1]) == 3
 
 
+def test_blank_lines_between_values_are_told(tmp_path, capsys):
+    assert len(converted(tmp_path, rows("x", "1", "", "2", "3"))[1]) == 3
+    assert "1 blank lines between the values were left out, line 3 first" in capsys.readouterr().out
+
+
 def generated(tmp_path, seed):
     """A table drawn at random, written by hand; whether it is read back or asked about."""
     draw = random.Random(seed)
