@@ -69,6 +69,24 @@ def test_a_solver_with_its_defaults_starts_in_the_centre(exchange, fmu, paramete
         assert result[name][1:] == pytest.approx(expected[name][1:], rel=0.002), name
 
 
+@pytest.mark.parametrize("solver", ["Euler", "CVode"])
+def test_limits_are_told_at_each_step_of_a_solver(exchange, fmu, solver, monkeypatch):
+    """One that only the largest of the pressures between the outputs passes; as by Co-Simulation in one step. fmpy completes one
+    step an output where it asks CVode for outputs, but each where it asks for CVode's steps, as FMI wants."""
+    monkeypatch.setattr("fmpy.sundials.CV_NORMAL", 2)
+    outputs = ["status.validity", "bearing.maxFilmPressure"]
+
+    def run(path, step, **options):
+        return fmpy.simulate_fmu(str(path), stop_time=0.6, output_interval=step, output=outputs, start_values=values, **options)
+
+    values = {"load.eccentricity": 1e-3, "load.phase": 0.0, "bearing.roughness": 0.0}
+    pressures = run(fmu, 1e-3)[outputs[1]]
+    values["bearing.pressureLimit"] = 0.5 * (pressures[1:].max() + pressures[[0, -1]].max())
+    expected, result = run(fmu, 0.6), run(exchange, 0.6, solver=solver, step_size=1e-4)
+    assert expected[outputs[1]].max() < values["bearing.pressureLimit"]
+    assert result[outputs[0]][-1] == expected[outputs[0]][-1] == 4
+
+
 def trajectory(fmu, file):
     """Of `orchestrator simulate` over 1 s, by name."""
     subprocess.run([PROGRAM, "simulate", fmu, "--stop", "1", "--step", "0.05", "--output", file], check=True,
