@@ -436,7 +436,7 @@ fn slips_in_a_command() {
         ("compare nowhere", "<NEW>"),
         ("check lag.fmu --step 0", "a positive, finite number of seconds"),
         ("init lag.fmu --output study.toml", "exists already; choose another name"),
-        ("sensitivity study.toml --method foo", "there are sobol, morris"),
+        ("sensitivity study.toml --base 16 --morris 4", "cannot be used with"),
         ("identify study.toml", "add `uncertainty`"),
         ("pack study.toml --output lag.fmu", "choose another name"),
     ] {
