@@ -28,7 +28,7 @@ impl Comparison {
         told.table(self.changes());
         for (name, change) in &self.criteria {
             if let Some(place) = &change.place {
-                told.say(format!("{name} changed most where {place}."));
+                told.say(format!("{name} changed most, or changed sides, where {place}."));
             }
         }
         told.hint(self.rule);

@@ -115,7 +115,7 @@ pub struct Change {
     /// The new values over the old ones.
     #[serde(skip)]
     pub figure: Figure,
-    /// Where the points lie that changed most.
+    /// Where the points lie that changed sides, or, where these are few, changed most.
     pub place: Option<String>,
 }
 

@@ -86,7 +86,7 @@ fn changed_values_are_told_and_a_point_that_flips_is_a_difference() {
     let low = place.strip_prefix("lag.rate is ").and_then(|rest| rest.split(' ').next()).unwrap();
     assert!(low.parse::<f64>().unwrap() > 1.35, "{place}");
     let page = bench.read("changes/compare.html");
-    assert!(page.contains(&format!("Y changed most where {place}.")), "{page}");
+    assert!(page.contains(&format!("Y changed most, or changed sides, where {place}.")), "{page}");
     let skipped = |all: &[crate::gate::Test]| all[2].2.as_deref().unwrap().split(':').next().unwrap().to_owned();
     let all = tests(&bench, "junit.xml");
     assert_eq!((&*all[2].1, &*skipped(&all)), ("Y", "skipped"));
