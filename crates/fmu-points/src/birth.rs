@@ -22,7 +22,7 @@ pub(crate) unsafe fn child(keeper: &mut Keeper, estate: &mut Estate<'_>, order: 
             let estate = Estate {
                 setup: &mut *estate.setup,
                 package: estate.package.as_deref_mut(),
-                library: estate.library.clone(),
+                runner: &mut *estate.runner,
             };
             crate::child::Child { place, estate }.obey(order);
         })
@@ -66,7 +66,7 @@ pub(crate) fn serve() -> io::Result<()> {
     let order = crate::wire::read(&place.receive().ok_or_else(missing)?);
     let order: Order = order.ok_or_else(|| io::Error::other("an order is damaged"))?;
     let mut package = setup.open().map_err(io::Error::other)?;
-    let estate = Estate { setup: &mut setup, package: Some(&mut package), library: None };
+    let estate = Estate { setup: &mut setup, package: Some(&mut package), runner: &mut None };
     let child = crate::child::Child { place, estate };
     // A panic ends this process as it would end a fork.
     if catch_unwind(AssertUnwindSafe(|| child.obey(&order))).is_err() {

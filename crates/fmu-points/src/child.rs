@@ -2,7 +2,6 @@
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::failure::Failure;
@@ -14,7 +13,7 @@ use crate::single::ERRAND;
 use crate::system;
 use crate::wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read};
 use fmu_import::isolation::Place;
-use fmu_import::{Handle, Library, Package, Value};
+use fmu_import::{Handle, Package, Value};
 
 /// Replies of many points are held back for this time at most, when the next point is done.
 const HOLD: Duration = Duration::from_millis(1);
@@ -23,8 +22,8 @@ const HOLD: Duration = Duration::from_millis(1);
 pub(crate) struct Estate<'a> {
     pub(crate) setup: &'a mut Setup,
     pub(crate) package: Option<&'a mut Package>,
-    /// The FMU, where the worker has loaded it for them: only forks inherit it.
-    pub(crate) library: Option<Arc<Library>>,
+    /// What runs points, where the worker has loaded the FMU for them: a fork has a copy of its own.
+    pub(crate) runner: &'a mut Option<Runner>,
 }
 
 /// A worker's child.
@@ -46,20 +45,16 @@ impl Child<'_> {
         if let Order::Errand(task) = order {
             return self.run_errand(task);
         }
-        let Some(library) = self.loaded() else {
+        let Some(mut runner) = self.estate.runner.take().or_else(|| self.loaded()) else {
             return;
         };
-        // A fork has a copy of its own.
-        let cases = std::mem::take(&mut self.estate.setup.cases);
-        let count = cases.len();
-        let first = alone.map_or(0, |job| join::case_of(job.index, count));
-        let mut tasks = cases.into_iter().skip(first).map(|case| case.task);
-        let Some(task) = tasks.next() else { return };
-        let runner = Runner::new(library, task);
         match (order, alone) {
-            (Order::Used(_), _) => self.serve(runner.with_further(tasks), count),
+            (Order::Used(_), _) => self.serve(runner),
             (Order::Recorded(values, columns), _) => self.record(runner, values, columns),
-            (_, Some(job)) => self.alone(runner, job),
+            (_, Some(job)) => {
+                runner.turn_to(join::case_of(job.index, self.estate.setup.cases.len()));
+                self.alone(runner, job);
+            }
             (_, None) => {}
         }
     }
@@ -90,7 +85,8 @@ impl Child<'_> {
     }
 
     /// Runs points until there are no further ones, or until one fails.
-    fn serve(&mut self, mut runner: Runner, cases: usize) {
+    fn serve(&mut self, mut runner: Runner) {
+        let cases = self.estate.setup.cases.len();
         let mut replies = Vec::new();
         while let Some(jobs) = self.place.receive().and_then(|jobs| read::<Vec<Job>>(&jobs)) {
             let mut sent = Instant::now();
@@ -140,17 +136,14 @@ impl Child<'_> {
         }
     }
 
-    /// The FMU, loaded here where the worker has not done so; then the worker is told.
-    fn loaded(&mut self) -> Option<Arc<Library>> {
-        if let Some(library) = self.estate.library.take() {
-            return Some(library);
-        }
+    /// What runs points, with the FMU loaded here; the worker is told.
+    fn loaded(&mut self) -> Option<Runner> {
         let before = Belongings::now();
         match self.estate.package.as_mut()?.load() {
             Ok(library) => {
                 let forkable = before.allow_forks(&Belongings::now());
                 self.say(&Said::Loaded(forkable));
-                Some(library)
+                Runner::new(library, &self.estate.setup.cases)
             }
             Err(error) => {
                 self.say(&Said::Unloadable(error.at(&self.estate.setup.name).to_string()));

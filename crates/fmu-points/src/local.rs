@@ -20,10 +20,7 @@ pub struct Local {
 impl Local {
     /// A worker with an instance of its own.
     pub fn new(library: &Arc<Library>, cases: &[Case]) -> Self {
-        let mut tasks = cases.iter().map(|case| case.task.clone());
-        let first = tasks.next();
-        let runner = first.map(|task| Runner::new(Arc::clone(library), task).with_further(tasks));
-        Self { runner, cases: parts(cases) }
+        Self { runner: Runner::new(Arc::clone(library), cases), cases: parts(cases) }
     }
 }
 

@@ -15,7 +15,7 @@ use std::sync::Arc;
 use crate::failure::{Failure, Partial};
 use crate::notices::Notices;
 use crate::system;
-use crate::task::{Probe, Task};
+use crate::task::{Case, Probe};
 use fmu_import::{Call, End, Instance, Library, Warnings};
 use gauge::Gauge;
 use scene::Scene;
@@ -58,9 +58,10 @@ struct Held {
 pub struct Last(#[allow(dead_code)] Option<Held>);
 
 impl Runner {
-    /// A runner of points of this task.
-    pub fn new(library: Arc<Library>, task: Task) -> Self {
-        Self {
+    /// A runner of points of these cases, with the first one chosen; none where there is no case.
+    pub fn new(library: Arc<Library>, cases: &[Case]) -> Option<Self> {
+        let mut scenes = cases.iter().zip(0..).map(|(case, number)| Scene::new(number, case.task.clone()));
+        Some(Self {
             used: None,
             failed: None,
             renews: false,
@@ -68,18 +69,11 @@ impl Runner {
             trusted: library.is_for_one_instance(),
             refused: false,
             library,
-            scene: Scene::new(0, task),
-            others: Vec::new(),
+            scene: scenes.next()?,
+            others: scenes.collect(),
             notices: Notices::default(),
             version: None,
-        }
-    }
-
-    /// The same for points with further cases, of which [`turn_to`](Self::turn_to) chooses one.
-    pub fn with_further(mut self, tasks: impl Iterator<Item = Task>) -> Self {
-        let numbered = tasks.zip(1..);
-        self.others = numbered.map(|(task, number)| Scene::new(number, task)).collect();
-        self
+        })
     }
 
     /// Chooses the case that is simulated next, by its number.

@@ -7,7 +7,6 @@
 use std::collections::VecDeque;
 use std::fs::File;
 use std::io;
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::birth;
@@ -16,11 +15,12 @@ use crate::child::Estate;
 use crate::failure::Failure;
 use crate::points::{Job, Limits};
 use crate::room;
+use crate::runner::Runner;
 use crate::system::{self, Streams};
 use crate::wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read};
 use fmu_import::isolation::keeper::signal_name;
 use fmu_import::isolation::{Bounds, Child, Keeper, Loss, Parting, frame};
-use fmu_import::{FmuError, Library, Package};
+use fmu_import::{FmuError, Package};
 
 /// Replies are sent after this time at the latest, when the next point is done: a message a point would cost more
 /// than a short point.
@@ -53,7 +53,7 @@ pub(crate) fn serve() -> io::Result<()> {
         keeper: streams.keeper(setup.echo, setup.ticket)?,
         output: Output { to: output, ticket: setup.ticket, held: Vec::new(), sent: Instant::now() },
         package: None,
-        library: None,
+        runner: None,
         used: None,
         setup,
     };
@@ -71,8 +71,8 @@ struct Service {
     keeper: Keeper,
     output: Output,
     package: Option<Package>,
-    /// The FMU, once this process has loaded it. It is never instantiated here.
-    library: Option<Arc<Library>>,
+    /// What runs points in forks, once this process has loaded the FMU. It is never instantiated here.
+    runner: Option<Runner>,
     /// The child that runs many points.
     used: Option<Child>,
 }
@@ -169,11 +169,11 @@ impl Service {
         if self.package.is_none() {
             self.package = Some(self.setup.open().map_err(named)?);
         }
-        if let (Order::Forked(_), None, Some(package)) = (order, &self.library, &mut self.package) {
+        if let (Order::Forked(_), None, Some(package)) = (order, &self.runner, &mut self.package) {
             let library = self.keeper.blindly(|| package.load());
             // Its initialisers may have changed what this process does about its children.
             system::adopt_orphans();
-            self.library = Some(library.map_err(named)?);
+            self.runner = Runner::new(library.map_err(named)?, &self.setup.cases);
         }
         Ok(())
     }
@@ -261,11 +261,8 @@ impl Service {
         }
         // A point may have removed the one that this process was in.
         self.setup.place.as_ref().map_or(Ok(()), std::env::set_current_dir)?;
-        let library = self.library.clone();
-        let library = library.filter(|_| matches!(order, Order::Forked(_)));
-        let is_loaded = library.is_some();
-        let mut child = match self.child(library, order) {
-            Ok(child) if is_loaded => return Ok(Ok((child, None))),
+        let mut child = match self.child(order) {
+            Ok(child) if matches!(order, Order::Forked(_)) => return Ok(Ok((child, None))),
             Ok(child) => child,
             Err(error) => {
                 let text = format!("the system starts no further process: {error}");
@@ -289,9 +286,10 @@ impl Service {
     }
 
     /// A child at work; waits for room where the system has none at the moment.
-    fn child(&mut self, library: Option<Arc<Library>>, order: &Order) -> io::Result<Child> {
+    fn child(&mut self, order: &Order) -> io::Result<Child> {
         const PAUSES: [u64; 5] = [1, 10, 100, 500, 1000];
-        let mut estate = Estate { setup: &mut self.setup, package: self.package.as_mut(), library };
+        let runner = if matches!(order, Order::Forked(_)) { &mut self.runner } else { &mut None };
+        let mut estate = Estate { setup: &mut self.setup, package: self.package.as_mut(), runner };
         for pause in PAUSES {
             // SAFETY: where children are forks, a worker has a single thread; loading the FMU has started none, or it is
             // not loaded here.

@@ -2,9 +2,10 @@
 
 use std::fs::File;
 use std::io;
-use std::os::fd::{AsRawFd, FromRawFd, OwnedFd, RawFd};
+use std::os::fd::{AsRawFd, OwnedFd, RawFd};
 
-use rustix::process::{Pid, setpgid};
+use rustix::io::fcntl_dupfd_cloexec;
+use rustix::process::{Pid, getppid, setpgid};
 
 use super::child::Child;
 use super::frame::{self, Inbox};
@@ -86,7 +87,7 @@ fn be_child(parent: u32, orders: OwnedFd, answers: OwnedFd, ticket: u64, work: &
     #[cfg(target_os = "linux")]
     let _ = rustix::process::set_parent_process_death_signal(Some(rustix::process::Signal::KILL));
     // The parent may have ended before.
-    if std::os::unix::process::parent_id() != parent {
+    if getppid().map(Pid::as_raw_pid) != Some(parent as i32) {
         end(0);
     }
     usual_signals();
@@ -103,36 +104,23 @@ fn be_child(parent: u32, orders: OwnedFd, answers: OwnedFd, ticket: u64, work: &
     end(DONE)
 }
 
-/// Moves the two descriptors to high numbers, which FMUs that write into or close what they did not open seldom
-/// reach, and closes all others above standard error.
+/// Closes all descriptors above standard error but these two, and moves them to high numbers, which FMUs that write into or
+/// close what they did not open seldom reach. In this order, as the system looks at each number up to the highest one.
 fn hidden(orders: OwnedFd, answers: OwnedFd) -> (File, File) {
     const FIRST: RawFd = 3;
-    let [orders, answers] = [orders, answers].map(|fd| {
-        let high = raised(fd.as_raw_fd());
-        if high != fd.as_raw_fd() {
-            return high;
-        }
-        // No room above: it stays where it is.
-        std::mem::forget(fd);
-        high
-    });
-    let (low, high) = (orders.min(answers), orders.max(answers));
+    let [one, other] = [orders.as_raw_fd(), answers.as_raw_fd()];
+    let (low, high) = (one.min(other), one.max(other));
     close_between(FIRST, low - 1);
     close_between(low + 1, high - 1);
     close_between(high + 1, RawFd::MAX);
-    // SAFETY: both are open, and nothing else in this process owns them.
-    unsafe { (File::from_raw_fd(orders), File::from_raw_fd(answers)) }
+    (raised(orders), raised(answers))
 }
 
-/// The same file under a high number; programs that the FMU starts do not get it.
-pub(super) fn raised(fd: RawFd) -> RawFd {
-    const ROOM: RawFd = 8;
-    // SAFETY: asks for a limit and copies a descriptor.
-    unsafe {
-        let limit = libc::sysconf(libc::_SC_OPEN_MAX).clamp(16, 1024) as RawFd;
-        let high = libc::fcntl(fd, libc::F_DUPFD_CLOEXEC, limit - ROOM);
-        if high < 0 { fd } else { high }
-    }
+/// The same file under a high number, where the system has one; programs that the FMU starts do not get it.
+fn raised(fd: OwnedFd) -> File {
+    const HIGH: [RawFd; 2] = [1016, 248];
+    let raised = HIGH.into_iter().find_map(|least| fcntl_dupfd_cloexec(&fd, least).ok());
+    raised.unwrap_or(fd).into()
 }
 
 /// Closes the descriptors of a range.
