@@ -11,6 +11,7 @@ pub use mobility::sommerfeld;
 use fmu_export::model::{Enumeration, Fault, Item};
 use journal_bearing::reynolds::Coefficients;
 use serde::{Deserialize, Serialize};
+use std::cell::Cell;
 
 use super::journal::{Drift, JournalFilm, Motion, Press, Setup, Situation, Strain, TransientFilm};
 use super::parameters::Bearing;
@@ -61,10 +62,10 @@ macro_rules! films {
 
             /// Each film's code in its place, as the time integration asks for nothing else.
             #[inline]
-            fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift {
+            fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &Cell<Press>) -> Drift {
                 match self {
                     Self::None => Drift::default(),
-                    $(Self::$model(film) => film.drift(bearing, at, side_flow),)*
+                    $(Self::$model(film) => film.drift(bearing, at, side_flow, press),)*
                 }
             }
 
@@ -157,19 +158,23 @@ impl Film {
 
     /// The velocities and flows that the time integration needs; the side flow where it is asked for.
     #[inline]
-    pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift {
-        self.running.drift(bearing, at, side_flow)
+    pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &Cell<Press>) -> Drift {
+        self.running.drift(bearing, at, side_flow, press)
     }
 
     /// [`drift`](Self::drift) at many instants of one clearance, m.
-    pub fn drift_at<'a>(&'a self, bearing: &'a Bearing, clearance: f64) -> impl Fn(&Situation, bool) -> Drift + 'a {
+    pub fn drift_at<'a>(
+        &'a self,
+        bearing: &'a Bearing,
+        clearance: f64,
+    ) -> impl Fn(&Situation, bool, &Cell<Press>) -> Drift + 'a {
         let mobility = match &self.running {
             Running::Mobility(film) => Some(film.at_clearance(clearance)),
             _ => None,
         };
-        move |at, side_flow| match &mobility {
-            Some(film) => film.drift(bearing, at, side_flow),
-            None => self.running.drift(bearing, at, side_flow),
+        move |at, side_flow, press| match &mobility {
+            Some(film) => film.drift(bearing, at, side_flow, press),
+            None => self.running.drift(bearing, at, side_flow, press),
         }
     }
 

@@ -10,6 +10,7 @@ use journal_bearing::reynolds::{Coefficients, HeatExchange, HeatGiven};
 use journal_bearing::rheology::Rheology;
 use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
+use std::cell::Cell;
 
 use super::parameters::Bearing;
 
@@ -120,8 +121,6 @@ pub struct Drift {
     pub torque: f64,
     /// Heat and oil flow.
     pub flows: Flows,
-    /// How film and asperities press.
-    pub press: Press,
 }
 
 /// The parameters and files that a film starts from.
@@ -192,8 +191,9 @@ pub trait JournalFilm {
     /// The journal's motion, with all that sensors read.
     fn motion(&self, bearing: &Bearing, at: &Situation) -> Motion;
 
-    /// Only what the time integration needs. The side flow may be zero unless it is asked for.
-    fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift;
+    /// Only what the time integration needs, with what [`strain`](Self::strain) wants to know left in `press`. The side flow may be
+    /// zero unless it is asked for.
+    fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &Cell<Press>) -> Drift;
 
     /// How film and asperities press at an instant, of which `press` is known from [`drift`](Self::drift).
     fn strain(&self, bearing: &Bearing, at: &Situation, press: &Press) -> Strain;
@@ -208,7 +208,7 @@ pub trait JournalFilm {
         let load = Vector2::from(at.load);
         let velocity = |place: Vector2<f64>, load: Vector2<f64>| {
             let at = Situation { eccentricity: place.into(), load: load.into(), ..*at };
-            Vector2::from(self.drift(bearing, &at, false).velocity)
+            Vector2::from(self.drift(bearing, &at, false, &Cell::default()).velocity)
         };
         let of_place = derivative(NUDGE, |by| velocity(place + by, load));
         let of_force = derivative(NUDGE * load.norm(), |by| velocity(place, load + by));

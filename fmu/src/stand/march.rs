@@ -2,7 +2,7 @@
 
 use super::inputs::INPUTS;
 use super::scout::Turn;
-use super::validity::{Passing, Seen};
+use super::validity::{Glance, Passing, Seen};
 use super::{EVENTS, SCALES, Stand, State, Unknowns, temperatures, unknowns, worn};
 use crate::bearing::{FilmEnergy, Flows, Interval, Passed};
 use crate::multirate::{self, Departure, NoLeap, TwoScales};
@@ -12,7 +12,6 @@ use crate::solver::{Budget, DormandPrince, Passage};
 use crate::thermal::Temperatures;
 use fmu_export::model::{Fault, Log};
 use journal_bearing::reynolds::{HeatExchange, HeatGiven};
-use std::cell::Cell;
 
 /// Cycles that are resolved after a leap.
 const CYCLES_AT_THE_END: usize = 1;
@@ -87,25 +86,18 @@ impl Stand {
         let known = known.filter(|known| known.at == self.place());
         let mut last = (f64::NAN, Default::default());
         // The last stage of a step that is taken is at its end.
-        let seen = Cell::new(Seen::default());
+        let glance = &Glance::default();
         let course = |tau: f64, y: &Unknowns| {
             let rates = match &known {
                 Some(known) if tau == 0.0 => known.rates,
-                _ => {
-                    let (rates, now) = self.seen_at(tau, y, &mut oil);
-                    seen.set(now);
-                    rates
-                }
+                _ => self.course_at(tau, y, &mut oil, glance),
             };
             last = (tau, rates);
             rates
         };
         let (mut means, mut passing) = (self.state.means, self.passing());
         let mut observe = self.observing(&mut means, &mut passing);
-        let watch = {
-            let seen = &seen;
-            move |passage: &Passage<SENSORS>| observe(passage, &seen.get())
-        };
+        let watch = move |passage: &Passage<SENSORS>| observe(passage, &glance.seen());
         let done = integrator.integrate_observed(course, &mut y, [], span, &mut next_step, watch);
         let arrived = done.is_ok() && last.0 == span;
         if let Err(failure) = done {
@@ -244,7 +236,7 @@ impl Stand {
 
     /// The present readings of the physical stand's sensors.
     fn sense(&self, oil: &mut Nearby) -> Sensed {
-        self.course_at(0.0, &unknowns(&self.state), oil).1
+        self.course_at(0.0, &unknowns(&self.state), oil, &Glance::default()).1
     }
 
     /// The temperatures after `span` seconds under constant flows.
@@ -383,10 +375,10 @@ impl TwoScales for Stand {
 
     fn journal(&self, clearance: f64) -> impl Fn(f64, [f64; 2], f64) -> ([f64; 2], Flows) {
         let drift = self.film.drift_at(&self.bearing, clearance);
-        let felt = self.feels_side_flow();
+        let (felt, glance) = (self.feels_side_flow(), Glance::default());
         move |tau, eccentricity, viscosity| {
-            let at = self.instant(tau, eccentricity, viscosity, clearance);
-            let drift = drift(&at, felt);
+            let at = self.instant(tau, eccentricity, viscosity, clearance, &glance);
+            let drift = drift(&at, felt, &glance.press);
             (drift.velocity, drift.flows)
         }
     }

@@ -8,6 +8,7 @@ use crate::thermal::Temperatures;
 use fmu_export::model::{Fault, Log};
 use journal_bearing::contact::{Contact, f_5_2};
 use journal_bearing::mobility::FINEST;
+use std::cell::Cell;
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 /// The log category.
@@ -59,6 +60,32 @@ pub(super) struct Seen {
     pub temperatures: Temperatures,
     /// How film and asperities press.
     pub press: Press,
+}
+
+/// The same at the latest evaluation of the rates, written in place: of a step that is taken, its end.
+#[derive(Debug)]
+pub(super) struct Glance {
+    /// Its time in the step, s; before the first, none.
+    pub tau: Cell<f64>,
+    /// The film's situation.
+    pub at: Cell<Situation>,
+    /// The temperatures.
+    pub temperatures: Cell<Temperatures>,
+    /// How film and asperities press.
+    pub press: Cell<Press>,
+}
+
+impl Default for Glance {
+    fn default() -> Self {
+        Self { tau: f64::NAN.into(), at: Cell::default(), temperatures: Cell::default(), press: Cell::default() }
+    }
+}
+
+impl Glance {
+    /// What it has seen.
+    pub fn seen(&self) -> Seen {
+        Seen { at: self.at.get(), temperatures: self.temperatures.get(), press: self.press.get() }
+    }
 }
 
 /// Limits that are passed: their bits, and for each of them when and how it was passed first.
@@ -135,7 +162,7 @@ impl Stand {
             (OFF_TABLE, self.bearing.width > WIDEST * self.bearing.diameter),
             (ALL_AROUND, normal > WRAPPED * load || wide && normal > TOUCHING * load),
         ];
-        suspects.into_iter().filter(|(_, suspect)| *suspect).map(|(bit, _)| bit).sum()
+        suspects.into_iter().map(|(bit, suspect)| bit * i32::from(suspect)).sum()
     }
 
     /// Takes over the limits that a part of a step has passed.
@@ -147,9 +174,10 @@ impl Stand {
     /// Looks for limits that are passed in the present state. Returns what counts in a check of the operation.
     pub(super) fn look(&mut self) -> Worst {
         let y = super::unknowns(&self.state);
-        let (_, seen) = self.course_with(0.0, &y, self.fluid.viscosity(self.state.temperatures.film));
+        let glance = Glance::default();
+        self.course_with(0.0, &y, self.fluid.viscosity(self.state.temperatures.film), &glance);
         let mut passing = self.passing();
-        let worst = self.look_at(&seen, self.state.time, &mut passing);
+        let worst = self.look_at(&glance.seen(), self.state.time, &mut passing);
         self.pass(passing);
         worst
     }
@@ -371,8 +399,9 @@ mod tests {
                 stand.inputs.external_force.value = draw(1.0, 1e6) - 1.0;
                 let clearance = stand.bearing.radial_clearance * draw(0.5, 2.0);
                 let e = draw(1e-3, 1.5);
-                let (at, drift) = stand.drift(0.0, [0.6 * e, -0.8 * e], viscosity, clearance);
-                let seen = Seen { at, temperatures, press: drift.press };
+                let glance = Glance::default();
+                let (at, _) = stand.drift(0.0, [0.6 * e, -0.8 * e], viscosity, clearance, &glance);
+                let seen = Seen { temperatures, ..glance.seen() };
                 let strain = stand.film.strain(&stand.bearing, &at, &seen.press);
                 let suspects = stand.suspects(&seen, &strain);
                 for (bit, how) in LIMITS.iter().filter_map(|(bit, how)| Some((bit, how(&stand, &seen, &strain)?))) {

@@ -9,6 +9,7 @@ use journal_bearing::mobility::{LookUp, MapError, MobilityMap, MobilitySlice, Ro
 use journal_bearing::reynolds::mean_gap;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
+use std::cell::Cell;
 use std::sync::{Arc, LazyLock};
 
 /// Largest eccentricity ratio between smooth surfaces: the journal never reaches the bush.
@@ -191,9 +192,9 @@ impl JournalFilm for MobilityFilm {
     }
 
     #[inline]
-    fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift {
+    fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &Cell<Press>) -> Drift {
         let now = self.prepared.instant(bearing, at, side_flow, None);
-        now.drift(at)
+        now.drift(at, press)
     }
 }
 
@@ -213,9 +214,9 @@ impl MobilityFilm {
 impl AtClearance<'_> {
     /// [`JournalFilm::drift`] at an instant of this clearance.
     #[inline]
-    pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift {
+    pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &Cell<Press>) -> Drift {
         let now = self.prepared.instant(bearing, at, side_flow, Some(self));
-        now.drift(at)
+        now.drift(at, press)
     }
 }
 
@@ -230,8 +231,9 @@ impl Instant {
 
     /// What the time integration needs.
     #[inline(always)]
-    fn drift(&self, at: &Situation) -> Drift {
-        Drift { velocity: self.push.velocity, torque: self.torque(at), flows: self.flows, press: self.press() }
+    fn drift(&self, at: &Situation, press: &Cell<Press>) -> Drift {
+        press.set(self.press());
+        Drift { velocity: self.push.velocity, torque: self.torque(at), flows: self.flows }
     }
 
     /// Friction torque on the journal, N.m.

@@ -14,6 +14,7 @@ use journal_bearing::reynolds::{
 };
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
+use std::cell::Cell;
 use std::sync::Arc;
 
 /// The transient Reynolds film with the journal that floats in it.
@@ -106,9 +107,9 @@ impl JournalFilm for ReynoldsJournal {
         self.motion
     }
 
-    fn drift(&self, _: &Bearing, _: &Situation, _: bool) -> Drift {
+    fn drift(&self, _: &Bearing, _: &Situation, _: bool, _: &Cell<Press>) -> Drift {
         let Motion { velocity, torque, flows, .. } = self.motion;
-        Drift { velocity, torque, flows, press: Press::default() }
+        Drift { velocity, torque, flows }
     }
 
     fn strain(&self, bearing: &Bearing, at: &Situation, _: &Press) -> Strain {
