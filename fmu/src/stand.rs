@@ -41,7 +41,7 @@ pub use inputs::{Input, Inputs};
 pub use operation::{Operation, Permitted};
 use remembered::Remembered;
 use std::sync::OnceLock;
-use validity::{Glance, Passing};
+use validity::{Passing, Seen};
 
 /// The parameters of the time integration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -192,21 +192,15 @@ impl Stand {
         let temperatures = temperatures(y);
         let viscosity = self.fluid.viscosity(temperatures.film);
         let clearance = self.clearance(&temperatures, worn(y));
-        self.instant(tau, [y[0], y[1]], viscosity, clearance, &Glance::default())
+        let mut seen = Seen::default();
+        self.instant(tau, [y[0], y[1]], viscosity, clearance, &mut seen);
+        seen.at
     }
 
-    /// The part of the motion that the time integration needs, with the situation that it is one of.
-    fn drift(
-        &self,
-        tau: f64,
-        eccentricity: [f64; 2],
-        viscosity: f64,
-        clearance: f64,
-        glance: &Glance,
-    ) -> (Situation, Drift) {
-        let at = self.instant(tau, eccentricity, viscosity, clearance, glance);
-        let felt = self.feels_side_flow();
-        (at, self.film.drift(&self.bearing, &at, felt, &glance.press))
+    /// The part of the motion that the time integration needs.
+    fn drift(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64, clearance: f64, seen: &mut Seen) -> Drift {
+        self.instant(tau, eccentricity, viscosity, clearance, seen);
+        self.film.drift(&self.bearing, &seen.at, self.feels_side_flow(), &mut seen.press)
     }
 
     /// Whether the temperatures follow from the side flow.
@@ -216,16 +210,14 @@ impl Stand {
 
     /// The film's situation `tau` seconds into the step, with its place (1), viscosity (Pa.s) and clearance (m) given.
     #[inline]
-    fn instant(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64, clearance: f64, glance: &Glance) -> Situation {
+    fn instant(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64, clearance: f64, seen: &mut Seen) {
+        let Seen { tau: before, at, .. } = seen;
         // The last two stages of a step are at the same time.
-        let mut at = glance.at.get();
-        if glance.tau.replace(tau) != tau {
+        if before.replace(tau) != Some(tau) {
             (at.speed, at.load) = self.driven(tau);
             at.bush_speed = self.inputs.bush_speed.at(tau);
         }
         (at.eccentricity, at.viscosity, at.clearance) = (eccentricity, viscosity, clearance);
-        glance.at.set(at);
-        at
     }
 
     /// Shaft speed (rad/s) and load on the journal (N, along x and y), `tau` seconds into the step.
@@ -280,18 +272,19 @@ impl Stand {
 
     /// Rates of the unknowns, and what the physical stand's sensors read, `tau` seconds into the step.
     #[inline]
-    fn course_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby, glance: &Glance) -> (Unknowns, Sensed) {
+    fn course_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby, seen: &mut Seen) -> (Unknowns, Sensed) {
         let viscosity = oil.viscosity(&self.fluid, temperatures(y).film);
-        self.course_with(tau, y, viscosity, glance)
+        self.course_with(tau, y, viscosity, seen)
     }
 
     /// The same with the oil's viscosity, Pa.s, at the film's temperature.
     #[inline]
-    fn course_with(&self, tau: f64, y: &Unknowns, viscosity: f64, glance: &Glance) -> (Unknowns, Sensed) {
+    fn course_with(&self, tau: f64, y: &Unknowns, viscosity: f64, seen: &mut Seen) -> (Unknowns, Sensed) {
         let temperatures = temperatures(y);
-        glance.temperatures.set(temperatures);
+        seen.temperatures = temperatures;
         let clearance = self.clearance(&temperatures, worn(y));
-        let (at, drift) = self.drift(tau, [y[0], y[1]], viscosity, clearance, glance);
+        let drift = self.drift(tau, [y[0], y[1]], viscosity, clearance, seen);
+        let at = &seen.at;
         let t = self.thermal_rates(tau, &temperatures, clearance, &drift.flows);
         let wear = self.bearing.wear_rate(drift.flows.boundary, at.sliding());
         let [vx, vy] = drift.velocity;

@@ -11,7 +11,6 @@ pub use mobility::sommerfeld;
 use fmu_export::model::{Enumeration, Fault, Item};
 use journal_bearing::reynolds::Coefficients;
 use serde::{Deserialize, Serialize};
-use std::cell::Cell;
 
 use super::journal::{Drift, JournalFilm, Motion, Press, Setup, Situation, Strain, TransientFilm};
 use super::parameters::Bearing;
@@ -62,10 +61,18 @@ macro_rules! films {
 
             /// Each film's code in its place, as the time integration asks for nothing else.
             #[inline]
-            fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &Cell<Press>) -> Drift {
+            fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &mut Press) -> Drift {
                 match self {
                     Self::None => Drift::default(),
                     $(Self::$model(film) => film.drift(bearing, at, side_flow, press),)*
+                }
+            }
+
+            #[inline]
+            fn strain(&self, bearing: &Bearing, at: &Situation, press: &Press) -> Strain {
+                match self {
+                    Self::None => Strain::default(),
+                    $(Self::$model(film) => film.strain(bearing, at, press),)*
                 }
             }
 
@@ -151,14 +158,14 @@ impl Film {
     }
 
     /// How film and asperities press at an instant, of which `press` is known from [`drift`](Self::drift).
+    #[inline]
     pub fn strain(&self, bearing: &Bearing, at: &Situation, press: &Press) -> Strain {
-        let film = self.running.film();
-        film.map_or_else(Strain::default, |film| film.strain(bearing, at, press))
+        self.running.strain(bearing, at, press)
     }
 
     /// The velocities and flows that the time integration needs; the side flow where it is asked for.
     #[inline]
-    pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &Cell<Press>) -> Drift {
+    pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &mut Press) -> Drift {
         self.running.drift(bearing, at, side_flow, press)
     }
 
@@ -167,7 +174,7 @@ impl Film {
         &'a self,
         bearing: &'a Bearing,
         clearance: f64,
-    ) -> impl Fn(&Situation, bool, &Cell<Press>) -> Drift + 'a {
+    ) -> impl Fn(&Situation, bool, &mut Press) -> Drift + 'a {
         let mobility = match &self.running {
             Running::Mobility(film) => Some(film.at_clearance(clearance)),
             _ => None,

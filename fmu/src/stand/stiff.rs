@@ -1,7 +1,7 @@
 //! Implicit steps for stiff cases, in which one unknown settles far faster than the others move: a journal on hard, rough
 //! surfaces in thin oil, or a film almost without heat capacity.
 
-use super::validity::{Glance, Seen};
+use super::validity::Seen;
 use super::{FIRST_STEP, SCALES, Stand, Unknowns, unknowns};
 use crate::oil::Nearby;
 use crate::sensors::SENSORS;
@@ -43,11 +43,11 @@ impl Stand {
         let mut x = Extended::zeros();
         x.as_mut_slice()[..7].copy_from_slice(&unknowns(&self.state));
         let (mut oil, mut oil_beside, mut oil_there) = (self.nearby, self.nearby, self.nearby);
-        let (mut before, glance) = (None, Glance::default());
+        let (mut before, mut seen) = (None, Seen::default());
         let mut pass = |x: &Extended| {
-            let (_, now) = self.course_at(x[7], &state_of(x), &mut oil_there, &glance);
+            let (_, now) = self.course_at(x[7], &state_of(x), &mut oil_there, &mut seen);
             if let Some((from, sensed)) = before.replace((x[7], now)) {
-                observe(&Passage::between(from, x[7], [sensed, now]), &glance.seen());
+                observe(&Passage::between(from, x[7], [sensed, now]), &seen);
             }
         };
         let rates = |x: &Extended| Ok(self.extended_rates(x, &mut oil));
@@ -63,7 +63,7 @@ impl Stand {
 
     fn extended_rates(&self, x: &Extended, oil: &mut Nearby) -> Extended {
         let mut rates = Extended::repeat(1.0);
-        let (course, _) = self.course_at(x[7], &state_of(x), oil, &Glance::default());
+        let (course, _) = self.course_at(x[7], &state_of(x), oil, &mut Seen::default());
         rates.as_mut_slice()[..7].copy_from_slice(&course);
         rates
     }

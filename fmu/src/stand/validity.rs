@@ -8,7 +8,6 @@ use crate::thermal::Temperatures;
 use fmu_export::model::{Fault, Log};
 use journal_bearing::contact::{Contact, f_5_2};
 use journal_bearing::mobility::FINEST;
-use std::cell::Cell;
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 /// The log category.
@@ -51,41 +50,18 @@ const WRAPPED: f64 = 1.0 / FRAC_PI_4;
 /// by less than this part where only the tails of the roughness touch.
 const WIDER: f64 = 1e-3;
 
-/// What the limits are about at one instant.
+/// What the limits are about at one instant: that of the latest evaluation of the rates, which writes it in place. After a step that is
+/// taken it is its end.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Seen {
+    /// Its time within the step, s.
+    pub tau: Option<f64>,
     /// The film's situation.
     pub at: Situation,
     /// The temperatures.
     pub temperatures: Temperatures,
     /// How film and asperities press.
     pub press: Press,
-}
-
-/// The same at the latest evaluation of the rates, written in place: of a step that is taken, its end.
-#[derive(Debug)]
-pub(super) struct Glance {
-    /// Its time in the step, s; before the first, none.
-    pub tau: Cell<f64>,
-    /// The film's situation.
-    pub at: Cell<Situation>,
-    /// The temperatures.
-    pub temperatures: Cell<Temperatures>,
-    /// How film and asperities press.
-    pub press: Cell<Press>,
-}
-
-impl Default for Glance {
-    fn default() -> Self {
-        Self { tau: f64::NAN.into(), at: Cell::default(), temperatures: Cell::default(), press: Cell::default() }
-    }
-}
-
-impl Glance {
-    /// What it has seen.
-    pub fn seen(&self) -> Seen {
-        Seen { at: self.at.get(), temperatures: self.temperatures.get(), press: self.press.get() }
-    }
 }
 
 /// Limits that are passed: their bits, and for each of them when and how it was passed first.
@@ -156,7 +132,7 @@ impl Stand {
         let suspects = [
             (TURBULENT, number > limit),
             (OIL, temperatures.array().into_iter().any(|temperature| !self.fluid.holds(temperature))),
-            (PRESSURE, strain.film_pressure + asperities > self.bearing.pressure_limit || strain.distance < 0.0),
+            (PRESSURE, strain.most_film_pressure() + asperities > self.bearing.pressure_limit || strain.distance < 0.0),
             (LEVER, self.load.least_force(at.speed) < 0.0),
             (CONTACT, strain.contact_reach > HEIGHT || finest && force > TOUCHING * load),
             (OFF_TABLE, self.bearing.width > WIDEST * self.bearing.diameter),
@@ -174,10 +150,10 @@ impl Stand {
     /// Looks for limits that are passed in the present state. Returns what counts in a check of the operation.
     pub(super) fn look(&mut self) -> Worst {
         let y = super::unknowns(&self.state);
-        let glance = Glance::default();
-        self.course_with(0.0, &y, self.fluid.viscosity(self.state.temperatures.film), &glance);
+        let mut seen = Seen::default();
+        self.course_with(0.0, &y, self.fluid.viscosity(self.state.temperatures.film), &mut seen);
         let mut passing = self.passing();
-        let worst = self.look_at(&glance.seen(), self.state.time, &mut passing);
+        let worst = self.look_at(&seen, self.state.time, &mut passing);
         self.pass(passing);
         worst
     }
@@ -248,7 +224,7 @@ impl Stand {
     /// The asperities press where the film is thinnest, and the film's largest pressure is close to that place: the surfaces bear
     /// both.
     fn overpressed(&self, _: &Seen, strain: &Strain) -> Option<String> {
-        let (film, limit) = (strain.film_pressure, self.bearing.pressure_limit);
+        let (film, limit) = (strain.film_pressure(), self.bearing.pressure_limit);
         let asperities = match strain.contact.normal > 0.0 {
             true => {
                 let surface = &self.bearing.surface;
@@ -322,7 +298,7 @@ impl Stand {
                     .to_owned(),
             );
         }
-        let pressure = strain.film_pressure;
+        let pressure = strain.film_pressure();
         if self.oil.thickening.ends_below(seen.at.viscosity, pressure) {
             return Some(format!(
                 "a film pressure of {pressure:.3e} Pa is beyond the end of oil.pressureLaw, where the viscosity has risen by e^5: it \
@@ -399,10 +375,9 @@ mod tests {
                 stand.inputs.external_force.value = draw(1.0, 1e6) - 1.0;
                 let clearance = stand.bearing.radial_clearance * draw(0.5, 2.0);
                 let e = draw(1e-3, 1.5);
-                let glance = Glance::default();
-                let (at, _) = stand.drift(0.0, [0.6 * e, -0.8 * e], viscosity, clearance, &glance);
-                let seen = Seen { temperatures, ..glance.seen() };
-                let strain = stand.film.strain(&stand.bearing, &at, &seen.press);
+                let mut seen = Seen { temperatures, ..Seen::default() };
+                stand.drift(0.0, [0.6 * e, -0.8 * e], viscosity, clearance, &mut seen);
+                let strain = stand.film.strain(&stand.bearing, &seen.at, &seen.press);
                 let suspects = stand.suspects(&seen, &strain);
                 for (bit, how) in LIMITS.iter().filter_map(|(bit, how)| Some((bit, how(&stand, &seen, &strain)?))) {
                     assert_ne!(suspects & bit, 0, "{how}: {seen:?} {strain:?}");

@@ -9,7 +9,6 @@ use journal_bearing::mobility::{LookUp, MapError, MobilityMap, MobilitySlice, Ro
 use journal_bearing::reynolds::mean_gap;
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
-use std::cell::Cell;
 use std::sync::{Arc, LazyLock};
 
 /// Largest eccentricity ratio between smooth surfaces: the journal never reaches the bush.
@@ -166,11 +165,12 @@ impl JournalFilm for MobilityFilm {
             contact: now.contact,
             contact_reach: strain.contact_reach,
             min_film_thickness: strain.min_film_thickness,
-            max_film_pressure: strain.film_pressure,
+            max_film_pressure: strain.film_pressure(),
             flows: now.flows,
         }
     }
 
+    #[inline]
     fn strain(&self, bearing: &Bearing, at: &Situation, press: &Press) -> Strain {
         let &Press { log_peak, force, contact, ratio, touches } = press;
         let roughness = bearing.surface.roughness;
@@ -183,7 +183,8 @@ impl JournalFilm for MobilityFilm {
             false => (0.0, distance),
         };
         Strain {
-            film_pressure: if force > 0.0 { log_peak.exp() * force * self.prepared.factors.pressure } else { 0.0 },
+            log_peak,
+            unit: [force, self.prepared.factors.pressure],
             contact,
             contact_reach,
             min_film_thickness: gap,
@@ -192,7 +193,7 @@ impl JournalFilm for MobilityFilm {
     }
 
     #[inline]
-    fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &Cell<Press>) -> Drift {
+    fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &mut Press) -> Drift {
         let now = self.prepared.instant(bearing, at, side_flow, None);
         now.drift(at, press)
     }
@@ -214,7 +215,7 @@ impl MobilityFilm {
 impl AtClearance<'_> {
     /// [`JournalFilm::drift`] at an instant of this clearance.
     #[inline]
-    pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &Cell<Press>) -> Drift {
+    pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &mut Press) -> Drift {
         let now = self.prepared.instant(bearing, at, side_flow, Some(self));
         now.drift(at, press)
     }
@@ -231,8 +232,8 @@ impl Instant {
 
     /// What the time integration needs.
     #[inline(always)]
-    fn drift(&self, at: &Situation, press: &Cell<Press>) -> Drift {
-        press.set(self.press());
+    fn drift(&self, at: &Situation, press: &mut Press) -> Drift {
+        *press = self.press();
         Drift { velocity: self.push.velocity, torque: self.torque(at), flows: self.flows }
     }
 

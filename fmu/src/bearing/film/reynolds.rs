@@ -14,7 +14,6 @@ use journal_bearing::reynolds::{
 };
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
-use std::cell::Cell;
 use std::sync::Arc;
 
 /// The transient Reynolds film with the journal that floats in it.
@@ -107,7 +106,7 @@ impl JournalFilm for ReynoldsJournal {
         self.motion
     }
 
-    fn drift(&self, _: &Bearing, _: &Situation, _: bool, _: &Cell<Press>) -> Drift {
+    fn drift(&self, _: &Bearing, _: &Situation, _: bool, _: &mut Press) -> Drift {
         let Motion { velocity, torque, flows, .. } = self.motion;
         Drift { velocity, torque, flows }
     }
@@ -120,7 +119,7 @@ impl JournalFilm for ReynoldsJournal {
             0.0 => min_film_thickness,
             crossed => -crossed * bearing.surface.roughness,
         };
-        Strain { film_pressure: max_film_pressure, contact, contact_reach, min_film_thickness, distance }
+        Strain { log_peak: 0.0, unit: [max_film_pressure, 1.0], contact, contact_reach, min_film_thickness, distance }
     }
 
     fn coefficients(&self, bearing: &Bearing, at: &Situation) -> Coefficients {
