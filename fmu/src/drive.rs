@@ -99,7 +99,11 @@ impl Drive {
     /// B.3: 0.0015 for deep groove ball bearings, relative to their bore d), plain ones with a torque in proportion to the speed
     /// (Petroff 1883).
     pub fn support_torque(&self, load: f64, radius: f64, speed: f64) -> f64 {
-        self.support_friction * load * radius * direction(speed * radius) + self.support_drag * speed
+        let rolling = match self.support_friction {
+            0.0 => 0.0,
+            friction => friction * load * radius * direction(speed * radius),
+        };
+        rolling + self.support_drag * speed
     }
 }
 

@@ -147,22 +147,29 @@ impl Properties {
         (shifted - D341_SHIFT).max(0.01) * 1e-6
     }
 
-    /// Why the laws do not hold at a temperature, K: beyond the measured rows, or where the viscosity law ends.
+    /// Whether the laws hold at a temperature, K.
+    #[inline]
+    pub fn holds(&self, temperature: f64) -> bool {
+        let within = |[low, high]: [f64; 2]| low <= temperature && temperature <= high;
+        within(self.range) && self.measured.is_none_or(within)
+    }
+
+    /// Why they do not: beyond the measured rows, or where the viscosity law ends.
     pub fn beyond(&self, temperature: f64) -> Option<String> {
+        if self.holds(temperature) {
+            return None;
+        }
         if let Some([low, high]) = self.measured
             && !(low..=high).contains(&temperature)
         {
             return Some(format!("the oil was measured from {low:.2} to {high:.2} K"));
         }
-        let [low, high] = self.range;
-        let limit = if temperature > high { D341_LEAST } else { D341_MOST };
-        (temperature > high || temperature < low).then(|| {
-            format!(
-                "its viscosity law (ASTM D341) ends at {:e} m2/s, where it gives {:.2e}",
-                1e-6 * limit,
-                self.kinematic_viscosity(temperature)
-            )
-        })
+        let limit = if temperature > self.range[1] { D341_LEAST } else { D341_MOST };
+        Some(format!(
+            "its viscosity law (ASTM D341) ends at {:e} m2/s, where it gives {:.2e}",
+            1e-6 * limit,
+            self.kinematic_viscosity(temperature)
+        ))
     }
 
     /// Density, kg/m³, at a temperature, K (ASTM D1250-80: `exp(-alpha*dT*(1 + 0.8*alpha*dT))`).

@@ -192,14 +192,15 @@ impl Stand {
         let temperatures = temperatures(y);
         let viscosity = self.fluid.viscosity(temperatures.film);
         let clearance = self.clearance(&temperatures, worn(y));
-        self.instant(tau, [y[0], y[1]], viscosity, clearance)
+        let mut seen = Seen::default();
+        self.instant(tau, [y[0], y[1]], viscosity, clearance, &mut seen);
+        seen.at
     }
 
-    /// The part of the motion that the time integration needs, with the situation that it is one of.
-    fn drift(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64, clearance: f64) -> (Situation, Drift) {
-        let at = self.instant(tau, eccentricity, viscosity, clearance);
-        let felt = self.feels_side_flow();
-        (at, self.film.drift(&self.bearing, &at, felt))
+    /// The part of the motion that the time integration needs.
+    fn drift(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64, clearance: f64, seen: &mut Seen) -> Drift {
+        self.instant(tau, eccentricity, viscosity, clearance, seen);
+        self.film.drift(&self.bearing, &seen.at, self.feels_side_flow(), &mut seen.press)
     }
 
     /// Whether the temperatures follow from the side flow.
@@ -209,9 +210,14 @@ impl Stand {
 
     /// The film's situation `tau` seconds into the step, with its place (1), viscosity (Pa.s) and clearance (m) given.
     #[inline]
-    fn instant(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64, clearance: f64) -> Situation {
-        let (speed, load) = self.driven(tau);
-        Situation { load, eccentricity, clearance, viscosity, speed, bush_speed: self.inputs.bush_speed.at(tau) }
+    fn instant(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64, clearance: f64, seen: &mut Seen) {
+        let Seen { tau: before, at, .. } = seen;
+        // The last two stages of a step are at the same time.
+        if before.replace(tau) != Some(tau) {
+            (at.speed, at.load) = self.driven(tau);
+            at.bush_speed = self.inputs.bush_speed.at(tau);
+        }
+        (at.eccentricity, at.viscosity, at.clearance) = (eccentricity, viscosity, clearance);
     }
 
     /// Shaft speed (rad/s) and load on the journal (N, along x and y), `tau` seconds into the step.
@@ -266,29 +272,25 @@ impl Stand {
 
     /// Rates of the unknowns, and what the physical stand's sensors read, `tau` seconds into the step.
     #[inline]
-    fn course_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby) -> (Unknowns, Sensed) {
-        self.seen_at(tau, y, oil).0
-    }
-
-    /// The same, and what the limits of the laws are about.
-    #[inline]
-    fn seen_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby) -> ((Unknowns, Sensed), Seen) {
+    fn course_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby, seen: &mut Seen) -> (Unknowns, Sensed) {
         let viscosity = oil.viscosity(&self.fluid, temperatures(y).film);
-        self.course_with(tau, y, viscosity)
+        self.course_with(tau, y, viscosity, seen)
     }
 
     /// The same with the oil's viscosity, Pa.s, at the film's temperature.
     #[inline]
-    fn course_with(&self, tau: f64, y: &Unknowns, viscosity: f64) -> ((Unknowns, Sensed), Seen) {
+    fn course_with(&self, tau: f64, y: &Unknowns, viscosity: f64, seen: &mut Seen) -> (Unknowns, Sensed) {
         let temperatures = temperatures(y);
+        seen.temperatures = temperatures;
         let clearance = self.clearance(&temperatures, worn(y));
-        let (at, drift) = self.drift(tau, [y[0], y[1]], viscosity, clearance);
+        let drift = self.drift(tau, [y[0], y[1]], viscosity, clearance, seen);
+        let at = &seen.at;
         let t = self.thermal_rates(tau, &temperatures, clearance, &drift.flows);
         let wear = self.bearing.wear_rate(drift.flows.boundary, at.sliding());
         let [vx, vy] = drift.velocity;
         let load = at.load_magnitude();
         let torque = drift.torque + self.support_torque(load, at.speed);
-        let course = (
+        (
             [vx, vy, t.film, t.bush, t.shaft, t.oil, wear],
             [
                 at.load[0],
@@ -298,8 +300,7 @@ impl Stand {
                 temperatures.oil,
                 temperatures.bush,
             ],
-        );
-        (course, Seen { at, temperatures, press: drift.press })
+        )
     }
 
     /// Friction torque of the support bearings, N.m, at a load (N) and a shaft speed (rad/s).

@@ -61,10 +61,18 @@ macro_rules! films {
 
             /// Each film's code in its place, as the time integration asks for nothing else.
             #[inline]
-            fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift {
+            fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &mut Press) -> Drift {
                 match self {
                     Self::None => Drift::default(),
-                    $(Self::$model(film) => film.drift(bearing, at, side_flow),)*
+                    $(Self::$model(film) => film.drift(bearing, at, side_flow, press),)*
+                }
+            }
+
+            #[inline]
+            fn strain(&self, bearing: &Bearing, at: &Situation, press: &Press) -> Strain {
+                match self {
+                    Self::None => Strain::default(),
+                    $(Self::$model(film) => film.strain(bearing, at, press),)*
                 }
             }
 
@@ -150,26 +158,30 @@ impl Film {
     }
 
     /// How film and asperities press at an instant, of which `press` is known from [`drift`](Self::drift).
+    #[inline]
     pub fn strain(&self, bearing: &Bearing, at: &Situation, press: &Press) -> Strain {
-        let film = self.running.film();
-        film.map_or_else(Strain::default, |film| film.strain(bearing, at, press))
+        self.running.strain(bearing, at, press)
     }
 
     /// The velocities and flows that the time integration needs; the side flow where it is asked for.
     #[inline]
-    pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift {
-        self.running.drift(bearing, at, side_flow)
+    pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &mut Press) -> Drift {
+        self.running.drift(bearing, at, side_flow, press)
     }
 
     /// [`drift`](Self::drift) at many instants of one clearance, m.
-    pub fn drift_at<'a>(&'a self, bearing: &'a Bearing, clearance: f64) -> impl Fn(&Situation, bool) -> Drift + 'a {
+    pub fn drift_at<'a>(
+        &'a self,
+        bearing: &'a Bearing,
+        clearance: f64,
+    ) -> impl Fn(&Situation, bool, &mut Press) -> Drift + 'a {
         let mobility = match &self.running {
             Running::Mobility(film) => Some(film.at_clearance(clearance)),
             _ => None,
         };
-        move |at, side_flow| match &mobility {
-            Some(film) => film.drift(bearing, at, side_flow),
-            None => self.running.drift(bearing, at, side_flow),
+        move |at, side_flow, press| match &mobility {
+            Some(film) => film.drift(bearing, at, side_flow, press),
+            None => self.running.drift(bearing, at, side_flow, press),
         }
     }
 

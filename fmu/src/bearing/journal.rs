@@ -10,6 +10,7 @@ use journal_bearing::reynolds::{Coefficients, HeatExchange, HeatGiven};
 use journal_bearing::rheology::Rheology;
 use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::LOG2_E;
 
 use super::parameters::Bearing;
 
@@ -84,8 +85,10 @@ pub struct Motion {
 /// How film and asperities press at one instant.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Strain {
-    /// Largest film pressure, Pa.
-    pub film_pressure: f64,
+    /// Logarithm of the largest film pressure over its unit.
+    pub log_peak: f64,
+    /// That unit, as a force, N, and what it is multiplied by, 1/m².
+    pub unit: [f64; 2],
     /// Forces of the touching asperities' pressure.
     pub contact: Contact,
     /// How far the mean planes cross, over the roughness, 1; zero where they do not.
@@ -94,6 +97,21 @@ pub struct Strain {
     pub min_film_thickness: f64,
     /// The least distance of the mean planes, m, as far as the film knows it.
     pub distance: f64,
+}
+
+impl Strain {
+    /// Largest film pressure, Pa.
+    pub fn film_pressure(&self) -> f64 {
+        let [force, per_area] = self.unit;
+        if force > 0.0 { self.log_peak.exp() * force * per_area } else { 0.0 }
+    }
+
+    /// At least that, by the next power of two: it costs next to nothing.
+    #[inline]
+    pub fn most_film_pressure(&self) -> f64 {
+        let exponent = 1024.0 + (self.log_peak * LOG2_E).clamp(-1000.0, 1000.0);
+        f64::from_bits((exponent as u64) << 52) * self.unit[0] * self.unit[1]
+    }
 }
 
 /// What of it is at hand in every stage of the time integration; [`JournalFilm::strain`] tells the rest.
@@ -120,8 +138,6 @@ pub struct Drift {
     pub torque: f64,
     /// Heat and oil flow.
     pub flows: Flows,
-    /// How film and asperities press.
-    pub press: Press,
 }
 
 /// The parameters and files that a film starts from.
@@ -192,8 +208,9 @@ pub trait JournalFilm {
     /// The journal's motion, with all that sensors read.
     fn motion(&self, bearing: &Bearing, at: &Situation) -> Motion;
 
-    /// Only what the time integration needs. The side flow may be zero unless it is asked for.
-    fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift;
+    /// Only what the time integration needs, with what [`strain`](Self::strain) wants to know left in `press`. The side flow may be
+    /// zero unless it is asked for.
+    fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &mut Press) -> Drift;
 
     /// How film and asperities press at an instant, of which `press` is known from [`drift`](Self::drift).
     fn strain(&self, bearing: &Bearing, at: &Situation, press: &Press) -> Strain;
@@ -208,7 +225,7 @@ pub trait JournalFilm {
         let load = Vector2::from(at.load);
         let velocity = |place: Vector2<f64>, load: Vector2<f64>| {
             let at = Situation { eccentricity: place.into(), load: load.into(), ..*at };
-            Vector2::from(self.drift(bearing, &at, false).velocity)
+            Vector2::from(self.drift(bearing, &at, false, &mut Press::default()).velocity)
         };
         let of_place = derivative(NUDGE, |by| velocity(place + by, load));
         let of_force = derivative(NUDGE * load.norm(), |by| velocity(place, load + by));

@@ -137,7 +137,11 @@ impl Bearing {
     }
 
     /// Rate of the mean wear depth, m/s, while the asperities turn `heat` watts into heat at a speed of the shaft against the bush, rad/s.
+    #[inline]
     pub fn wear_rate(&self, heat: f64, speed: f64) -> f64 {
+        if self.wear.coefficient == 0.0 {
+            return 0.0;
+        }
         let area = std::f64::consts::PI * self.diameter * self.width;
         self.wear.rate(heat, self.contact_friction(speed).abs(), area)
     }

@@ -19,7 +19,7 @@ impl Wear {
     /// coefficient. Their heat is the friction coefficient times normal force times sliding speed, of which wear needs the last
     /// two. Zero where there is no friction.
     pub fn rate(&self, heat: f64, friction: f64, area: f64) -> f64 {
-        if self.coefficient == 0.0 || friction == 0.0 {
+        if friction == 0.0 {
             return 0.0;
         }
         self.coefficient * heat / friction / area

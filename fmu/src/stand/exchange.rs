@@ -4,6 +4,7 @@
 use fmu_export::model::{Complete, Continuous, Fault, State};
 use fmu_export::units;
 
+use super::validity::Seen;
 use super::{Stand, Unknowns, temperatures, unknowns};
 
 /// The states in the order of their declaration: the shaft angle, then the unknowns of the stand's own integration.
@@ -98,7 +99,7 @@ impl Continuous for Stand {
     fn rates(&self, rates: &mut [f64]) -> Result<(), Fault> {
         let y = within_bounds(unknowns(&self.state));
         let viscosity = self.oil.viscosity_scale * self.fluid.real(temperatures(&y).film);
-        let ((course, _), _) = self.course_with(0.0, &y, viscosity);
+        let (course, _) = self.course_with(0.0, &y, viscosity, &mut Seen::default());
         let speed = self.drive.speed(&self.command(), 0.0);
         let all = std::iter::once(speed).chain(course);
         for (rate, value) in rates.iter_mut().zip(all) {

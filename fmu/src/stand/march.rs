@@ -12,7 +12,7 @@ use crate::solver::{Budget, DormandPrince, Passage};
 use crate::thermal::Temperatures;
 use fmu_export::model::{Fault, Log};
 use journal_bearing::reynolds::{HeatExchange, HeatGiven};
-use std::cell::Cell;
+use std::cell::RefCell;
 
 /// Cycles that are resolved after a leap.
 const CYCLES_AT_THE_END: usize = 1;
@@ -85,27 +85,23 @@ impl Stand {
         let mut oil = self.nearby;
         let known = self.arrival.0.take();
         let known = known.filter(|known| known.at == self.place());
-        let mut last = (f64::NAN, Default::default());
+        let mut last = (f64::NAN, <(Unknowns, Sensed)>::default());
         // The last stage of a step that is taken is at its end.
-        let seen = Cell::new(Seen::default());
+        let seen = &RefCell::new(Seen::default());
         let course = |tau: f64, y: &Unknowns| {
             let rates = match &known {
                 Some(known) if tau == 0.0 => known.rates,
-                _ => {
-                    let (rates, now) = self.seen_at(tau, y, &mut oil);
-                    seen.set(now);
-                    rates
-                }
+                _ => self.course_at(tau, y, &mut oil, &mut seen.borrow_mut()),
             };
-            last = (tau, rates);
+            last.0 = tau;
+            if tau == span {
+                last.1 = rates;
+            }
             rates
         };
         let (mut means, mut passing) = (self.state.means, self.passing());
         let mut observe = self.observing(&mut means, &mut passing);
-        let watch = {
-            let seen = &seen;
-            move |passage: &Passage<SENSORS>| observe(passage, &seen.get())
-        };
+        let watch = move |passage: &Passage<SENSORS>| observe(passage, &seen.borrow());
         let done = integrator.integrate_observed(course, &mut y, [], span, &mut next_step, watch);
         let arrived = done.is_ok() && last.0 == span;
         if let Err(failure) = done {
@@ -244,7 +240,7 @@ impl Stand {
 
     /// The present readings of the physical stand's sensors.
     fn sense(&self, oil: &mut Nearby) -> Sensed {
-        self.course_at(0.0, &unknowns(&self.state), oil).1
+        self.course_at(0.0, &unknowns(&self.state), oil, &mut Seen::default()).1
     }
 
     /// The temperatures after `span` seconds under constant flows.
@@ -383,10 +379,11 @@ impl TwoScales for Stand {
 
     fn journal(&self, clearance: f64) -> impl Fn(f64, [f64; 2], f64) -> ([f64; 2], Flows) {
         let drift = self.film.drift_at(&self.bearing, clearance);
-        let felt = self.feels_side_flow();
+        let (felt, seen) = (self.feels_side_flow(), RefCell::new(Seen::default()));
         move |tau, eccentricity, viscosity| {
-            let at = self.instant(tau, eccentricity, viscosity, clearance);
-            let drift = drift(&at, felt);
+            let seen = &mut *seen.borrow_mut();
+            self.instant(tau, eccentricity, viscosity, clearance, seen);
+            let drift = drift(&seen.at, felt, &mut seen.press);
             (drift.velocity, drift.flows)
         }
     }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use super::{Stand, unknowns};
-use crate::bearing::Situation;
+use crate::bearing::{Press, Situation};
 use journal_bearing::reynolds::Coefficients;
 use nalgebra::Vector2;
 
@@ -45,7 +45,7 @@ impl Stand {
         if magnitude == 0.0 || at.speed == 0.0 {
             return false;
         }
-        let velocity = self.film.drift(&self.bearing, at, false).velocity;
+        let velocity = self.film.drift(&self.bearing, at, false, &mut Press::default()).velocity;
         let quarter = 0.5 * PI / at.speed.abs();
         let is_constant = |quarters: f64| {
             let (.., load) = self.driven(quarters * quarter);

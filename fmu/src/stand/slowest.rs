@@ -6,6 +6,7 @@
 //! the mobility film.
 
 use super::inputs::INPUTS;
+use super::validity::Seen;
 use super::{Stand, unknowns};
 use crate::bearing::{Film, Flows};
 use crate::multirate::{self, Departure, Vector4};
@@ -73,7 +74,7 @@ impl Stand {
         let at = &from.temperatures;
         let viscosity = self.fluid.viscosity(at.film);
         let clearance = self.clearance(at, from.worn);
-        let (_, drift) = self.drift(0.0, self.state.eccentricity, viscosity, clearance);
+        let drift = self.drift(0.0, self.state.eccentricity, viscosity, clearance, &mut Seen::default());
         let drift = multirate::network(self, from, &drift.flows);
         multirate::slowest_time_constant(&drift)
     }

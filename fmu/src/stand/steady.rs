@@ -18,6 +18,7 @@
 
 mod newton;
 
+use super::validity::Seen;
 use super::{EVENTS, Stand, State, Unknowns, unknowns};
 use crate::drive::MOST_TURNS;
 use crate::multirate::{self, Across, Departure, Equilibrium, Matrix4, NoEquilibrium, NoLeap, Vector4, vector};
@@ -267,7 +268,8 @@ impl Stand {
         };
         let mut y = *start;
         let mut oil = self.nearby;
-        let course = |tau: f64, y: &Unknowns| self.course_at(tau, y, &mut oil);
+        let mut seen = Seen::default();
+        let course = |tau: f64, y: &Unknowns| self.course_at(tau, y, &mut oil, &mut seen);
         let (_, integrals) = integrator.integrate_along(course, &mut y, [], self.cycle(), step)?;
         Ok((y, integrals.map(|integral| integral / self.cycle())))
     }

@@ -43,9 +43,9 @@ impl Stand {
         let mut x = Extended::zeros();
         x.as_mut_slice()[..7].copy_from_slice(&unknowns(&self.state));
         let (mut oil, mut oil_beside, mut oil_there) = (self.nearby, self.nearby, self.nearby);
-        let mut before = None;
+        let (mut before, mut seen) = (None, Seen::default());
         let mut pass = |x: &Extended| {
-            let ((_, now), seen) = self.seen_at(x[7], &state_of(x), &mut oil_there);
+            let (_, now) = self.course_at(x[7], &state_of(x), &mut oil_there, &mut seen);
             if let Some((from, sensed)) = before.replace((x[7], now)) {
                 observe(&Passage::between(from, x[7], [sensed, now]), &seen);
             }
@@ -63,7 +63,7 @@ impl Stand {
 
     fn extended_rates(&self, x: &Extended, oil: &mut Nearby) -> Extended {
         let mut rates = Extended::repeat(1.0);
-        let (course, _) = self.course_at(x[7], &state_of(x), oil);
+        let (course, _) = self.course_at(x[7], &state_of(x), oil, &mut Seen::default());
         rates.as_mut_slice()[..7].copy_from_slice(&course);
         rates
     }

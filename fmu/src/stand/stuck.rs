@@ -1,5 +1,6 @@
 //! Reasons why a step failed: which unknown changes too fast, and which parameter makes it so.
 
+use super::validity::Seen;
 use super::{SCALES, Stand, Unknowns, temperatures, worn};
 use crate::oil::Nearby;
 use crate::solver::Failure;
@@ -103,13 +104,13 @@ impl Stand {
             "the wear depth",
         ];
         const NUDGE: f64 = 1e-7;
-        let mut oil = Nearby::default();
-        let (here, _) = self.course_at(at.tau, &at.y, &mut oil);
+        let (mut oil, mut seen) = (Nearby::default(), Seen::default());
+        let (here, _) = self.course_at(at.tau, &at.y, &mut oil, &mut seen);
         let mut fastest = ("nothing", 0.0_f64);
         for i in at.among.clone() {
             let mut nudged = at.y;
             nudged[i] += NUDGE * SCALES[i];
-            let (there, _) = self.course_at(at.tau, &nudged, &mut oil);
+            let (there, _) = self.course_at(at.tau, &nudged, &mut oil, &mut seen);
             let pace = ((there[i] - here[i]) / (nudged[i] - at.y[i])).abs();
             if !pace.is_finite() {
                 return None;

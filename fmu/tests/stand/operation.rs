@@ -81,6 +81,33 @@ fn the_film_at_the_transition_speed_has_the_transition_s_thickness() {
     }
 }
 
+/// Butenschoen's numbers (1976, dissertation, Karlsruhe), from which the standard's function was fitted, as the tests of mboct-mbdyn-pkg
+/// quote them. His film begins where the gap is widest, which only a wide bearing under a light load feels.
+#[test]
+fn the_sommerfeld_number_at_the_transition_is_the_tabulated_one() {
+    let table = [
+        (0.2, [0.2518, 0.0783, 0.0210, 0.0054]),
+        (0.4, [0.6108, 0.2026, 0.0560, 0.0144]),
+        (0.6, [1.3146, 0.4982, 0.1476, 0.0390]),
+        (0.8, [3.5663, 1.7339, 0.6043, 0.1706]),
+        (0.9, [8.4352, 5.0881, 2.1595, 0.6776]),
+        (0.95, [18.7895, 13.3083, 6.9248, 2.5202]),
+        (0.99, [107.7868, 93.7881, 70.0359, 39.2568]),
+    ];
+    for (k, slenderness) in [1.0, 0.5, 0.25, 0.125].into_iter().enumerate() {
+        let mut stand = bearing([0.1 * slenderness, 0.1, 1e-4], [1e3, 1000.0, 0.02]);
+        for (e, tabulated) in table {
+            stand.permitted.transition_gap = 1e-4 * (1.0 - e);
+            let told = after(1e-4, stand.clone()).operation();
+            let sommerfeld = told.sommerfeld * stand.inputs.speed.value / told.transition_speed;
+            let (bound, digit) = (if e < 0.4 { 0.013 } else { 0.006 }, 5e-5);
+            let apart = (sommerfeld - tabulated[k]).abs();
+            println!("B/D {slenderness}, e {e}: So {sommerfeld:.4} for {}", tabulated[k]);
+            assert!(apart < bound * tabulated[k] + digit, "B/D {slenderness}, {e}: {sommerfeld} {}", tabulated[k]);
+        }
+    }
+}
+
 /// Each criterion decides where it is the worst, and what the standard does not cover is not safe.
 #[test]
 fn what_is_worst_decides() {

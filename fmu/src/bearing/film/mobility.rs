@@ -165,11 +165,12 @@ impl JournalFilm for MobilityFilm {
             contact: now.contact,
             contact_reach: strain.contact_reach,
             min_film_thickness: strain.min_film_thickness,
-            max_film_pressure: strain.film_pressure,
+            max_film_pressure: strain.film_pressure(),
             flows: now.flows,
         }
     }
 
+    #[inline]
     fn strain(&self, bearing: &Bearing, at: &Situation, press: &Press) -> Strain {
         let &Press { log_peak, force, contact, ratio, touches } = press;
         let roughness = bearing.surface.roughness;
@@ -182,7 +183,8 @@ impl JournalFilm for MobilityFilm {
             false => (0.0, distance),
         };
         Strain {
-            film_pressure: if force > 0.0 { log_peak.exp() * force * self.prepared.factors.pressure } else { 0.0 },
+            log_peak,
+            unit: [force, self.prepared.factors.pressure],
             contact,
             contact_reach,
             min_film_thickness: gap,
@@ -191,9 +193,9 @@ impl JournalFilm for MobilityFilm {
     }
 
     #[inline]
-    fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift {
+    fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &mut Press) -> Drift {
         let now = self.prepared.instant(bearing, at, side_flow, None);
-        now.drift(at)
+        now.drift(at, press)
     }
 }
 
@@ -213,9 +215,9 @@ impl MobilityFilm {
 impl AtClearance<'_> {
     /// [`JournalFilm::drift`] at an instant of this clearance.
     #[inline]
-    pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool) -> Drift {
+    pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &mut Press) -> Drift {
         let now = self.prepared.instant(bearing, at, side_flow, Some(self));
-        now.drift(at)
+        now.drift(at, press)
     }
 }
 
@@ -230,8 +232,9 @@ impl Instant {
 
     /// What the time integration needs.
     #[inline(always)]
-    fn drift(&self, at: &Situation) -> Drift {
-        Drift { velocity: self.push.velocity, torque: self.torque(at), flows: self.flows, press: self.press() }
+    fn drift(&self, at: &Situation, press: &mut Press) -> Drift {
+        *press = self.press();
+        Drift { velocity: self.push.velocity, torque: self.torque(at), flows: self.flows }
     }
 
     /// Friction torque on the journal, N.m.

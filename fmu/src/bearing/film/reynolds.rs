@@ -106,9 +106,9 @@ impl JournalFilm for ReynoldsJournal {
         self.motion
     }
 
-    fn drift(&self, _: &Bearing, _: &Situation, _: bool) -> Drift {
+    fn drift(&self, _: &Bearing, _: &Situation, _: bool, _: &mut Press) -> Drift {
         let Motion { velocity, torque, flows, .. } = self.motion;
-        Drift { velocity, torque, flows, press: Press::default() }
+        Drift { velocity, torque, flows }
     }
 
     fn strain(&self, bearing: &Bearing, at: &Situation, _: &Press) -> Strain {
@@ -119,7 +119,7 @@ impl JournalFilm for ReynoldsJournal {
             0.0 => min_film_thickness,
             crossed => -crossed * bearing.surface.roughness,
         };
-        Strain { film_pressure: max_film_pressure, contact, contact_reach, min_film_thickness, distance }
+        Strain { log_peak: 0.0, unit: [max_film_pressure, 1.0], contact, contact_reach, min_film_thickness, distance }
     }
 
     fn coefficients(&self, bearing: &Bearing, at: &Situation) -> Coefficients {
