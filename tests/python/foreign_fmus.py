@@ -20,8 +20,10 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
+import threading
 import zipfile
 from collections import Counter, defaultdict
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
 from datetime import datetime, timezone
 from pathlib import Path
@@ -435,12 +437,21 @@ def main():
     if options.keep:
         options.keep.mkdir(parents=True, exist_ok=True)
     supervised.DEADLINE = VERIFY_TIMEOUT
-    rows, server = [], fresh_points.Server()
-    for fmu in fmus:
-        for kind in kinds(fmu):
-            rows.append(examined(fmu, kind, options.points, options.keep, server))
-            print(rows[-1].line(), flush=True)
-    server.close()
+    rows, servers, own = [], [], threading.local()
+
+    def row(task):
+        if not hasattr(own, "server"):
+            own.server = fresh_points.Server()
+            servers.append(own.server)
+        return examined(*task, options.points, options.keep, own.server)
+
+    # Two at a time, as many only wait.
+    with ThreadPoolExecutor(2) as threads:
+        for found in threads.map(row, [(fmu, kind) for fmu in fmus for kind in kinds(fmu)]):
+            rows.append(found)
+            print(found.line(), flush=True)
+    for server in servers:
+        server.close()
     print(*map(cells, table(rows)), *odd(rows), summary(rows), sep="\n")
     if options.table:
         options.table.write_text(page(rows, options))
