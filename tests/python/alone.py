@@ -2,7 +2,7 @@
 to the last bit, with what fmpy computes of the healthy model in a fresh process each. Prints a line for every run in which a
 result is wrong or lost, and what told of it; the exit code is 1 when nothing did, or when a process is left.
 
-    scripts/evidence/alone [--every N ...] [--jobs N ...] [--hosts] [--only PART]
+    scripts/evidence/alone [--every N ...] [--jobs N ...] [--hosts] [--only PART] [--at-once N]
 
 Two hosts are this machine twice."""
 
@@ -10,13 +10,17 @@ import argparse
 import re
 import sys
 import tempfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 from faulty import HEALTHY, MEETINGS, MODELS
+import supervised
 from laboratory import NO_TIMEOUT, TIMEOUT, Laboratory, bits, study
 
 POINTS = {10: 200, 50: 300}
 MOST = 500
+# So long that only a run that hangs takes it, s.
+DEADLINE = 600.0
 # So many points of models that wait for the timeout: each point with the fault does.
 FEW = 60
 
@@ -55,26 +59,27 @@ def main():
     arguments.add_argument("--jobs", nargs="+", default=["2"], metavar="N", help="points at a time [2]")
     arguments.add_argument("--hosts", action="store_true", help="two hosts instead, a point at a time each")
     arguments.add_argument("--only", default="", metavar="PART", help="only behaviours with this in their names")
+    arguments.add_argument("--at-once", type=int, default=2, metavar="N", help="so many runs at a time [2]")
     options = arguments.parse_args()
     places = [None] if options.hosts else [["--jobs", jobs] for jobs in options.jobs]
     models = [model for model in MODELS + MEETINGS if re.search(options.only, model.name)]
-    runs, points, off, silent = 0, 0, [], 0
-    with tempfile.TemporaryDirectory() as folder:
+    supervised.DEADLINE = DEADLINE
+    points, off, silent = 0, [], 0
+    with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(options.at_once) as threads:
         laboratory = Laboratory(Path(folder))
         laboratory.sound = laboratory.fresh(laboratory.workshop.model(HEALTHY), points=MOST)
-        for model in models:
-            for every in options.every:
-                for where in places:
-                    count, wrong, lost, words, strays = examine(laboratory, model, every, where)
-                    runs, points = runs + 1, points + count
-                    if wrong or lost or strays:
-                        off.append(wrong + lost)
-                        # A licence that is refused is told by the status of its points.
-                        silent += bool(strays or wrong and not words)
-                        print(f"{model.name}, one in {every}, {' '.join(where or ['two hosts'])}: of {count} points {wrong} wrong, "
-                              f"{lost} failed; told: {', '.join(words) or 'no'}{'; left: ' if strays else ''}{strays or ''}", flush=True)
+        runs = [(model, every, where) for model in models for every in options.every for where in places]
+        for (model, every, where), found in zip(runs, threads.map(lambda run: examine(laboratory, *run), runs)):
+            count, wrong, lost, words, strays = found
+            points += count
+            if wrong or lost or strays:
+                off.append(wrong + lost)
+                # A point that failed says so itself.
+                silent += bool(strays or wrong and not words)
+                print(f"{model.name}, one in {every}, {' '.join(where or ['two hosts'])}: of {count} points {wrong} wrong, {lost} failed; "
+                      f"told: {', '.join(words) or 'no'}{'; left: ' if strays else ''}{strays or ''}", flush=True)
         laboratory.end()
-    print(f"{len(models)} behaviours, {runs} runs, {points} points without the fault: {sum(off)} wrong or failed in {len(off)} runs, "
+    print(f"{len(models)} behaviours, {len(runs)} runs, {points} points without the fault: {sum(off)} wrong or failed in {len(off)} runs, "
           f"{silent} of which nothing told.")
     return 1 if silent else 0
 
