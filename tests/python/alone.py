@@ -1,5 +1,5 @@
 """Points of misbehaving FMUs against each point alone: every N-th point has the fault, and the results of all others are compared,
-to the last bit, with what fmpy computes of the healthy model in a fresh process each. Prints a line for every run in which a
+to the last bit, with what fmpy computes in a fresh process each, of the healthy model unless the FMU has results of its own. Prints a line for every run in which a
 result is wrong or lost, and what told of it; the exit code is 1 when nothing did, or when a process is left.
 
     scripts/evidence/alone [--every N ...] [--jobs N ...] [--hosts] [--only PART] [--at-once N]
@@ -38,7 +38,9 @@ def examine(laboratory, model, every, where):
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
         options = ["--extra-runs", "0", "--point-timeout", TIMEOUT if model.waits else NO_TIMEOUT, *model.options]
-        run = study(folder, laboratory.workshop.model(model), hit, options=options, points=count)
+        fmu = laboratory.workshop.model(model)
+        sound = laboratory.fresh(fmu, points=count) if model.results == "own" else laboratory.sound
+        run = study(folder, fmu, hit, options=options, points=count)
         if where is None:
             (folder / "hosts.txt").write_text("alpha 1\nbeta 1\n")
             where = ["--hosts", "hosts.txt", "--launcher", "sh -c 'exec \"$@\"' {host}"]
@@ -49,7 +51,7 @@ def examine(laboratory, model, every, where):
         raise SystemExit(f"{model.name}: {outcome.said[-400:]}")
     good = {point: row for point, row in outcome.points.items() if point not in hit}
     lost = [point for point, row in good.items() if not row["status"].startswith("ok")]
-    wrong = [point for point, row in good.items() if point not in lost and bits(row) != laboratory.sound[point]]
+    wrong = [point for point, row in good.items() if point not in lost and bits(row) != sound[point]]
     return len(good), len(wrong), len(lost), told(outcome), outcome.strays
 
 

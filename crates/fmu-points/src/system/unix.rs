@@ -136,6 +136,7 @@ pub fn held() -> Option<String> {
         };
         // SAFETY: it is an open socket, which is asked for its address and not closed.
         let internet = ManuallyDrop::new(unsafe { UdpSocket::from_raw_fd(descriptor) });
+        // SAFETY: the same.
         let local = ManuallyDrop::new(unsafe { UnixDatagram::from_raw_fd(descriptor) });
         if let Ok(name) = local.local_addr() {
             // A path is none of these.
