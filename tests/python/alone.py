@@ -1,6 +1,7 @@
 """Points of misbehaving FMUs against each point alone: every N-th point has the fault, and the results of all others are compared,
-to the last bit, with what fmpy computes in a fresh process each, of the healthy model unless the FMU has results of its own. Prints a line for every run in which a
-result is wrong or lost, and what told of it; the exit code is 1 when nothing did, or when a process is left.
+to the last bit, with what fmpy computes in a fresh process each, of the healthy model unless the FMU has results of its own.
+Prints a line for every run in which a result is wrong or lost, and what told of it; the exit code is 1 when nothing did, or
+when a process is left.
 
     scripts/evidence/alone [--every N ...] [--jobs N ...] [--hosts] [--only PART] [--at-once N]
 
@@ -13,8 +14,8 @@ import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
-from faulty import HEALTHY, MEETINGS, MODELS
 import supervised
+from faulty import HEALTHY, MEETINGS, MODELS
 from laboratory import NO_TIMEOUT, TIMEOUT, Laboratory, bits, study
 
 POINTS = {10: 200, 50: 300}
