@@ -191,6 +191,10 @@ LOADING = [
     Model("crashes_with_its_thread"),
 ]
 MODELS = MEMORY + LIFE + LOGGER + PROCESSES + SIGNALS + DESCRIPTORS + SURROUNDINGS + FILES + LOADING
+# What no process keeps apart; of these a point may be wrong, and must be told of: scripts/evidence/alone.
+MEETINGS = [Model(name, reproducible=None) for name in [
+    "waits_at_a_port", "waits_for_datagrams", "names_a_socket", "locks_a_file_elsewhere", "locks_a_record_elsewhere",
+    "locks_its_resources", "leaves_a_file_elsewhere", "reads_its_path"]]
 # Models without a function of their own in tests/faulty.
 PLAIN = {"needs_a_tool", "has_no_outputs"}
 

@@ -2,7 +2,7 @@
 resumed, against fmpy with a fresh process for every point. Prints a line an FMU and kind, then a Markdown table; the exit
 code is 1 when a result is wrong or lost.
 
-    scripts/evidence/foreign FOLDER [--only PART] [--points N] [--keep DIR] [--table FILE]
+    scripts/evidence/foreign FOLDER [--only PART] [--points N] [--at-once N] [--keep DIR] [--table FILE]
 
 FOLDER holds .fmu files, named REPOSITORY--NAME.fmu. In the folder of `--keep`, fmpy's results stay for the next time, and the
 rows of this very program: a run that was interrupted goes on where it was. `--table` writes a page, and the table as csv beside it."""
@@ -20,8 +20,10 @@ import subprocess
 import sys
 import sysconfig
 import tempfile
+import threading
 import zipfile
 from collections import Counter, defaultdict
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, field
 from datetime import datetime, timezone
 from pathlib import Path
@@ -428,6 +430,7 @@ def main():
     arguments.add_argument("folder", type=Path)
     arguments.add_argument("--only", default="", metavar="PART", help="only FMUs with this in their names")
     arguments.add_argument("--points", type=int, default=24, metavar="N")
+    arguments.add_argument("--at-once", type=int, default=2, metavar="N", help="so many FMUs at a time: most of a row is waiting [2]")
     arguments.add_argument("--keep", type=Path, metavar="DIR", help="where results stay for the next time")
     arguments.add_argument("--table", type=Path, metavar="FILE", help="a page; a file of the same name ending in .csv has the table")
     options = arguments.parse_args()
@@ -435,12 +438,20 @@ def main():
     if options.keep:
         options.keep.mkdir(parents=True, exist_ok=True)
     supervised.DEADLINE = VERIFY_TIMEOUT
-    rows, server = [], fresh_points.Server()
-    for fmu in fmus:
-        for kind in kinds(fmu):
-            rows.append(examined(fmu, kind, options.points, options.keep, server))
-            print(rows[-1].line(), flush=True)
-    server.close()
+    rows, servers, own = [], [], threading.local()
+
+    def row(task):
+        if not hasattr(own, "server"):
+            own.server = fresh_points.Server()
+            servers.append(own.server)
+        return examined(*task, options.points, options.keep, own.server)
+
+    with ThreadPoolExecutor(options.at_once) as threads:
+        for found in threads.map(row, [(fmu, kind) for fmu in fmus for kind in kinds(fmu)]):
+            rows.append(found)
+            print(found.line(), flush=True)
+    for server in servers:
+        server.close()
     print(*map(cells, table(rows)), *odd(rows), summary(rows), sep="\n")
     if options.table:
         options.table.write_text(page(rows, options))

@@ -11,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use fmu_import::{Call, Handle, Instance, Library, Package, Status, Value, Version};
 use fmu_points::single::{bytes, read};
+use fmu_points::system;
 use fmu_points::task::Schedule;
 
 /// Kinds of probes.
@@ -73,6 +74,8 @@ pub(crate) struct Report {
     pub(crate) types_platform: Option<String>,
     /// Messages with a foreign environment.
     pub(crate) strays: u64,
+    /// What no other process of the machine could have at the end of the simulation.
+    pub(crate) held: Option<String>,
     pub(crate) runs: Vec<Run>,
 }
 
@@ -199,6 +202,7 @@ impl Probe<'_> {
 
     /// Terminates, and keeps what was seen.
     fn ended(&mut self, live: &mut Live, which: &str) {
+        self.report.held = system::held();
         self.terminate(live, which);
         self.report.strays += live.instance.strays();
         self.report.runs.push(std::mem::take(&mut live.run));

@@ -168,6 +168,7 @@ pub static RULES: &[Rule] = &[
     rule("life-ends", Error, "FMI 2.0.5, 2.1.6", "a simulation ends and is freed in order", Elsewhere),
     rule("reproducible", Warning, "a study would differ from run to run", "the same simulation gives the same values", Elsewhere),
     rule("files-kept", Warning, "a study would take longer", "the FMU leaves the files of its own folder as they are", Elsewhere),
+    rule("held", Note, "points of a study would meet", "no port, socket or lock of the machine is held", Elsewhere),
     rule("memory-written", Error, "a study would be wrong", "no memory is read that was never written", Elsewhere),
     rule("life-reset", Error, "FMI 2.0.5, 2.1.6", "fmi2Reset takes everything back", Elsewhere),
     rule("life-again", Error, "FMI 2.0.5, 2.1.5", "a second instance is as the first", Elsewhere),

@@ -42,6 +42,9 @@ pub(crate) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach>
         );
         tell("logger-environment", text);
     }
+    if let Some(held) = &report.held {
+        tell("held", format!("it holds a {held}, where points that run at the same time meet: run them with --jobs 1"));
+    }
     for run in &report.runs {
         if run.warnings > 0 {
             let first = run.first_warning.as_deref().unwrap_or_default();

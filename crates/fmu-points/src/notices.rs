@@ -28,9 +28,9 @@ pub struct Notices {
     /// Why the simulation could not be ended properly, though all of it was computed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unfinished: Option<String>,
-    /// A port at which the point waited for others when its results were there: only one process of a machine can.
+    /// A port, a socket's name or a lock that the point held when its results were there: only one process of a machine can.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub port: Option<String>,
+    pub held: Option<String>,
     /// The answer of `fmi2GetVersion`, where it is not "2.0".
     #[serde(skip_serializing_if = "Option::is_none")]
     pub version: Option<String>,
@@ -101,8 +101,8 @@ impl Notices {
         self.ended = self.ended.or(other.ended);
         let unfinished = self.unfinished.take();
         self.unfinished = unfinished.or_else(|| named(&other.unfinished));
-        let port = self.port.take();
-        self.port = port.or_else(|| other.port.clone());
+        let held = self.held.take();
+        self.held = held.or_else(|| other.held.clone());
         let version = self.version.take();
         self.version = version.or_else(|| other.version.clone());
         self.conforming.extend(other.conforming.iter().cloned());

@@ -98,7 +98,7 @@ impl Runner {
         let simulated = self.simulate(&mut held, values);
         let failed = simulated.is_err();
         let simulated = simulated.map_err(|call| Failure::from_call(&call));
-        self.notices.port = system::held_port();
+        self.notices.held = system::held();
         match simulated.and_then(|()| self.finite()) {
             Ok(()) => tell(self, Ok(&self.scene.results)),
             Err(failure) => tell(self, Err(&failure)),

@@ -191,7 +191,11 @@ impl<'a> Pipeline<'a> {
             Event::Answer(index, mut answer) => {
                 let result = answer.as_mut().ok();
                 let said = result.and_then(|result| result.notices.take());
-                let notices = self.said.remove(&index).or(said);
+                let mut notices = self.said.remove(&index).or(said);
+                // A point beside which none runs can hold what it likes.
+                if let (Some(notices), Some(1)) = (&mut notices, self.crew.map(Crew::size)) {
+                    notices.held = None;
+                }
                 let outcome = self.model.outcome(answer.map(|result| result.values));
                 self.journal.append(index, &outcome, notices.as_deref())?;
                 self.computed += 1;

@@ -66,8 +66,8 @@ pub enum Code {
     FailedPoints,
     /// Points went beyond what the model says it is valid for.
     BeyondValidity,
-    /// Points waited at a port, where they may have met each other.
-    HeldPort,
+    /// Points held a port, a socket or a lock, where they may have met each other.
+    Held,
     /// Values are too large for the validation comparison.
     NotCompared,
     /// Rows of a table repeat earlier ones.

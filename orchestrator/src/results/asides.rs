@@ -17,9 +17,9 @@ pub struct Asides {
     pub ended_early: Points,
     /// Points whose simulation was complete, but could not be ended properly (`fmi2Terminate`, `fmi2FreeInstance`).
     pub terminate_errors: Points,
-    /// Points that waited for others at a port of the machine when their results were there.
+    /// Points that held a port, a socket's name or a lock of the machine when their results were there, beside others.
     #[serde(default, skip_serializing_if = "Points::is_none")]
-    pub ports: Points,
+    pub held: Points,
     /// The answer of `fmi2GetVersion`, where it is not "2.0".
     pub fmi_version: Option<String>,
     /// Whether the FMU needs a tool to be installed beside it.
@@ -89,8 +89,8 @@ impl Asides {
         if let Some(error) = &notices.unfinished {
             self.terminate_errors.add(point, || error.clone());
         }
-        if let Some(port) = &notices.port {
-            self.ports.add(point, || port.clone());
+        if let Some(held) = &notices.held {
+            self.held.add(point, || held.clone());
         }
         if self.fmi_version.is_none() {
             self.fmi_version.clone_from(&notices.version);

@@ -13,8 +13,8 @@ use study::concern::{Code, Concern};
 use study::plan::Plan;
 
 /// What no process can keep from another one.
-const HELD_PORT: &str = "the FMU waits for others at a port of this machine, where points that run at the same time meet each \
-                         other, and other programs";
+const HELD: &str = "the FMU holds a port, a socket or a lock of this machine, where points that run at the same time meet each \
+                    other, and other programs";
 const ONE_JOB: &str = "Compare with `--jobs 1`, where one point runs at a time.";
 
 /// So many points tell where those lie that fail.
@@ -103,8 +103,8 @@ impl<'a> Survey<'a> {
         summary.concerns.extend(failed);
         let beyond = self.beyond_validity(summary);
         summary.concerns.extend(beyond);
-        let ports = summary.asides.as_ref().and_then(|asides| asides.ports.remark(HELD_PORT));
-        summary.concerns.extend(ports.map(|text| Concern::new(Code::HeldPort, text).remedied(ONE_JOB)));
+        let held = summary.asides.as_ref().and_then(|asides| asides.held.remark(HELD));
+        summary.concerns.extend(held.map(|text| Concern::new(Code::Held, text).remedied(ONE_JOB)));
         for (k, criterion) in criteria() {
             // The comparison is about a measured number.
             let spread =

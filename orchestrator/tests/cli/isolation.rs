@@ -98,6 +98,40 @@ fn what_depends_on_more_than_the_parameters_is_told() {
     }
 }
 
+/// What only one process of a machine can hold is told where points run beside each other, and by `check`.
+#[cfg(target_os = "linux")]
+#[test]
+fn what_points_meet_at_is_told() {
+    let lock = |file: &str, way: &str| format!("flock(open({file}, O_RDWR | O_CREAT, 0600), {way} | LOCK_NB)");
+    let file = "getenv(\"LAG_HELD\")";
+    for (holds, told) in [
+        ("waits(AF_INET, SOCK_STREAM)".to_owned(), "TCP port "),
+        ("waits(AF_INET, SOCK_DGRAM)".to_owned(), "UDP port "),
+        ("waits(AF_UNIX, SOCK_STREAM)".to_owned(), "socket \"lag "),
+        (lock(file, "LOCK_EX"), "lock of held.txt"),
+        // Others may have these, too.
+        (lock(file, "LOCK_SH"), ""),
+        (lock("\"own.txt\"", "LOCK_EX"), ""),
+        ("socket(AF_INET, SOCK_STREAM, 0)".to_owned(), ""),
+    ] {
+        let bench = bench(&[&format!("HOLDS={holds}")]);
+        let run = |arguments: &[&str]| -> Said {
+            bench.command(arguments).env("LAG_HELD", bench.path("held.txt")).output().unwrap().into()
+        };
+        for jobs in ["2", "1"] {
+            let said = run(&["verify", "study.toml", "--points", "4", "--verbose", "--jobs", jobs, "--output", jobs]);
+            let held = bench.summary(jobs)["held"]["first"]["message"].as_str().unwrap_or_default().to_owned();
+            let is_told = !told.is_empty() && jobs == "2";
+            assert!(if is_told { held.starts_with(told) } else { held.is_empty() }, "{holds}, {jobs}: {held}");
+            let words = ": the FMU holds a port, a socket or a lock of this machine";
+            assert_eq!(said.out.contains(words), is_told, "{holds}, {jobs}: {}", said.out);
+        }
+        let said = run(&["check", "lag.fmu", "--format", "json"]);
+        assert_eq!(said.out.contains("\"held\""), !told.is_empty(), "{holds}: {}", said.out);
+        assert!(said.out.contains(&told.replace('"', "\\\"")), "{}", said.out);
+    }
+}
+
 #[test]
 fn replay_of_what_is_recorded_warns_of_nothing() {
     let sound = bench(&[]);

@@ -2,8 +2,11 @@
 
 use std::fs::{self, File};
 use std::io;
-use std::os::fd::{AsFd, OwnedFd};
+use std::mem::ManuallyDrop;
+use std::net::UdpSocket;
+use std::os::fd::{AsFd, FromRawFd, OwnedFd};
 use std::os::unix::fs::{DirBuilderExt, MetadataExt};
+use std::os::unix::net::UnixDatagram;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{ChildStdout, Command, ExitStatus};
@@ -122,16 +125,37 @@ pub fn memory_of_machine() -> Option<u64> {
     kibibytes.ok().map(|kibibytes| kibibytes * 1024)
 }
 
-/// A port at which this process waits for others. None of the program's own descriptors does.
-pub(crate) fn held_port() -> Option<String> {
-    /// The first descriptors are those of the FMU: the program keeps its own far above. Of more files it is not looked at.
-    const DESCRIPTORS: std::ops::Range<i32> = 3..16;
-    DESCRIPTORS.into_iter().find_map(|descriptor| {
-        let is_datagram = option(descriptor, libc::SO_TYPE)? == libc::SOCK_DGRAM;
-        let waits = option(descriptor, libc::SO_ACCEPTCONN)? != 0;
-        let port = port(descriptor).filter(|&port| port != 0)?;
-        (is_datagram || waits).then(|| format!("{} port {port}", if is_datagram { "UDP" } else { "TCP" }))
+/// What this process holds that no other one of this machine can have meanwhile: a port at which it waits for others, the name of a
+/// socket, a lock of a file outside of its room. None of the program's own descriptors does.
+pub fn held() -> Option<String> {
+    // The first descriptors are those of the FMU: the program keeps its own far above. Of more files it is not looked at.
+    (3..16).find_map(|descriptor| {
+        let Some(kind) = option(descriptor, libc::SO_TYPE) else {
+            let is_file = io::Error::last_os_error().raw_os_error() == Some(libc::ENOTSOCK);
+            return is_file.then(|| lock(descriptor))?;
+        };
+        // SAFETY: it is an open socket, which is asked for its address and not closed.
+        let internet = ManuallyDrop::new(unsafe { UdpSocket::from_raw_fd(descriptor) });
+        // SAFETY: the same.
+        let local = ManuallyDrop::new(unsafe { UnixDatagram::from_raw_fd(descriptor) });
+        if let Ok(name) = local.local_addr() {
+            // A path is none of these.
+            return (!name.is_unnamed() && name.as_pathname().is_none()).then(|| format!("socket {name:?}"));
+        }
+        let port = internet.local_addr().ok()?.port();
+        let protocol = if kind == libc::SOCK_DGRAM { "UDP" } else { "TCP" };
+        let waits = protocol == "UDP" || option(descriptor, libc::SO_ACCEPTCONN)? != 0;
+        (waits && port != 0).then(|| format!("{protocol} port {port}"))
     })
+}
+
+/// The file that a descriptor has locked against others, unless it lies in the room, which no other point has.
+fn lock(descriptor: i32) -> Option<String> {
+    let [info, file] = ["fdinfo", "fd"].map(|what| format!("/proc/self/{what}/{descriptor}"));
+    let file = fs::read_link(file).ok()?;
+    let room = fs::canonicalize(std::env::temp_dir()).ok()?;
+    let is_locked = fs::read_to_string(info).ok()?.contains(" WRITE ") && !file.starts_with(room.parent()?);
+    is_locked.then(|| format!("lock of {}", file.file_name().unwrap_or_default().display()))
 }
 
 /// An option of a socket; none where the descriptor is no socket.
@@ -140,18 +164,6 @@ fn option(descriptor: i32, which: i32) -> Option<i32> {
     // SAFETY: writes at most `size` bytes to `value`; of a descriptor that is none the call says so.
     let done = unsafe { libc::getsockopt(descriptor, libc::SOL_SOCKET, which, (&raw mut value).cast(), &raw mut size) };
     (done == 0).then_some(value)
-}
-
-/// The port to which a socket of the internet is bound.
-fn port(descriptor: i32) -> Option<u16> {
-    // SAFETY: zeroes are a valid value of this plain struct.
-    let mut address: libc::sockaddr_in6 = unsafe { std::mem::zeroed() };
-    let mut size = size_of::<libc::sockaddr_in6>() as libc::socklen_t;
-    // SAFETY: writes at most `size` bytes to `address`.
-    let done = unsafe { libc::getsockname(descriptor, (&raw mut address).cast(), &raw mut size) };
-    // The port stands in the same place in both families of addresses.
-    let is_internet = [libc::AF_INET, libc::AF_INET6].contains(&i32::from(address.sin6_family));
-    (done == 0 && is_internet).then(|| u16::from_be(address.sin6_port))
 }
 
 /// Ends this process at once: the destructors of an FMU in it have no say any more.

@@ -36,8 +36,8 @@ pub(crate) fn is_that_file(_: &File, _: &Path) -> bool {
     true
 }
 
-/// A port at which this process waits for others: not looked for.
-pub(crate) fn held_port() -> Option<String> {
+/// What no other process of this machine can have meanwhile: not looked for.
+pub fn held() -> Option<String> {
     None
 }
 
