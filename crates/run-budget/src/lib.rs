@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+mod elementary;
 mod fit;
 mod indices;
 mod kernel;
@@ -10,7 +11,7 @@ mod refine;
 mod share;
 mod surrogate;
 
-pub use indices::{Index, indices, indices_of_good};
+pub use indices::{Index, indices};
 pub use output::{Check, Functions};
 pub use rare::{Answer, Search, Unknown};
 pub use refine::most_open;

@@ -11,7 +11,7 @@ fn tried(model: &Model, runs: u64, seed: u64) -> Option<Vec<[Index; 2]>> {
     let runs: Vec<Run> = points.into_iter().map(run).collect();
     let [a, b] = model.halves(1024, seed + 500);
     let surrogate = Surrogate::fit(&runs, &a, None, seed).expect("the values are finite");
-    indices(&surrogate, 0, &a, &b, 0.95).ok()
+    indices(&surrogate, &[], &runs, [&a, &b], 0.95).swap_remove(0).ok()
 }
 
 /// By a million runs of the function itself.
