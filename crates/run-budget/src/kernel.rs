@@ -53,6 +53,14 @@ impl Smoothness {
         }
     }
 
+    /// The same of two places.
+    #[inline(always)]
+    fn between(self, [at, up, down]: [f64; 3], [a, u, d]: [f64; 3]) -> (f64, f64) {
+        // One of the products is exp(-|at - a|), and the other its inverse.
+        let (above, below) = (up * d, down * u);
+        self.at((at - a).abs(), if above < below { above } else { below })
+    }
+
     /// A random frequency in one scaled coordinate, from the spectral density (Rahimi & Recht 2007, "Random features for
     /// large-scale kernel machines"; for Matern's correlations it is Student's t distribution with twice their order).
     fn frequency(self, random: &mut Random) -> f64 {
@@ -125,24 +133,10 @@ impl Kernel {
     }
 }
 
-/// Matern's correlations of places with another one, and their derivatives.
 #[inline(always)]
-fn matern<'a>(
-    smoothness: Smoothness,
-    [at, up, down]: [&'a [f64]; 3],
-    [a, u, d]: [f64; 3],
-) -> impl Iterator<Item = (f64, f64)> + 'a {
-    at.iter().zip(up.iter().zip(down)).map(move |(x, (up, down))| {
-        // One of them is exp(-|x - a|), and the other its inverse.
-        let (above, below) = (up * d, down * u);
-        smoothness.at((x - a).abs(), if above < below { above } else { below })
-    })
-}
-
-#[inline(always)]
-fn multiplied(smoothness: Smoothness, varies: f64, places: [&[f64]; 3], other: [f64; 3], values: &mut [f64]) {
-    for (value, (m, _)) in values.iter_mut().zip(matern(smoothness, places, other)) {
-        *value *= 1.0 - varies + varies * m;
+fn multiplied(smoothness: Smoothness, varies: f64, [at, up, down]: [&[f64]; 3], other: [f64; 3], values: &mut [f64]) {
+    for ((value, at), (up, down)) in values.iter_mut().zip(at).zip(up.iter().zip(down)) {
+        *value *= 1.0 - varies + varies * smoothness.between([*at, *up, *down], other).0;
     }
 }
 
@@ -150,15 +144,16 @@ fn multiplied(smoothness: Smoothness, varies: f64, places: [&[f64]; 3], other: [
 fn sloped(
     smoothness: Smoothness,
     varies: f64,
-    places: [&[f64]; 3],
+    [at, up, down]: [&[f64]; 3],
     other: [f64; 3],
     values: &mut [f64],
     [by_length, by_interaction]: [&mut [f64]; 2],
 ) {
     let slopes = by_length.iter_mut().zip(by_interaction);
-    for ((value, (by_length, by_interaction)), (m, slope)) in
-        values.iter_mut().zip(slopes).zip(matern(smoothness, places, other))
+    for (((value, at), (up, down)), (by_length, by_interaction)) in
+        values.iter_mut().zip(at).zip(up.iter().zip(down)).zip(slopes)
     {
+        let (m, slope) = smoothness.between([*at, *up, *down], other);
         let factor = 1.0 - varies + varies * m;
         *value *= factor;
         *by_length = varies * slope / factor;

@@ -8,6 +8,10 @@ use sampling::random::{Purpose, Random};
 
 /// Functions that are drawn from each member of an output's sample.
 const EACH: usize = 16;
+/// Points among which those near limits are chosen.
+const CANDIDATES: usize = 1024;
+/// Noise of so small a part of an output's deviation changes no sign.
+const NO_NOISE: f64 = 1e-4;
 /// Errors of runs left out, over the deviation of the output, from which on the surrogate is not asked.
 pub(crate) const LARGEST_ERROR: f64 = 0.2;
 /// So many deviations more wrong signs among the runs left out than their probabilities say refute the surrogate.
@@ -122,7 +126,8 @@ impl Possible {
             let functions = surrogate.functions(output, each);
             let mut values = functions.at(&standard);
             let mut random = surrogate.random(4000 + output as u32);
-            for (mut column, error) in values.column_iter_mut().zip(functions.noise()).filter(|_| noise) {
+            let least = if noise { NO_NOISE * surrogate.spread(output) } else { f64::INFINITY };
+            for (mut column, error) in values.column_iter_mut().zip(functions.noise()).filter(|(_, e)| *e > least) {
                 column.iter_mut().for_each(|v| *v += error * random.normal());
             }
             values
@@ -296,7 +301,8 @@ impl Campaign {
             self.earlier = Surrogate::fit(&runs, &self.sample, self.earlier.as_ref(), self.seed).ok();
             // Plain points come from the first half, so that none of them was chosen before.
             let fresh = |place: &usize| !self.places.contains(place);
-            let candidates: Vec<usize> = (self.sample.len() / 2..self.sample.len()).filter(fresh).take(2048).collect();
+            let candidates: Vec<usize> =
+                (self.sample.len() / 2..self.sample.len()).filter(fresh).take(CANDIDATES).collect();
             let points: Vec<Vec<f64>> = candidates.iter().map(|place| self.sample[*place].clone()).collect();
             let trusted = self.earlier.as_ref().filter(|s| doubt(s, &self.limits, &runs).is_none());
             let chosen = trusted.map_or(Vec::new(), |s| {
