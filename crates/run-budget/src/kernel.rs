@@ -5,7 +5,6 @@
 //! 2013, "ANOVA kernels and RKHS of zero mean functions", without the centring). A small t makes the process nearly a sum of
 //! functions of single coordinates, which few runs determine; a large one lets all coordinates interact.
 
-use crate::elementary::exp_minus;
 use nalgebra::DMatrix;
 use sampling::random::Random;
 
@@ -27,45 +26,23 @@ impl Smoothness {
     /// All there are, the roughest first.
     pub const ALL: [Self; 3] = [Self::Once, Self::Twice, Self::Always];
 
-    /// Twice Matern's order, by whose root distances are multiplied.
-    fn freedom(self) -> Option<usize> {
+    /// By a distance a, which is that over the length scale times the first number, and e = exp(-a) or exp(-a^2 / 2), Matern's correlation
+    /// is (1 + f a + g a^2) e with the next two, and its derivative by the logarithm of the length scale a^2 (h + g a) e with the last.
+    fn factors(self) -> [f64; 4] {
         match self {
-            Self::Once => Some(3),
-            Self::Twice => Some(5),
-            Self::Always => None,
+            Self::Once => [3_f64.sqrt(), 1.0, 0.0, 1.0],
+            Self::Twice => [5_f64.sqrt(), 1.0, 1.0 / 3.0, 1.0 / 3.0],
+            Self::Always => [1.0, 0.0, 0.0, 1.0],
         }
-    }
-
-    /// Matern's correlation in one coordinate at a distance `a`, of which `e` is exp(-a), and its derivative by the logarithm of
-    /// the length scale.
-    #[inline(always)]
-    fn at(self, a: f64, e: f64) -> (f64, f64) {
-        match self {
-            Self::Once => ((1.0 + a) * e, a * a * e),
-            Self::Twice => {
-                let b = a * a * (1.0 / 3.0);
-                ((1.0 + a + b) * e, b * (1.0 + a) * e)
-            }
-            Self::Always => {
-                let e = exp_minus(0.5 * a * a);
-                (e, a * a * e)
-            }
-        }
-    }
-
-    /// The same of two places.
-    #[inline(always)]
-    fn between(self, [at, up, down]: [f64; 3], [a, u, d]: [f64; 3]) -> (f64, f64) {
-        // One of the products is exp(-|at - a|), and the other its inverse.
-        let (above, below) = (up * d, down * u);
-        self.at((at - a).abs(), if above < below { above } else { below })
     }
 
     /// A random frequency in one scaled coordinate, from the spectral density (Rahimi & Recht 2007, "Random features for
     /// large-scale kernel machines"; for Matern's correlations it is Student's t distribution with twice their order).
     fn frequency(self, random: &mut Random) -> f64 {
-        let Some(freedom) = self.freedom() else {
-            return random.normal();
+        let freedom = match self {
+            Self::Once => 3,
+            Self::Twice => 5,
+            Self::Always => return random.normal(),
         };
         let squares: f64 = random.normals(freedom).iter().map(|z| z * z).sum();
         random.normal() * (freedom as f64 / squares).sqrt()
@@ -94,7 +71,7 @@ impl Kernel {
 
     /// Prepares points, one a column.
     pub fn places(&self, points: &DMatrix<f64>) -> Places {
-        let root = self.smoothness.freedom().map_or(1.0, |f| (f as f64).sqrt());
+        let [root, ..] = self.smoothness.factors();
         let one = |(k, length): (usize, &f64)| {
             let at: Vec<f64> = points.row(k).iter().map(|x| x * root / length).collect();
             let raised = |sign: f64| at.iter().map(|a| (sign * a).clamp(-FARTHEST, FARTHEST).exp()).collect();
@@ -106,21 +83,44 @@ impl Kernel {
 
     /// Multiplies values by the factor that a coordinate has in the correlations of places with another one.
     pub fn multiply(&self, places: [&[f64]; 3], other: [f64; 3], values: &mut [f64]) {
-        // A loop each, so that compilers do several places at once.
-        match self.smoothness {
-            s @ Smoothness::Once => multiplied(s, self.varies, places, other, values),
-            s @ Smoothness::Twice => multiplied(s, self.varies, places, other, values),
-            s @ Smoothness::Always => multiplied(s, self.varies, places, other, values),
+        match self.smoothness == Smoothness::Always {
+            true => self.multiplied::<true>(places, other, values),
+            false => self.multiplied::<false>(places, other, values),
+        }
+    }
+
+    fn multiplied<const ALWAYS: bool>(&self, [at, up, down]: [&[f64]; 3], other: [f64; 3], values: &mut [f64]) {
+        let (factors, varies) = (self.smoothness.factors(), self.varies);
+        for ((value, at), (up, down)) in values.iter_mut().zip(at).zip(up.iter().zip(down)) {
+            *value *= 1.0 - varies + varies * matern::<ALWAYS>(factors, [*at, *up, *down], other).0;
         }
     }
 
     /// The same, with the derivatives of the logarithm of the correlation by those of the length scale and, added to what is there
     /// already, of t.
     pub fn multiply_sloped(&self, places: [&[f64]; 3], other: [f64; 3], values: &mut [f64], slopes: [&mut [f64]; 2]) {
-        match self.smoothness {
-            s @ Smoothness::Once => sloped(s, self.varies, places, other, values, slopes),
-            s @ Smoothness::Twice => sloped(s, self.varies, places, other, values, slopes),
-            s @ Smoothness::Always => sloped(s, self.varies, places, other, values, slopes),
+        match self.smoothness == Smoothness::Always {
+            true => self.sloped::<true>(places, other, values, slopes),
+            false => self.sloped::<false>(places, other, values, slopes),
+        }
+    }
+
+    fn sloped<const ALWAYS: bool>(
+        &self,
+        [at, up, down]: [&[f64]; 3],
+        other: [f64; 3],
+        values: &mut [f64],
+        [by_length, by_interaction]: [&mut [f64]; 2],
+    ) {
+        let (factors, varies) = (self.smoothness.factors(), self.varies);
+        let slopes = by_length.iter_mut().zip(by_interaction);
+        let places = at.iter().zip(up.iter().zip(down));
+        for ((value, (at, (up, down))), (by_length, by_interaction)) in values.iter_mut().zip(places).zip(slopes) {
+            let (m, slope) = matern::<ALWAYS>(factors, [*at, *up, *down], other);
+            let factor = 1.0 - varies + varies * m;
+            *value *= factor;
+            *by_length = varies * slope / factor;
+            *by_interaction += varies * (m / factor - 1.0);
         }
     }
 
@@ -133,32 +133,15 @@ impl Kernel {
     }
 }
 
+/// Matern's correlation of two places, and its derivative by the logarithm of the length scale.
 #[inline(always)]
-fn multiplied(smoothness: Smoothness, varies: f64, [at, up, down]: [&[f64]; 3], other: [f64; 3], values: &mut [f64]) {
-    for ((value, at), (up, down)) in values.iter_mut().zip(at).zip(up.iter().zip(down)) {
-        *value *= 1.0 - varies + varies * smoothness.between([*at, *up, *down], other).0;
-    }
-}
-
-#[inline(always)]
-fn sloped(
-    smoothness: Smoothness,
-    varies: f64,
-    [at, up, down]: [&[f64]; 3],
-    other: [f64; 3],
-    values: &mut [f64],
-    [by_length, by_interaction]: [&mut [f64]; 2],
-) {
-    let slopes = by_length.iter_mut().zip(by_interaction);
-    for (((value, at), (up, down)), (by_length, by_interaction)) in
-        values.iter_mut().zip(at).zip(up.iter().zip(down)).zip(slopes)
-    {
-        let (m, slope) = smoothness.between([*at, *up, *down], other);
-        let factor = 1.0 - varies + varies * m;
-        *value *= factor;
-        *by_length = varies * slope / factor;
-        *by_interaction += varies * (m / factor - 1.0);
-    }
+fn matern<const ALWAYS: bool>([_, f, g, h]: [f64; 4], [at, up, down]: [f64; 3], [x, u, d]: [f64; 3]) -> (f64, f64) {
+    let a = (at - x).abs();
+    // One of the products is exp(-a), and the other its inverse.
+    let (above, below) = (up * d, down * u);
+    let nearest = if above < below { above } else { below };
+    let e = if ALWAYS { (-0.5 * a * a).exp() } else { nearest };
+    ((1.0 + f * a + g * a * a) * e, a * a * (h + g * a) * e)
 }
 
 #[cfg(test)]

@@ -1,6 +1,5 @@
 #![doc = include_str!("../README.md")]
 
-mod elementary;
 mod fit;
 mod indices;
 mod kernel;

@@ -4,7 +4,6 @@
 //! variance s2 g (the nugget). Trend and s2 are integrated out (Santner, Williams & Notz 2003, "The Design and Analysis of
 //! Computer Experiments", section 3.3; Rasmussen & Williams 2006, section 2.7), so predictions follow Student's distribution.
 
-use crate::elementary::cosine;
 use crate::kernel::{Kernel, Places, Smoothness};
 use nalgebra::{DMatrix, DMatrixViewMut, DVector};
 use sampling::random::Random;
@@ -18,6 +17,26 @@ const WAVES: usize = 384;
 
 /// Points that are worked on at a time: what is known of them stays near the processor.
 const CHUNK: usize = 128;
+
+/// Terms of the series of sin(2 pi x) / x in squares of x.
+const SINE: [f64; 10] = {
+    let mut terms = [TAU; 10];
+    let mut k = 1;
+    while k < terms.len() {
+        terms[k] = -terms[k - 1] * TAU * TAU / (2 * k * (2 * k + 1)) as f64;
+        k += 1;
+    }
+    terms
+};
+
+/// The cosine of an angle in turns, as plain arithmetic, which compilers do for several numbers at once.
+fn cosine(turns: f64) -> f64 {
+    // Added and taken away, it leaves the nearest whole number.
+    const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
+    let part = 0.25 - (turns - ((turns + TO_WHOLE) - TO_WHOLE)).abs();
+    let square = part * part;
+    part * SINE.iter().rev().fold(0.0, |sum, term| sum * square + term)
+}
 
 /// Matrices of that size are not divided further.
 const UNDIVIDED: usize = 16;
@@ -51,37 +70,32 @@ impl Data {
         Self { trend: trend(&points, linear), points, values }
     }
 
-    /// The lower half of the matrix of the runs. Into `slopes`, where there are some, go the derivatives of the logarithm of each pair's
-    /// correlation (column after column) by those of each length scale and of the interaction.
-    fn correlations(&self, kernel: &Kernel, unknowns: &[f64], slopes: &mut [Vec<f64>]) -> DMatrix<f64> {
-        let n = self.points.ncols();
-        let places = kernel.places(&self.points);
+    /// The lower half of the matrix of the runs; and for each pair of them, column after column, the derivatives of the logarithm of the
+    /// correlation by those of each length scale and of the interaction.
+    fn correlations(&self, kernel: &Kernel, unknowns: &[f64]) -> (DMatrix<f64>, Vec<Vec<f64>>) {
+        let (d, n) = self.points.shape();
         let mut matrix = DMatrix::identity(n, n) * (1.0 + nugget(unknowns));
+        let (mut slopes, mut last) = (vec![vec![0.0; n * (n - 1) / 2]; d], vec![0.0; n * (n - 1) / 2]);
+        let places = kernel.places(&self.points);
         let mut first = 0;
         for (j, column) in matrix.as_mut_slice().chunks_mut(n).enumerate() {
             let values = &mut column[j + 1..];
             values.fill(1.0);
-            let pairs = first..first + values.len();
-            first = pairs.end;
-            for (k, places) in places.iter().enumerate() {
+            let end = first + values.len();
+            for (places, slopes) in places.iter().zip(&mut slopes) {
                 let (below, other) = (places.each_ref().map(|of| &of[j + 1..]), places.each_ref().map(|of| of[j]));
-                match slopes.split_last_mut() {
-                    None => kernel.multiply(below, other, values),
-                    Some((last, slopes)) => {
-                        let slopes = [&mut slopes[k][pairs.clone()], &mut last[pairs.clone()]];
-                        kernel.multiply_sloped(below, other, values, slopes);
-                    }
-                }
+                kernel.multiply_sloped(below, other, values, [&mut slopes[first..end], &mut last[first..end]]);
             }
+            first = end;
         }
-        matrix
+        slopes.push(last);
+        (matrix, slopes)
     }
 
     /// The logarithm of the likelihood of the unknowns, and its gradient where asked for. `None` where the matrix is singular.
     pub fn likelihood(&self, smoothness: Smoothness, unknowns: &[f64], sloped: bool) -> Option<(f64, Vec<f64>)> {
         let (d, n) = self.points.shape();
-        let mut slopes = vec![vec![0.0; n * (n - 1) / 2]; if sloped { d + 1 } else { 0 }];
-        let matrix = self.correlations(&Kernel::new(smoothness, unknowns, d), unknowns, &mut slopes);
+        let (matrix, slopes) = self.correlations(&Kernel::new(smoothness, unknowns, d), unknowns);
         let solved = Solved::new(matrix.clone(), self)?;
         let freedom = (n - self.trend.ncols()) as f64;
         let squares = solved.squares.max(1e-24);
@@ -223,7 +237,7 @@ impl Process {
     pub fn new(data: &Data, smoothness: Smoothness, unknowns: Vec<f64>) -> Option<Self> {
         let (d, n) = data.points.shape();
         let kernel = Kernel::new(smoothness, &unknowns, d);
-        let solved = Solved::new(data.correlations(&kernel, &unknowns, &mut []), data)?;
+        let solved = Solved::new(data.correlations(&kernel, &unknowns).0, data)?;
         let freedom = (n - data.trend.ncols()) as f64;
         let variance = (solved.squares / freedom).max(1e-24);
         let (places, linear) = (kernel.places(&data.points), data.trend.ncols() > 1);
@@ -362,6 +376,14 @@ impl Draws<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn cosines_are_those_of_the_library() {
+        for k in -100_000..100_000 {
+            let turns = f64::from(k) * 1.7e-4;
+            assert!((cosine(turns) - (TAU * turns).cos()).abs() < 3e-14, "{turns}");
+        }
+    }
 
     /// Cholesky's factor as nalgebra has it.
     #[test]
