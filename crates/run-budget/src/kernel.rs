@@ -5,6 +5,7 @@
 //! 2013, "ANOVA kernels and RKHS of zero mean functions", without the centring). A small t makes the process nearly a sum of
 //! functions of single coordinates, which few runs determine; a large one lets all coordinates interact.
 
+use crate::process::LEAST_NUGGET;
 use nalgebra::DMatrix;
 use sampling::random::Random;
 
@@ -60,13 +61,20 @@ pub struct Kernel {
     lengths: Vec<f64>,
     /// t / (1 + t).
     varies: f64,
+    /// The variance of the independent errors, over that of the process.
+    pub nugget: f64,
 }
 
 impl Kernel {
-    /// By the logarithms of the length scales and, next, of t.
-    pub fn new(smoothness: Smoothness, unknowns: &[f64], dimensions: usize) -> Self {
-        let lengths = unknowns[..dimensions].iter().map(|u| u.exp()).collect();
-        Self { smoothness, lengths, varies: 1.0 / (1.0 + (-unknowns[dimensions]).exp()) }
+    /// By the logarithms of the length scales, of t and of the nugget.
+    pub fn new(smoothness: Smoothness, unknowns: &[f64]) -> Self {
+        let d = unknowns.len() - 2;
+        Self {
+            smoothness,
+            lengths: unknowns[..d].iter().map(|u| u.exp()).collect(),
+            varies: 1.0 / (1.0 + (-unknowns[d]).exp()),
+            nugget: unknowns[d + 1].exp().max(LEAST_NUGGET),
+        }
     }
 
     /// Prepares points, one a column.
@@ -81,46 +89,45 @@ impl Kernel {
         self.lengths.iter().enumerate().map(one).collect()
     }
 
-    /// Multiplies values by the factor that a coordinate has in the correlations of places with another one.
-    pub fn multiply(&self, places: [&[f64]; 3], other: [f64; 3], values: &mut [f64]) {
+    /// Multiplies values by the factor that a coordinate has in the correlations of places with another one. Where asked for, `slopes` are
+    /// the derivatives of the logarithm of the correlation by those of the length scale and, added to what is there already, of t.
+    pub fn multiply<const SLOPED: bool>(
+        &self,
+        places: [&[f64]; 3],
+        other: [f64; 3],
+        values: &mut [f64],
+        slopes: [&mut [f64]; 2],
+    ) {
+        // Compilers do several places at once where a loop calls nothing.
         match self.smoothness == Smoothness::Always {
-            true => self.multiplied::<true>(places, other, values),
-            false => self.multiplied::<false>(places, other, values),
+            true => self.multiplied::<SLOPED, true>(places, other, values, slopes),
+            false => self.multiplied::<SLOPED, false>(places, other, values, slopes),
         }
     }
 
-    fn multiplied<const ALWAYS: bool>(&self, [at, up, down]: [&[f64]; 3], other: [f64; 3], values: &mut [f64]) {
-        let (factors, varies) = (self.smoothness.factors(), self.varies);
-        for ((value, at), (up, down)) in values.iter_mut().zip(at).zip(up.iter().zip(down)) {
-            *value *= 1.0 - varies + varies * matern::<ALWAYS>(factors, [*at, *up, *down], other).0;
-        }
-    }
-
-    /// The same, with the derivatives of the logarithm of the correlation by those of the length scale and, added to what is there
-    /// already, of t.
-    pub fn multiply_sloped(&self, places: [&[f64]; 3], other: [f64; 3], values: &mut [f64], slopes: [&mut [f64]; 2]) {
-        match self.smoothness == Smoothness::Always {
-            true => self.sloped::<true>(places, other, values, slopes),
-            false => self.sloped::<false>(places, other, values, slopes),
-        }
-    }
-
-    fn sloped<const ALWAYS: bool>(
+    fn multiplied<const SLOPED: bool, const ALWAYS: bool>(
         &self,
         [at, up, down]: [&[f64]; 3],
-        other: [f64; 3],
+        [x, u, d]: [f64; 3],
         values: &mut [f64],
         [by_length, by_interaction]: [&mut [f64]; 2],
     ) {
-        let (factors, varies) = (self.smoothness.factors(), self.varies);
+        let ([_, f, g, h], varies) = (self.smoothness.factors(), self.varies);
         let slopes = by_length.iter_mut().zip(by_interaction);
         let places = at.iter().zip(up.iter().zip(down));
         for ((value, (at, (up, down))), (by_length, by_interaction)) in values.iter_mut().zip(places).zip(slopes) {
-            let (m, slope) = matern::<ALWAYS>(factors, [*at, *up, *down], other);
+            let a = (at - x).abs();
+            // One of the products is exp(-a), and the other its inverse.
+            let (above, below) = (up * d, down * u);
+            let nearest = if above < below { above } else { below };
+            let e = if ALWAYS { (-0.5 * a * a).exp() } else { nearest };
+            let m = (1.0 + f * a + g * a * a) * e;
             let factor = 1.0 - varies + varies * m;
             *value *= factor;
-            *by_length = varies * slope / factor;
-            *by_interaction += varies * (m / factor - 1.0);
+            if SLOPED {
+                *by_length = varies * a * a * (h + g * a) * e / factor;
+                *by_interaction += varies * (m / factor - 1.0);
+            }
         }
     }
 
@@ -133,17 +140,6 @@ impl Kernel {
     }
 }
 
-/// Matern's correlation of two places, and its derivative by the logarithm of the length scale.
-#[inline(always)]
-fn matern<const ALWAYS: bool>([_, f, g, h]: [f64; 4], [at, up, down]: [f64; 3], [x, u, d]: [f64; 3]) -> (f64, f64) {
-    let a = (at - x).abs();
-    // One of the products is exp(-a), and the other its inverse.
-    let (above, below) = (up * d, down * u);
-    let nearest = if above < below { above } else { below };
-    let e = if ALWAYS { (-0.5 * a * a).exp() } else { nearest };
-    ((1.0 + f * a + g * a * a) * e, a * a * (h + g * a) * e)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -152,13 +148,13 @@ mod tests {
     /// Of two points, with derivatives by the logarithms of all length scales and t.
     fn between(smoothness: Smoothness, unknowns: &[f64], a: &[f64], b: &[f64]) -> (f64, Vec<f64>) {
         let d = a.len();
-        let kernel = Kernel::new(smoothness, unknowns, d);
+        let kernel = Kernel::new(smoothness, unknowns);
         let places = kernel.places(&DMatrix::from_fn(d, 2, |k, i| if i == 0 { a[k] } else { b[k] }));
         let (mut plain, mut value, mut slopes, mut last) = ([1.0], [1.0], vec![0.0; d], [0.0]);
         for (k, of) in places.iter().enumerate() {
             let (first, other) = (of.each_ref().map(|v| &v[..1]), of.each_ref().map(|v| v[1]));
-            kernel.multiply(first, other, &mut plain);
-            kernel.multiply_sloped(first, other, &mut value, [&mut slopes[k..=k], &mut last]);
+            kernel.multiply::<false>(first, other, &mut plain, [&mut [0.0], &mut [0.0]]);
+            kernel.multiply::<true>(first, other, &mut value, [&mut slopes[k..=k], &mut last]);
         }
         assert_eq!(plain, value);
         slopes.push(last[0]);
@@ -175,7 +171,7 @@ mod tests {
             (-0.5 * r * r).exp(),
         ];
         for (smoothness, published) in Smoothness::ALL.into_iter().zip(published) {
-            let told = between(smoothness, &[0.4_f64.ln(), 40.0], &[0.2], &[0.9]).0;
+            let told = between(smoothness, &[0.4_f64.ln(), 40.0, 0.0], &[0.2], &[0.9]).0;
             assert!((told - published).abs() < 1e-12, "{told} {published}");
         }
     }
@@ -183,7 +179,7 @@ mod tests {
     #[test]
     fn derivatives_are_those_of_differences() {
         for smoothness in Smoothness::ALL {
-            let unknowns = [0.3, -0.8, 0.4];
+            let unknowns = [0.3, -0.8, 0.4, 0.0];
             let logarithm = |k: usize, h: f64| {
                 let mut moved = unknowns;
                 moved[k] += h;
@@ -200,7 +196,7 @@ mod tests {
     #[test]
     fn far_points_are_not_correlated_and_equal_ones_are() {
         for smoothness in Smoothness::ALL {
-            let of = |a: f64, b: f64| between(smoothness, &[0.02_f64.ln(), 40.0], &[a], &[b]).0;
+            let of = |a: f64, b: f64| between(smoothness, &[0.02_f64.ln(), 40.0, 0.0], &[a], &[b]).0;
             assert!((of(3.0, 3.0) - 1.0).abs() < 1e-12 && of(3.0, 1e6) < 1e-60);
         }
     }
@@ -210,8 +206,8 @@ mod tests {
     fn frequencies_have_the_spectrum_of_the_correlation() {
         for smoothness in Smoothness::ALL {
             let mut random = Random::new(1, Purpose::Unstated, 0);
-            let unknowns = [0.0, 0.2, 0.0, 1.5_f64.ln()];
-            let kernel = Kernel::new(smoothness, &unknowns, 3);
+            let unknowns = [0.0, 0.2, 0.0, 1.5_f64.ln(), 0.0];
+            let kernel = Kernel::new(smoothness, &unknowns);
             let apart = [0.6, -0.3, 0.2];
             let count = 40_000;
             let wave = |_| kernel.frequency(&mut random).iter().zip(apart).map(|(w, x)| w * x).sum::<f64>().cos();

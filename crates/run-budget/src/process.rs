@@ -72,9 +72,9 @@ impl Data {
 
     /// The lower half of the matrix of the runs; and for each pair of them, column after column, the derivatives of the logarithm of the
     /// correlation by those of each length scale and of the interaction.
-    fn correlations(&self, kernel: &Kernel, unknowns: &[f64]) -> (DMatrix<f64>, Vec<Vec<f64>>) {
+    fn correlations(&self, kernel: &Kernel) -> (DMatrix<f64>, Vec<Vec<f64>>) {
         let (d, n) = self.points.shape();
-        let mut matrix = DMatrix::identity(n, n) * (1.0 + nugget(unknowns));
+        let mut matrix = DMatrix::identity(n, n) * (1.0 + kernel.nugget);
         let (mut slopes, mut last) = (vec![vec![0.0; n * (n - 1) / 2]; d], vec![0.0; n * (n - 1) / 2]);
         let places = kernel.places(&self.points);
         let mut first = 0;
@@ -84,7 +84,7 @@ impl Data {
             let end = first + values.len();
             for (places, slopes) in places.iter().zip(&mut slopes) {
                 let (below, other) = (places.each_ref().map(|of| &of[j + 1..]), places.each_ref().map(|of| of[j]));
-                kernel.multiply_sloped(below, other, values, [&mut slopes[first..end], &mut last[first..end]]);
+                kernel.multiply::<true>(below, other, values, [&mut slopes[first..end], &mut last[first..end]]);
             }
             first = end;
         }
@@ -94,8 +94,9 @@ impl Data {
 
     /// The logarithm of the likelihood of the unknowns, and its gradient where asked for. `None` where the matrix is singular.
     pub fn likelihood(&self, smoothness: Smoothness, unknowns: &[f64], sloped: bool) -> Option<(f64, Vec<f64>)> {
-        let (d, n) = self.points.shape();
-        let (matrix, slopes) = self.correlations(&Kernel::new(smoothness, unknowns, d), unknowns);
+        let n = self.points.ncols();
+        let kernel = Kernel::new(smoothness, unknowns);
+        let (matrix, slopes) = self.correlations(&kernel);
         let solved = Solved::new(matrix.clone(), self)?;
         let freedom = (n - self.trend.ncols()) as f64;
         let squares = solved.squares.max(1e-24);
@@ -112,15 +113,9 @@ impl Data {
         let mut gradient: Vec<f64> =
             slopes.iter().map(|slopes| slopes.iter().zip(&parts).map(|(s, p)| s * p).sum()).collect();
         let diagonal: f64 = (0..n).map(|i| factor * a[i] * a[i] - 0.5 * projector[(i, i)]).sum();
-        let free = unknowns[d + 1].exp() > LEAST_NUGGET;
-        gradient.push(if free { unknowns[d + 1].exp() * diagonal } else { 0.0 });
+        gradient.push(if kernel.nugget > LEAST_NUGGET { kernel.nugget * diagonal } else { 0.0 });
         Some((value, gradient))
     }
-}
-
-/// The variance of the independent errors, over that of the process.
-fn nugget(unknowns: &[f64]) -> f64 {
-    unknowns.last().map_or(0.0, |u| u.exp()).max(LEAST_NUGGET)
 }
 
 /// Replaces a positive definite matrix, of which the lower half is given and the upper one 0, by the inverse of its Cholesky factor.
@@ -167,43 +162,28 @@ struct Solved {
     half_log_determinants: f64,
 }
 
-impl Solved {
-    fn new(mut whitening: DMatrix<f64>, data: &Data) -> Option<Self> {
-        let logs = |whitening: &DMatrix<f64>| whitening.diagonal().iter().map(|v| v.ln()).sum::<f64>();
-        if !whiten(whitening.as_view_mut()) {
-            return None;
-        }
-        let white = &whitening * &data.trend;
-        let mut of_trend = white.transpose() * &white;
-        of_trend.fill_upper_triangle(0.0, 1);
-        if !whiten(of_trend.as_view_mut()) {
-            return None;
-        }
-        let half_log_determinants = -logs(&whitening) - logs(&of_trend);
-        let basis = white * of_trend.transpose();
-        let none = DVector::zeros(0);
-        let mut solved = Self {
-            whitening,
-            of_trend,
-            basis,
-            coefficients: none.clone(),
-            weights: none,
-            squares: 0.0,
-            half_log_determinants,
-        };
-        let values = DMatrix::from_column_slice(data.values.len(), 1, data.values.as_slice());
-        let [coefficients, rest] = solved.regressed(&values);
-        solved.coefficients = coefficients.column(0).into_owned();
-        solved.squares = rest.norm_squared();
-        solved.weights = (solved.whitening.tr_mul(&rest)).column(0).into_owned();
-        Some(solved)
+/// L^-1 of K = L L', of which the lower half is given, and half of the logarithm of its determinant.
+fn whitened(mut matrix: DMatrix<f64>) -> Option<(DMatrix<f64>, f64)> {
+    matrix.fill_upper_triangle(0.0, 1);
+    if !whiten(matrix.as_view_mut()) {
+        return None;
     }
+    let logarithm = matrix.diagonal().iter().map(|v| -v.ln()).sum();
+    Some((matrix, logarithm))
+}
 
-    /// Generalised least squares of values, one set a column: coefficients of the trend, and L^-1 times the rest.
-    fn regressed(&self, values: &DMatrix<f64>) -> [DMatrix<f64>; 2] {
-        let white = &self.whitening * values;
-        let parts = self.basis.tr_mul(&white);
-        [self.of_trend.tr_mul(&parts), white - &self.basis * parts]
+impl Solved {
+    fn new(matrix: DMatrix<f64>, data: &Data) -> Option<Self> {
+        let (whitening, of_all) = whitened(matrix)?;
+        let white = &whitening * &data.trend;
+        let (of_trend, of_rest) = whitened(white.tr_mul(&white))?;
+        let basis = white * of_trend.transpose();
+        let white = &whitening * &data.values;
+        let parts = basis.tr_mul(&white);
+        let rest = white - &basis * &parts;
+        let (coefficients, weights) = (of_trend.tr_mul(&parts), whitening.tr_mul(&rest));
+        let (squares, half_log_determinants) = (rest.norm_squared(), of_all + of_rest);
+        Some(Self { whitening, of_trend, basis, coefficients, weights, squares, half_log_determinants })
     }
 
     /// K^-1 - K^-1 H (H' K^-1 H)^-1 H' K^-1.
@@ -235,10 +215,9 @@ pub struct Process {
 impl Process {
     /// The process of these unknowns. `None` where its matrix is singular.
     pub fn new(data: &Data, smoothness: Smoothness, unknowns: Vec<f64>) -> Option<Self> {
-        let (d, n) = data.points.shape();
-        let kernel = Kernel::new(smoothness, &unknowns, d);
-        let solved = Solved::new(data.correlations(&kernel, &unknowns).0, data)?;
-        let freedom = (n - data.trend.ncols()) as f64;
+        let kernel = Kernel::new(smoothness, &unknowns);
+        let solved = Solved::new(data.correlations(&kernel).0, data)?;
+        let freedom = (data.points.ncols() - data.trend.ncols()) as f64;
         let variance = (solved.squares / freedom).max(1e-24);
         let (places, linear) = (kernel.places(&data.points), data.trend.ncols() > 1);
         Some(Self { unknowns, variance, freedom, kernel, solved, places, linear })
@@ -246,7 +225,7 @@ impl Process {
 
     /// The variance of the independent errors, over that of the process.
     pub fn nugget(&self) -> f64 {
-        nugget(&self.unknowns)
+        self.kernel.nugget
     }
 
     /// Correlations with the runs: a row a run, a column a point.
@@ -254,9 +233,11 @@ impl Process {
         let n = self.solved.weights.len();
         let of_points = self.kernel.places(points);
         let mut cross = DMatrix::repeat(n, points.ncols(), 1.0);
+        let mut unasked = [vec![0.0; n], vec![0.0; n]];
         for (j, values) in cross.as_mut_slice().chunks_mut(n).enumerate() {
             for (of_runs, of_points) in self.places.iter().zip(&of_points) {
-                self.kernel.multiply(of_runs.each_ref().map(|of| &**of), of_points.each_ref().map(|of| of[j]), values);
+                let (of_runs, other) = (of_runs.each_ref().map(|of| &**of), of_points.each_ref().map(|of| of[j]));
+                self.kernel.multiply::<false>(of_runs, other, values, unasked.each_mut().map(|of| &mut **of));
             }
         }
         cross
@@ -318,21 +299,14 @@ impl Process {
             deviation * error
         };
         let errors = (0..count).map(one).collect();
-        let mut draws = Draws {
-            process: self,
-            waves,
-            phases,
-            amplitudes: amplitudes.transpose(),
-            weights: DMatrix::zeros(0, 0),
-            coefficients: DMatrix::zeros(0, 0),
-            errors,
-        };
-        let mut rest = -off - (&draws.amplitudes * draws.features(&data.points)).transpose();
+        let mut rest = -off - features(&waves, &phases, &data.points).transpose() * &amplitudes;
         rest.column_iter_mut().for_each(|mut column| column += &data.values);
-        let [coefficients, rest] = self.solved.regressed(&rest);
-        draws.weights = rest.transpose() * &self.solved.whitening;
-        draws.coefficients = coefficients.transpose();
-        draws
+        let Solved { whitening, of_trend, basis, .. } = &self.solved;
+        let white = whitening * rest;
+        let parts = basis.tr_mul(&white);
+        let weights = (white - basis * &parts).transpose() * whitening;
+        let coefficients = parts.transpose() * of_trend;
+        Draws { process: self, waves, phases, amplitudes: amplitudes.transpose(), weights, coefficients, errors }
     }
 }
 
@@ -357,20 +331,20 @@ impl Draws<'_> {
         for start in (0..points.ncols()).step_by(CHUNK) {
             let chunk = points.columns(start, CHUNK.min(points.ncols() - start)).into_owned();
             let mut values = values.columns_mut(start, chunk.ncols());
-            values.gemm(1.0, &self.amplitudes, &self.features(&chunk), 1.0);
+            values.gemm(1.0, &self.amplitudes, &features(&self.waves, &self.phases, &chunk), 1.0);
             values.gemm(1.0, &self.weights, &self.process.cross(&chunk), 1.0);
         }
         values
     }
+}
 
-    fn features(&self, points: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut features = &self.waves * points;
-        let amplitude = (2.0 / WAVES as f64).sqrt();
-        for column in features.as_mut_slice().chunks_mut(WAVES) {
-            column.iter_mut().zip(&self.phases).for_each(|(v, phase)| *v = amplitude * cosine(*v + phase));
-        }
-        features
+fn features(waves: &DMatrix<f64>, phases: &[f64], points: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut features = waves * points;
+    let amplitude = (2.0 / WAVES as f64).sqrt();
+    for column in features.as_mut_slice().chunks_mut(WAVES) {
+        column.iter_mut().zip(phases).for_each(|(v, phase)| *v = amplitude * cosine(*v + phase));
     }
+    features
 }
 
 #[cfg(test)]
@@ -390,10 +364,10 @@ mod tests {
     fn a_matrix_is_whitened() {
         let random = DMatrix::from_fn(150, 150, |i, k| ((3 * i * i + 7 * k * i + k) as f64).sin());
         let matrix = &random * random.transpose() + DMatrix::identity(150, 150);
-        let mut whitened = matrix.lower_triangle();
-        assert!(whiten(whitened.as_view_mut()));
+        let (whitened, logarithm) = whitened(matrix.clone()).unwrap();
+        assert!((2.0 * logarithm - matrix.clone().cholesky().unwrap().ln_determinant()).abs() < 1e-8);
         let error = &whitened * matrix.clone().cholesky().unwrap().l() - DMatrix::identity(150, 150);
         assert!(error.amax() < 1e-10 && whitened.upper_triangle().iter().filter(|v| **v != 0.0).count() == 150);
-        assert!(!whiten((matrix - DMatrix::identity(150, 150) * 5.0).as_view_mut()));
+        assert!(super::whitened(matrix - DMatrix::identity(150, 150) * 5.0).is_none());
     }
 }
