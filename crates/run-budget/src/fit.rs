@@ -1,6 +1,6 @@
 //! Which processes fit the runs: maxima of the posterior of length scales and nugget, and a sample around them.
 
-use crate::kernel::Smoothness;
+use crate::kernel::{FARTHEST, Smoothness};
 use crate::process::{Data, LEAST_NUGGET, Process};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use sampling::random::Random;
@@ -21,8 +21,9 @@ fn priors(data: &Data) -> Vec<[f64; 2]> {
 }
 
 fn bounds(data: &Data) -> Vec<[f64; 2]> {
-    let d = data.points.nrows();
-    let mut bounds = vec![[0.02_f64.ln(), 1000_f64.ln()]; d];
+    // No run is farther from the centre than half of what is as good as infinity.
+    let least = |farthest: f64| [(farthest * 5_f64.sqrt() / (0.5 * FARTHEST)).max(0.02).ln(), 1000_f64.ln()];
+    let mut bounds: Vec<[f64; 2]> = data.points.row_iter().map(|row| least(row.amax())).collect();
     bounds.push([1e-3_f64.ln(), 1e3_f64.ln()]);
     bounds.push([LEAST_NUGGET.ln(), 100_f64.ln()]);
     bounds
@@ -41,8 +42,13 @@ fn posterior(data: &Data, smoothness: Smoothness, at: &[f64], sloped: bool) -> O
     value.is_finite().then(|| (value, DVector::from_vec(gradient)))
 }
 
-/// A maximum by the method of Broyden, Fletcher, Goldfarb and Shanno, within bounds.
-fn climb(data: &Data, smoothness: Smoothness, start: &[f64]) -> Option<(f64, DVector<f64>)> {
+/// A maximum by the method of Broyden, Fletcher, Goldfarb and Shanno, within bounds. Covariances that were found before save steps.
+fn climb(
+    data: &Data,
+    smoothness: Smoothness,
+    start: &[f64],
+    known: Option<DMatrix<f64>>,
+) -> Option<(f64, DVector<f64>)> {
     let bounds = bounds(data);
     let within = |x: DVector<f64>| {
         let clamped = x.iter().zip(&bounds).map(|(v, [low, high])| v.clamp(*low, *high));
@@ -51,7 +57,7 @@ fn climb(data: &Data, smoothness: Smoothness, start: &[f64]) -> Option<(f64, DVe
     let mut x = within(DVector::from_column_slice(start));
     let (mut value, mut slope) = posterior(data, smoothness, x.as_slice(), true)?;
     let m = x.len();
-    let mut metric = DMatrix::identity(m, m) / slope.norm().max(1.0);
+    let mut metric = known.unwrap_or_else(|| DMatrix::identity(m, m) / slope.norm().max(1.0));
     for _ in 0..STEPS {
         let mut direction = &metric * &slope;
         if direction.dot(&slope) <= 0.0 {
@@ -93,7 +99,8 @@ fn climb(data: &Data, smoothness: Smoothness, start: &[f64]) -> Option<(f64, DVe
 }
 
 /// A maximum, and the normal approximation around it.
-struct Summit {
+#[derive(Clone, Debug)]
+pub struct Summit {
     smoothness: Smoothness,
     value: f64,
     at: DVector<f64>,
@@ -126,35 +133,39 @@ impl Summit {
     }
 }
 
-/// Members of the posterior of smoothness, length scales and nugget; the first is the best maximum. `earlier` are members of
-/// a fit to fewer runs, from which the search starts.
-pub fn members(data: &Data, count: usize, earlier: &[Process], random: &mut Random) -> Vec<Process> {
+/// Members of the posterior of smoothness, length scales and nugget, of which the first is the best maximum; and the maxima.
+/// `earlier` are those of a fit to fewer runs, from which the search starts.
+pub fn members(data: &Data, count: usize, earlier: &[Summit], random: &mut Random) -> (Vec<Process>, Vec<Summit>) {
     let centre: Vec<f64> = priors(data).iter().map(|p| p[0]).collect();
-    let summits = Smoothness::ALL.map(|smoothness| {
-        let mut starts = vec![centre.clone()];
-        match earlier.iter().find(|process| process.smoothness == smoothness) {
-            Some(process) => starts = vec![process.unknowns.clone()],
+    let summit = |smoothness: Smoothness| {
+        let found = match earlier.iter().find(|summit| summit.smoothness == smoothness) {
+            Some(before) => {
+                let metric = &before.spread * before.spread.transpose();
+                climb(data, smoothness, before.at.as_slice(), Some(metric))
+            }
             None => {
                 let mut rough: Vec<f64> = centre.iter().map(|c| c - 1.2).collect();
                 rough[data.points.nrows() + 1] = 0.01_f64.ln();
-                starts.push(rough);
+                let found = [&centre, &rough].into_iter().filter_map(|start| climb(data, smoothness, start, None));
+                found.max_by(|a, b| a.0.total_cmp(&b.0))
             }
-        }
-        let found = starts.iter().filter_map(|start| climb(data, smoothness, start));
-        found.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(value, at)| (smoothness, value, at))
-    });
-    let best = summits.iter().flatten().map(|s| s.1).fold(f64::NEG_INFINITY, f64::max);
-    let kept = summits.into_iter().flatten().filter(|s| s.1 > best - NEGLIGIBLE);
-    let mut summits: Vec<Summit> = kept.filter_map(|(s, value, at)| Summit::new(data, s, value, at)).collect();
-    summits.sort_by(|a, b| b.evidence.total_cmp(&a.evidence));
-    let Some(top) = summits.first() else { return Vec::new() };
+        };
+        found.and_then(|(value, at)| Summit::new(data, smoothness, value, at))
+    };
+    let summits: Vec<Summit> = Smoothness::ALL.into_iter().filter_map(summit).collect();
+    let best = summits.iter().map(|s| s.value).fold(f64::NEG_INFINITY, f64::max);
+    let kept = || summits.iter().filter(|s| s.value > best - NEGLIGIBLE);
+    let Some(top) = kept().max_by(|a, b| a.evidence.total_cmp(&b.evidence)) else {
+        return (Vec::new(), Vec::new());
+    };
     let mut members: Vec<Process> =
         Process::new(data, top.smoothness, top.at.as_slice().to_vec()).into_iter().collect();
     let bounds = bounds(data);
-    let weights: Vec<f64> = summits.iter().map(|s| (s.evidence - top.evidence).exp()).collect();
+    let kept: Vec<&Summit> = kept().collect();
+    let weights: Vec<f64> = kept.iter().map(|s| (s.evidence - top.evidence).exp()).collect();
     let mut candidates = Vec::new();
     for _ in 0..CANDIDATES * count {
-        let summit = &summits[random.pick(&weights)];
+        let summit = kept[random.pick(&weights)];
         let z = DVector::from_vec(random.normals(summit.at.len()));
         let at = &summit.at + &summit.spread * &z;
         let clamped = at.iter().zip(&bounds).map(|(v, [low, high])| v.clamp(*low, *high));
@@ -175,7 +186,7 @@ pub fn members(data: &Data, count: usize, earlier: &[Process], random: &mut Rand
             place += 1.0;
         }
     }
-    members
+    (members, summits)
 }
 
 #[cfg(test)]
@@ -199,7 +210,7 @@ mod tests {
         let points = DMatrix::from_fn(3, 64, |k, i| if k == 1 { rows[i][1] } else { rows[i][0] });
         let values = DVector::from_fn(64, |i, _| (rows[i][0] + 1.7).powi(2) * (rows[i][1] + 1.7));
         let data = Data::new(points, values);
-        assert!(!members(&data, 8, &[], &mut random).is_empty());
+        assert!(!members(&data, 8, &[], &mut random).0.is_empty());
     }
 
     #[test]
@@ -247,8 +258,8 @@ mod tests {
         for _ in 0..blocks {
             let values = process.draws(&data, each, 1.0, &mut random).at(&points);
             for i in 0..3 {
-                sum[i] += values.row(i).sum();
-                square[i] += values.row(i).norm_squared();
+                sum[i] += values.column(i).sum();
+                square[i] += values.column(i).norm_squared();
             }
         }
         let count = (blocks * each) as f64;

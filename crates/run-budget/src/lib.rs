@@ -10,7 +10,7 @@ mod refine;
 mod share;
 mod surrogate;
 
-pub use indices::{Index, indices, indices_of_good};
+pub use indices::{Index, indices};
 pub use output::{Check, Functions};
 pub use rare::{Answer, Search, Unknown};
 pub use refine::most_open;

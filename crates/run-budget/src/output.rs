@@ -1,6 +1,6 @@
 //! One output of the model: the processes that may be it, checked by leaving runs out.
 
-use crate::fit::members;
+use crate::fit::{Summit, members};
 use crate::process::{Data, Draws, Process};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -29,6 +29,7 @@ pub struct Check {
 pub struct Output {
     data: Data,
     members: Vec<Process>,
+    summits: Vec<Summit>,
     centre: f64,
     /// The deviation of the values; 1 where they are all the same.
     pub unit: f64,
@@ -48,7 +49,7 @@ impl Output {
         let standard = DVector::from_iterator(values.len(), values.iter().map(|v| (v - centre) / unit));
         let data = Data::new(points, standard);
         let mut random = Random::new(seed, Purpose::Surrogate, stream);
-        let members = members(&data, MEMBERS, earlier.map_or(&[], |e| &e.members), &mut random);
+        let (members, summits) = members(&data, MEMBERS, earlier.map_or(&[], |e| &e.summits), &mut random);
         let best = members.first()?;
         let left_out = best.left_out();
         let squares: f64 = left_out.iter().map(|[e, _]| e * e).sum();
@@ -66,7 +67,7 @@ impl Output {
         let by_others =
             |(value, [error, deviation]): (&f64, &[f64; 2])| [value - unit * error, check.widening * unit * deviation];
         let left_out = values.iter().zip(&left_out).map(by_others).collect();
-        Some(Self { data, members, centre, unit, left_out, check })
+        Some(Self { data, members, summits, centre, unit, left_out, check })
     }
 
     /// Means and deviations of the function by each member, in the output's unit, without noise.
@@ -95,8 +96,11 @@ impl Output {
     /// So many functions that the output may be from each member.
     pub fn functions(&self, each: usize, seed: u64, stream: u32) -> Functions<'_> {
         let mut random = Random::new(seed, Purpose::Surrogate, stream);
-        let draw = |p: &Process| p.draws(&self.data, each, self.check.widening, &mut random);
-        Functions { output: self, draws: self.members.iter().map(draw).collect() }
+        let mut draws = Vec::new();
+        for process in &self.members {
+            draws.push(process.draws(&self.data, each, self.check.widening, &mut random));
+        }
+        Functions { output: self, draws }
     }
 }
 
@@ -110,19 +114,19 @@ fn in_chunks<T: Send>(points: &DMatrix<f64>, told: impl Fn(DMatrix<f64>) -> Vec<
 /// Functions that an output may be.
 pub struct Functions<'a> {
     output: &'a Output,
-    draws: Vec<Draws>,
+    draws: Vec<Draws<'a>>,
 }
 
 impl Functions<'_> {
     /// Values in the output's unit: a row a point, a column a function.
     pub fn at(&self, points: &DMatrix<f64>) -> DMatrix<f64> {
         let parts: Vec<DMatrix<f64>> = self.draws.par_iter().map(|draws| draws.at(points)).collect();
-        let columns: usize = parts.iter().map(DMatrix::ncols).sum();
-        let mut values = DMatrix::zeros(points.ncols(), columns);
+        let rows: usize = parts.iter().map(DMatrix::nrows).sum();
+        let mut values = DMatrix::zeros(points.ncols(), rows);
         let mut start = 0;
         for part in parts {
-            values.columns_mut(start, part.ncols()).copy_from(&part);
-            start += part.ncols();
+            values.columns_mut(start, part.nrows()).tr_copy_from(&part);
+            start += part.nrows();
         }
         values.apply(|v| *v = self.output.centre + self.output.unit * *v);
         values

@@ -4,15 +4,42 @@
 //! variance s2 g (the nugget). Trend and s2 are integrated out (Santner, Williams & Notz 2003, "The Design and Analysis of
 //! Computer Experiments", section 3.3; Rasmussen & Williams 2006, section 2.7), so predictions follow Student's distribution.
 
-use crate::kernel::{Kernel, Smoothness};
-use nalgebra::{DMatrix, DVector, Dyn, linalg::Cholesky};
+use crate::kernel::{Kernel, Places, Smoothness};
+use nalgebra::{DMatrix, DMatrixViewMut, DVector};
 use sampling::random::Random;
+use std::f64::consts::TAU;
 
 /// The smallest nugget, for the condition of the matrices.
 pub const LEAST_NUGGET: f64 = 1e-9;
 
 /// Random waves of a draw from the prior.
 const WAVES: usize = 384;
+
+/// Points that are worked on at a time: what is known of them stays near the processor.
+const CHUNK: usize = 128;
+
+/// Terms of the series of sin(2 pi x) / x in squares of x.
+const SINE: [f64; 10] = {
+    let mut terms = [TAU; 10];
+    let mut k = 1;
+    while k < terms.len() {
+        terms[k] = -terms[k - 1] * TAU * TAU / (2 * k * (2 * k + 1)) as f64;
+        k += 1;
+    }
+    terms
+};
+
+/// The cosine of an angle in turns, as plain arithmetic, which compilers do for several numbers at once.
+fn cosine(turns: f64) -> f64 {
+    // Added and taken away, it leaves the nearest whole number.
+    const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
+    let part = 0.25 - (turns - ((turns + TO_WHOLE) - TO_WHOLE)).abs();
+    let square = part * part;
+    part * SINE.iter().rev().fold(0.0, |sum, term| sum * square + term)
+}
+
+/// Matrices of that size are not divided further.
+const UNDIVIDED: usize = 16;
 
 /// Runs as a process sees them.
 #[derive(Clone, Debug)]
@@ -23,8 +50,6 @@ pub struct Data {
     pub values: DVector<f64>,
     /// A row a run, a column a trend's function.
     pub trend: DMatrix<f64>,
-    /// The squared differences of each pair of runs (i > j, row after row) by coordinate.
-    apart: Vec<f64>,
 }
 
 /// The trend's functions at points: a constant, and each coordinate where `linear`.
@@ -42,38 +67,36 @@ impl Data {
         const INDEPENDENT: f64 = 1e-8;
         let is_independent = || trend(&points, true).rank(INDEPENDENT * (n as f64).sqrt()) == d + 1;
         let linear = n >= 3 * (d + 1) && is_independent();
-        let mut apart = Vec::with_capacity(d * n * (n - 1) / 2);
-        for i in 0..n {
-            for j in 0..i {
-                apart.extend((0..d).map(|k| (points[(k, i)] - points[(k, j)]).powi(2)));
-            }
-        }
-        Self { trend: trend(&points, linear), points, values, apart }
+        Self { trend: trend(&points, linear), points, values }
     }
 
-    /// The matrix of the runs, and for each pair of them (row after row) the derivatives of the logarithm of its correlation.
-    fn correlations(&self, smoothness: Smoothness, unknowns: &[f64]) -> (DMatrix<f64>, Vec<f64>) {
+    /// The lower half of the matrix of the runs; and for each pair of them, column after column, the derivatives of the logarithm of the
+    /// correlation by those of each length scale and of the interaction.
+    fn correlations(&self, kernel: &Kernel) -> (DMatrix<f64>, Vec<Vec<f64>>) {
         let (d, n) = self.points.shape();
-        let kernel = Kernel { smoothness, interaction: unknowns[d].exp() };
-        let weights: Vec<f64> = unknowns[..d].iter().map(|u| (-2.0 * u).exp()).collect();
-        let mut matrix = DMatrix::identity(n, n) * (1.0 + unknowns[d + 1].exp().max(LEAST_NUGGET));
-        let mut slopes = vec![0.0; n * (n - 1) / 2 * (d + 1)];
-        let mut pairs = self.apart.chunks(d).zip(slopes.chunks_mut(d + 1));
-        for i in 0..n {
-            for j in 0..i {
-                let (pair, slopes) = pairs.next().expect("there is a row of differences for each pair");
-                let value = kernel.sloped(pair.iter().zip(&weights).map(|(a, w)| a * w), slopes);
-                matrix[(i, j)] = value;
-                matrix[(j, i)] = value;
+        let mut matrix = DMatrix::identity(n, n) * (1.0 + kernel.nugget);
+        let (mut slopes, mut last) = (vec![vec![0.0; n * (n - 1) / 2]; d], vec![0.0; n * (n - 1) / 2]);
+        let places = kernel.places(&self.points);
+        let mut first = 0;
+        for (j, column) in matrix.as_mut_slice().chunks_mut(n).enumerate() {
+            let values = &mut column[j + 1..];
+            values.fill(1.0);
+            let end = first + values.len();
+            for (places, slopes) in places.iter().zip(&mut slopes) {
+                let (below, other) = (places.each_ref().map(|of| &of[j + 1..]), places.each_ref().map(|of| of[j]));
+                kernel.multiply::<true>(below, other, values, [&mut slopes[first..end], &mut last[first..end]]);
             }
+            first = end;
         }
+        slopes.push(last);
         (matrix, slopes)
     }
 
     /// The logarithm of the likelihood of the unknowns, and its gradient where asked for. `None` where the matrix is singular.
     pub fn likelihood(&self, smoothness: Smoothness, unknowns: &[f64], sloped: bool) -> Option<(f64, Vec<f64>)> {
-        let (d, n) = self.points.shape();
-        let (matrix, slopes) = self.correlations(smoothness, unknowns);
+        let n = self.points.ncols();
+        let kernel = Kernel::new(smoothness, unknowns);
+        let (matrix, slopes) = self.correlations(&kernel);
         let solved = Solved::new(matrix.clone(), self)?;
         let freedom = (n - self.trend.ncols()) as f64;
         let squares = solved.squares.max(1e-24);
@@ -84,31 +107,53 @@ impl Data {
         let projector = solved.projector();
         let factor = 0.5 * freedom / squares;
         let a = &solved.weights;
-        let mut gradient = vec![0.0; d + 2];
-        let mut slopes = slopes.chunks(d + 1);
-        for i in 0..n {
-            for j in 0..i {
-                let slopes = slopes.next().expect("as many as pairs");
-                let part = (2.0 * factor * a[i] * a[j] - projector[(i, j)]) * matrix[(i, j)];
-                gradient.iter_mut().zip(slopes).for_each(|(to, slope)| *to += part * slope);
-            }
-        }
-        let nugget = unknowns[d + 1].exp();
-        if nugget > LEAST_NUGGET {
-            let diagonal: f64 = (0..n).map(|i| factor * a[i] * a[i] - 0.5 * projector[(i, i)]).sum();
-            gradient[d + 1] = nugget * diagonal;
-        }
+        // By the logarithm of each pair's correlation.
+        let part = |i: usize, j: usize| (2.0 * factor * a[i] * a[j] - projector[(i, j)]) * matrix[(i, j)];
+        let parts: Vec<f64> = (0..n).flat_map(|j| (j + 1..n).map(move |i| (i, j))).map(|(i, j)| part(i, j)).collect();
+        let mut gradient: Vec<f64> =
+            slopes.iter().map(|slopes| slopes.iter().zip(&parts).map(|(s, p)| s * p).sum()).collect();
+        let diagonal: f64 = (0..n).map(|i| factor * a[i] * a[i] - 0.5 * projector[(i, i)]).sum();
+        gradient.push(if kernel.nugget > LEAST_NUGGET { kernel.nugget * diagonal } else { 0.0 });
         Some((value, gradient))
     }
+}
+
+/// Replaces a positive definite matrix, of which the lower half is given and the upper one 0, by the inverse of its Cholesky factor.
+/// Products of blocks do nearly all of the work. False where it is singular.
+fn whiten(mut matrix: DMatrixViewMut<'_, f64>) -> bool {
+    let n = matrix.nrows();
+    if n <= UNDIVIDED {
+        let Some(factor) = matrix.clone_owned().cholesky() else {
+            return false;
+        };
+        matrix.fill_with_identity();
+        return factor.l_dirty().solve_lower_triangular_mut(&mut matrix);
+    }
+    let half = n / 2;
+    let (mut left, mut right) = matrix.columns_range_pair_mut(..half, half..);
+    let (mut first, mut below) = left.rows_range_pair_mut(..half, half..);
+    let mut last = right.rows_mut(half, n - half);
+    if !whiten(first.as_view_mut()) {
+        return false;
+    }
+    let factor = &below * first.transpose();
+    last.gemm(-1.0, &factor, &factor.transpose(), 1.0);
+    last.fill_upper_triangle(0.0, 1);
+    if !whiten(last.as_view_mut()) {
+        return false;
+    }
+    below.copy_from(&(&last * (factor * &first) * -1.0));
+    true
 }
 
 /// The linear algebra that likelihood and predictions share.
 #[derive(Clone, Debug)]
 struct Solved {
-    factor: Cholesky<f64, Dyn>,
-    /// L^-1 H, and the factor of H' K^-1 H.
-    whitened: DMatrix<f64>,
-    of_trend: Cholesky<f64, Dyn>,
+    /// L^-1, with K = L L', and that of H' K^-1 H.
+    whitening: DMatrix<f64>,
+    of_trend: DMatrix<f64>,
+    /// An orthonormal basis of L^-1 H.
+    basis: DMatrix<f64>,
     coefficients: DVector<f64>,
     /// K^-1 (y - H b).
     weights: DVector<f64>,
@@ -117,101 +162,85 @@ struct Solved {
     half_log_determinants: f64,
 }
 
+/// L^-1 of K = L L', of which the lower half is given, and half of the logarithm of its determinant.
+fn whitened(mut matrix: DMatrix<f64>) -> Option<(DMatrix<f64>, f64)> {
+    matrix.fill_upper_triangle(0.0, 1);
+    if !whiten(matrix.as_view_mut()) {
+        return None;
+    }
+    let logarithm = matrix.diagonal().iter().map(|v| -v.ln()).sum();
+    Some((matrix, logarithm))
+}
+
 impl Solved {
     fn new(matrix: DMatrix<f64>, data: &Data) -> Option<Self> {
-        let factor = Cholesky::new(matrix)?;
-        let lower = factor.l_dirty();
-        let whitened = lower.solve_lower_triangular(&data.trend)?;
-        let of_trend = Cholesky::new(whitened.tr_mul(&whitened))?;
-        let (coefficients, weights, squares) = regressed(&factor, &whitened, &of_trend, data, &data.values)?;
-        let logs = |factor: &Cholesky<f64, Dyn>| factor.l_dirty().diagonal().iter().map(|v| v.ln()).sum::<f64>();
-        let half_log_determinants = logs(&factor) + logs(&of_trend);
-        Some(Self { factor, whitened, of_trend, coefficients, weights, squares, half_log_determinants })
+        let (whitening, of_all) = whitened(matrix)?;
+        let white = &whitening * &data.trend;
+        let (of_trend, of_rest) = whitened(white.tr_mul(&white))?;
+        let basis = white * of_trend.transpose();
+        let white = &whitening * &data.values;
+        let parts = basis.tr_mul(&white);
+        let rest = white - &basis * &parts;
+        let (coefficients, weights) = (of_trend.tr_mul(&parts), whitening.tr_mul(&rest));
+        let (squares, half_log_determinants) = (rest.norm_squared(), of_all + of_rest);
+        Some(Self { whitening, of_trend, basis, coefficients, weights, squares, half_log_determinants })
     }
 
     /// K^-1 - K^-1 H (H' K^-1 H)^-1 H' K^-1.
     fn projector(&self) -> DMatrix<f64> {
-        let mut of_trend =
-            self.factor.l_dirty().tr_solve_lower_triangular(&self.whitened).expect("no zero on the diagonal");
-        let inverse = self.factor.inverse();
-        let solved = self.of_trend.solve(&of_trend.transpose());
-        of_trend *= solved;
-        inverse - of_trend
+        let turned = self.whitening.transpose();
+        let of_trend = &turned * &self.basis;
+        let mut projector = &turned * &self.whitening;
+        projector.gemm(-1.0, &of_trend, &of_trend.transpose(), 1.0);
+        projector
     }
-}
-
-/// Generalised least squares: coefficients of the trend, K^-1 times the rest, and its square in that metric.
-fn regressed(
-    factor: &Cholesky<f64, Dyn>,
-    whitened: &DMatrix<f64>,
-    of_trend: &Cholesky<f64, Dyn>,
-    data: &Data,
-    values: &DVector<f64>,
-) -> Option<(DVector<f64>, DVector<f64>, f64)> {
-    let lower = factor.l_dirty();
-    let white = lower.solve_lower_triangular(values)?;
-    let coefficients = of_trend.solve(&whitened.tr_mul(&white));
-    let rest = white - whitened * &coefficients;
-    debug_assert_eq!(data.trend.ncols(), coefficients.len());
-    let weights = lower.tr_solve_lower_triangular(&rest)?;
-    Some((coefficients, weights, rest.norm_squared()))
 }
 
 /// A process given the runs.
 #[derive(Clone, Debug)]
 pub struct Process {
-    /// How smooth it is.
-    pub smoothness: Smoothness,
     /// Logarithms of length scales, interaction and nugget.
     pub unknowns: Vec<f64>,
     /// The variance s2.
     pub variance: f64,
     /// Runs less coefficients of the trend.
     pub freedom: f64,
+    kernel: Kernel,
     solved: Solved,
-    /// The runs' points, divided by the length scales.
-    scaled: DMatrix<f64>,
+    /// The runs' points.
+    places: Places,
     linear: bool,
 }
 
 impl Process {
     /// The process of these unknowns. `None` where its matrix is singular.
     pub fn new(data: &Data, smoothness: Smoothness, unknowns: Vec<f64>) -> Option<Self> {
-        let solved = Solved::new(data.correlations(smoothness, &unknowns).0, data)?;
+        let kernel = Kernel::new(smoothness, &unknowns);
+        let solved = Solved::new(data.correlations(&kernel).0, data)?;
         let freedom = (data.points.ncols() - data.trend.ncols()) as f64;
         let variance = (solved.squares / freedom).max(1e-24);
-        let linear = data.trend.ncols() > 1;
-        let mut process =
-            Self { smoothness, unknowns, variance, freedom, solved, scaled: DMatrix::zeros(0, 0), linear };
-        process.scaled = process.scaled(&data.points);
-        Some(process)
+        let (places, linear) = (kernel.places(&data.points), data.trend.ncols() > 1);
+        Some(Self { unknowns, variance, freedom, kernel, solved, places, linear })
     }
 
     /// The variance of the independent errors, over that of the process.
     pub fn nugget(&self) -> f64 {
-        self.unknowns.last().map_or(0.0, |u| u.exp()).max(LEAST_NUGGET)
+        self.kernel.nugget
     }
 
-    fn scaled(&self, points: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut scaled = points.clone();
-        for (k, mut row) in scaled.row_iter_mut().enumerate() {
-            row *= (-self.unknowns[k]).exp();
+    /// Correlations with the runs: a row a run, a column a point.
+    fn cross(&self, points: &DMatrix<f64>) -> DMatrix<f64> {
+        let n = self.solved.weights.len();
+        let of_points = self.kernel.places(points);
+        let mut cross = DMatrix::repeat(n, points.ncols(), 1.0);
+        let mut unasked = [vec![0.0; n], vec![0.0; n]];
+        for (j, values) in cross.as_mut_slice().chunks_mut(n).enumerate() {
+            for (of_runs, of_points) in self.places.iter().zip(&of_points) {
+                let (of_runs, other) = (of_runs.each_ref().map(|of| &**of), of_points.each_ref().map(|of| of[j]));
+                self.kernel.multiply::<false>(of_runs, other, values, unasked.each_mut().map(|of| &mut **of));
+            }
         }
-        scaled
-    }
-
-    fn kernel(&self) -> Kernel {
-        Kernel { smoothness: self.smoothness, interaction: self.unknowns[self.unknowns.len() - 2].exp() }
-    }
-
-    /// Correlations with the runs: a row a run, a column a point (scaled).
-    fn cross(&self, scaled: &DMatrix<f64>) -> DMatrix<f64> {
-        {
-            let columns =
-                |m: &DMatrix<f64>| -> Vec<Vec<f64>> { m.column_iter().map(|c| c.iter().copied().collect()).collect() };
-            let (runs, points, kernel) = (columns(&self.scaled), columns(scaled), self.kernel());
-            DMatrix::from_fn(runs.len(), points.len(), |i, j| kernel.between(&runs[i], &points[j]))
-        }
+        cross
     }
 
     /// What leaving each run out gives: its error, and the deviation that the process states for it (Dubrule 1983).
@@ -226,11 +255,12 @@ impl Process {
 
     /// Mean and deviation (without the independent errors) at points, one a column.
     pub fn predict(&self, points: &DMatrix<f64>) -> Vec<[f64; 2]> {
-        let scaled = self.scaled(points);
-        let cross = self.cross(&scaled);
+        let Solved { whitening, of_trend, basis, .. } = &self.solved;
+        let cross = self.cross(points);
         let trend = trend(points, self.linear);
-        let means = &trend * &self.solved.coefficients + cross.tr_mul(&self.solved.weights);
-        let (white, rest) = self.whitened(cross, &trend);
+        let means = self.mean(&cross, &trend);
+        let white = whitening * cross;
+        let rest = of_trend * trend.transpose() - basis.transpose() * &white;
         let one = |i: usize| {
             let left = 1.0 - white.column(i).norm_squared() + rest.column(i).norm_squared();
             [means[i], (self.variance * left.max(0.0)).sqrt()]
@@ -240,69 +270,53 @@ impl Process {
 
     /// Means at points, one a column: a small part of the work of [`Self::predict`].
     pub fn means(&self, points: &DMatrix<f64>) -> DVector<f64> {
-        let cross = self.cross(&self.scaled(points));
-        trend(points, self.linear) * &self.solved.coefficients + cross.tr_mul(&self.solved.weights)
+        self.mean(&self.cross(points), &trend(points, self.linear))
     }
 
-    /// L^-1 k and what the trend's coefficients leave open, a column a point.
-    fn whitened(&self, mut cross: DMatrix<f64>, trend: &DMatrix<f64>) -> (DMatrix<f64>, DMatrix<f64>) {
-        let solvable = self.solved.factor.l_dirty().solve_lower_triangular_mut(&mut cross);
-        debug_assert!(solvable, "a Cholesky factor has no zero on its diagonal");
-        let mut rest = trend.transpose() - self.solved.whitened.tr_mul(&cross);
-        let solvable = self.solved.of_trend.l_dirty().solve_lower_triangular_mut(&mut rest);
-        debug_assert!(solvable, "a Cholesky factor has no zero on its diagonal");
-        (cross, rest)
+    fn mean(&self, cross: &DMatrix<f64>, trend: &DMatrix<f64>) -> DVector<f64> {
+        trend * &self.solved.coefficients + cross.tr_mul(&self.solved.weights)
     }
 
     /// Functions drawn from the process given the runs, with deviations `widening` times as large (Matheron's rule; Wilson et
     /// al. 2020, "Efficiently sampling functions from Gaussian process posteriors").
-    pub fn draws(&self, data: &Data, count: usize, widening: f64, random: &mut Random) -> Draws {
-        let (d, n) = self.scaled.shape();
+    pub fn draws(&self, data: &Data, count: usize, widening: f64, random: &mut Random) -> Draws<'_> {
+        let (d, n) = data.points.shape();
         let mut waves = DMatrix::zeros(WAVES, d);
         for mut row in waves.row_iter_mut() {
-            let frequency = self.kernel().frequency(d, random);
-            row.iter_mut().zip(frequency).for_each(|(to, from)| *to = from);
+            row.iter_mut().zip(self.kernel.frequency(random)).for_each(|(to, from)| *to = from / TAU);
         }
-        let phases = DVector::from_fn(WAVES, |_, _| std::f64::consts::TAU * random.unit());
-        let at_runs = features(&waves, &phases, &self.scaled);
-        let mut draws = Draws {
-            process: self.clone(),
-            waves,
-            phases,
-            amplitudes: DMatrix::zeros(WAVES, count),
-            weights: DMatrix::zeros(n, count),
-            coefficients: DMatrix::zeros(data.trend.ncols(), count),
-            errors: Vec::with_capacity(count),
-        };
+        let phases: Vec<f64> = (0..WAVES).map(|_| random.unit()).collect();
         let error = self.nugget().sqrt();
-        for k in 0..count {
-            let squares: f64 = {
-                // A chi-squared number by its Wilson-Hilferty approximation.
-                let part = 2.0 / (9.0 * self.freedom);
-                self.freedom * (1.0 - part + part.sqrt() * random.normal()).max(0.05).powi(3)
-            };
+        let mut amplitudes = DMatrix::zeros(WAVES, count);
+        let mut off = DMatrix::zeros(n, count);
+        let one = |k: usize| {
+            // A chi-squared number by its Wilson-Hilferty approximation.
+            let part = 2.0 / (9.0 * self.freedom);
+            let squares = self.freedom * (1.0 - part + part.sqrt() * random.normal()).max(0.05).powi(3);
             let deviation = widening * (self.variance * self.freedom / squares).sqrt();
-            let amplitudes = DVector::from_fn(WAVES, |_, _| deviation * random.normal());
-            let errors = DVector::from_fn(n, |_, _| deviation * error * random.normal());
-            let rest = &data.values - at_runs.tr_mul(&amplitudes) - errors;
-            let solved = &self.solved;
-            let (coefficients, weights, _) = regressed(&solved.factor, &solved.whitened, &solved.of_trend, data, &rest)
-                .expect("it was solved before");
-            draws.amplitudes.set_column(k, &amplitudes);
-            draws.weights.set_column(k, &weights);
-            draws.coefficients.set_column(k, &coefficients);
-            draws.errors.push(deviation * error);
-        }
-        draws
+            amplitudes.column_mut(k).apply(|v| *v = deviation * random.normal());
+            off.column_mut(k).apply(|v| *v = deviation * error * random.normal());
+            deviation * error
+        };
+        let errors = (0..count).map(one).collect();
+        let mut rest = -off - features(&waves, &phases, &data.points).transpose() * &amplitudes;
+        rest.column_iter_mut().for_each(|mut column| column += &data.values);
+        let Solved { whitening, of_trend, basis, .. } = &self.solved;
+        let white = whitening * rest;
+        let parts = basis.tr_mul(&white);
+        let weights = (white - basis * &parts).transpose() * whitening;
+        let coefficients = parts.transpose() * of_trend;
+        Draws { process: self, waves, phases, amplitudes: amplitudes.transpose(), weights, coefficients, errors }
     }
 }
 
-/// Functions that a process may be, given the runs.
+/// Functions that a process may be, given the runs. A row a draw.
 #[derive(Clone, Debug)]
-pub struct Draws {
-    process: Process,
+pub struct Draws<'a> {
+    process: &'a Process,
+    /// A row a wave; frequencies and phases are in turns.
     waves: DMatrix<f64>,
-    phases: DVector<f64>,
+    phases: Vec<f64>,
     amplitudes: DMatrix<f64>,
     weights: DMatrix<f64>,
     coefficients: DMatrix<f64>,
@@ -310,22 +324,50 @@ pub struct Draws {
     pub errors: Vec<f64>,
 }
 
-impl Draws {
-    /// Values at points: a row a point, a column a draw.
+impl Draws<'_> {
+    /// Values at points: a row a draw, a column a point.
     pub fn at(&self, points: &DMatrix<f64>) -> DMatrix<f64> {
-        let scaled = self.process.scaled(points);
-        let mut values = features(&self.waves, &self.phases, &scaled).tr_mul(&self.amplitudes);
-        values += self.process.cross(&scaled).tr_mul(&self.weights);
-        values += trend(points, self.process.linear) * &self.coefficients;
+        let mut values = &self.coefficients * trend(points, self.process.linear).transpose();
+        for start in (0..points.ncols()).step_by(CHUNK) {
+            let chunk = points.columns(start, CHUNK.min(points.ncols() - start)).into_owned();
+            let mut values = values.columns_mut(start, chunk.ncols());
+            values.gemm(1.0, &self.amplitudes, &features(&self.waves, &self.phases, &chunk), 1.0);
+            values.gemm(1.0, &self.weights, &self.process.cross(&chunk), 1.0);
+        }
         values
     }
 }
 
-fn features(waves: &DMatrix<f64>, phases: &DVector<f64>, scaled: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut features = waves * scaled;
+fn features(waves: &DMatrix<f64>, phases: &[f64], points: &DMatrix<f64>) -> DMatrix<f64> {
+    let mut features = waves * points;
     let amplitude = (2.0 / WAVES as f64).sqrt();
-    for mut column in features.column_iter_mut() {
-        column.iter_mut().zip(phases).for_each(|(v, phase)| *v = amplitude * (*v + phase).cos());
+    for column in features.as_mut_slice().chunks_mut(WAVES) {
+        column.iter_mut().zip(phases).for_each(|(v, phase)| *v = amplitude * cosine(*v + phase));
     }
     features
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cosines_are_those_of_the_library() {
+        for k in -100_000..100_000 {
+            let turns = f64::from(k) * 1.7e-4;
+            assert!((cosine(turns) - (TAU * turns).cos()).abs() < 3e-14, "{turns}");
+        }
+    }
+
+    /// Cholesky's factor as nalgebra has it.
+    #[test]
+    fn a_matrix_is_whitened() {
+        let random = DMatrix::from_fn(150, 150, |i, k| ((3 * i * i + 7 * k * i + k) as f64).sin());
+        let matrix = &random * random.transpose() + DMatrix::identity(150, 150);
+        let (whitened, logarithm) = whitened(matrix.clone()).unwrap();
+        assert!((2.0 * logarithm - matrix.clone().cholesky().unwrap().ln_determinant()).abs() < 1e-8);
+        let error = &whitened * matrix.clone().cholesky().unwrap().l() - DMatrix::identity(150, 150);
+        assert!(error.amax() < 1e-10 && whitened.upper_triangle().iter().filter(|v| **v != 0.0).count() == 150);
+        assert!(super::whitened(matrix - DMatrix::identity(150, 150) * 5.0).is_none());
+    }
 }

@@ -313,7 +313,7 @@ impl Search<'_> {
         };
         let weights = scores.iter().map(weight).collect();
         let points: Vec<Vec<f64>> = scores.iter().map(|z| (self.coordinates)(z)).collect();
-        let values = Possible::new(surrogate, self.limits, &points, each, true).event(self.event, self.limits);
+        let values = Possible::new(surrogate, &points, each, true).event(self.event, self.limits);
         Population { scores, weights, values }
     }
 

@@ -27,7 +27,9 @@ pub fn most_open(surrogates: &[(&Surrogate, Vec<Vec<f64>>)], count: usize) -> Ve
     while chosen.len() < count.min(candidates) {
         let open = |i: usize| outputs.iter().map(|values| values.row(i).norm_squared()).sum::<f64>();
         let free = (0..candidates).filter(|i| !chosen.contains(i));
-        let Some((best, _)) = free.map(|i| (i, open(i))).max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        let Some((best, _)) = free.map(|i| (i, open(i))).max_by(|a, b| a.1.total_cmp(&b.1)) else {
+            break;
+        };
         chosen.push(best);
         for values in &mut outputs {
             // What the chosen point's value tells of all others is no longer open.

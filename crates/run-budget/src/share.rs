@@ -8,6 +8,10 @@ use sampling::random::{Purpose, Random};
 
 /// Functions that are drawn from each member of an output's sample.
 const EACH: usize = 16;
+/// Points among which those near limits are chosen.
+const CANDIDATES: usize = 1024;
+/// Noise of so small a part of an output's deviation changes no sign.
+const NO_NOISE: f64 = 1e-4;
 /// Errors of runs left out, over the deviation of the output, from which on the surrogate is not asked.
 pub(crate) const LARGEST_ERROR: f64 = 0.2;
 /// So many deviations more wrong signs among the runs left out than their probabilities say refute the surrogate.
@@ -106,8 +110,8 @@ impl Share {
 /// Values at points of functions that the model may be: a row a point, a column a function.
 #[derive(Clone, Debug)]
 pub(crate) struct Possible {
-    /// By output; none of an output without a limit.
-    values: Vec<Option<DMatrix<f64>>>,
+    /// By output.
+    pub(crate) values: Vec<DMatrix<f64>>,
     /// Where it is negative a run would fail.
     success: Option<DMatrix<f64>>,
     spreads: Vec<f64>,
@@ -116,20 +120,21 @@ pub(crate) struct Possible {
 
 impl Possible {
     /// `each` functions of each member of an output's sample, with noise or without it.
-    pub(crate) fn new(surrogate: &Surrogate, limits: &[Limit], points: &[Vec<f64>], each: usize, noise: bool) -> Self {
+    pub(crate) fn new(surrogate: &Surrogate, points: &[Vec<f64>], each: usize, noise: bool) -> Self {
         let standard = surrogate.standard(points);
         let of = |output: usize| {
             let functions = surrogate.functions(output, each);
             let mut values = functions.at(&standard);
             let mut random = surrogate.random(4000 + output as u32);
-            for (mut column, error) in values.column_iter_mut().zip(functions.noise()).filter(|_| noise) {
+            let least = if noise { NO_NOISE * surrogate.spread(output) } else { f64::INFINITY };
+            for (mut column, error) in values.column_iter_mut().zip(functions.noise()).filter(|(_, e)| *e > least) {
                 column.iter_mut().for_each(|v| *v += error * random.normal());
             }
             values
         };
         let count = surrogate.checks().len();
         Self {
-            values: (0..count).map(|output| limits.iter().any(|l| l.output == output).then(|| of(output))).collect(),
+            values: (0..count).map(of).collect(),
             success: surrogate.success(each).map(|functions| functions.at(&standard)),
             spreads: (0..count).map(|output| surrogate.spread(output)).collect(),
             points: points.len(),
@@ -140,8 +145,7 @@ impl Possible {
     pub(crate) fn margins(&self, limits: &[Limit]) -> DMatrix<f64> {
         let mut least = self.success.clone();
         for limit in limits {
-            let values = self.values[limit.output].as_ref().expect("the output was asked for");
-            let margins = values.map(|v| limit.margin(v) / self.spreads[limit.output]);
+            let margins = self.values[limit.output].map(|v| limit.margin(v) / self.spreads[limit.output]);
             least = Some(match least {
                 None => margins,
                 Some(before) => before.zip_map(&margins, f64::min),
@@ -237,9 +241,13 @@ pub(crate) fn undecided(mut margins: DMatrix<f64>, count: usize) -> Vec<usize> {
     let before: Vec<f64> = (0..candidates).map(|i| square(&margins, i)).collect();
     let mut chosen: Vec<usize> = Vec::new();
     while chosen.len() < count {
-        let score = |i: usize| if before[i] > 0.0 { open[i] * square(&margins, i) / before[i] } else { 0.0 };
+        let score = |i: usize| {
+            if before[i] > 0.0 { open[i] * square(&margins, i) / before[i] } else { 0.0 }
+        };
         let free = (0..candidates).filter(|i| !chosen.contains(i));
-        let Some((best, worth)) = free.map(|i| (i, score(i))).max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
+        let Some((best, worth)) = free.map(|i| (i, score(i))).max_by(|a, b| a.1.total_cmp(&b.1)) else {
+            break;
+        };
         if worth <= 0.0 {
             break;
         }
@@ -293,11 +301,12 @@ impl Campaign {
             self.earlier = Surrogate::fit(&runs, &self.sample, self.earlier.as_ref(), self.seed).ok();
             // Plain points come from the first half, so that none of them was chosen before.
             let fresh = |place: &usize| !self.places.contains(place);
-            let candidates: Vec<usize> = (self.sample.len() / 2..self.sample.len()).filter(fresh).take(2048).collect();
+            let candidates: Vec<usize> =
+                (self.sample.len() / 2..self.sample.len()).filter(fresh).take(CANDIDATES).collect();
             let points: Vec<Vec<f64>> = candidates.iter().map(|place| self.sample[*place].clone()).collect();
             let trusted = self.earlier.as_ref().filter(|s| doubt(s, &self.limits, &runs).is_none());
             let chosen = trusted.map_or(Vec::new(), |s| {
-                undecided(Possible::new(s, &self.limits, &points, EACH, true).margins(&self.limits), count / 2)
+                undecided(Possible::new(s, &points, EACH, true).margins(&self.limits), count / 2)
             });
             self.places.extend(chosen.into_iter().map(|chosen| candidates[chosen]));
             self.add_plain(count - (self.places.len() - first));
@@ -351,11 +360,7 @@ impl Answers {
     /// What `runs` say of a plain `sample`; `plain` tells which of them are one, too.
     pub fn new(runs: Vec<Run>, plain: Vec<bool>, sample: &[Vec<f64>], earlier: Option<&Surrogate>, seed: u64) -> Self {
         let surrogate = Surrogate::fit(&runs, sample, earlier, seed).ok();
-        let possible = surrogate.as_ref().map(|surrogate| {
-            let range = [f64::NEG_INFINITY, f64::INFINITY];
-            let all: Vec<Limit> = (0..surrogate.checks().len()).map(|output| Limit { output, range }).collect();
-            Possible::new(surrogate, &all, sample, EACH, true)
-        });
+        let possible = surrogate.as_ref().map(|surrogate| Possible::new(surrogate, sample, EACH, true));
         Self { runs, plain, surrogate, possible }
     }
 
@@ -374,12 +379,14 @@ impl Answers {
     /// Outcomes at the points of the sample, those of each point by another function that the model may be; `None` at a point
     /// where the run would fail. Nothing where no surrogate fits.
     pub fn outcomes(&self) -> Vec<Option<Vec<f64>>> {
-        let Some(Possible { values, success, points, .. }) = &self.possible else { return Vec::new() };
-        let columns = values.iter().flatten().map(DMatrix::ncols).next().unwrap_or(1);
+        let Some(Possible { values, success, points, .. }) = &self.possible else {
+            return Vec::new();
+        };
+        let columns = values.first().map(DMatrix::ncols).unwrap_or(1);
         let outcome = |i: usize| {
             let k = i % columns;
             let fails = success.as_ref().is_some_and(|success| success[(i, k)] < 0.0);
-            (!fails).then(|| values.iter().flatten().map(|values| values[(i, k)]).collect())
+            (!fails).then(|| values.iter().map(|values| values[(i, k)]).collect())
         };
         (0..*points).map(outcome).collect()
     }

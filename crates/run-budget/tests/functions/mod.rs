@@ -23,6 +23,8 @@ pub struct Model {
     pub dimensions: usize,
     /// The first so many coordinates are standard normal.
     normals: usize,
+    /// Of each of these with the one before.
+    pub correlation: f64,
     pub of: fn(&[f64]) -> f64,
     /// The value from which on a point is good.
     pub limit: f64,
@@ -46,16 +48,21 @@ impl Model {
     fn places(&self, mut cube: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
         let standard = sampling::distribution::Distribution::Normal { mean: 0.0, deviation: 1.0 };
         cube.iter_mut().flat_map(|u| &mut u[..self.normals]).for_each(|u| *u = standard.quantile(*u));
+        for u in &mut cube {
+            for k in 1..self.normals {
+                u[k] = self.correlation * u[k - 1] + (1.0 - self.correlation.powi(2)).sqrt() * u[k];
+            }
+        }
         cube
     }
 }
 
 const fn model(name: &'static str, d: [usize; 2], of: fn(&[f64]) -> f64, limit: f64, smooth: bool) -> Model {
-    Model { name, dimensions: d[0], normals: d[1], of, limit, smooth }
+    Model { name, dimensions: d[0], normals: d[1], correlation: 0.0, of, limit, smooth }
 }
 
 /// All of them.
-pub static ALL: [Model; 11] = [
+pub static ALL: [Model; 12] = [
     model("circuit", [6, 0], circuit, 4.6, true),
     model("borehole", [8, 2], borehole, 60.0, true),
     model("piston", [7, 0], piston, 0.4, true),
@@ -67,6 +74,7 @@ pub static ALL: [Model; 11] = [
     model("noise", [3, 0], noisy, 0.8, false),
     model("thirty", [30, 0], thirty, 0.0, true),
     model("ridge", [2, 0], ridge, 0.3, false),
+    Model { correlation: 0.6, ..model("beam", [3, 3], beam, 0.0, true) },
 ];
 
 fn range(u: f64, low: f64, high: f64) -> f64 {
@@ -147,6 +155,15 @@ pub fn noisy(u: &[f64]) -> f64 {
 pub fn thirty(u: &[f64]) -> f64 {
     let x = |k: usize| 2.0 * u[k] - 1.0;
     (0..30).map(|k| x(k) / (1.0 + k as f64 / 5.0) + 0.3 * x(k) * x((k + 1) % 30)).sum()
+}
+
+/// What the tip of a cantilever under two loads may still be displaced by (Wu et al. 1990, "Advanced probabilistic structural
+/// analysis method for implicit performance functions"; Surjanovic & Bingham).
+pub fn beam(u: &[f64]) -> f64 {
+    let (across, along, modulus) = (500.0 + 100.0 * u[0], 1000.0 + 100.0 * u[1], 2.9e7 + 1.45e6 * u[2]);
+    let (width, height, length) = (2.4_f64, 3.3_f64, 100_f64);
+    let load = (across / width.powi(2)).hypot(along / height.powi(2));
+    2.2535 - 4.0 * length.powi(3) / (modulus * width * height) * load
 }
 
 /// A kink along a circle.

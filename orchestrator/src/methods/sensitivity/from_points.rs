@@ -11,7 +11,7 @@ use ::sensitivity::Estimate;
 use ::sensitivity::sobol::Indices;
 use conformity::conclusion::grouped;
 use parameter_regions::table::PointTable;
-use run_budget::{Doubt, Index, Run, Surrogate, indices, indices_of_good};
+use run_budget::{Doubt, Index, Run, Surrogate, indices};
 use sampling::design;
 
 /// A fit takes the cube of the number of points; more of them tell little more.
@@ -48,25 +48,21 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
         net.iter().map(|u| plan.coordinates(&plan.from_cube(&u[half * dimensions..][..dimensions]))).collect()
     };
     let [a, b] = [half(0), half(1)];
-    let surrogate = Surrogate::fit(&runs, &a, None, seed);
-    let refused = |doubt: Doubt| reason(judge, doubt);
     let told = |found: Result<Vec<[Index; 2]>, Doubt>| {
-        found.map_err(refused).map(|found| of_varied(&found, &varied, runs.len()))
+        found.map_err(|doubt| reason(judge, doubt)).map(|found| of_varied(&found, &varied, runs.len()))
     };
-    let of = |k: usize| match &surrogate {
-        Ok(surrogate) => told(indices(surrogate, k, &a, &b, CONFIDENCE)),
-        Err(unfit) => Err(unfit.to_string()),
-    };
-    let verified = match &surrogate {
-        Ok(surrogate) => told(indices_of_good(surrogate, &limits(judge, 0.0), &runs, [&a, &b], CONFIDENCE)),
-        Err(unfit) => Err(unfit.to_string()),
+    let names = judge.criteria.iter().map(|criterion| criterion.name.clone()).chain(["verified".to_owned()]);
+    let names: Vec<String> = names.collect();
+    let found: Vec<Result<Indices, String>> = match Surrogate::fit(&runs, &a, None, seed) {
+        Ok(surrogate) => {
+            indices(&surrogate, &limits(judge, 0.0), &runs, [&a, &b], CONFIDENCE).into_iter().map(told).collect()
+        }
+        Err(unfit) => vec![Err(unfit.to_string()); names.len()],
     };
     let mut outputs: Vec<Output> = Vec::new();
     let mut warnings = Vec::new();
-    let names = judge.criteria.iter().map(|criterion| criterion.name.clone()).chain(["verified".to_owned()]);
-    let found = (0..judge.criteria.len()).map(of).chain([verified]);
     let parameters: Vec<String> = varied.iter().map(|&k| plan.inputs[k].name.clone()).collect();
-    for (name, found) in names.zip(found) {
+    for (name, found) in names.into_iter().zip(found) {
         if let Err(why) = &found {
             warnings.push(format!(
                 "{name}: no indices from these points: {why}; `sensitivity STUDY --base N` runs a design"
