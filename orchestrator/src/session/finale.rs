@@ -47,8 +47,8 @@ impl Verification {
         let sample = match (told, &self.header.table) {
             (Some(_), _) => Sample::Dependent,
             // Rows of a table are drawn as the study says, and nobody knows which belong to one net.
-            (None, Some(_)) => Sample::of(session.study.design.method, 1),
-            (None, None) => Sample::of(session.study.design.method, replicates),
+            (None, Some(_)) => Sample::of(&session.study, self.source.len(), 1),
+            (None, None) => Sample::of(&session.study, self.source.len(), replicates),
         };
         let mut tally = Tally::new(&session.judge, sample);
         let mut survey = Survey::new(&session.judge, Some(&session.plan));
