@@ -73,9 +73,7 @@ impl Population {
         let producer = sums(&|p, accepted| Some(if accepted { 0.0 } else { p }));
         let conforming = sums(&|p, _| Some(p));
         let part = sums(&|p, accepted| accepted.then_some(1.0 - p));
-        let points = Moments::total(&consumer).count;
-        let of_part = of_part(&part, points, 0.95);
-        [of_mean(&consumer, 0.95), of_mean(&producer, 0.95), of_mean(&conforming, 0.95), of_part]
+        [of_mean(&consumer, 0.95), of_mean(&producer, 0.95), of_mean(&conforming, 0.95), of_part(&part, 0.95)]
     }
 
     /// Refuses intervals that hold the exact numbers in fewer than 95 % of the studies, by a binomial test at 0.1 %.

@@ -59,12 +59,6 @@ impl Acceptance {
         (0..self.within.len()).find(holds)
     }
 
-    /// How many there are.
-    pub fn points(&self) -> u64 {
-        let all = self.within.iter().flatten().chain(&self.outside);
-        all.map(|part| part.count).sum()
-    }
-
     /// The accepted and the rejected points of each sample, with the guard band of a step.
     pub fn split(&self, from: usize) -> [Vec<Moments>; 2] {
         let mut accepted = vec![Moments::default(); self.samples];
@@ -111,7 +105,7 @@ impl Acceptance {
                 consumer: of_mean(&consumer, CONFIDENCE),
                 producer: of_mean(&producer, CONFIDENCE),
                 conformance_probability: of_mean(&conforming, CONFIDENCE),
-                not_conforming_given_accepted: of_part(&accepted, self.points(), CONFIDENCE),
+                not_conforming_given_accepted: of_part(&accepted, CONFIDENCE),
             }),
         })
     }

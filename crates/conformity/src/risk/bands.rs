@@ -34,8 +34,6 @@ struct Accepted {
     /// The largest probabilities not to conform that any values can have that these bands accept.
     worst: [f64; 2],
     parts: Vec<Moments>,
-    /// How many points there are, accepted or not.
-    of: u64,
 }
 
 impl Accepted {
@@ -52,7 +50,7 @@ impl Accepted {
         let [worst, _] = self.worst;
         let parts = self.parts.iter();
         let unit: Vec<Moments> = parts.map(|part| part.scaled(1.0 / worst)).collect();
-        of_part(&unit, self.of, confidence).map(|end| end * worst)
+        of_part(&unit, confidence).map(|end| end * worst)
     }
 }
 
@@ -122,7 +120,7 @@ fn sets(all: &Acceptance, criteria: &[Measured]) -> Vec<Accepted> {
     let has_points = |step: &usize| all.within[*step].iter().any(|part| part.count > 0);
     let steps: Vec<usize> = (0..all.within.len()).rev().filter(has_points).collect();
     let mut parts = vec![Moments::default(); all.samples];
-    let (mut sets, of) = (Vec::with_capacity(steps.len()), all.points());
+    let mut sets = Vec::with_capacity(steps.len());
     for (k, &step) in steps.iter().enumerate() {
         let pairs = parts.iter_mut().zip(&all.within[step]);
         pairs.for_each(|(sum, more)| sum.merge(*more));
@@ -131,7 +129,6 @@ fn sets(all: &Acceptance, criteria: &[Measured]) -> Vec<Accepted> {
             steps,
             worst: steps.map(|step| worst(criteria, step as f64 * Guard::STEP)),
             parts: parts.clone(),
-            of,
         });
     }
     sets
