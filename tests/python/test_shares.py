@@ -129,12 +129,21 @@ def test_a_few_studies(bench):
         assert sum(held[key] for key in (*OUTPUTS, "all")) >= 4 and not held["wrong"], name
 
 
-@pytest.mark.parametrize("method", ["halton", "optimised-latin-hypercube", "sobol"])
-def test_dependent_points_have_no_interval(bench, method):
+CORRELATED = '[[correlations]]\nbetween = ["x4", "x5"]\ncoefficient = 0.5\n'
+
+
+@pytest.mark.parametrize(
+    "method, points, more",
+    [("halton", 64, ""), ("optimised-latin-hypercube", 64, ""), ("sobol", 64, ""), ("latin-hypercube", 12, ""), ("latin-hypercube", 64, CORRELATED)],
+)
+def test_dependent_points_have_no_interval(bench, method, points, more):
     folder, _ = bench
-    written(folder / f"{method}.toml", f'method = "{method}"\npoints = 64', 1)
-    done = run(folder, "verify", f"{method}.toml", "--output", method)
-    summary = json.loads((folder / method / "summary.json").read_text())
+    name = f"{method}-{points}"
+    written(folder / f"{name}.toml", f'method = "{method}"\npoints = {points}', 1)
+    with (folder / f"{name}.toml").open("a") as study:
+        study.write(more)
+    done = run(folder, "verify", f"{name}.toml", "--output", name)
+    summary = json.loads((folder / name / "summary.json").read_text())
     assert done.returncode == 3 and summary["verdict"] == "inconclusive"
     assert summary["verified_interval"] is None and summary["required"]["interval"] is None
     assert all(one["interval"] is None for one in summary["criteria"].values())

@@ -272,8 +272,8 @@ mod tests {
 
     type Trial = (&'static str, Box<dyn Fn(&[f64]) -> f64>, [Vec<f64>; 2]);
 
-    /// Functions of six parameters with their indices. Of the last three few runs carry the variance.
-    fn trials() -> [Trial; 6] {
+    /// Functions of six parameters with their indices. Of three few runs carry the variance; of the last one a parameter has next to none.
+    fn trials() -> [Trial; 7] {
         let a = [0.0, 0.5, 3.0, 9.0, 99.0, 99.0];
         let (first, total) = sobol_g_indices(&a);
         let product = |u: &[f64]| u[..3].iter().map(|u| 2.0 * u - 0.5).product::<f64>();
@@ -293,6 +293,7 @@ mod tests {
             let part = |of: &dyn Fn(f64) -> f64| relative.iter().map(|v| of(*v) / (whole - 1.0)).collect::<Vec<f64>>();
             [part(&|v| v), part(&|v| v / (1.0 + v) * whole)]
         };
+        let nearly_one = [1.0, 1e-6, 0.0, 0.0, 0.0, 0.0].map(|variance| variance / (1.0 + 1e-6));
         let of_two = |one: f64| of_product(&[one, 1.0 / 3.0, 0.0, 0.0, 0.0, 0.0]);
         [
             ("g", Box::new(move |u: &[f64]| sobol_g(u, &a)), [first, total]),
@@ -301,6 +302,7 @@ mod tests {
             ("product of five", Box::new(five), [vec![0.0; 6], vec![1.0, 1.0, 1.0, 1.0, 1.0, 0.0]]),
             ("power", Box::new(steep), of_two(of_power)),
             ("switch", Box::new(switch), of_two(of_ramp)),
+            ("nearly one", Box::new(|u: &[f64]| u[0] + 1e-3 * u[1]), [nearly_one.to_vec(), nearly_one.to_vec()]),
         ]
     }
 

@@ -36,7 +36,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
     let conversions = conversions(&study, &judge, fmu)?;
     let mut rows = Table::read_results(&options.table, &columns(&study))?;
     // The rows of a table need not be in the order of the points, so that nobody knows which belong to one net.
-    let sample = Sample::of(study.design.method, 1);
+    let sample = Sample::of(&study, rows.rows.len() as u64, 1);
     let mut tally = Tally::new(&judge, sample);
     let mut survey = Survey::new(&judge, None);
     let (mut seen, mut repeated) = (HashSet::new(), 0);

@@ -20,7 +20,7 @@ use fmu_import::validity;
 use fmu_points::failure::Failure;
 use fmu_points::notices::{Notices, Replicates};
 use point_journal::Outcome;
-use sampling::design::Method;
+use study::Study;
 
 /// How the points represent the space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,10 +35,10 @@ pub enum Sample {
 }
 
 impl Sample {
-    /// The points of a design, in their order.
-    pub fn of(method: Method, replicates: u64) -> Self {
+    /// So many points of a study's design, in their order, with so many replicates.
+    pub fn of(study: &Study, points: u64, replicates: u64) -> Self {
         match replicates {
-            _ if method.is_independent() => Self::Independent,
+            _ if study.design.method.is_independent(points, !study.correlations.is_empty()) => Self::Independent,
             n if n >= LEAST_SAMPLES as u64 => Self::Nets(n),
             _ => Self::Dependent,
         }

@@ -44,11 +44,11 @@ impl Verification {
         let mut outcomes = finished.outcomes()?;
         let provenance = self.provenance();
         let replicates = provenance.replicates.unwrap_or(1);
-        let sample = match (told, &self.header.table) {
-            (Some(_), _) => Sample::Dependent,
-            // Rows of a table are drawn as the study says, and nobody knows which belong to one net.
-            (None, Some(_)) => Sample::of(session.study.design.method, 1),
-            (None, None) => Sample::of(session.study.design.method, replicates),
+        // Rows of a table are drawn as the study says, and nobody knows which belong to one net.
+        let nets = if self.header.table.is_some() { 1 } else { replicates };
+        let sample = match told {
+            Some(_) => Sample::Dependent,
+            None => Sample::of(&session.study, self.source.len(), nets),
         };
         let mut tally = Tally::new(&session.judge, sample);
         let mut survey = Survey::new(&session.judge, Some(&session.plan));

@@ -127,7 +127,7 @@ impl Ending {
 /// How points of a design may be looked at while they come in.
 fn way(design: Option<(Method, u64)>) -> Result<Way, String> {
     match design {
-        Some((method, _)) if method.is_independent() => Ok(Way::EveryPoint),
+        Some((method, _)) if method.is_independent(0, false) => Ok(Way::EveryPoint),
         Some(_) => {
             Err("the points of this design depend on each other, and while they come in nothing tells how much; use \
              method = \"monte-carlo\""

@@ -10,6 +10,7 @@ use crate::looks::{History, Look, Way};
 use crate::normal::between;
 use sampling::design::{Design, Method, Sampling, cube};
 use sampling::distribution::Distribution;
+use statrs::distribution::{Discrete, Hypergeometric};
 
 const DIMENSIONS: usize = 60;
 
@@ -279,24 +280,59 @@ fn single_nets_do_not_count_as_independent_points() {
     assert!(told.least() < 50, "{told:?}");
 }
 
+/// Exact, by the numbers of points in the upper part of either of two coordinates and not of both: all or none of a hypercube of
+/// few points, and even numbers only.
+#[test]
+fn intervals_of_hypercubes_hold_from_64_points() {
+    let held = |points: u64, a: u64, b: u64| -> f64 {
+        let [a_part, b_part] = [a, b].map(|n| n as f64 / points as f64);
+        let share = a_part + b_part - 2.0 * a_part * b_part;
+        let both = Hypergeometric::new(points, a, b).unwrap();
+        let holds = |k: &u64| {
+            let [low, high] = clopper_pearson((a + b - 2 * k) as f64, points as f64, 0.95);
+            low <= share && share <= high
+        };
+        (0..=a.min(b)).filter(holds).map(|k| both.pmf(k)).sum()
+    };
+    assert!(held(6, 3, 3) < 0.91 && held(12, 6, 6) < 0.93);
+    let independent = |points: &u64| Method::LatinHypercube.is_independent(*points, false);
+    let sizes: Vec<u64> = (1..=66).filter(independent).collect();
+    assert_eq!(sizes, [64, 65, 66]);
+    for points in sizes {
+        let all = (2..=points / 2).flat_map(|b| [b - 1, b].map(|a| held(points, a, b)));
+        let least = all.fold(1.0, f64::min);
+        println!("hypercube of {points}: {least}");
+        assert!(least > 0.95, "{points}: {least}");
+    }
+    assert!(!Method::LatinHypercube.is_independent(64, true));
+}
+
 /// Whether an even number of some coordinates lies in their upper halves: where the leading digits of a net's coordinates depend
-/// on each other, all points of a net do, or none.
+/// on each other, all points of a net do, or none. All coordinates change their first digit from point to point of the sequence, so that
+/// an odd number of them never does.
 fn is_even(coordinates: &[usize], point: &[f64]) -> bool {
     coordinates.iter().filter(|&&k| point[k] >= 0.5).count() % 2 == 0
 }
 
-/// The parities of three coordinates that scatter most in nets of so many points.
-fn worst_parities(points: u64) -> Vec<[usize; 3]> {
+/// The parities of two coordinates that scatter most in nets of so many points.
+fn worst_parities(points: u64) -> Vec<[usize; 2]> {
     let nets: Vec<_> = (0..6).map(|seed| cube(DIMENSIONS, points, 900 + seed, 1).unwrap()).collect();
-    let all = (0..24).flat_map(|c| (0..c).flat_map(move |b| (0..b).map(move |a| [a, b, c])));
-    let scatter = |three: &[usize; 3]| -> f64 {
-        let share =
-            |net: &Vec<Vec<f64>>| net.iter().filter(|point| is_even(three, point)).count() as f64 / points as f64;
+    let all = (0..DIMENSIONS).flat_map(|b| (0..b).map(move |a| [a, b]));
+    let scatter = |two: &[usize; 2]| -> f64 {
+        let share = |net: &Vec<Vec<f64>>| net.iter().filter(|point| is_even(two, point)).count() as f64 / points as f64;
         nets.iter().map(|net| (share(net) - 0.5).powi(2)).sum()
     };
-    let mut all: Vec<_> = all.map(|three| (scatter(&three), three)).collect();
+    let mut all: Vec<_> = all.map(|two| (scatter(&two), two)).collect();
     all.sort_by(|a, b| b.0.total_cmp(&a.0));
-    all.into_iter().take(3).map(|(_, three)| three).collect()
+    // Pairs without a coordinate in common.
+    let mut taken = Vec::<[usize; 2]>::new();
+    for (_, two) in all {
+        if taken.iter().flatten().all(|k| !two.contains(k)) {
+            taken.push(two);
+        }
+    }
+    taken.truncate(3);
+    taken
 }
 
 /// Parities, a board, a ball, a corner and a vote, whose shares are known.

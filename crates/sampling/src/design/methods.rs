@@ -30,11 +30,13 @@ macro_rules! methods {
                 }
             }
 
-            /// Whether any count of the points scatters no more than that of independent ones, so that their intervals hold.
-            pub fn is_independent(self) -> bool {
-                match self {
-                    $(Self::$method => <$rule as rule::Registered>::INDEPENDENT,)*
-                }
+            /// Whether any count of so many points scatters no more than that of independent ones, so that their intervals hold.
+            /// Slices that are paired to correlate, and to correlate by no more than that, may lie evenly where no others do.
+            pub fn is_independent(self, points: u64, correlated: bool) -> bool {
+                let from = match self {
+                    $(Self::$method => <$rule as rule::Registered>::INDEPENDENT_FROM,)*
+                };
+                points >= from && !(correlated && self.is_stratified())
             }
 
             /// Whether the points can belong in turn to independent randomisations.

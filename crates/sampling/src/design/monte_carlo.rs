@@ -11,7 +11,7 @@ pub(crate) struct Independent {
 
 impl Registered for Independent {
     const EXTENSIBLE: bool = true;
-    const INDEPENDENT: bool = true;
+    const INDEPENDENT_FROM: u64 = 0;
 
     fn new(numbers: &Numbers, _: &Inputs) -> Result<Self, String> {
         let seed = numbers.seed;

@@ -39,8 +39,8 @@ pub trait Registered: Rule + Sized + 'static {
     /// Whether the points can belong in turn to independent randomisations.
     const REPLICATES: bool = false;
 
-    /// Whether any count of the points scatters no more than that of independent ones, so that their intervals hold.
-    const INDEPENDENT: bool = false;
+    /// The fewest points of which any count scatters no more than that of independent ones, so that their intervals hold.
+    const INDEPENDENT_FROM: u64 = u64::MAX;
 
     /// Whether each of N equally probable slices of every input holds one of N points, which correlations must keep.
     const STRATIFIED: bool = false;
