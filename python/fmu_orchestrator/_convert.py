@@ -201,7 +201,7 @@ def _write(group: Group, path: Path, source: Path) -> Path:
     part = path.with_suffix(".csv.part")
     with part.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
-        table.writerow(names)
+        table.writerow(_cells(names))
         rows = zip(*(_cells(column) for column in columns), strict=True)
         table.writerows(rows)
     if path.exists() and not filecmp.cmp(part, path, shallow=False):
@@ -222,7 +222,8 @@ def _text(path: Path, options: _rows.Options) -> Contents:
 
 def _cells(column: Any) -> Iterator[object]:
     for value in column.tolist() if hasattr(column, "tolist") else column:
-        yield "" if value is None or value != value else value
+        # A line that begins with # would be a comment.
+        yield "" if value is None or value != value else f" {value}" if isinstance(value, str) and value[:1] == "#" else value
 
 
 def _library(name: str, path: Path) -> Any:
