@@ -533,17 +533,11 @@ impl Recorded<'_> {
                 }
             };
             let wrong = |message: String| settings.wrong(format!("{key}: {message}"));
-            let limit = |quantity: Option<&Quantity>| match (&values, quantity) {
-                (Driven::Recorded(_), Some(stated)) => of_zero(stated, &unit).map_err(wrong),
-                _ => Ok(None),
+            let tolerance = match (&values, &input.tolerance) {
+                (Driven::Recorded(_), Some(stated)) => of_zero(stated, &unit).map_err(wrong)?,
+                _ => None,
             };
-            drives.push(Drive {
-                accuracy: limit(input.accuracy.as_ref())?,
-                tolerance: limit(input.tolerance.as_ref())?,
-                variable,
-                unit: unit.clone(),
-                values: values.clone(),
-            });
+            drives.push(Drive { tolerance, variable, unit, values });
         }
         Ok(drives)
     }

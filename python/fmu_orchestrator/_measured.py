@@ -29,7 +29,7 @@ def init(
     the verdict says so. ``values`` are start values, numbers or texts with a unit, such as those of inputs that start at 0; ``stop``
     and ``step`` in seconds.
     """
-    table = None if measured is None else given(measured, MEASURED)
+    table = None if measured is None else given(measured, MEASURED, units=True)
     with tempfile.TemporaryDirectory(prefix="init-") as place:
         file = Path(place).resolve() / "study.toml"
         paths = {"measured": None if table is None else table.absolute(), "output": file}

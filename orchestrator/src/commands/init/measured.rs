@@ -78,6 +78,15 @@ impl<'a> Measured<'a> {
                 Err(reason) => table.left.push((name.clone(), reason)),
             }
         }
+        let bare =
+            |column: &&Column<'_>| column.unit.is_none() && column.variable.unit().is_some_and(|unit| unit != "1");
+        if let Some(Column { header, variable, .. }) = table.columns.iter().chain(&table.inputs).find(bare) {
+            let message = format!(
+                "column `{header}` has no unit, and the FMU has it in {}; write `{header} [unit]` in the first line of the file",
+                variable.unit().unwrap_or_default()
+            );
+            return Err(Error::content(path, message));
+        }
         Ok(table)
     }
 
@@ -100,10 +109,6 @@ impl<'a> Measured<'a> {
         if self.time.is_some() && !is_input && values.iter().all(|value| Some(value) == first) {
             return Err("it is the same in all rows: write it as `nominal` of a criterion".to_owned());
         }
-        if let (None, Some(unit)) = (&unit, variable.unit()) {
-            fmu_points::tell::line!("note: column `{header}` names no unit, so it is read in {unit}");
-        }
-        let unit = unit.or_else(|| variable.unit().map(str::to_owned));
         Ok(Column { header: header.to_owned(), unit, variable, values })
     }
 
