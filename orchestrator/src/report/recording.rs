@@ -7,7 +7,7 @@ use point_journal::files::{make_folder, write_text};
 use result_document::bins::axis_range;
 use result_document::format::number;
 use result_document::svg::{Frame, area, envelope, path};
-use result_document::{Block, Document, Figure, Key, Table, numbers, words};
+use result_document::{Block, Document, Figure, Key, Table, numbers};
 use rig_signals::{Channel, DerivedCriterion, RigRecording, Synchronised};
 use sampling::statistics::moments::mean;
 use std::path::Path;
@@ -41,31 +41,18 @@ pub fn write(
     amplitudes: bool,
     folder: &Path,
 ) -> Result<(), Error> {
-    let (delay, bearing) = (&result.delay, recording.bearing.as_ref());
-    let milliseconds = |s: f64| number(1e3 * s, 4);
-    let per_cent = |part: f64| number(100.0 * part, 3);
+    let bearing = recording.bearing.as_ref();
     let [start, end] = [result.time.first(), result.time.last()].map(|t| number(t.copied().unwrap_or(0.0), 5));
     let mut measured = Document::new("measured", "Measured values", "Measured values");
     let mut signals = Document::new("signals", "Signals", "Signals");
     if let Some(bearing) = bearing {
-        let interval = match delay.delay.filter(|_| delay.disturbance.is_none()) {
-            Some(d) => format!("95 % interval {} .. {} ms", milliseconds(d.low), milliseconds(d.high)),
-            None => "No interval: see the warnings".to_owned(),
-        };
-        let [before, after] = result.friction_scatter.map(per_cent);
+        let [before, after] = result.friction_scatter.map(|part| number(100.0 * part, 3));
         let friction = &result.mean_friction;
         measured.say(format!(
-            "Friction coefficient {} ± {}. {interval}, from {} blocks of the record.",
+            "Friction coefficient: {} ± {}, with a relative standard deviation of {after} % (before the shift {before} %). Smoothing: {}. \
+             Window: {start} .. {end} s.",
             number(friction.value, 4),
             number(friction.expanded(), 2),
-            delay.blocks
-        ));
-        measured.say(format!(
-            "The friction coefficient of a steady state hardly varies; the delay is the shift of the torque at which it follows the load most \
-             closely. The coefficient's relative standard deviation is {before} % before the shift and {after} % after it. Bearing diameter: \
-             {} mm. Longest delay looked for: {} ms. Smoothing of load and torque: {}. Window: {start} .. {end} s.",
-            number(1e3 * bearing.diameter, 6),
-            milliseconds(bearing.longest_delay),
             bearing.smoothing
         ));
         signals.blocks.push(Block::Legend(vec![
@@ -77,21 +64,24 @@ pub fn write(
     let shown = |f: &&DerivedCriterion| amplitudes || f.statistic != "amplitude";
     measured.table(Table {
         name: "Measured values".into(),
-        columns: [words("Criterion"), words("Of")]
-            .into_iter()
-            .chain(
-                ["Value", "Expanded (k = 2)", "Scatter", "Sensor", "Noise of a row", "Change over the window"]
-                    .map(numbers),
-            )
-            .chain([words("Stationarity")])
-            .collect(),
+        columns: [
+            "Criterion",
+            "Value",
+            "Expanded (k = 2)",
+            "Scatter",
+            "Sensor",
+            "Noise of a row",
+            "Change over the window",
+            "Stationarity",
+        ]
+        .map(numbers)
+        .into(),
         rows: result.findings.iter().filter(shown).map(row).collect(),
         ..Table::default()
     });
     measured.hint(
-        "Means over whole turns. Expanded uncertainty, and the standard uncertainties from scatter and sensor, combined after the GUM; a \
-         sensor's accuracy is the half-width of a rectangular distribution. The noise of a row is the standard deviation between the shaft's \
-         harmonics, as recorded. `criteria.toml` has the lines for a study.",
+        "Means over whole turns; uncertainties after the GUM, where a sensor's accuracy is the half-width of a rectangular distribution. \
+         `criteria.toml` has the lines for a study.",
     );
     measured.warn(&result.warnings);
     measured.blocks.push(Block::List(result.accounts.iter().map(ToString::to_string).collect()));
@@ -102,29 +92,19 @@ pub fn write(
             None => recording.others.iter().filter_map(recorded).collect(),
         },
     ));
-    if bearing.is_some() {
-        signals.hint("In the last plot: the band is the interval of the delay, the dashed line the delay itself.");
-    }
-    let mut steady = Document::new("steady", "Stationarity", "Was it steady?");
-    steady.blocks.push(Block::Legend(vec![
-        Key::new("blocks", "M0,9l4,-4l4,5l6,-4", "means of blocks"),
-        Key::new("limit", "M0,7h14", "their trend"),
-    ]));
+    let steadiness = format!("Was it steady? Tested with {} % confidence", number(100.0 * recording.confidence, 4));
+    let mut steady = Document::new("steady", "Stationarity", steadiness);
     let blocks = result.findings.iter().filter(|f| !f.blocks.is_empty());
     steady.blocks.push(Block::Figures("planes".into(), blocks.filter_map(wander).collect()));
-    steady.hint(format!(
-        "Tested with {} % confidence: whether the straight line rises or falls, and whether the means wander about it (von Neumann's ratio).",
-        number(100.0 * recording.confidence, 4)
-    ));
     let documents = [measured, signals, steady];
     let plots = folder.join("plots");
     make_folder(&plots)?;
     for figure in documents.iter().flat_map(Document::figures) {
         write_text(&plots.join(format!("{}.svg", figure.file)), result_document::svg::standalone(&figure.svg))?;
     }
-    let headline = match (bearing, delay.delay) {
+    let headline = match (bearing, result.delay.words()) {
         (None, _) => format!("{} signals", recording.others.len()),
-        (_, Some(d)) => format!("Torque {} ms later than the load", milliseconds(d.value)),
+        (_, Some(delay)) => format!("Torque later than the load by {delay}"),
         (_, None) => "Load and torque are not related: the torque is not shifted".to_owned(),
     };
     let page = Page {
@@ -151,8 +131,7 @@ fn row(finding: &DerivedCriterion) -> Vec<String> {
         Some(_) => "steady".to_owned(),
     };
     vec![
-        finding.name.clone(),
-        format!("{} of {}", finding.statistic, finding.variable),
+        format!("{}: {} of {}", finding.name, finding.statistic, finding.variable),
         format!("{} {unit}", number(m.value, 6)),
         format!("± {} {unit}", number(m.expanded(), 2)),
         number(m.scatter, 2),
@@ -210,7 +189,7 @@ fn figures(result: &Synchronised) -> Vec<Figure> {
 fn search(result: &Synchronised) -> Option<Figure> {
     let (delays, scatter): (Vec<f64>, Vec<f64>) =
         result.delay.scan.iter().map(|(delay, scatter)| (1e3 * delay, 100.0 * scatter)).unzip();
-    let name = "What the load does not explain of the torque, by the delay";
+    let name = "What the load does not explain of the torque, by the delay (dashed, with its interval)";
     let trace = Trace::new("line", &delays, &scatter);
     let marks = |frame: &Frame| {
         let Some(interval) = &result.delay.delay else {
