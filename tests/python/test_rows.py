@@ -137,6 +137,7 @@ def test_thousands_and_signs(tmp_path):
     (["day;clock;P", "03-11-2026;12:00:00;1.5", "04-11-2026;12:10:00;2.5", "05-11-2026;12:00:00;2.5"], ['"%d-%m-%Y"', '"%m-%d-%Y"'], {"format": "%d-%m-%Y"}),
     (["when;P", "12:00;1.5", "12:01;2.5"], ["%H:%M", "%M:%S"], {"format": "%M:%S"}),
     (["von;bis;P", "02.06.2025 13:45;02.06.2025 14:45;1,5", "02.06.2025 14:45;02.06.2025 15:45;2,5"], ["--time", "von"], {"time": "von"}),
+    (["when;P", *(f"2026-{30 + k} 13:15:00;{k}.5" for k in range(4))], ["`2026-30 13:15:00` is no known stamp", "--format", "--time"], {"format": "%Y-%j %H:%M:%S"}),
     (["a;b", "foo;baz", "0;1.5", "1;2.5"], ["--header"], {"header": 1}),
     (["Albuquerque", "35.04 -106.6 1617 m version 1", "2019 56 2 25 0.5 79.9 102.6 1.5", "2019 56 2 25 1.5 79.8 102.5 1.5"], ["--header 0", "--header 3"], {"header": 0}),
     (["X,CH1,Start,Step", "0,1.5,", "1,2.5,"], ["--header 1"], {"header": 1}),
@@ -189,6 +190,18 @@ def test_what_is_left_out_is_told(tmp_path, capsys):
     assert "the last one, is cut off" in told and "`State` holds text" in told and "`Total" in told
     # A stray letter is no second table, though days have it.
     assert len(converted(tmp_path, rows("t [s],T [degC]", "0,1.5", "1,2.5", "d", "2,3.5"))[1]) == 3
+
+
+def test_rows_of_strange_cells_stay(tmp_path):
+    """Without them the times of a constant rate would shift, and only numbers of one sign would be left."""
+    table = converted(tmp_path, rows("F [N];M", "1.5;2", "(2.5);(3)", "OVL;OVL", "#DIV/0!;1", "3.5;4"))[1]
+    assert table == [[1.5, 2.0], ["(2.5)", "(3)"], ["OVL", "OVL"], [" #DIV/0!", 1.0], [3.5, 4.0]]
+    assert converted(tmp_path, rows("F;M", "(1.5);2", "2.5;3", "3.5;4"))[0] == ["F", "M"]
+    # The first rows have remarks behind their last column.
+    lines = rows("t;F;Folder;run 7", "0;1.5;a;1", "1;2.5;b;2", *(f"{k};{k}.5" for k in range(2, 9)))
+    with pytest.raises(OrchestratorError, match="line 2 has 4 cells and most rows have 2"):
+        converted(tmp_path, lines)
+    assert [row[0] for row in converted(tmp_path, lines, header=1)[1]] == [*range(9)]
 
 
 def test_blank_lines_between_values_are_told(tmp_path, capsys):
