@@ -143,7 +143,9 @@ def convert_here(path: Path, folder: Path, zero: str | None = None, options: _ro
     elif zero is not None:
         raise OrchestratorError(f"{name}: it has no time stamps, so --zero says nothing; use time = {{ offset = ... }} in the settings")
     if not groups:
-        raise OrchestratorError(f"{name}: it holds no series of numbers; export the recording as csv")
+        frames = any("DataFrame" in left for left in contents.left_out)
+        remedy = "decode the frames of its bus by their DBC file first, as asammdf does" if frames else "export the recording as csv"
+        raise OrchestratorError(f"{name}: it holds no series of numbers; {remedy}")
     folder.mkdir(parents=True, exist_ok=True)
     return [_write(group, folder / f"{path.stem}{f'-{k}' if len(groups) > 1 else ''}.csv", path) for k, group in enumerate(groups, 1)]
 
