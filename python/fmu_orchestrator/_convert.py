@@ -466,7 +466,7 @@ MARKS: Mapping[bytes, Reader] = {
 OPTIONS = {
     "output": "where the csv goes (beside FILE)", "zero": "the moment of time 0, for several files of a run",
     "delimiter": "the letter between cells, or tab, space", "decimal": "the decimal mark: . or ,", "encoding": "such as utf-16",
-    "header": "the line of the names; 0 where there are none", "time": "the column of the time", "format": "of stamps: %%d/%%m/%%Y %%H:%%M:%%S",
+    "header": "the line of the names; 0 where there are none", "time": "the column of the time, or none", "format": "of stamps: %%d/%%m/%%Y %%H:%%M:%%S",
 }
 
 

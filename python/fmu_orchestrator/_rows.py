@@ -539,7 +539,7 @@ def _columns(
             sample = next((cell for cell in cells[j] if cell and not _is_number(cell)), "")
             held = "moments" if kinds[j] == "stamp" else "text"
             if time is None and not timed and sum(map(bool, map(LIKE_STAMP.match, cells[j]))) > len(cells[j]) / 2 < len(set(cells[j])):
-                raise OrchestratorError(f"{path}: column `{labels[j]}` may be the time, but `{sample[:40]}` is no known stamp; say --format, or --time NAME")
+                raise OrchestratorError(f"{path}: column `{labels[j]}` may be the time, but `{sample[:40]}` is no known stamp; say --format, or --time none")
             told.append(f"column `{labels[j]}` holds {held} (`{sample[:40]}`) and was left out")
             continue
         suffixes = {_suffix(cell) for cell in cells[j] if cell.lower() not in NOTHING} - {""}
@@ -588,6 +588,8 @@ def _time(
     options: Options, told: list[str], taken: set[int],
 ) -> tuple[list[float | None] | None, datetime.datetime | None]:
     """Seconds since the first stamp, and that, where there are stamps."""
+    if options.time == "none":
+        return None, None
     if options.time and options.time not in [*labels, *names]:
         raise OrchestratorError(f"{path}: --time {options.time}: there is no such column; it has {', '.join(labels)}")
     wanted = None if options.time is None else labels.index(options.time) if options.time in labels else names.index(options.time)
