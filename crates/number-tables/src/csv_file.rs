@@ -274,7 +274,7 @@ fn blank(file: impl BufRead, comment: u8) -> io::Result<Vec<usize>> {
             if row.is_some() && cell.len() > 1 && cell[1..].iter().all(is_of_error) {
                 let cell = String::from_utf8_lossy(cell);
                 return Err(io::Error::other(format!(
-                    "line {}: `{cell}` would make the row a comment; leave the cell empty where a value may be missing",
+                    "line {}: `{cell}` makes the row a comment; leave the cell empty",
                     place + 1
                 )));
             }

@@ -21,7 +21,7 @@ pub(super) fn add(study: &Study, plan: &Plan, bound: &mut Bound) -> Result<(), F
     let noisy: BTreeSet<&str> = noisy.iter().map(|error| error.name.as_str()).collect();
     if !noisy.is_empty() {
         bound.notes.push(format!(
-            "The intervals are too narrow by what {} does to the model, which `verify` shows: add that to the `noise` of the criteria.",
+            "The intervals are too narrow by what {} does to the model, as `verify` shows: add it to the `noise` of the criteria.",
             Vec::from_iter(noisy).join(", ")
         ));
     }

@@ -49,9 +49,9 @@ impl<'a> Measured<'a> {
             None => error.with(format!("; {}", convert(path))),
         })?;
         let header = rows.names().to_vec();
-        let more = rows.advance()?;
-        let is_word = |place| !rows.text(place).is_empty() && rows.number(place).is_none();
-        if more && (0..header.len()).all(is_word) {
+        if rows.advance()?
+            && (0..header.len()).all(|place| !rows.text(place).is_empty() && rows.number(place).is_none())
+        {
             let message = format!("a row of words, such as of units, stands below the names; {}", convert(path));
             return Err(Error::content(path, message));
         }
@@ -133,8 +133,7 @@ impl<'a> Measured<'a> {
     pub(super) fn tell(&self) -> Result<(), Error> {
         let file = self.file.display();
         if self.columns.is_empty() {
-            let reasons = self.left.iter().map(|(name, reason)| format!("{name}: {reason}"));
-            let reasons: Vec<String> = reasons.collect();
+            let reasons: Vec<String> = self.left.iter().map(|(name, reason)| format!("{name}: {reason}")).collect();
             let message = format!(
                 "{file}: no column is an output of the FMU ({}); `synchronise` takes other names",
                 reasons.join("; ")
@@ -157,8 +156,7 @@ fn variable<'a>(name: &str, fmu: &'a Description) -> Result<&'a Variable, String
     match known.map(|variable| (variable, variable.causality)) {
         Some((variable, _)) if is_shown(&variable) => Ok(variable),
         Some((variable, Causality::Input)) if is_number(variable) => Ok(variable),
-        Some((_, Causality::Input)) => Err("it is no number".to_owned()),
-        Some((_, Causality::Output | Causality::Local)) => Err("it is no number".to_owned()),
+        Some((_, Causality::Input | Causality::Output | Causality::Local)) => Err("it is no number".to_owned()),
         Some(_) => Err("it is no output of the FMU".to_owned()),
         None => {
             let names = fmu.variables.values().filter(is_shown);
