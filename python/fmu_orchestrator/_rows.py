@@ -233,7 +233,8 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     width, most = Counter(len(rows[k]) for k in body).most_common(1)[0][0], max(filled[k] for k in body)
     # Names that are stated are those of the longest rows, too.
     width = most if options.header and filled.get(options.header - 1) == most else width
-    kinds, marks = zip(*(_kind([rows[k][j] for k in body if len(rows[k]) > j]) for j in range(width)), strict=True)
+    like = [rows[k] for k in body if len(rows[k]) == width or options.header]
+    kinds, marks = zip(*(_kind([row[j] for row in like if j < len(row)]) for j in range(width)), strict=True)
     typed = [j for j, kind in enumerate(kinds) if kind != "text"]
     if not typed:
         raise OrchestratorError(f"{path}: no column of numbers; say --delimiter")
