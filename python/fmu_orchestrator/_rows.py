@@ -232,7 +232,8 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     filled = {k: max(j for j, cell in enumerate(row) if cell) + 1 for k, row in enumerate(rows) if any(row)}
     width, most = Counter(len(rows[k]) for k in body).most_common(1)[0][0], max(filled[k] for k in body)
     # Names that are stated are those of the longest rows, too.
-    width = most if options.header and filled.get(options.header - 1) == most else width
+    if options.header and filled.get(options.header - 1) == most and any(filled[k] == most and all(map(_is_value, rows[k][:width])) for k in body):
+        width = most
     like = [rows[k] for k in body if len(rows[k]) == width or options.header]
     kinds, marks = zip(*(_kind([row[j] for row in like if j < len(row)]) for j in range(width)), strict=True)
     typed = [j for j, kind in enumerate(kinds) if kind != "text"]

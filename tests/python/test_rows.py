@@ -203,6 +203,7 @@ def test_rows_of_strange_cells_stay(tmp_path):
     with pytest.raises(OrchestratorError, match="line 2 has 4 cells and most rows have 2"):
         converted(tmp_path, lines)
     assert [row[0] for row in converted(tmp_path, lines, header=1)[1]] == [*range(9)]
+    assert converted(tmp_path, rows("X,CH1,Start,Step", "Sequence,Volt,-3.5e-03,5e-06", "0,1.5", "1,2.5", "2,2.5"), header=1)[1][0] == [0, 1.5]
 
 
 def test_blank_lines_between_values_are_told(tmp_path, capsys):
