@@ -223,9 +223,15 @@ def generated(tmp_path, seed):
     step = draw.choice([0.01, 0.5, 1.0, 60.0, 3600.0])
     grouping = draw.choice(["", "", "." if decimal == "," else "'"])
     values = [[round(draw.uniform(-1, 1) * 10 ** draw.randint(0, 6), draw.randint(0, 4)) for _ in names] for _ in range(count)]
+    # Drawn apart, so that a seed still draws what it drew before.
+    more = random.Random(f"{seed} more")
+    style, is_down, has_remark = more.choice(["", "", "+", "0", "E"]), more.random() < 0.2, more.random() < 0.2
+    order = range(count)[::-1] if is_down else range(count)
 
     def written(value):
-        return (f"{value:,}" if grouping else f"{value}").replace(",", "_").replace(".", decimal).replace("_", grouping)
+        sign = "-" if value < 0 else "+" if style == "+" else ""
+        text = f"{abs(value):.12E}" if style == "E" else f"{abs(value):,}" if grouping else f"{abs(value)}"
+        return sign + text.rjust(12 if style == "0" and not grouping else 0, "0").replace(",", "_").replace(".", decimal).replace("_", grouping)
 
     kind = draw.choice(["seconds", "iso", "german", "two"])
     start = datetime.datetime(2026, draw.randint(1, 12), draw.randint(1, 28), draw.randint(0, 23))
@@ -241,7 +247,8 @@ def generated(tmp_path, seed):
         lines += [delimiter.join([*heads, *names]), delimiter.join([*head_units, *units])]
     else:
         lines += [delimiter.join(name + (f" [{unit}]" if unit else "") for name, unit in zip([*heads, *names], [*head_units, *units], strict=True))]
-    lines += [delimiter.join([*first(k), *("" if (k, j) in empty else written(value) for j, value in enumerate(values[k]))]) for k in range(count)]
+    lines += [delimiter.join([*first(k), *("" if (k, j) in empty else written(value) for j, value in enumerate(values[k]))]) for k in order]
+    lines[-count // 2 : -count // 2] = ["-----"] if has_remark else []
     newline = draw.choice(["\n", "\r\n"])
     try:
         header, table = converted(tmp_path, newline.join([*lines, ""]), name=f"g{seed}.csv", encoding=encoding)
@@ -251,8 +258,8 @@ def generated(tmp_path, seed):
     expected = [("t" if kind == "seconds" else "time") + " [s]", *(name + (f" [{unit}]" if unit else "") for name, unit in zip(names, known, strict=True))]
     there = [j for j in range(width) if any((k, j) not in empty for k in range(count))]
     assert header == [expected[0], *(expected[j + 1] for j in there)], seed
-    for k, row in enumerate(table):
-        assert row[0] == pytest.approx(step * k, abs=2e-6), (seed, k)
+    for k, row in zip(order, table, strict=True):
+        assert row[0] == pytest.approx(step * (k - (0 if kind == "seconds" else order[0])), abs=2e-6), (seed, k)
         assert row[1:] == ["" if (k, j) in empty else values[k][j] for j in there], (seed, k)
     assert len(table) == count, seed
     return True

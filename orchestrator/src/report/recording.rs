@@ -103,7 +103,7 @@ pub fn write(
         write_text(&plots.join(format!("{}.svg", figure.file)), result_document::svg::standalone(&figure.svg))?;
     }
     let headline = match (bearing, result.delay.words()) {
-        (None, _) => format!("{} signals", recording.others.len()),
+        (None, _) => "Criteria from signals".to_owned(),
         (_, Some(delay)) => format!("Torque later than the load by {delay}"),
         (_, None) => "Load and torque are not related: the torque is not shifted".to_owned(),
     };
