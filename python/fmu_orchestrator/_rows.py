@@ -266,7 +266,7 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
         return all(split_name(cell)[0] in heads or _is_unit(cell) for cell in row if cell)
 
     # A row of marks alone is one, too, and among the others one of cells that are no numbers: the times of a constant rate would shift.
-    good = sorted({*good, *(k for k in range(good[0], len(rows)) if any(rows[k]) and len(rows[k]) == width and (
+    good = sorted({*good, *(k for k in {*range(good[0], len(rows))}.difference(good) if any(rows[k]) and len(rows[k]) == width and (
         all(cell.lower() in NOTHING for cell in rows[k]) or (k < good[-1] or width > 1) and all(rows[k][j] for j in typed) and not is_head(rows[k])))})
     long = next((k for k in body if filled[k] > width and (k > good[0] or 1 < known(k)[0] == known(k)[1])), None)
     if long is not None:
