@@ -332,7 +332,9 @@ fn the_accuracy_of_an_input_becomes_its_uncertainty() {
         (Accuracy::Absolute(2.0), "unit = \"rpm\", uncertainty = \"2.3094e0 rpm\""),
         (Accuracy::Relative(0.01), "unit = \"rpm\", gain-uncertainty = \"1.1547 %\""),
     ] {
-        let (recording, mut drives) = with_drive(vec![0.0, 60.0], vec![1500.0, 1600.0]);
+        let time: Vec<f64> = (0..6000).map(|k| f64::from(k) / 100.0).collect();
+        let speed = time.iter().map(|time| 1500.0 + 50.0 * time.sin()).collect();
+        let (recording, mut drives) = with_drive(time, speed);
         if let case::Driven::Recorded(channel) = &mut drives[0].values {
             channel.accuracy = accuracy;
         }
