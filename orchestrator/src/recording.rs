@@ -99,25 +99,6 @@ enum Doubtful {
     Spikes,
 }
 
-/// What stands in a cell where nothing was measured.
-#[derive(Clone, Debug, Deserialize)]
-#[serde(untagged, expecting = "expected a number or a text, as it stands in the cells")]
-enum Mark {
-    Whole(i64),
-    Number(f64),
-    Text(String),
-}
-
-impl Mark {
-    fn text(&self) -> String {
-        match self {
-            Self::Whole(mark) => mark.to_string(),
-            Self::Number(mark) => mark.to_string(),
-            Self::Text(mark) => mark.clone(),
-        }
-    }
-}
-
 /// How a file is written.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -150,7 +131,7 @@ struct Signal {
     group: Option<String>,
     /// Cells that say that nothing was measured.
     #[serde(default)]
-    missing: Vec<Mark>,
+    missing: Vec<toml::Value>,
     /// Doubtful samples that do not count; an empty list says that all are right.
     drop: Option<Vec<Doubtful>>,
 }
@@ -455,8 +436,8 @@ impl Recorded<'_> {
         };
         let scaled = Conversion { factor: signal.scale.unwrap_or(1.0), offset };
         let to_unit = scaled.then(way);
-        let marks: Vec<String> = signal.missing.iter().map(Mark::text).collect();
-        let (cells, missing) = table.values(column, &marks)?;
+        let marks = signal.missing.iter().map(|mark| mark.as_str().map_or_else(|| mark.to_string(), str::to_owned));
+        let (cells, missing) = table.values(column, &marks.collect::<Vec<_>>())?;
         let times = self.times(file, signal)?;
         let pairs = times.iter().zip(&cells);
         let known = pairs.filter(|(time, value)| time.is_finite() && value.is_finite());
@@ -533,17 +514,11 @@ impl Recorded<'_> {
                 }
             };
             let wrong = |message: String| settings.wrong(format!("{key}: {message}"));
-            let limit = |quantity: Option<&Quantity>| match (&values, quantity) {
-                (Driven::Recorded(_), Some(stated)) => of_zero(stated, &unit).map_err(wrong),
-                _ => Ok(None),
+            let tolerance = match (&values, &input.tolerance) {
+                (Driven::Recorded(_), Some(stated)) => of_zero(stated, &unit).map_err(wrong)?,
+                _ => None,
             };
-            drives.push(Drive {
-                accuracy: limit(input.accuracy.as_ref())?,
-                tolerance: limit(input.tolerance.as_ref())?,
-                variable,
-                unit: unit.clone(),
-                values: values.clone(),
-            });
+            drives.push(Drive { tolerance, variable, unit, values });
         }
         Ok(drives)
     }

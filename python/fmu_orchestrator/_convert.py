@@ -143,7 +143,9 @@ def convert_here(path: Path, folder: Path, zero: str | None = None, options: _ro
     elif zero is not None:
         raise OrchestratorError(f"{name}: it has no time stamps, so --zero says nothing; use time = {{ offset = ... }} in the settings")
     if not groups:
-        raise OrchestratorError(f"{name}: it holds no series of numbers; export the recording as csv")
+        frames = any("DataFrame" in left for left in contents.left_out)
+        remedy = "decode the frames of its bus by their DBC file first, as asammdf does" if frames else "export the recording as csv"
+        raise OrchestratorError(f"{name}: it holds no series of numbers; {remedy}")
     folder.mkdir(parents=True, exist_ok=True)
     return [_write(group, folder / f"{path.stem}{f'-{k}' if len(groups) > 1 else ''}.csv", path) for k, group in enumerate(groups, 1)]
 
@@ -201,7 +203,7 @@ def _write(group: Group, path: Path, source: Path) -> Path:
     part = path.with_suffix(".csv.part")
     with part.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
-        table.writerow(names)
+        table.writerow(_cells(names))
         rows = zip(*(_cells(column) for column in columns), strict=True)
         table.writerows(rows)
     if path.exists() and not filecmp.cmp(part, path, shallow=False):
@@ -222,7 +224,8 @@ def _text(path: Path, options: _rows.Options) -> Contents:
 
 def _cells(column: Any) -> Iterator[object]:
     for value in column.tolist() if hasattr(column, "tolist") else column:
-        yield "" if value is None or value != value else value
+        # A line that begins with # would be a comment.
+        yield "" if value is None or value != value else f" {value}" if isinstance(value, str) and value[:1] == "#" else value
 
 
 def _library(name: str, path: Path) -> Any:
@@ -463,7 +466,7 @@ MARKS: Mapping[bytes, Reader] = {
 OPTIONS = {
     "output": "where the csv goes (beside FILE)", "zero": "the moment of time 0, for several files of a run",
     "delimiter": "the letter between cells, or tab, space", "decimal": "the decimal mark: . or ,", "encoding": "such as utf-16",
-    "header": "the line of the names; 0 where there are none", "time": "the column of the time", "format": "of stamps: %%d/%%m/%%Y %%H:%%M:%%S",
+    "header": "the line of the names; 0 where there are none", "time": "the column of the time, or none", "format": "of stamps: %%d/%%m/%%Y %%H:%%M:%%S",
 }
 
 

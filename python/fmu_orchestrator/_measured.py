@@ -24,12 +24,12 @@ def init(
 ) -> Study:
     """A study of an FMU that runs as it is: parameters with start values vary by 10 %, and criteria are made of outputs.
 
-    ``measured`` is a file or a table of pandas, polars, pyarrow or a mapping, with columns ``NAME`` or ``NAME [UNIT]`` of the
-    FMU's outputs; with a column ``time`` they are curves. Without it the nominal values come from a run of the model, and
-    the verdict says so. ``values`` are start values, numbers or texts with a unit, such as those of inputs that start at 0; ``stop``
-    and ``step`` in seconds.
+    ``measured`` is a file or a table of pandas, polars, pyarrow or a mapping, with columns ``NAME [UNIT]`` of the FMU's
+    outputs and inputs (the tables of this package know their units); with a column ``time`` they are curves. Without it the nominal
+    values come from a run of the model, and the verdict says so. ``values`` are start values, numbers or texts with a unit, such as
+    those of inputs that start at 0; ``stop`` and ``step`` in seconds.
     """
-    table = None if measured is None else given(measured, MEASURED)
+    table = None if measured is None else given(measured, MEASURED, units=True)
     with tempfile.TemporaryDirectory(prefix="init-") as place:
         file = Path(place).resolve() / "study.toml"
         paths = {"measured": None if table is None else table.absolute(), "output": file}

@@ -34,6 +34,7 @@ GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+")
 BLANKS = re.compile(r"[+-]?[1-9]\d{0,2}(['\u2019\u00a0\u202f\u2009 ])\d{3}(?:\1\d{3})*(?!\d)")
 DAY = re.compile(r"(?:[A-Za-z]{2,3}[.,]* )?(\d{1,4})([-./ ]) ?(\d{1,2}|[^\W\d_]{3,9}(?=[-. ]))(?:(?<=\D)\.)?([-./ ]) ?(\d{1,4})(?!\d)")
 MONTH_FIRST = re.compile(r"(?:[A-Za-z]{2,3}[.,]* )?([^\W\d_]{3,9})\.? (\d{1,2}),? (\d{4})(?!\d)")
+LIKE_STAMP = re.compile(r"\d{1,4}\D+\d{1,3}\D+\d")
 COMPACT = re.compile(r"((?:19|20)\d\d)([01]\d)([0-3]\d)[T :_]?(\d\d)(\d\d)(\d\d(?:[.,]\d+)?)?(Z|[+-]\d\d:?\d\d)?")
 HOURS = re.compile(
     r"(?:(\d+) ?d(?:ays?)?,? ?)?(\d{1,6}):(\d\d)(?::(\d\d))?(?:[.,](\d{1,12})|(?<=:\d\d:\d\d):(\d{3}))?(?: ?([AaPp])\.?[Mm]\.?)?(?: ?(Z|UTC|GMT|[+-]\d\d:?\d\d))?")
@@ -92,7 +93,7 @@ def unit(text: str) -> str:
 
 
 def _is_unit(text: str) -> bool:
-    return unit(text) in KNOWN or len(text) > 2 and text[0] + text[-1] in BRACKETS
+    return unit(text) in KNOWN or len(text) > 2 and text[0] + text[-1] in BRACKETS and not _is_number(text[1:-1])
 
 
 def is_time_name(name: str) -> bool:
@@ -229,8 +230,12 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
         raise OrchestratorError(f"{path}: fewer than two rows of numbers; say --delimiter or --header, or export it as csv")
     # Rows of the recording have one width, or lack empty cells at their ends.
     filled = {k: max(j for j, cell in enumerate(row) if cell) + 1 for k, row in enumerate(rows) if any(row)}
-    width = Counter(len(rows[k]) for k in body).most_common(1)[0][0]
-    kinds, marks = zip(*(_kind([rows[k][j] for k in body if len(rows[k]) == width]) for j in range(width)), strict=True)
+    width, most = Counter(len(rows[k]) for k in body).most_common(1)[0][0], max(filled[k] for k in body)
+    # Names that are stated are those of the longest rows, too.
+    if options.header and filled.get(options.header - 1) == most and any(filled[k] == most and all(map(_is_value, rows[k][:width])) for k in body):
+        width = most
+    like = [rows[k] for k in body if len(rows[k]) == width or options.header]
+    kinds, marks = zip(*(_kind([row[j] for row in like if j < len(row)]) for j in range(width)), strict=True)
     typed = [j for j, kind in enumerate(kinds) if kind != "text"]
     if not typed:
         raise OrchestratorError(f"{path}: no column of numbers; say --delimiter")
@@ -253,25 +258,30 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     while first is not None and first - 1 in good[: good.index(first)]:
         first -= 1
     good = [k for k in good if first is not None and k >= first]
-    # A row of marks alone is one, too: without it the times of a constant rate would shift.
-    good = sorted({*good, *(k for k in range(good[0] if good else 0, len(rows) if good else 0)
-                            if any(rows[k]) and len(rows[k]) == width and all(cell.lower() in NOTHING for cell in rows[k]))})
     if first is None or not good:
         raise OrchestratorError(f"{path}: no rows of numbers of one width; say --delimiter or --header")
-    long = next((k for k in body if filled[k] > width and k > good[0]), None)
+    heads = {split_name(cell)[0] for row in rows[:first] for cell in row}
+
+    def is_head(row: list[str]) -> bool:
+        return all(split_name(cell)[0] in heads or _is_unit(cell) for cell in row if cell)
+
+    # A row of marks alone is one, too, and among the others one of cells that are no numbers: the times of a constant rate would shift.
+    good = sorted({*good, *(k for k in {*range(good[0], len(rows))}.difference(good) if any(rows[k]) and len(rows[k]) == width and (
+        all(cell.lower() in NOTHING for cell in rows[k]) or (k < good[-1] or width > 1) and all(rows[k][j] for j in typed) and not is_head(rows[k])))})
+    long = next((k for k in body if filled[k] > width and (k > good[0] or 1 < known(k)[0] == known(k)[1])), None)
     if long is not None:
         raise OrchestratorError(
             f"{path}: line {long + 1} has {filled[long]} cells and most rows have {width}; a decimal comma needs another letter between "
             "cells: say --delimiter, or correct the line")
     names, units, header = _header(path, rows, first, width, options)
-    over = [k for k in body if k < header - 1]
+    over = [k for k in body if k < header - 1 or header <= k < first and 2 * known(k)[0] > known(k)[1]]
     for k, after in pairwise(over):
-        if after == k + 1 and len(rows[k]) == len(rows[after]) > 2 and min(sum(map(_is_value, rows[line])) for line in (k, after)) > 1:
+        if k + 1 == after < header and len(rows[k]) == len(rows[after]) > 2 and min(sum(map(_is_value, rows[line])) for line in (k, after)) > 1:
             raise OrchestratorError(
                 f"{path}: line {k + 1} (`{' '.join(rows[k])[:40]}`) belongs to another table, which stands above that of line {header}; save it as a "
                 f"file of its own, and say --header {header} for the other")
     if over:
-        told.append(f"{len(over)} lines with numbers above the names were left out, line {over[0] + 1} first: `{' '.join(rows[over[0]])[:60]}`")
+        told.append(f"{len(over)} lines with numbers above the recording were left out, line {over[0] + 1} first: `{' '.join(rows[over[0]])[:60]}`")
     columns_named = max((j + 1 for j, name in enumerate(names) if name), default=0)
     if columns_named > width:
         if not options.header:
@@ -298,10 +308,7 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
         told.append(f"line {last + 1}, the last one, is cut off and was left out")
     others = [k for k in sorted({*range(first, len(rows))}.difference(good)) if any(rows[k]) and not (told and k == last)]
     if others:
-        above = rows[:first]
-        heads = {split_name(cell)[0] for row in above for cell in row}
-        again = next((k for k in others if rows[k] not in above and (width == 1 or sum(map(bool, rows[k])) > 1)
-                      and all(split_name(cell)[0] in heads or _is_unit(cell) for cell in rows[k] if cell)), None)
+        again = next((k for k in others if rows[k] not in rows[:first] and (width == 1 or sum(map(bool, rows[k])) > 1) and is_head(rows[k])), None)
         if again is not None:
             raise OrchestratorError(f"{path}: another table begins on line {again + 1} (`{' '.join(rows[again])[:60]}`); save each as a file of its own")
         shown = " ".join(rows[others[0]])[:60]
@@ -523,6 +530,7 @@ def _columns(
     time, start = _time(path, labels, names, kinds, cells, number, options, told, taken)
     _refuse_signals_in_rows(path, labels, kinds, cells, time, taken)
     channels: list[tuple[str, str, Sequence[Any]]] = []
+    timed = options.time or any(kinds[j] == "number" and (said[j] in OF_TIME or is_time_name(labels[j])) for j in range(width))
     for j in range(width):
         if j in taken:
             continue
@@ -532,6 +540,8 @@ def _columns(
         if kinds[j] != "number":
             sample = next((cell for cell in cells[j] if cell and not _is_number(cell)), "")
             held = "moments" if kinds[j] == "stamp" else "text"
+            if time is None and not timed and sum(map(bool, map(LIKE_STAMP.match, cells[j]))) > len(cells[j]) / 2 < len(set(cells[j])):
+                raise OrchestratorError(f"{path}: column `{labels[j]}` may be the time, but `{sample[:40]}` is no known stamp; say --format, or --time none")
             told.append(f"column `{labels[j]}` holds {held} (`{sample[:40]}`) and was left out")
             continue
         suffixes = {_suffix(cell) for cell in cells[j] if cell.lower() not in NOTHING} - {""}
@@ -580,6 +590,8 @@ def _time(
     options: Options, told: list[str], taken: set[int],
 ) -> tuple[list[float | None] | None, datetime.datetime | None]:
     """Seconds since the first stamp, and that, where there are stamps."""
+    if options.time == "none":
+        return None, None
     if options.time and options.time not in [*labels, *names]:
         raise OrchestratorError(f"{path}: --time {options.time}: there is no such column; it has {', '.join(labels)}")
     wanted = None if options.time is None else labels.index(options.time) if options.time in labels else names.index(options.time)

@@ -190,12 +190,12 @@ def unquoted(cell: str) -> str:
 Given = str | os.PathLike[str] | Mapping[str, Sequence[Any]] | Table | Any
 
 
-def given(table: Given, folder: Path) -> Path:
+def given(table: Given, folder: Path, *, units: bool = False) -> Path:
     """A table as a file: the file itself, or one in ``folder`` with the columns of a table of pandas, polars, pyarrow or
-    a mapping."""
+    a mapping; with ``units`` their names have those that the table knows."""
     if isinstance(table, str | os.PathLike):
         return Path(table)
-    text = csv_of(table)
+    text = csv_of(table, units)
     folder.mkdir(parents=True, exist_ok=True)
     # An interrupted run goes on with the table that it began with, so another table gets another name.
     path = folder / f"table-{sha256(text).hexdigest()[:8]}.csv"
@@ -203,8 +203,9 @@ def given(table: Given, folder: Path) -> Path:
     return path
 
 
-def csv_of(table: Any) -> bytes:
+def csv_of(table: Any, units: bool = False) -> bytes:
     """The columns of a table of pandas, polars, pyarrow or a mapping as a csv file."""
+    known = getattr(table, "attrs", {"units": getattr(table, "units", {})}).get("units", {}) if units else {}
     names = getattr(table, "column_names", None)
     if names is None:
         table = _with_index(table)
@@ -215,7 +216,7 @@ def csv_of(table: Any) -> bytes:
         raise OrchestratorError(f"a {type(table).__name__} is no table: give a file, a mapping, or one of pandas, polars or pyarrow")
     content = StringIO(newline="")
     writer = csv.writer(content)
-    writer.writerow([str(name) for name in names])
+    writer.writerow([f"{name} [{known[name]}]" if known.get(name, "1") != "1" else str(name) for name in names])
     columns = [_listed(table[name]) for name in names]
     writer.writerows(map(_written, row) for row in zip(*columns, strict=True))
     return content.getvalue().encode()

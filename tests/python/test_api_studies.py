@@ -204,7 +204,7 @@ def test_a_study_of_an_fmu(fmu, tmp_path, monkeypatch):
     run = simulate(fmu, {"bearing.radialClearance": "21 um"}, stop=1, step=0.1, record=["sensor.loadForce"])
     measured = init(fmu, measured=run.to_pandas())
     reference = measured["criteria"]["sensor.loadForce"]["reference"]
-    assert measured["simulation"]["stop"] == 1 and pandas.read_csv(reference["file"])["time"].iloc[-1] == 1
+    assert measured["simulation"]["stop"] == 1 and pandas.read_csv(reference["file"])["time [s]"].iloc[-1] == 1
     few = {name: one for name, one in measured["parameters"].items() if name.startswith("load.")}
     result = measured.with_(points=4, parameters=few).verify()
     assert result.curves["criterion"] == ["sensor.loadForce"] * 11

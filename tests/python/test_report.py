@@ -198,7 +198,7 @@ def test_the_page_of_a_recording(browser, tmp_path):
     subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
     browser.get((tmp_path / "out" / "report.html").as_uri())
     assert browser.get_log("browser") == []
-    assert browser.find_element(By.ID, "delay-title").text == "Torque 16 ms later than the load"
+    assert browser.find_element(By.ID, "answer").text.startswith("Torque later than the load by 16.000 ms (")
     assert len(browser.find_elements(By.CSS_SELECTOR, "#signals svg[aria-label]")) == 5
     assert len(browser.find_elements(By.CSS_SELECTOR, "#steady svg[aria-label]")) == 3
     assert barriers(browser) == []

@@ -117,7 +117,7 @@ def test_what_other_peoples_loggers_wrote(tmp_path):
 
 def test_rows_above_the_names_are_told(tmp_path, capsys):
     assert converted(tmp_path, rows("Serial;12345", "", "t [s];F", "0;1,5", "1;2,5"))[1] == [[0.0, 1.5], [1.0, 2.5]]
-    assert "1 lines with numbers above the names were left out, line 1 first: `Serial 12345`" in capsys.readouterr().out
+    assert "1 lines with numbers above the recording were left out, line 1 first: `Serial 12345`" in capsys.readouterr().out
 
 
 def test_thousands_and_signs(tmp_path):
@@ -137,6 +137,8 @@ def test_thousands_and_signs(tmp_path):
     (["day;clock;P", "03-11-2026;12:00:00;1.5", "04-11-2026;12:10:00;2.5", "05-11-2026;12:00:00;2.5"], ['"%d-%m-%Y"', '"%m-%d-%Y"'], {"format": "%d-%m-%Y"}),
     (["when;P", "12:00;1.5", "12:01;2.5"], ["%H:%M", "%M:%S"], {"format": "%M:%S"}),
     (["von;bis;P", "02.06.2025 13:45;02.06.2025 14:45;1,5", "02.06.2025 14:45;02.06.2025 15:45;2,5"], ["--time", "von"], {"time": "von"}),
+    (["when;P", *(f"2026-{30 + k} 13:15:00;{k}.5" for k in range(4))], ["`2026-30 13:15:00` is no known stamp", "--format", "--time"], {"format": "%Y-%j %H:%M:%S"}),
+    (["Period;P", *(f"2026-11-03T1{k}:00/2026-11-03T1{k + 1}:00;{k}.5" for k in range(4))], ["no known stamp"], {"time": "none"}),
     (["a;b", "foo;baz", "0;1.5", "1;2.5"], ["--header"], {"header": 1}),
     (["Albuquerque", "35.04 -106.6 1617 m version 1", "2019 56 2 25 0.5 79.9 102.6 1.5", "2019 56 2 25 1.5 79.8 102.5 1.5"], ["--header 0", "--header 3"], {"header": 0}),
     (["X,CH1,Start,Step", "0,1.5,", "1,2.5,"], ["--header 1"], {"header": 1}),
@@ -178,8 +180,8 @@ def test_a_clock_that_falls_and_short_rows_are_told(tmp_path, capsys):
     # A column of states beside a time that comes again is none of signals' names; `T` is no time; frames are no parts of a second.
     steps = rows("time [s],T,State", "0,1.5,R", "1,2.5,R", "1,2.6,C", "2,2.5,C", "3,2.5,C")
     assert len(converted(tmp_path, steps)[1]) == 5
-    converted(tmp_path, rows("when,T", "13:15:00:01,1.5", "13:15:00:24,2.5"))
-    assert "without a column of times" in capsys.readouterr().out
+    with pytest.raises(OrchestratorError, match="`13:15:00:01` is no known stamp"):
+        converted(tmp_path, rows("when,T", "13:15:00:01,1.5", "13:15:00:24,2.5"))
 
 
 def test_what_is_left_out_is_told(tmp_path, capsys):
@@ -189,6 +191,19 @@ def test_what_is_left_out_is_told(tmp_path, capsys):
     assert "the last one, is cut off" in told and "`State` holds text" in told and "`Total" in told
     # A stray letter is no second table, though days have it.
     assert len(converted(tmp_path, rows("t [s],T [degC]", "0,1.5", "1,2.5", "d", "2,3.5"))[1]) == 3
+
+
+def test_rows_of_strange_cells_stay(tmp_path):
+    """Without them the times of a constant rate would shift, and only numbers of one sign would be left."""
+    table = converted(tmp_path, rows("F [N];M", "1.5;2", "(2.5);(3)", "OVL;OVL", "#DIV/0!;1", "3.5;4"))[1]
+    assert table == [[1.5, 2.0], ["(2.5)", "(3)"], ["OVL", "OVL"], [" #DIV/0!", 1.0], [3.5, 4.0]]
+    assert converted(tmp_path, rows("F;M", "(1.5);2", "2.5;3", "3.5;4"))[0] == ["F", "M"]
+    # The first rows have remarks behind their last column.
+    lines = rows("t;F;Folder;run 7", "0;1.5;a;1", "1;2.5;b;2", *(f"{k};{k}.5" for k in range(2, 9)))
+    with pytest.raises(OrchestratorError, match="line 2 has 4 cells and most rows have 2"):
+        converted(tmp_path, lines)
+    assert [row[0] for row in converted(tmp_path, lines, header=1)[1]] == [*range(9)]
+    assert converted(tmp_path, rows("X,CH1,Start,Step", "Sequence,Volt,-3.5e-03,5e-06", "0,1.5", "1,2.5", "2,2.5"), header=1)[1][0] == [0, 1.5]
 
 
 def test_blank_lines_between_values_are_told(tmp_path, capsys):
@@ -208,9 +223,15 @@ def generated(tmp_path, seed):
     step = draw.choice([0.01, 0.5, 1.0, 60.0, 3600.0])
     grouping = draw.choice(["", "", "." if decimal == "," else "'"])
     values = [[round(draw.uniform(-1, 1) * 10 ** draw.randint(0, 6), draw.randint(0, 4)) for _ in names] for _ in range(count)]
+    # Drawn apart, so that a seed still draws what it drew before.
+    more = random.Random(f"{seed} more")
+    style, is_down, has_remark = more.choice(["", "", "+", "0", "E"]), more.random() < 0.2, more.random() < 0.2
+    order = range(count)[::-1] if is_down else range(count)
 
     def written(value):
-        return (f"{value:,}" if grouping else f"{value}").replace(",", "_").replace(".", decimal).replace("_", grouping)
+        sign = "-" if value < 0 else "+" if style == "+" else ""
+        text = f"{abs(value):.12E}" if style == "E" else f"{abs(value):,}" if grouping else f"{abs(value)}"
+        return sign + text.rjust(12 if style == "0" and not grouping else 0, "0").replace(",", "_").replace(".", decimal).replace("_", grouping)
 
     kind = draw.choice(["seconds", "iso", "german", "two"])
     start = datetime.datetime(2026, draw.randint(1, 12), draw.randint(1, 28), draw.randint(0, 23))
@@ -226,7 +247,8 @@ def generated(tmp_path, seed):
         lines += [delimiter.join([*heads, *names]), delimiter.join([*head_units, *units])]
     else:
         lines += [delimiter.join(name + (f" [{unit}]" if unit else "") for name, unit in zip([*heads, *names], [*head_units, *units], strict=True))]
-    lines += [delimiter.join([*first(k), *("" if (k, j) in empty else written(value) for j, value in enumerate(values[k]))]) for k in range(count)]
+    lines += [delimiter.join([*first(k), *("" if (k, j) in empty else written(value) for j, value in enumerate(values[k]))]) for k in order]
+    lines[-count // 2 : -count // 2] = ["-----"] if has_remark else []
     newline = draw.choice(["\n", "\r\n"])
     try:
         header, table = converted(tmp_path, newline.join([*lines, ""]), name=f"g{seed}.csv", encoding=encoding)
@@ -236,8 +258,8 @@ def generated(tmp_path, seed):
     expected = [("t" if kind == "seconds" else "time") + " [s]", *(name + (f" [{unit}]" if unit else "") for name, unit in zip(names, known, strict=True))]
     there = [j for j in range(width) if any((k, j) not in empty for k in range(count))]
     assert header == [expected[0], *(expected[j + 1] for j in there)], seed
-    for k, row in enumerate(table):
-        assert row[0] == pytest.approx(step * k, abs=2e-6), (seed, k)
+    for k, row in zip(order, table, strict=True):
+        assert row[0] == pytest.approx(step * (k - (0 if kind == "seconds" else order[0])), abs=2e-6), (seed, k)
         assert row[1:] == ["" if (k, j) in empty else values[k][j] for j in there], (seed, k)
     assert len(table) == count, seed
     return True

@@ -161,10 +161,12 @@ struct CsvRows {
 pub fn rows(path: &Path, how: How) -> Result<Box<dyn Rows>, FileError> {
     let mut file = CsvFile::open(path, how.comments.then_some(b'#'))?;
     let names = file.header()?;
-    let blanks = match how.gaps && names.len() == 1 {
-        true => blank_rows(path).map_err(|error| FileError::read(path, error))?,
-        false => Vec::new(),
-    };
+    let mut blanks = Vec::new();
+    if how.comments {
+        let lines = files::open(path).and_then(|file| blank(BufReader::new(file), b'#'));
+        blanks = lines.map_err(|error| FileError::read(path, error))?;
+        blanks.retain(|_| how.gaps && names.len() == 1);
+    }
     Ok(Box::new(CsvRows {
         file,
         names,
@@ -255,19 +257,27 @@ fn separator(file: &mut impl BufRead, comment: Option<u8>) -> io::Result<u8> {
     Ok(most.map_or(b',', |&(byte, count)| if count > 0 { byte } else { b',' }))
 }
 
-/// The places of blank lines among the rows of a file, counted from 0 behind the header. Lines that begin with `#` are no
-/// rows.
-fn blank_rows(path: &Path) -> io::Result<Vec<usize>> {
-    blank(BufReader::new(files::open(path)?), b'#')
-}
-
+/// The places of blank lines among the rows of a file, counted from 0 behind the header. Lines that begin with the sign of a comment
+/// are no rows.
+///
+/// # Errors
+/// When it cannot be read, and when a row begins with a spreadsheet's error: it would be a comment.
 fn blank(file: impl BufRead, comment: u8) -> io::Result<Vec<usize>> {
+    let is_of_error = |byte: &u8| byte.is_ascii_uppercase() || b"/0!?".contains(byte);
     let mut rows = Vec::new();
     let mut row: Option<usize> = None;
-    for line in file.lines() {
+    for (place, line) in file.split(b'\n').enumerate() {
         let line = line?;
-        let text = line.trim();
-        if line.as_bytes().first() == Some(&comment) || (row.is_none() && text.is_empty()) {
+        let text = line.trim_ascii();
+        if line.first() == Some(&comment) || (row.is_none() && text.is_empty()) {
+            let cell = text.split(|byte| b",;\t".contains(byte)).next().unwrap_or_default();
+            if row.is_some() && cell.len() > 1 && cell[1..].iter().all(is_of_error) {
+                let cell = String::from_utf8_lossy(cell);
+                return Err(io::Error::other(format!(
+                    "line {}: `{cell}` makes the row a comment; leave the cell empty",
+                    place + 1
+                )));
+            }
             continue;
         }
         if let Some(row) = row.filter(|_| text.is_empty()) {
@@ -372,6 +382,18 @@ mod tests {
             ("y\n\n1\n# more\n\n\n2\n\n", vec![0, 2, 3, 5]),
         ] {
             assert_eq!(blank(text.as_bytes(), b'#').unwrap(), places, "{text}");
+        }
+    }
+
+    #[test]
+    fn a_row_that_begins_with_an_error_is_no_comment() {
+        for (text, is_comment) in [
+            ("F,n\n1,2\n#DIV/0!,3\n", false),
+            ("F\n1\n#N/A\n", false),
+            ("F,n\n# Made by hand, 3\n#\n1,2\n#note\n", true),
+            ("#NOTE\nF,n\n1,2\n", true),
+        ] {
+            assert_eq!(blank(text.as_bytes(), b'#').is_ok(), is_comment, "{text}");
         }
     }
 

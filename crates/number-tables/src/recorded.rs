@@ -166,8 +166,7 @@ impl RecordedTable {
 
     /// The place of a column, 0 where there is none.
     pub fn place(&self, name: &str) -> usize {
-        let is_it = |column: &Column| self.get(name).is_some_and(|known| std::ptr::eq(known, column));
-        self.columns.iter().position(is_it).unwrap_or(0)
+        self.columns.iter().position(|column| column.name == name || column.bare == name).unwrap_or(0)
     }
 
     /// A column by its name, with or without the unit in it; none where there is none.

@@ -30,8 +30,6 @@ pub struct Drive {
     pub variable: String,
     /// Its unit.
     pub unit: String,
-    /// How far all its values together may be off: the limit of the sensor's error, in its unit.
-    pub accuracy: Option<f64>,
     /// How far the input may deviate from the recording, beyond the noise, in its unit.
     pub tolerance: Option<f64>,
     /// Its values.
@@ -47,9 +45,19 @@ pub enum Driven {
     Recorded(Channel),
 }
 
-/// The expanded uncertainty (k = 2) that follows from a limit of error.
-fn expanded(bound: f64) -> f64 {
-    2.0 * from_bound(bound)
+fn stated(key: &str, text: &str) -> String {
+    format!(", {key} = {}", quoted(text))
+}
+
+/// The expanded uncertainty (k = 2) that follows from the limit of a sensor's error, which all rows share.
+fn known(channel: &Channel) -> String {
+    let expanded = |bound: f64| 2.0 * from_bound(bound);
+    match channel.accuracy {
+        // Of a sensor without errors there is nothing to state.
+        Accuracy::Absolute(0.0) | Accuracy::Relative(0.0) => String::new(),
+        Accuracy::Absolute(bound) => stated("uncertainty", &format!("{:.4e} {}", expanded(bound), channel.unit)),
+        Accuracy::Relative(part) => stated("gain-uncertainty", &format!("{:.4} %", 100.0 * expanded(part))),
+    }
 }
 
 /// A measured curve: its samples without those that the user does not want.
@@ -317,12 +325,8 @@ impl<'a> Case<'a> {
                     let value = quoted(&format!("{value} {}", drive.unit));
                     format!("fixed.{name} = {value}\n")
                 }
-                Driven::Recorded(_) => {
-                    let accuracy = drive.accuracy.filter(|accuracy| *accuracy > 0.0);
-                    let stated = accuracy.map_or_else(String::new, |bound| {
-                        let expanded = format!("{:.4e} {}", expanded(bound), drive.unit);
-                        format!(", uncertainty = {}", quoted(&expanded))
-                    });
+                Driven::Recorded(channel) => {
+                    let stated = known(channel);
                     let first = self.inputs.iter().filter_map(|input| input.line.time.first());
                     let first = first.fold(f64::INFINITY, |first, time| first.min(*time));
                     // The model runs from the first row, whole or not, and on until the last curve that is ahead of it.
@@ -378,16 +382,10 @@ impl<'a> Case<'a> {
                 change.value, change.low, change.high, channel.unit
             )
         });
-        let stated = |key: &str, text: String| format!(", {key} = {}", quoted(&text));
-        let mut uncertainty = match channel.accuracy {
-            // Of a sensor without errors there is nothing to state.
-            Accuracy::Absolute(0.0) | Accuracy::Relative(0.0) => String::new(),
-            Accuracy::Absolute(bound) => stated("uncertainty", format!("{:.4e} {}", expanded(bound), channel.unit)),
-            Accuracy::Relative(part) => stated("gain-uncertainty", format!("{:.4} %", 100.0 * expanded(part))),
-        };
+        let mut uncertainty = known(channel);
         let noise = criterion.and_then(|criterion| criterion.noise);
         let about_noise = noise.map_or_else(String::new, |noise| {
-            uncertainty += &stated("noise", format!("{:.2e} {}", noise.stated(), channel.unit));
+            uncertainty += &stated("noise", &format!("{:.2e} {}", noise.stated(), channel.unit));
             uncertainty += &format!(
                 ", noise-estimate = {{ freedom = {:.0}, correlation = {:.2}, rows = {:.2} }}",
                 noise.freedom,

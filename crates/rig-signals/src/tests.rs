@@ -280,7 +280,6 @@ fn every_row_is_used_or_told() {
         let drives = [case::Drive {
             variable: "drive".into(),
             unit: "degC".into(),
-            accuracy: None,
             tolerance: None,
             values: case::Driven::Recorded(drive),
         }];
@@ -317,7 +316,6 @@ fn with_drive(time: Vec<f64>, values: Vec<f64>) -> (RigRecording, [case::Drive; 
     let drive = case::Drive {
         variable: "n".into(),
         unit: "rpm".into(),
-        accuracy: None,
         tolerance: None,
         values: case::Driven::Recorded(Channel { time, ..drive }),
     };
@@ -326,6 +324,23 @@ fn with_drive(time: Vec<f64>, values: Vec<f64>) -> (RigRecording, [case::Drive; 
 
 fn frame() -> case::Frame<'static> {
     case::Frame { name: "c", held_out: false, folder: "f", tolerances: &[], lag: 0.0 }
+}
+
+#[test]
+fn the_accuracy_of_an_input_becomes_its_uncertainty() {
+    for (accuracy, key) in [
+        (Accuracy::Absolute(2.0), "unit = \"rpm\", uncertainty = \"2.3094e0 rpm\""),
+        (Accuracy::Relative(0.01), "unit = \"rpm\", gain-uncertainty = \"1.1547 %\""),
+    ] {
+        let time: Vec<f64> = (0..6000).map(|k| f64::from(k) / 100.0).collect();
+        let speed = time.iter().map(|time| 1500.0 + 50.0 * time.sin()).collect();
+        let (recording, mut drives) = with_drive(time, speed);
+        if let case::Driven::Recorded(channel) = &mut drives[0].values {
+            channel.accuracy = accuracy;
+        }
+        let text = case::Case::new(&recording, &synchronise(&recording).unwrap(), &drives).to_toml(&frame());
+        assert!(text.contains(key), "{text}");
+    }
 }
 
 #[test]

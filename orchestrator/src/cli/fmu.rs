@@ -65,7 +65,7 @@ pub struct Init {
     /// Where to write the study [default: standard output]
     #[arg(long, value_name = "STUDY.toml")]
     pub output: Option<PathBuf>,
-    /// Measured values: a table with columns `NAME` or `NAME [UNIT]` of the FMU's outputs; with a column `time` they are
+    /// Measured values: a table with columns `NAME [UNIT]` of the FMU's outputs and inputs; with a column `time` they are
     /// curves
     #[arg(long, value_name = "DATA.csv")]
     pub measured: Option<PathBuf>,

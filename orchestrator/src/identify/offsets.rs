@@ -21,7 +21,7 @@ pub(super) fn add(study: &Study, plan: &Plan, bound: &mut Bound) -> Result<(), F
     let noisy: BTreeSet<&str> = noisy.iter().map(|error| error.name.as_str()).collect();
     if !noisy.is_empty() {
         bound.notes.push(format!(
-            "The intervals have no part from {}: where it matters, `verify` shows by how much.",
+            "The intervals are too narrow by what {} does to the model, as `verify` shows: add it to the `noise` of the criteria.",
             Vec::from_iter(noisy).join(", ")
         ));
     }

@@ -1,18 +1,16 @@
 //! The page of a recording: the delay with its uncertainty, the signals before and after, what
 //! the tests of stationarity say, and the criteria.
 
-use super::write_file;
 use crate::error::Error;
-use minijinja::value::{Serde, Value};
-use minijinja::{Environment, context};
-use result_document::Figure;
+use crate::plain::Page;
+use point_journal::files::{make_folder, write_text};
 use result_document::bins::axis_range;
 use result_document::format::number;
-use result_document::marked;
 use result_document::svg::{Frame, area, envelope, path};
-use rig_signals::{Channel, DerivedCriterion, RigRecording, Synchronised, criteria};
+use result_document::{Block, Document, Figure, Key, Table, numbers};
+use rig_signals::{Channel, DerivedCriterion, RigRecording, Synchronised};
 use sampling::statistics::moments::mean;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Length of the record's end that is drawn, s.
 const SHOWN: f64 = 1.0;
@@ -32,7 +30,7 @@ impl<'a> Trace<'a> {
     }
 }
 
-/// Writes `report.html` and `plots/*.svg` into a folder, and returns the page's path.
+/// Writes `report.html` and `plots/*.svg` into a folder.
 ///
 /// # Errors
 /// When a file cannot be written.
@@ -42,95 +40,106 @@ pub fn write(
     title: &str,
     amplitudes: bool,
     folder: &Path,
-) -> Result<PathBuf, Error> {
-    let delay = &result.delay;
-    let milliseconds = |s: f64| number(1e3 * s, 4);
-    let per_cent = |part: f64| number(100.0 * part, 3);
-    let shown = |f: &&DerivedCriterion| amplitudes || f.statistic != "amplitude";
-    let rows: Vec<Value> = result.findings.iter().filter(shown).map(row).collect();
-    let [start, end] = [result.time.first(), result.time.last()].map(|t| number(t.copied().unwrap_or(0.0), 5));
-    let steady = result.findings.iter().filter(|f| !f.blocks.is_empty());
-    let steady: Vec<Figure> = steady.filter_map(wander).collect();
-    let figures = match &recording.bearing {
-        Some(_) => figures(result),
-        None => recording.others.iter().filter_map(recorded).collect(),
-    };
-    let plots = folder.join("plots");
-    std::fs::create_dir_all(&plots).map_err(Error::io(&plots))?;
-    for figure in figures.iter().chain(&steady) {
-        let path = plots.join(format!("{}.svg", figure.file));
-        write_file(&path, &result_document::svg::standalone(&figure.svg))?;
-    }
-    let interval = delay.delay.filter(|_| delay.disturbance.is_none());
-    let friction = &result.mean_friction;
+) -> Result<(), Error> {
     let bearing = recording.bearing.as_ref();
-    let rows_in: usize = result.accounts.iter().map(|account| account.rows).sum();
-    let mut facts = vec![
-        ("Program", concat!("orchestrator ", env!("CARGO_PKG_VERSION")).to_owned()),
-        ("Samples", rows_in.to_string()),
-    ];
+    let [start, end] = [result.time.first(), result.time.last()].map(|t| number(t.copied().unwrap_or(0.0), 5));
+    let mut measured = Document::new("measured", "Measured values", "Measured values");
+    let mut signals = Document::new("signals", "Signals", "Signals");
     if let Some(bearing) = bearing {
-        let [diameter, longest] = [bearing.diameter, bearing.longest_delay].map(|v| number(1e3 * v, 6));
-        facts.push(("Bearing diameter", format!("{diameter} mm")));
-        facts.push(("Longest delay looked for", format!("{longest} ms")));
+        let [before, after] = result.friction_scatter.map(|part| number(100.0 * part, 3));
+        let friction = &result.mean_friction;
+        measured.say(format!(
+            "Friction coefficient: {} ± {}, with a relative standard deviation of {after} % (before the shift {before} %). Smoothing: {}. \
+             Window: {start} .. {end} s.",
+            number(friction.value, 4),
+            number(friction.expanded(), 2),
+            bearing.smoothing
+        ));
+        signals.blocks.push(Block::Legend(vec![
+            Key::new("line raw", "M0,9l3,-5l3,6l3,-6l5,4", "recorded"),
+            Key::new("line before", "M0,7h14", "smoothed, before the shift"),
+            Key::new("line", "M0,7h14", "smoothed, aligned; the last second of the window"),
+        ]));
     }
-    let page = context! {
-        title,
-        style => [
-            result_document::svg::STYLE,
-            include_str!("assets/report.css")
-        ].concat(),
-        delay => delay.delay.map(|d| milliseconds(d.value)),
-        interval => interval.map(|d| [d.low, d.high].map(milliseconds).to_vec()),
-        before => per_cent(result.friction_scatter[0]),
-        after => per_cent(result.friction_scatter[1]),
-        friction => vec![number(friction.value, 4), number(friction.expanded(), 2)],
-        bearing => bearing.is_some(),
-        smoothing => bearing.map(|bearing| bearing.smoothing.to_string()),
-        window => format!("{start} .. {end} s"),
-        blocks => delay.blocks,
-        warnings => result.warnings.iter().map(|text| Value::from_safe_string(marked(text))).collect::<Vec<_>>(),
-        figures => Serde(&figures),
-        rows,
-        confidence => number(100.0 * recording.confidence, 4),
-        steady => Serde(&steady),
-        criteria => criteria::to_toml(result, amplitudes),
-        facts => Serde(facts),
+    let shown = |f: &&DerivedCriterion| amplitudes || f.statistic != "amplitude";
+    measured.table(Table {
+        name: "Measured values".into(),
+        columns: [
+            "Criterion",
+            "Value",
+            "Expanded (k = 2)",
+            "Scatter",
+            "Sensor",
+            "Noise of a row",
+            "Change over the window",
+            "Stationarity",
+        ]
+        .map(numbers)
+        .into(),
+        rows: result.findings.iter().filter(shown).map(row).collect(),
+        ..Table::default()
+    });
+    measured.hint(
+        "Means over whole turns; uncertainties after the GUM, where a sensor's accuracy is the half-width of a rectangular distribution. \
+         `criteria.toml` has the lines for a study.",
+    );
+    measured.warn(&result.warnings);
+    measured.blocks.push(Block::List(result.accounts.iter().map(ToString::to_string).collect()));
+    signals.blocks.push(Block::Figures(
+        "planes".into(),
+        match bearing {
+            Some(_) => figures(result),
+            None => recording.others.iter().filter_map(recorded).collect(),
+        },
+    ));
+    let steadiness = format!("Was it steady? Tested with {} % confidence", number(100.0 * recording.confidence, 4));
+    let mut steady = Document::new("steady", "Stationarity", steadiness);
+    let blocks = result.findings.iter().filter(|f| !f.blocks.is_empty());
+    steady.blocks.push(Block::Figures("planes".into(), blocks.filter_map(wander).collect()));
+    let documents = [measured, signals, steady];
+    let plots = folder.join("plots");
+    make_folder(&plots)?;
+    for figure in documents.iter().flat_map(Document::figures) {
+        write_text(&plots.join(format!("{}.svg", figure.file)), result_document::svg::standalone(&figure.svg))?;
+    }
+    let headline = match (bearing, result.delay.words()) {
+        (None, _) => "Criteria from signals".to_owned(),
+        (_, Some(delay)) => format!("Torque later than the load by {delay}"),
+        (_, None) => "Load and torque are not related: the torque is not shifted".to_owned(),
     };
-    let template = include_str!("assets/recording.html");
-    let html = Environment::new().render_named_str("recording.html", template, page)?;
-    let path = folder.join("report.html");
-    write_file(&path, &html)?;
-    Ok(path)
+    let page = Page {
+        kicker: "From measured signals to criteria",
+        title,
+        headline: &headline,
+        is_good: result.warnings.is_empty(),
+        documents: &documents,
+    };
+    page.write(&folder.join("report.html"))
 }
 
-fn row(finding: &DerivedCriterion) -> Value {
-    let m = &finding.measured;
-    let unit = &finding.unit;
+fn row(finding: &DerivedCriterion) -> Vec<String> {
+    let (m, unit) = (&finding.measured, &finding.unit);
     let change = |s: &rig_signals::stationarity::Stationarity| {
         let [value, low, high] = [s.change.value, s.change.low, s.change.high].map(|v| number(v, 2));
         format!("{value} ({low} .. {high})")
     };
-    let (steady, alarm) = match &finding.stationarity {
-        None if finding.statistic == "amplitude" => ("–".to_owned(), false),
-        None => ("window too short".to_owned(), true),
-        Some(s) if s.trend => (format!("drifting, chance {:.0e}", s.trend_chance), true),
-        Some(s) if s.drift => (format!("wandering, chance {:.0e}", s.wander_chance), true),
-        Some(_) => ("steady".to_owned(), false),
+    let steady = match &finding.stationarity {
+        None if finding.statistic == "amplitude" => "–".to_owned(),
+        None => "window too short".to_owned(),
+        Some(s) if s.trend => format!("drifting, chance {:.0e}", s.trend_chance),
+        Some(s) if s.drift => format!("wandering, chance {:.0e}", s.wander_chance),
+        Some(_) => "steady".to_owned(),
     };
-    let noise = finding.noise.as_ref();
-    context! {
-        name => &finding.name,
-        about => format!("{} of {}", finding.statistic, finding.variable),
-        value => format!("{} {unit}", number(m.value, 6)),
-        expanded => format!("± {} {unit}", number(m.expanded(), 2)),
-        scatter => number(m.scatter, 2),
-        sensor => number(m.sensor, 2),
-        noise => noise.map_or("–".into(), |noise| number(noise.stated(), 2)),
-        change => finding.stationarity.as_ref().map_or("–".into(), change),
+    vec![
+        format!("{}: {} of {}", finding.name, finding.statistic, finding.variable),
+        format!("{} {unit}", number(m.value, 6)),
+        format!("± {} {unit}", number(m.expanded(), 2)),
+        number(m.scatter, 2),
+        number(m.sensor, 2),
+        finding.noise.as_ref().map_or("–".into(), |noise| number(noise.stated(), 2)),
+        finding.stationarity.as_ref().map_or("–".into(), change),
         steady,
-        alarm,
-    }
+    ]
 }
 
 /// A signal as it was recorded.
@@ -180,7 +189,7 @@ fn figures(result: &Synchronised) -> Vec<Figure> {
 fn search(result: &Synchronised) -> Option<Figure> {
     let (delays, scatter): (Vec<f64>, Vec<f64>) =
         result.delay.scan.iter().map(|(delay, scatter)| (1e3 * delay, 100.0 * scatter)).unzip();
-    let name = "What the load does not explain of the torque, by the delay";
+    let name = "What the load does not explain of the torque, by the delay (dashed, with its interval)";
     let trace = Trace::new("line", &delays, &scatter);
     let marks = |frame: &Frame| {
         let Some(interval) = &result.delay.delay else {

@@ -193,6 +193,10 @@ fn rows_without_a_time_are_repeats() {
     bench.run(&measured).is_mistake(&["`time`", "times that grow"]);
     bench.write("data.csv", "time [ms],lag.y\n0,1\n1500,2\n");
     assert!(good(bench.run(&measured)).out.contains("stop = 1.5 # s"));
+    bench.write("data.csv", "time,lag.temperature,lag.y\n0,20,1\n1,21,2\n");
+    bench
+        .run(&measured)
+        .is_mistake(&["`lag.temperature` has no unit, and the FMU has it in K", "`lag.temperature [unit]`"]);
     bench.write("data.csv", "time [bar],lag.y\n0,1\n1,2\n");
     bench.run(&measured).is_mistake(&["no unit of time"]);
     bench.write("data.csv", "time;lag.y\ns;-\n0;1\n1;2\n");

@@ -49,9 +49,9 @@ impl<'a> Measured<'a> {
             None => error.with(format!("; {}", convert(path))),
         })?;
         let header = rows.names().to_vec();
-        let more = rows.advance()?;
-        let is_word = |place| !rows.text(place).is_empty() && rows.number(place).is_none();
-        if more && (0..header.len()).all(is_word) {
+        if rows.advance()?
+            && (0..header.len()).all(|place| !rows.text(place).is_empty() && rows.number(place).is_none())
+        {
             let message = format!("a row of words, such as of units, stands below the names; {}", convert(path));
             return Err(Error::content(path, message));
         }
@@ -78,6 +78,15 @@ impl<'a> Measured<'a> {
                 Err(reason) => table.left.push((name.clone(), reason)),
             }
         }
+        let bare =
+            |column: &&Column<'_>| column.unit.is_none() && column.variable.unit().is_some_and(|unit| unit != "1");
+        if let Some(Column { header, variable, .. }) = table.columns.iter().chain(&table.inputs).find(bare) {
+            let message = format!(
+                "column `{header}` has no unit, and the FMU has it in {}; write `{header} [unit]` in the first line of the file",
+                variable.unit().unwrap_or_default()
+            );
+            return Err(Error::content(path, message));
+        }
         Ok(table)
     }
 
@@ -100,10 +109,6 @@ impl<'a> Measured<'a> {
         if self.time.is_some() && !is_input && values.iter().all(|value| Some(value) == first) {
             return Err("it is the same in all rows: write it as `nominal` of a criterion".to_owned());
         }
-        if let (None, Some(unit)) = (&unit, variable.unit()) {
-            fmu_points::tell::line!("note: column `{header}` names no unit, so it is read in {unit}");
-        }
-        let unit = unit.or_else(|| variable.unit().map(str::to_owned));
         Ok(Column { header: header.to_owned(), unit, variable, values })
     }
 
@@ -128,8 +133,7 @@ impl<'a> Measured<'a> {
     pub(super) fn tell(&self) -> Result<(), Error> {
         let file = self.file.display();
         if self.columns.is_empty() {
-            let reasons = self.left.iter().map(|(name, reason)| format!("{name}: {reason}"));
-            let reasons: Vec<String> = reasons.collect();
+            let reasons: Vec<String> = self.left.iter().map(|(name, reason)| format!("{name}: {reason}")).collect();
             let message = format!(
                 "{file}: no column is an output of the FMU ({}); `synchronise` takes other names",
                 reasons.join("; ")
@@ -152,8 +156,7 @@ fn variable<'a>(name: &str, fmu: &'a Description) -> Result<&'a Variable, String
     match known.map(|variable| (variable, variable.causality)) {
         Some((variable, _)) if is_shown(&variable) => Ok(variable),
         Some((variable, Causality::Input)) if is_number(variable) => Ok(variable),
-        Some((_, Causality::Input)) => Err("it is no number".to_owned()),
-        Some((_, Causality::Output | Causality::Local)) => Err("it is no number".to_owned()),
+        Some((_, Causality::Input | Causality::Output | Causality::Local)) => Err("it is no number".to_owned()),
         Some(_) => Err("it is no output of the FMU".to_owned()),
         None => {
             let names = fmu.variables.values().filter(is_shown);

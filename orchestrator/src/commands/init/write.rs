@@ -167,7 +167,7 @@ impl Criteria {
             _ if is_of_points => {
                 "# measurement: uncertainty = \"1 %\" (k = 2). Each row is an operating point, a case of its own."
             }
-            Some(_) => "# measurement beside `file`: uncertainty = \"0.3 degC\" (k = 2).",
+            Some(_) => "# measurement beside each `file`: uncertainty = \"0.3 degC\" (k = 2).",
             None => {
                 "# measurement: uncertainty = \"1 %\" (k = 2). Several rows are taken as repeats of one measurement."
             }
