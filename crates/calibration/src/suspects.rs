@@ -407,8 +407,8 @@ impl Inquiry<'_> {
     /// A parameter with a wider range and without a prior.
     fn beyond(&self, k: usize, place: f64) -> Result<Suspect, NoPrediction> {
         let old = &self.problem.free[k];
-        let (low, high) = (2.0 * place.min(0.0) - 0.5, 2.0 * place.max(1.0) - 0.5);
-        let ends = [low, high.max(1.5)].map(|place| wide(old, place));
+        // The others are at their bounds here, and leave these once it moves: so it may go much farther than the slopes say.
+        let ends = [4.0 * place.min(0.0) - 5.0, 4.0 * place.max(1.0) + 2.0].map(|place| wide(old, place));
         let mut free = Free { prior: None, ..old.clone() };
         [free.min, free.max] = [ends[0].max(self.reach[k][0]), ends[1].min(self.reach[k][1])];
         // What is positive stays so.

@@ -13,7 +13,7 @@ use calibration::suspects::{Confusion, Constant, Fault, Inquiry, Sensor, Suspect
 use fmu_import::units::Conversion;
 use fmu_import::{Content, Description, Value};
 use fmu_points::names::behind;
-use fmu_points::task::{SensorError, Slot, Task};
+use fmu_points::task::{SensorError, Slot};
 use indexmap::IndexMap;
 use result_document::format::number;
 use result_document::{Block, Document};
@@ -170,10 +170,9 @@ fn of_inputs(bound: &Bound, fmu: &Description) -> Vec<Known> {
     let mut all: Vec<Known> = Vec::new();
     for series in tasks().flat_map(|task| &task.inputs) {
         let handle = series.slot.handle;
-        let has_it = |task: &Task| task.inputs.iter().any(|other| other.slot.handle == handle);
         let is_unknown = |slot: &Slot| slot.handle == handle;
         let is_told = all.iter().any(|known| known.slot.handle == handle);
-        if is_told || !tasks().all(has_it) || tasks().flat_map(|task| &task.varied).any(is_unknown) {
+        if is_told || !tasks().all(|task| task.inputs.iter().any(|other| other.slot.handle == handle)) || tasks().flat_map(|task| &task.varied).any(is_unknown) {
             continue;
         }
         let most = series.values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
