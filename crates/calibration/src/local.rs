@@ -181,41 +181,45 @@ fn descend(
     Ok(false)
 }
 
-/// The step to the minimum of the quadratic model within the bounds, by an active set: unknowns
-/// that would leave go to their bound and stay there, and the others are solved for again.
+/// The step to the minimum of the quadratic model within the bounds, by an active set (Nocedal and Wright 2006, Numerical
+/// Optimization, algorithm 16.3): it goes as far as the first bound, and lets go of one from which the sum of squares falls.
 pub(crate) fn bounded_step(linear: &Linear, places: &[f64], held: &[usize]) -> DVector<f64> {
     let n = places.len();
     let mut step = DVector::zeros(n);
     let mut fixed: Vec<bool> = (0..n).map(|index| held.contains(&index)).collect();
-    // Each pass fixes at least one unknown, so this ends.
-    loop {
+    // Each pass fixes or releases one; where rounding does both in turn, the step so far is one that goes down.
+    for _ in 0..10 * (n + 1) {
         let open: Vec<usize> = (0..n).filter(|&index| !fixed[index]).collect();
-        if open.is_empty() {
-            return step;
-        }
         let pull = &linear.curvature * &step + &linear.gradient;
         let matrix = linear.curvature.select_rows(&open).select_columns(&open);
-        // Contribution of the unknowns at their bounds; the free ones are still zero.
-        let right = -pull.select_rows(&open);
-        let Some(solution) = Cholesky::new(matrix).map(|factor| factor.solve(&right)) else {
-            return DVector::zeros(n);
-        };
-        let mut leaving = false;
-        for (&index, &change) in open.iter().zip(&solution) {
-            let place = places[index] + change;
-            if !(0.0..=1.0).contains(&place) {
-                step[index] = place.clamp(0.0, 1.0) - places[index];
-                fixed[index] = true;
-                leaving = true;
-            }
-        }
-        if !leaving {
-            for (&index, &change) in open.iter().zip(&solution) {
-                step[index] = change;
-            }
+        let Some(further) = Cholesky::new(matrix).map(|factor| factor.solve(&-pull.select_rows(&open))) else {
             return step;
+        };
+        let room = |(&index, &change): (&usize, &f64)| {
+            let end = if change > 0.0 { 1.0 } else { 0.0 };
+            let part = (end - places[index] - step[index]) / change;
+            (change != 0.0 && part < 1.0).then_some((part.max(0.0), index, end))
+        };
+        let first = open.iter().zip(&further).filter_map(room).min_by(|a, b| a.0.total_cmp(&b.0));
+        for (&index, &change) in open.iter().zip(&further) {
+            step[index] += first.map_or(1.0, |(part, ..)| part) * change;
+        }
+        if let Some((_, index, end)) = first {
+            (step[index], fixed[index]) = (end - places[index], true);
+            continue;
+        }
+        let pull = &linear.curvature * &step + &linear.gradient;
+        let inward = |&index: &usize| match places[index] + step[index] {
+            place if place <= 0.0 => -pull[index],
+            _ => pull[index],
+        };
+        let closed = (0..n).filter(|index| fixed[*index] && !held.contains(index));
+        match closed.filter(|index| inward(index) > 0.0).max_by(|a, b| inward(a).total_cmp(&inward(b))) {
+            Some(index) => fixed[index] = false,
+            None => break,
         }
     }
+    step
 }
 
 #[cfg(test)]

@@ -18,6 +18,8 @@ const PART: f64 = 1.0 / 3.0;
 pub struct NumericalError {
     /// The communication steps of the fit, s: one, or those of the cases.
     pub steps: Vec<f64>,
+    /// The sum of squares with half of them.
+    pub cost: f64,
     /// The free parameters.
     pub free: Vec<Moved>,
     /// The measured value whose misfit half the steps change most, in its accuracies.
@@ -91,7 +93,7 @@ impl NumericalError {
                 part: change[row].abs(),
             }
         });
-        Self { steps, free: free.collect(), value }
+        Self { steps, cost: finer.cost(), free: free.collect(), value }
     }
 
     /// What to do about steps that are too coarse.

@@ -6,6 +6,8 @@
 //! Psychometrika 54, 371-384) says by how much the sum of squares would fall. The most promising ones are then fitted by runs:
 //! what is told has been simulated.
 
+use std::collections::HashSet;
+use std::mem::discriminant;
 use std::time::Instant;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -89,6 +91,22 @@ pub struct Sensor {
     pub confusions: Vec<Confusion>,
 }
 
+impl Sensor {
+    /// By how much its values fall, a second, curve by curve.
+    fn rates(&self, values: &[f64]) -> Vec<f64> {
+        let mut rest = values;
+        let curves = self.times.iter().flat_map(|times| {
+            let (own, behind) = rest.split_at(times.len());
+            rest = behind;
+            (0..own.len()).map(|k| {
+                let [from, to] = [k.saturating_sub(1), (k + 1).min(own.len() - 1)];
+                (own[from] - own[to]) / (times[to] - times[from]).max(f64::MIN_POSITIVE)
+            })
+        });
+        curves.collect()
+    }
+}
+
 /// Another reading of a channel's values.
 #[derive(Clone, Debug)]
 pub struct Confusion {
@@ -102,8 +120,12 @@ pub struct Confusion {
     pub words: String,
 }
 
-/// A constant of the model that could be another one.
+/// A constant of the model that could be another one, or an error of a recorded input's sensor, which is thought to be 0.
 pub struct Constant<'a> {
+    /// What would be wrong.
+    pub fault: Fault,
+    /// So far off is as odd as the whole of what was stated of another; 0: no such distance is known.
+    pub usual: f64,
     /// Its name, unit and a range around the value that it has, within what the model allows.
     pub free: Free,
     /// The value that it has.
@@ -138,6 +160,9 @@ pub struct Inquiry<'a> {
 
 /// So many suspects are fitted.
 const FITTED: usize = 6;
+
+/// The prior of a freed error is so much wider than the error.
+const WIDE: f64 = 30.0;
 
 /// A suspect before it is fitted.
 struct Candidate {
@@ -181,6 +206,9 @@ impl Inquiry<'_> {
             chance(before - after) * (tried as f64) < 0.01 && excess(after) < 0.5 * excess(before)
         });
         suspects.sort_by(|a, b| a.rank().total_cmp(&b.rank()));
+        // A delay is looked for by rows and by slopes.
+        let mut seen = HashSet::new();
+        suspects.retain(|suspect| seen.insert((discriminant(&suspect.fault), suspect.name.clone())));
         Ok(suspects)
     }
 
@@ -212,19 +240,10 @@ impl Inquiry<'_> {
                 patterns.push((Fault::Gain, values.clone()));
             }
             if !sensor.times.is_empty() && values.len() > 4 {
-                let mut rest = &values[..];
-                let curves = sensor.times.iter().flat_map(|times| {
-                    let (own, behind) = rest.split_at(times.len());
-                    rest = behind;
-                    rates(times, own)
-                });
-                patterns.push((Fault::Delay, curves.collect()));
+                patterns.push((Fault::Delay, sensor.rates(&values)));
             }
             for (fault, pattern) in patterns {
-                let mut column = DVector::zeros(self.problem.values());
-                for (&[case, quantity], part) in sensor.group.values.iter().zip(pattern) {
-                    column[case * self.problem.quantities.len() + quantity] = part;
-                }
+                let column = self.column(sensor, pattern);
                 let weighted = column.component_div(&linear.accuracies);
                 if let Some((fall, size)) = linear.score(&weighted, None) {
                     candidates.push(Candidate { what: What::Sensor(number, fault, column), fall, size });
@@ -232,6 +251,26 @@ impl Inquiry<'_> {
             }
         }
         candidates
+    }
+
+    /// What a pattern of a sensor's values is among all values.
+    fn column(&self, sensor: &Sensor, pattern: Vec<f64>) -> DVector<f64> {
+        let mut column = DVector::zeros(self.problem.values());
+        for (&[case, quantity], part) in sensor.group.values.iter().zip(pattern) {
+            column[case * self.problem.quantities.len() + quantity] = part;
+        }
+        column
+    }
+
+    /// Frees an error of a sensor that moves its values along a column. Its prior is so wide that it costs nothing.
+    fn free(&self, problem: &mut Problem, sensor: &Sensor, column: &DVector<f64>, scale: f64) {
+        let quantities = self.problem.quantities.len();
+        let effect = |&[case, quantity]: &[usize; 2]| {
+            let change = scale * column[case * quantities + quantity];
+            Effect { case, quantity, change, part: None }
+        };
+        let effects = sensor.group.values.iter().map(effect).collect();
+        problem.sources.push(Source { effects, rectangular: false });
     }
 
     /// Constants, each by the run with another value.
@@ -316,10 +355,12 @@ impl Inquiry<'_> {
         for &[case, quantity] in &sensor.group.values {
             let measured = &mut problem.cases[case].measured[quantity];
             measured.value = confusion.factor * measured.value + confusion.offset;
-            measured.accuracy *= confusion.factor.abs();
+            // Accuracies may be stated in the unit that was meant.
+            let factor = confusion.factor.abs().max(1.0);
+            measured.accuracy *= factor;
             let effects = problem.sources.iter_mut().flat_map(|source| &mut source.effects);
             let own = effects.filter(|effect| (effect.case, effect.quantity) == (case, quantity));
-            own.for_each(|effect| effect.change *= confusion.factor.abs());
+            own.for_each(|effect| effect.change *= factor);
         }
         problem
     }
@@ -340,7 +381,7 @@ impl Inquiry<'_> {
     }
 
     fn minimised(&self, problem: &Problem, model: &dyn Simulate, start: Vec<f64>) -> Result<Minimum, NoPrediction> {
-        let limits = Limits { iterations: 12, decrease: 1e-3, deadline: self.deadline };
+        let limits = Limits { iterations: 30, decrease: 1e-4, deadline: self.deadline };
         let objective = Objective::new(problem, model, self.difference);
         minimise(&objective, start, &[], Differences::Forward, &limits)
     }
@@ -366,8 +407,8 @@ impl Inquiry<'_> {
     /// A parameter with a wider range and without a prior.
     fn beyond(&self, k: usize, place: f64) -> Result<Suspect, NoPrediction> {
         let old = &self.problem.free[k];
-        let (low, high) = (2.0 * place.min(0.0) - 0.5, 2.0 * place.max(1.0) - 0.5);
-        let ends = [low, high.max(1.5)].map(|place| wide(old, place));
+        // The others are at their bounds here, and leave these once it moves: so it may go much farther than the slopes say.
+        let ends = [4.0 * place.min(0.0) - 5.0, 4.0 * place.max(1.0) + 2.0].map(|place| wide(old, place));
         let mut free = Free { prior: None, ..old.clone() };
         [free.min, free.max] = [ends[0].max(self.reach[k][0]), ends[1].min(self.reach[k][1])];
         // What is positive stays so.
@@ -400,24 +441,22 @@ impl Inquiry<'_> {
     }
 
     fn constant(&self, constant: &Constant<'_>, place: f64) -> Result<Suspect, NoPrediction> {
-        /// So large a part of it is as odd as the whole of what was stated of another.
-        const ODD: f64 = 0.05;
         let problem = self.with(constant);
         let model = Remembered::new(&*constant.model, []);
         let start = self.placed(place.clamp(0.02, 0.98));
         let minimum = self.minimised(&problem, &model, start)?;
         let free = &constant.free;
         let value = free.value(minimum.places[self.problem.free.len()]);
-        let departure = match constant.value {
+        let departure = match constant.usual {
             0.0 => 2.0,
-            known => ((value - known) / (ODD * known)).abs(),
+            usual => ((value - constant.value) / usual).abs(),
         };
         Ok(Suspect {
             value,
             unit: free.unit.clone(),
-            allowed: Some([constant.value; 2]),
+            allowed: (constant.fault == Fault::Constant).then_some([constant.value; 2]),
             departure,
-            ..self.suspect(Fault::Constant, &free.name, &problem, &minimum)
+            ..self.suspect(constant.fault.clone(), &free.name, &problem, &minimum)
         })
     }
 
@@ -428,16 +467,9 @@ impl Inquiry<'_> {
         pattern: &DVector<f64>,
         size: f64,
     ) -> Result<Suspect, NoPrediction> {
-        /// The prior of the amount is so wide that it costs nothing.
-        const WIDE: f64 = 30.0;
         let scale = WIDE * size.abs().max(f64::MIN_POSITIVE);
-        let quantities = self.problem.quantities.len();
-        let effect = |&[case, quantity]: &[usize; 2]| {
-            let change = scale * pattern[case * quantities + quantity];
-            Effect { case, quantity, change, part: None }
-        };
         let mut problem = self.problem.clone();
-        problem.sources.push(Source { effects: sensor.group.values.iter().map(effect).collect(), rectangular: false });
+        self.free(&mut problem, sensor, pattern, scale);
         let minimum = self.minimised(&problem, self.model, self.optimum.minimum.places.clone())?;
         let amount = minimum.misfit.sources(&problem).last().copied().unwrap_or(0.0) * scale;
         let kind = match fault {
@@ -470,7 +502,15 @@ impl Inquiry<'_> {
         /// Units are confused as often as instruments are twice as wrong as stated.
         const ODD: f64 = 2.0;
         let confusion = &sensor.confusions[which];
-        let problem = self.read_as(sensor, confusion);
+        let mut problem = self.read_as(sensor, confusion);
+        let spacing = spacing(&sensor.times);
+        // What is left of a delay by whole rows.
+        if confusion.rows != 0 {
+            let of = |&[case, quantity]: &[usize; 2]| self.optimum.minimum.misfit.predicted[case][quantity];
+            let values: Vec<f64> = sensor.group.values.iter().map(of).collect();
+            let column = self.column(sensor, sensor.rates(&values));
+            self.free(&mut problem, sensor, &column, WIDE * spacing);
+        }
         let minimum = self.minimised(&problem, self.model, from.to_vec())?;
         let fault = match confusion.rows {
             0 => Fault::Unit(confusion.words.clone()),
@@ -480,8 +520,10 @@ impl Inquiry<'_> {
         Ok(match confusion.rows as f64 {
             0.0 => Suspect { departure: ODD, ..known },
             rows => {
-                let value = rows * spacing(&sensor.times);
-                Suspect { value, unit: Some("s".to_owned()), departure: rows.abs(), ..known }
+                let left = minimum.misfit.sources(&problem).last().copied().unwrap_or(0.0) * WIDE;
+                let departure = rows + left;
+                let unit = Some("s".to_owned());
+                Suspect { value: departure * spacing, unit, departure: departure.abs(), ..known }
             }
         })
     }
@@ -501,16 +543,6 @@ fn wide(free: &Free, place: f64) -> f64 {
         Spacing::Linear => free.min + place * (free.max - free.min),
         Spacing::Log => free.min * (free.max / free.min).powf(place),
     }
-}
-
-/// By how much the values fall, a second.
-fn rates(times: &[f64], values: &[f64]) -> Vec<f64> {
-    let Some(last) = values.len().checked_sub(1) else { return Vec::new() };
-    let rate = |k: usize| {
-        let [from, to] = [k.saturating_sub(1), (k + 1).min(last)];
-        (values[from] - values[to]) / (times[to] - times[from]).max(f64::MIN_POSITIVE)
-    };
-    (0..=last).map(rate).collect()
 }
 
 /// The middle distance of times.

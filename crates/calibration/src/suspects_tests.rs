@@ -118,6 +118,8 @@ fn record(planted: Planted, seed: u64) -> (Vec<Suspect>, Fit) {
         sensors: &sensors,
         reach: &[[0.0, f64::INFINITY]; 3],
         constants: &[Constant {
+            fault: Fault::Constant,
+            usual: 0.05,
             free: free("start", Spacing::Linear, 0.5, 1.5),
             value: 1.0,
             moved: (1.02, vec![model(&values(1.02))]),

@@ -110,6 +110,14 @@ impl Failure {
         self
     }
 
+    /// The FMI function that the FMU refused, if it is one.
+    pub fn refused(&self) -> Option<&str> {
+        match self.cause() {
+            Self::Discard(text) | Self::Error(text) | Self::Fatal(text) => Some(function(text)),
+            _ => None,
+        }
+    }
+
     /// The class under which `summary.json` counts it.
     pub fn class(&self) -> &'static str {
         match self {
@@ -128,10 +136,14 @@ impl Failure {
     }
 }
 
+/// The function with which the text of a failed call ends.
+fn function(text: &str) -> &str {
+    text.rsplit('(').next().unwrap_or(text).trim_end_matches(')')
+}
+
 /// The status as the version of FMI names it whose function the text ends with.
 fn by_version(text: &str, [two, three]: [&'static str; 2]) -> &'static str {
-    let function = text.rsplit('(').next().unwrap_or(text);
-    if function.starts_with("fmi3") { three } else { two }
+    if function(text).starts_with("fmi3") { three } else { two }
 }
 
 impl fmt::Display for Failure {

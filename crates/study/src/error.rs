@@ -164,7 +164,7 @@ fn plain(message: &str) -> String {
             "missing field `share`",
             "`share` is missing, the part of the points that must meet all criteria: share = \"90 %\"",
         ),
-        ("missing field", "missing:"),
+        ("missing field", "this key is missing:"),
         ("wanted string or table", "expected a text in quotes"),
         ("expected a map", "expected a section with keys"),
         ("expected f64", "expected a number"),

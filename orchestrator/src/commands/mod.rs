@@ -31,9 +31,11 @@ use crate::methods::Method;
 use crate::methods::asking::Delivery;
 use crate::methods::rare;
 use crate::report::Report;
+use conformity::decision::Decision;
 use fmu_points::stop::INTERRUPTED;
 use fmu_points::tell as output;
 use point_journal::Error as Halt;
+use point_journal::files::write_json;
 
 /// The exit code for a mistake in what was asked for.
 pub const MISTAKE: u8 = 2;
@@ -101,8 +103,15 @@ fn deliver(delivery: Delivery) -> Result<ExitCode, Error> {
     let Delivery { result, folder, .. } = &delivery;
     result.write(folder)?;
     if let (Some(origin), true) = (&result.origin, folder.join("summary.json").exists()) {
+        let mut summary = crate::results::table::summary(folder)?;
+        let fits = origin.fits(&summary);
+        let causes = result.sentences("causes");
+        if fits && !causes.is_empty() && summary.decision() == Decision::NotVerified {
+            summary.causes = causes;
+            write_json(&folder.join("summary.json"), &summary)?;
+        }
         Report::from_folder(folder)?.write(folder)?;
-        if !origin.fits(&crate::results::table::summary(folder)?) {
+        if !fits {
             let page = folder.join("report.html");
             fmu_points::tell::line!(
                 "note: {} tells of another study or its earlier text, so it does not show this",

@@ -142,12 +142,13 @@ pub(super) fn setting<'a>(text: &str, fmu: &'a Description) -> Result<(&'a Varia
 
 /// The error with advice where the FMU refused its start values, or a step that nobody has asked for.
 pub(super) fn advised(error: Error, step: Option<f64>) -> Error {
-    let text = error.to_string();
-    match (error, step) {
-        (Error::Simulation(failure), Some(step)) if text.contains("DoStep") => Error::Step { failure, step },
-        (Error::Simulation(_), _) if text.contains("InitializationMode") => {
-            Error::Refused(text + "; set other start values by --set NAME=VALUE")
+    let Error::Simulation(failure) = error else { return error };
+    let is = |name: &str| failure.refused().is_some_and(|function| function.ends_with(name));
+    match step {
+        Some(step) if is("DoStep") => Error::Step { failure, step },
+        _ if is("InitializationMode") => {
+            Error::Refused(format!("{}; set other start values by --set NAME=VALUE", Error::Simulation(failure)))
         }
-        (other, _) => other,
+        _ => failure.into(),
     }
 }

@@ -152,7 +152,15 @@ pub(super) fn bare(mut case: Simulation) -> Simulation {
     case
 }
 
-pub(super) fn check_difference(study: &Study, settings: &Identification) -> Result<(), FileError> {
+pub(super) fn check_effort(study: &Study, settings: &Identification) -> Result<(), FileError> {
+    let numbers = [
+        ("starts", settings.starts),
+        ("descents", settings.descents as u64),
+        ("iterations", settings.iterations as u64),
+    ];
+    if let Some((key, _)) = numbers.into_iter().find(|(_, number)| *number == 0) {
+        return Err(study.error(format!("[identify] {key} must be 1 or more")));
+    }
     match settings.difference > 0.0 && settings.difference < 0.5 {
         true => Ok(()),
         false => Err(study.error("[identify] difference must lie between 0 and 0.5")),
@@ -178,7 +186,7 @@ impl Binder<'_> {
             let message = "identify needs at least one [identify.free.NAME] and one [identify.measured.NAME]";
             return Err(self.study.error(message));
         }
-        check_difference(self.study, settings)?;
+        check_effort(self.study, settings)?;
         self.refuse_doubles()?;
         let plan = Plan::new(self.study, self.fmu)?;
         plan.tell_of_inputs();

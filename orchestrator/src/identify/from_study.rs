@@ -7,7 +7,7 @@
 
 use indexmap::IndexMap;
 
-use super::bind::{Bound, BoundCurve, Input, REACH, bare, check_difference};
+use super::bind::{Bound, BoundCurve, Input, REACH, bare, check_effort};
 use super::late::{Read, Reading, late};
 use super::offsets;
 use crate::judge::{Criterion, Judge};
@@ -260,7 +260,7 @@ fn check(study: &Study, settings: &Identification) -> Result<(), FileError> {
     if let Some((name, section)) = measured.chain(known).chain(latent).next() {
         return Err(study.error_at(name, format!("{advice} [identify.{section}]")));
     }
-    check_difference(study, settings)?;
+    check_effort(study, settings)?;
     Ok(())
 }
 

@@ -121,7 +121,7 @@ impl AnalysisResult {
     }
 
     /// Sentences that were added under a name.
-    pub(super) fn sentences(&self, name: &str) -> Vec<String> {
+    pub fn sentences(&self, name: &str) -> Vec<String> {
         let all = self.content.get(name).and_then(|all| all.as_array());
         all.into_iter().flatten().filter_map(|one| one.as_str().map(str::to_owned)).collect()
     }

@@ -1,5 +1,6 @@
 //! Tables of counts that the terminal and the page share: the risk of accepting, and the cases.
 
+use super::outlook::of_freedom;
 use crate::results::Summary;
 use crate::results::summary::{CaseCount, Count, CriterionCount};
 use conformity::measured::{Limits, Measured};
@@ -88,7 +89,7 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
                 false => {
                     let freedom = error.freedom_within(error.standard());
                     let freedom =
-                        freedom.map_or_else(String::new, |f| format!(", {} degrees of freedom", number(f, 2)));
+                        freedom.map_or_else(String::new, |f| format!(", {} degrees of freedom", of_freedom(f)));
                     format!("{expanded}{unit} (95.45 %: k = {}{freedom})", number(error.expanded / error.standard(), 3))
                 }
             }

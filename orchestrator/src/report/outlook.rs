@@ -60,6 +60,12 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
     (!summary.validation.is_empty()).then_some(told)
 }
 
+/// Effective degrees of freedom; with so many the distribution is normal.
+pub(super) fn of_freedom(freedom: f64) -> String {
+    const MANY: f64 = 1000.0;
+    if freedom > MANY { "over 1,000".to_owned() } else { number(freedom, 2) }
+}
+
 fn compared(comparison: &Comparison) -> [String; 9] {
     let known = |u: Option<f64>| u.map_or_else(|| "not known".to_owned(), |u| number(u, 3));
     let least = if comparison.complete { "" } else { "at least " };
@@ -71,7 +77,7 @@ fn compared(comparison: &Comparison) -> [String; 9] {
         known(comparison.u_d),
         format!("{least}{}", number(comparison.u_val, 3)),
         match comparison.freedom {
-            Some(freedom) => format!("{} ({})", number(comparison.coverage, 3), number(freedom, 2)),
+            Some(freedom) => format!("{} ({})", number(comparison.coverage, 3), of_freedom(freedom)),
             None => number(comparison.coverage, 3),
         },
         format!("{least}{low} .. {high}"),

@@ -123,8 +123,8 @@ fn odd(summary: &Summary) -> Option<String> {
 fn criteria(summary: &Summary) -> String {
     match (summary.criteria.len(), summary.cases.len()) {
         (1, _) => "the criterion".to_owned(),
-        (2, 0) => "both criteria".to_owned(),
-        (n, 0) => format!("all {n} criteria"),
+        (2, 0 | 1) => "both criteria".to_owned(),
+        (n, 0 | 1) => format!("all {n} criteria"),
         (n, cases) => format!("all {n} criteria of {cases} cases"),
     }
 }
@@ -232,6 +232,9 @@ fn decides(summary: &Summary) -> Vec<String> {
     let conclusion = summary.conclusion.as_ref().filter(|_| compared);
     list.extend(summary.surrogate.as_ref().map(BySurrogate::sentence));
     list.extend(summary.causes.iter().cloned());
+    // Points near the limits miss criteria more often than others.
+    let mut decisive = conclusion.filter(|_| summary.surrogate.is_none()).and_then(|_| decisive(summary));
+    list.extend(decisive.take_if(|_| summary.decision() == Decision::NotVerified));
     list.extend(conclusion.map(|conclusion| match &conclusion.risk {
         Some(risk) => accepted(conclusion.accepted, risk, summary),
         None => unknown(summary),
@@ -243,8 +246,7 @@ fn decides(summary: &Summary) -> Vec<String> {
     list.extend(doubts(summary));
     list.extend(conclusion.and_then(|_| beyond_validity(summary)));
     list.extend(conclusion.and_then(guard));
-    // Points near the limits miss criteria more often than others.
-    list.extend(conclusion.filter(|_| summary.surrogate.is_none()).and_then(|_| decisive(summary)));
+    list.extend(decisive);
     list
 }
 

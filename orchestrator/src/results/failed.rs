@@ -56,17 +56,20 @@ pub fn place(varied: &[(usize, &str, Option<&str>)], points: &[(impl AsRef<[f64]
         let tail = 0.01 / varied.len() as f64;
         (0.5 * (2.0 / tail).ln() * (1.0 / marked as f64 + 1.0 / others as f64)).sqrt()
     };
-    let (distance, name, unit, marked, others): (f64, &str, _, _, _) =
-        varied.iter().map(of).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    let ((distance, split), name, unit, marked, others): (_, &str, _, Vec<f64>, Vec<f64>) =
+        varied.iter().map(of).max_by(|a, b| a.0.0.total_cmp(&b.0.0))?;
     if distance < CLEAR.max(chance(marked.len(), others.len())) {
         return None;
     }
-    let unit = behind(unit);
-    let range = |values: &[f64]| {
-        let [low, high] = [values.first(), values.last()].map(|v| number(v.copied().unwrap_or(f64::NAN), 4));
-        format!("{low} .. {high}{unit}")
-    };
-    Some(format!("{name} is {} (elsewhere {})", range(&marked), range(&others)))
+    let part = |values: &[f64]| values.partition_point(|value| *value <= split) as f64 / values.len() as f64;
+    let parts = [&marked, &others].map(|values| part(values));
+    let (side, parts) = if parts[0] > parts[1] { ("at most", parts) } else { ("above", parts.map(|part| 1.0 - part)) };
+    let [marked, others] = parts.map(|part| number(100.0 * part, 2));
+    Some(format!(
+        "{name} is {side} {}{} (so are {marked} % of these and {others} % of the others)",
+        number(split, 4),
+        behind(unit)
+    ))
 }
 
 /// The conclusion where no point has a result: there is nothing to decide by.

@@ -83,7 +83,7 @@ fn changed_values_are_told_and_a_point_that_flips_is_a_difference() {
     assert!((number(&largest["of_tolerance"]) - share).abs() < 1e-6 * share);
     // The larger the rate, the larger the output, and with it the change; the length plays no part.
     let place = change["place"].as_str().unwrap();
-    let low = place.strip_prefix("lag.rate is ").and_then(|rest| rest.split(' ').next()).unwrap();
+    let low = place.strip_prefix("lag.rate is above ").and_then(|rest| rest.split(' ').next()).unwrap();
     assert!(low.parse::<f64>().unwrap() > 1.35, "{place}");
     let page = bench.read("changes/compare.html");
     assert!(page.contains(&format!("Y changed most, or changed sides, where {place}.")), "{page}");

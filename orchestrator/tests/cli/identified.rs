@@ -449,10 +449,50 @@ tolerance = 0.02
     // Whoever wants no runs but the points gets none.
     let said = bench.run(&["verify", "study.toml", "--points", "1000", "--output", "few", "--extra-runs", "0"]);
     assert!(!said.out.contains("Likeliest") && !bench.path("few/identify").exists(), "{}", said.out);
+    // A search for it is told first, too.
+    assert_eq!(bench.run(&["identify", "study.toml", "--output", "few"]).code, 0);
+    let causes = &bench.summary("few")["causes"];
+    assert!(causes[0].as_str().unwrap().starts_with("Likeliest cause: the sensor of level reads 0.19"), "{causes}");
     // A model that is verified has no cause, and one that parameters explain names their values.
     bench.write("run.csv", &record(1.01, 0.003));
     let said = bench.run(&["verify", "study.toml", "--output", "yes"]);
     assert!(said.out.starts_with('\u{2713}') && !bench.path("yes/identify").exists(), "{}", said.out);
+}
+
+/// An input that was recorded 10 % too high makes the output so much lower: its sensor and that of the output explain it.
+#[test]
+fn the_sensor_of_an_input_is_a_cause() {
+    let bench = Bench::new();
+    bench.write("u.csv", "t,u\n0,1.1\n2,1.1\n");
+    let row = |k: i32| {
+        let t = 0.05 * f64::from(k);
+        format!("{t},{}\n", 1.0 - (-t).exp() + 0.002 * (f64::from(k * k) * 1.234).sin())
+    };
+    bench.write("run.csv", &format!("t,y\n{}", (1..=40).map(row).collect::<String>()));
+    let study = r#"
+fmu = "lag.fmu"
+simulation = { stop = 2, step = 0.05 }
+[parameters."lag.rate"]
+distribution = "uniform"
+min = 0.98
+max = 1.02
+[inputs."drive.u"]
+file = "u.csv"
+time = "t"
+column = "u"
+[criteria.level]
+variable = "lag.y"
+reference = { file = "run.csv", time = "t", column = "y", uncertainty = 0.002, noise = 0.002 }
+metric = "rmse"
+tolerance = 0.02
+"#;
+    let (_, outcome) = identify(&bench, study, &[]);
+    let suspects = outcome["suspects"].as_array().unwrap();
+    let gain = |name: &str| {
+        let its = suspects.iter().find(|suspect| suspect["fault"] == "gain" && suspect["name"] == name);
+        its.unwrap_or_else(|| panic!("{name}: {suspects:?}"))["value"].as_f64().unwrap()
+    };
+    assert!((gain("drive.u") - 0.1).abs() < 0.01 && (gain("level") + 0.1 / 1.1).abs() < 0.01, "{suspects:?}");
 }
 
 /// Offset, gain and noise of a recorded input's sensor against the closed form: held for steps of h, u becomes y = (1 - a) sum of

@@ -457,6 +457,13 @@ fn no_key_of_a_study_is_unread() {
         let place = format!("study.toml:{}:", 18 + section.lines().count());
         verify("tolerance = 0.02", &format!("tolerance = 0.02\n{section}")).is_mistake(&[&place, message]);
     }
+    let bench = Bench::new();
+    for key in ["starts", "descents", "iterations"] {
+        let section = format!("tolerance = 0.02\nuncertainty = 0.01\n[identify]\n{key} = 0");
+        bench.write("study.toml", &STUDY.replace("tolerance = 0.02", &section));
+        let said = bench.run(&["identify", "study.toml"]);
+        said.is_mistake(&[&format!("study.toml:21:1: [identify] {key} must be 1 or more")]);
+    }
 }
 
 #[test]

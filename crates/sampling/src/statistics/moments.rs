@@ -91,9 +91,9 @@ pub fn quantile(sorted: &[f64], q: f64) -> f64 {
     sorted[below] + part * (sorted[(below + 1).min(last)] - sorted[below])
 }
 
-/// The largest distance between the empirical distribution functions of two sorted samples.
-pub fn ks_distance(a: &[f64], b: &[f64]) -> f64 {
-    let (mut i, mut j, mut most) = (0, 0, 0.0f64);
+/// The largest distance between the empirical distribution functions of two sorted samples, and the value up to which they differ so.
+pub fn ks_distance(a: &[f64], b: &[f64]) -> (f64, f64) {
+    let (mut i, mut j, mut most) = (0, 0, (0.0, f64::NAN));
     while i < a.len() && j < b.len() {
         let x = a[i].min(b[j]);
         while i < a.len() && a[i] <= x {
@@ -102,7 +102,10 @@ pub fn ks_distance(a: &[f64], b: &[f64]) -> f64 {
         while j < b.len() && b[j] <= x {
             j += 1;
         }
-        most = most.max((i as f64 / a.len() as f64 - j as f64 / b.len() as f64).abs());
+        let distance = (i as f64 / a.len() as f64 - j as f64 / b.len() as f64).abs();
+        if distance > most.0 {
+            most = (distance, x);
+        }
     }
     most
 }
@@ -177,13 +180,13 @@ mod tests {
 
     #[test]
     fn ks_of_separate_and_equal_samples() {
-        assert_eq!(ks_distance(&[1.0, 2.0], &[3.0, 4.0]), 1.0);
-        assert_eq!(ks_distance(&[1.0, 2.0], &[1.0, 2.0]), 0.0);
+        assert_eq!(ks_distance(&[1.0, 2.0], &[3.0, 4.0]), (1.0, 2.0));
+        assert_eq!(ks_distance(&[1.0, 2.0], &[1.0, 2.0]).0, 0.0);
     }
 
     #[test]
     fn ks_of_samples_with_ties_and_other_sizes() {
-        let distance = |a: &[f64], b: &[f64]| [ks_distance(a, b), ks_distance(b, a)];
+        let distance = |a: &[f64], b: &[f64]| [ks_distance(a, b).0, ks_distance(b, a).0];
         // At 2 all of the first sample has been seen, and two of five of the second.
         assert_eq!(distance(&[1.0, 2.0], &[1.0, 1.0, 3.0, 3.0, 3.0]), [0.6; 2]);
         // The steps are 0 - 1/4, 3/4 - 1/4, 3/4 - 2/4, 1 - 2/4.

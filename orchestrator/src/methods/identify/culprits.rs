@@ -13,7 +13,7 @@ use calibration::suspects::{Confusion, Constant, Fault, Inquiry, Sensor, Suspect
 use fmu_import::units::Conversion;
 use fmu_import::{Content, Description, Value};
 use fmu_points::names::behind;
-use fmu_points::task::Slot;
+use fmu_points::task::{SensorError, Slot};
 use indexmap::IndexMap;
 use result_document::format::number;
 use result_document::{Block, Document};
@@ -99,7 +99,7 @@ fn sensors(bound: &Bound) -> Vec<Sensor> {
 fn readings(unit: Option<&str>, is_curve: bool) -> Vec<Confusion> {
     let same = Confusion { factor: 1.0, offset: 0.0, rows: 0, words: String::new() };
     let sign = Confusion { factor: -1.0, words: "its sign were the other one".to_owned(), ..same.clone() };
-    let late = [-2, -1, 1, 2].into_iter().filter(|_| is_curve).map(|rows| Confusion { rows, ..same.clone() });
+    let late = [-8, -5, -3, -2, -1, 1, 2, 3, 5, 8].into_iter().filter(|_| is_curve).map(|rows| Confusion { rows, ..same.clone() });
     let units = confusions(unit).into_iter().map(|(Conversion { factor, offset }, units)| Confusion {
         factor,
         offset,
@@ -124,9 +124,9 @@ fn constants<'m>(
     if all.is_empty() || all.len() * cases > most {
         return Ok(Vec::new());
     }
-    let extended = Extended { model, slots: all.iter().map(|(slot, ..)| slot.clone()).collect() };
-    let values: Vec<f64> = all.iter().map(|(.., value)| *value).collect();
-    let others = all.iter().map(|(_, free, value)| {
+    let extended = Extended { model, slots: all.iter().map(|known| known.slot.clone()).collect() };
+    let values: Vec<f64> = all.iter().map(|known| known.value).collect();
+    let others = all.iter().map(|Known { free, value, .. }| {
         let place = free.place(*value);
         free.value(if place > 0.5 { place - STEP } else { place + STEP })
     });
@@ -144,21 +144,69 @@ fn constants<'m>(
         Err(stopped) => return Err(stopped),
     };
     let constants = all.into_iter().zip(others).zip(predicted.chunks(cases)).filter_map(
-        |(((slot, free, value), other), by_case)| {
+        |((Known { slot, free, value, fault, usual }, other), by_case)| {
             let moved: Result<Vec<Vec<f64>>, _> = by_case.iter().cloned().collect();
             let model = Box::new(Extended { model, slots: vec![slot] });
-            Some(Constant { free, value, moved: (other, moved.ok()?), model })
+            Some(Constant { fault, usual, free, value, moved: (other, moved.ok()?), model })
         },
     );
     Ok(constants.collect())
 }
 
-/// The real parameters and start values of the FMU that the study does not vary, with a range around the value that each has.
-fn found(bound: &Bound, fmu: &Description) -> Vec<(Slot, Free, f64)> {
+/// What a study takes as given, with a range around the value that it has.
+struct Known {
+    slot: Slot,
+    free: Free,
+    value: f64,
+    fault: Fault,
+    usual: f64,
+}
+
+/// What the sensors of recorded inputs read wrong, where that is no unknown already.
+fn of_inputs(bound: &Bound, fmu: &Description) -> Vec<Known> {
+    /// So large a part is as odd as the whole of what was stated of another.
+    const ODD: f64 = 0.02;
+    let tasks = || bound.simulations.iter().map(|simulation| &simulation.task);
+    let mut all: Vec<Known> = Vec::new();
+    for series in tasks().flat_map(|task| &task.inputs) {
+        let handle = series.slot.handle;
+        let is_unknown = |slot: &Slot| slot.handle == handle;
+        let is_told = all.iter().any(|known| known.slot.handle == handle);
+        if is_told || !tasks().all(|task| task.inputs.iter().any(|other| other.slot.handle == handle)) || tasks().flat_map(|task| &task.varied).any(is_unknown) {
+            continue;
+        }
+        let most = series.values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
+        let unit = fmu.variables.get(&series.slot.name).and_then(|variable| variable.unit().map(str::to_owned));
+        let errors = [
+            (Fault::Offset, SensorError::Offset, most, unit),
+            (Fault::Gain, SensorError::Gain { about: 0.0 }, 0.5, None),
+        ];
+        all.extend(errors.map(|(fault, error, width, unit)| Known {
+            slot: Slot { error: Some(error), ..series.slot.clone() },
+            free: Free {
+                name: series.slot.name.clone(),
+                unit,
+                scale: Spacing::Linear,
+                min: -width,
+                max: width,
+                prior: None,
+            },
+            value: 0.0,
+            usual: ODD * if fault == Fault::Gain { 1.0 } else { most },
+            fault,
+        }));
+    }
+    all.retain(|known| known.free.check().is_ok());
+    all
+}
+
+/// The real parameters and start values of the FMU that the study does not vary.
+fn found(bound: &Bound, fmu: &Description) -> Vec<Known> {
+    const ODD: f64 = 0.05;
     let tasks = || bound.simulations.iter().map(|simulation| &simulation.task);
     let mut seen: BTreeSet<u32> = tasks().flat_map(|task| &task.varied).map(|slot| slot.handle.reference).collect();
     seen.extend(tasks().flat_map(|task| &task.inputs).map(|series| series.slot.handle.reference));
-    let mut all = Vec::new();
+    let mut all = of_inputs(bound, fmu);
     for variable in fmu.variables.values() {
         let Some(slot) = Slot::of(variable).filter(|slot| slot.handle.content == Content::Real) else { continue };
         if !variable.is_settable() || !seen.insert(variable.value_reference) {
@@ -184,7 +232,7 @@ fn found(bound: &Bound, fmu: &Description) -> Vec<(Slot, Free, f64)> {
             prior: None,
         };
         if free.check().is_ok() {
-            all.push((slot, free, value));
+            all.push(Known { slot, free, value, fault: Fault::Constant, usual: ODD * value.abs() });
         }
     }
     all
@@ -219,8 +267,17 @@ pub(super) fn headline(outcome: &IdentificationOutcome) -> Option<String> {
     /// Sums of squares this near do not tell causes apart.
     const NEAR: f64 = 4.0;
     let suspects = outcome.suspects.as_ref()?;
+    if let Some(step) = coarse(outcome) {
+        return Some(step);
+    }
     let Some(first) = suspects.first() else { return Some(NOTHING.to_owned()) };
-    let part = if first.explains() { "Likeliest cause" } else { "Likeliest cause of most of it" };
+    let part = match first.explains() {
+        true => "Likeliest cause",
+        false => {
+            "Nothing that was tried explains all of it: two things may be wrong, or the model lacks something. Likeliest cause of \
+             most of it"
+        }
+    };
     let equals = suspects[1..].iter().filter(|other| other.cost[1] - first.cost[1] < NEAR);
     let short = |other: &Suspect| match other.fault {
         Fault::Range | Fault::Constant => other.name.clone(),
@@ -235,6 +292,21 @@ pub(super) fn headline(outcome: &IdentificationOutcome) -> Option<String> {
         _ => format!(" The data do not tell it from other causes: {}.", equals.join(", ")),
     };
     Some(format!("{part}: {}.{as_well}", sentence(first)))
+}
+
+/// That the step is too coarse, where half of it changes the misfit as much as what is to be explained.
+fn coarse(outcome: &IdentificationOutcome) -> Option<String> {
+    let error = outcome.numerical_error.as_ref()?;
+    let excess = outcome.cost - outcome.degrees_of_freedom as f64;
+    ((error.cost - outcome.cost).abs() > 0.5 * excess).then(|| {
+        let [now, finer] = [outcome.cost, error.cost].map(|cost| number(cost, 3));
+        let steps: Vec<String> = error.steps.iter().map(f64::to_string).collect();
+        format!(
+            "Likeliest cause: the communication step of {} s is too coarse, as half of it changes the sum of squares from {now} to \
+             {finer}. Shorten `step` before you look for others.",
+            steps.join(" and ")
+        )
+    })
 }
 
 /// What explains that points miss the measured values, for the first screen of the study: a cause, that nothing was found, or

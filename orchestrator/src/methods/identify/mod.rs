@@ -306,8 +306,8 @@ fn find(
     let Fit { study, settings, package, bound, .. } = fit;
     let starts = starts(study, settings, bound.problem.free.len())?;
     let limits = search::Effort {
-        descents: settings.descents.max(1),
-        iterations: settings.iterations.max(1),
+        descents: settings.descents,
+        iterations: settings.iterations,
         deadline: options.time_limit.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.clamp(0.0, 1e9))),
     };
     if options.budget.is_some() {
@@ -435,6 +435,6 @@ fn so_far(progress: &Progress) -> String {
 
 /// Starts from a scrambled Sobol net between the bounds.
 fn starts(study: &Study, settings: &Identification, unknowns: usize) -> Result<Vec<Vec<f64>>, Error> {
-    let starts = cube(unknowns, settings.starts.max(1), settings.seed, 1);
+    let starts = cube(unknowns, settings.starts, settings.seed, 1);
     Ok(starts.map_err(|message| study.error(format!("[identify] {message}")))?)
 }

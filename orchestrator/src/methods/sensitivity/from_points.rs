@@ -80,7 +80,7 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
     Ok(Sensitivity {
         units: units.collect(),
         parameters,
-        method: format!("Sobol indices by surrogate from {of_all} in {}, no further run", folder.display()),
+        method: format!("Sobol indices by surrogate from {of_all}, no further run"),
         runs: runs.len(),
         failed: runs.iter().filter(|run| run.values.is_none()).count(),
         warnings,
