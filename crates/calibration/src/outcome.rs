@@ -13,7 +13,7 @@ use super::optima::{Approximation, Optimum};
 use super::order::Order;
 use super::posterior::{Direction, UNDETERMINED};
 use super::problem::{Problem, Quantity, Spacing};
-use super::sample::outcome::{Evidence, PosteriorOutcome};
+use super::sample::outcome::PosteriorOutcome;
 use super::search::Progress;
 use super::shared::SharedOutcome;
 use super::surrogate::outcome::SurrogateOutcome;
@@ -94,9 +94,6 @@ pub struct IdentificationOutcome {
     /// A sample of the posterior, where that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub posterior: Option<PosteriorOutcome>,
-    /// The evidence by that sample.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub evidence: Option<Evidence>,
 }
 
 /// A set of parameters that could be the right one: a minimum of the sum of squares.
@@ -303,7 +300,6 @@ impl IdentificationOutcome {
             next: None,
             surrogate: None,
             posterior: None,
-            evidence: None,
             optima: outcomes,
         }
     }
