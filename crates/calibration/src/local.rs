@@ -183,7 +183,7 @@ fn descend(
 
 /// The step to the minimum of the quadratic model within the bounds, by an active set: unknowns
 /// that would leave go to their bound and stay there, and the others are solved for again.
-pub(crate) fn bounded_step(linear: &Linear, places: &[f64], held: &[usize]) -> DVector<f64> {
+fn bounded_step(linear: &Linear, places: &[f64], held: &[usize]) -> DVector<f64> {
     let n = places.len();
     let mut step = DVector::zeros(n);
     let mut fixed: Vec<bool> = (0..n).map(|index| held.contains(&index)).collect();

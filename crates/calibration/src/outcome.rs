@@ -49,9 +49,6 @@ pub struct IdentificationOutcome {
     pub surplus: usize,
     /// The probability of a larger sum, if model and accuracies were right; none without degrees of freedom.
     pub probability: Option<f64>,
-    /// The same by a fit without shared errors, about.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub probability_without_shared: Option<f64>,
     /// The order of the residuals along each measured curve.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub orders: Vec<Order>,
@@ -281,9 +278,6 @@ impl IdentificationOutcome {
             degrees_of_freedom: expected.freedom.max(0.0) as usize,
             surplus: inside.saturating_sub(squares),
             probability: probability(cost),
-            probability_without_shared: (!problem.sources.is_empty())
-                .then(|| probability(posterior.without_shared))
-                .flatten(),
             orders: Vec::new(),
             farthest: None,
             influence: Vec::new(),

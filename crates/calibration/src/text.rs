@@ -3,7 +3,7 @@
 pub use super::digits::digits;
 use super::digits::{rounded, shown};
 use super::failures::words;
-use super::fit::{DOUBTFUL, Fit};
+use super::fit::Fit;
 use super::influence::Influence;
 use super::local::End;
 use super::optima::Approximation;
@@ -185,16 +185,7 @@ pub fn shared(outcome: &IdentificationOutcome) -> Vec<String> {
     // The sample's, where there is one to rely on.
     let sampled = outcome.posterior.as_ref().filter(|sample| sample.trusted);
     let all = sampled.map_or(&outcome.shared, |sample| &sample.shared);
-    let mut said: Vec<String> = all.iter().map(of_channel).collect();
-    /// Without them a fit with a smaller probability of its misfit is none.
-    const NONE: f64 = 0.001;
-    let without = outcome.probability_without_shared;
-    if outcome.probability.is_some_and(|p| p >= DOUBTFUL) && without.is_some_and(|p| p < NONE) {
-        let only =
-            "The fit is good only with these shared errors: without them no parameters explain the measured values.";
-        said.push(only.to_owned());
-    }
-    said
+    all.iter().map(of_channel).collect()
 }
 
 /// A shared error in a line.
