@@ -271,35 +271,17 @@ pub fn excluded(outcome: &IdentificationOutcome) -> Vec<String> {
     said
 }
 
-/// The largest misfits, where the values are too many for a table.
-pub fn largest(outcome: &IdentificationOutcome) -> Vec<String> {
-    const MANY: usize = 12;
+/// The largest misfit, where the values are too many for a table.
+pub fn largest(outcome: &IdentificationOutcome) -> Option<String> {
     let all = outcome.cases.iter().flat_map(|case| &case.residuals);
-    if outcome.worst.len() <= MANY {
-        let worst = outcome.worst.iter().map(|worst| {
-            let (unit, difference) = (shown(&worst.unit), rounded(worst.difference, 3));
-            // A measured value of 0 has no percentage.
-            let relative = worst.relative.is_finite().then_some(100.0 * worst.relative);
-            let percent = relative.map_or_else(String::new, |percent| format!(" ({percent:.2} %)"));
-            format!("Largest misfit of {}: {}{percent}.", worst.quantity, format!("{difference} {unit}").trim_end())
-        });
-        return worst.collect();
-    }
     let missed = |residual: &Residual| residual.missed().abs();
-    let count = all.clone().count();
-    let worst = all.max_by(|a, b| missed(a).total_cmp(&missed(b)));
-    let said = worst.map(|worst| {
-        format!(
-            "{count} measured values; the largest misfit is {} standard uncertainties{}, of {}.",
-            rounded(missed(worst), 3),
-            match outcome.shared.is_empty() {
-                true => "",
-                false => ", shared errors taken out",
-            },
-            worst.quantity
-        )
-    });
-    said.into_iter().collect()
+    let worst = all.max_by(|a, b| missed(a).total_cmp(&missed(b)))?;
+    Some(format!(
+        "The largest misfit is {} standard uncertainties{}, of {}.",
+        rounded(missed(worst), 3),
+        if outcome.shared.is_empty() { "" } else { ", shared errors taken out" },
+        worst.quantity
+    ))
 }
 
 /// The value that moves each parameter most, and the largest parts of its variance.
