@@ -17,7 +17,6 @@ mod hit;
 mod names;
 mod probe;
 mod probes;
-mod references;
 mod rules;
 mod schema;
 mod simulated;
@@ -144,8 +143,7 @@ impl Findings {
         // Probes of the binary would only repeat the description's errors.
         let described_well = self.count(Severity::Error) == 0;
         let files = files::broken(&mut package)?;
-        let others = references::broken(&mut package)?;
-        for (rule, hit) in files.findings.into_iter().chain(others) {
+        for (rule, hit) in files.findings {
             self.add(rule, hit);
         }
         let folder = stop::scratch()?;
