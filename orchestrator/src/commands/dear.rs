@@ -13,7 +13,7 @@ use crate::methods::sensitivity;
 use crate::methods::setup::{self, Place, Source as _, Work};
 use crate::reruns::Wish;
 use crate::results::summary::Run;
-use crate::results::{self, Summary, parquet};
+use crate::results::{self, Summary};
 use crate::session::budget::{self, Budget};
 use crate::session::{Request, Until, Verification};
 use crate::source::Source;
@@ -109,9 +109,6 @@ fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> 
     verification.source = Source::Chosen { design: net, places: told.places.clone() };
     let run = Run { hosts, ..Run::since(begun, computed, jobs) };
     let mut summary = verification.conclude(folder, Some(run), None, &mut looked, Some(&told))?;
-    if options.parquet {
-        parquet::convert(folder, &summary)?;
-    }
     let here = means.jobs_here().min(jobs);
     let wish = Wish { most: 0, validation: false, dear: true, limits: means.limits(here)?, jobs: here };
     verify::finish(&mut verification, folder, &mut summary, &wish);

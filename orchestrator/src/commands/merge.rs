@@ -13,7 +13,7 @@ use crate::methods::join::Shards;
 use crate::methods::setup::{Place, Source};
 use crate::reruns::Wish;
 use crate::results::summary::Run;
-use crate::results::{MOST_EXTRA_RUNS, parquet};
+use crate::results::MOST_EXTRA_RUNS;
 use crate::session::{Request, Verification};
 use fmu_points::Limits;
 
@@ -74,9 +74,6 @@ fn join_verification(options: &Merge, shards: &Shards<'_>, request: Request) -> 
                 folder.display()
             );
         }
-    }
-    if options.parquet {
-        parquet::convert(output, &summary)?;
     }
     let jobs = available_parallelism().map_or(1, Into::into);
     let wish = Wish {

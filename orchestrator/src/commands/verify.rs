@@ -17,7 +17,7 @@ use crate::methods::setup::{self, Place, Source, Work};
 use crate::methods::{asking, identify};
 use crate::reruns::{self, Wish};
 use crate::results::summary::Run;
-use crate::results::{Looked, Summary, parquet};
+use crate::results::{Looked, Summary};
 use crate::session::{Ending, Front, Request, Session, Verification};
 use conformity::decision::Decision;
 use fmu_points::names::behind;
@@ -89,9 +89,6 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
     }
     let run = Run { hosts, ..Run::since(begun, computed, jobs) };
     let mut summary = verification.conclude(&folder, Some(run), ending.as_ref(), &mut looked, None)?;
-    if options.parquet {
-        parquet::convert(&folder, &summary)?;
-    }
     let jobs = means.jobs_here().min(jobs);
     let limits = means.limits(jobs)?;
     let wish = Wish { most: options.extra_runs, validation: options.validation, dear: false, limits, jobs };
