@@ -7,7 +7,7 @@ use clap::{Args, Parser};
 
 use super::{Cli, Command, verdict_help};
 use crate::methods::rare::{self, RareEvent};
-use crate::options::Work;
+use crate::options::{Shards, Work};
 use crate::results::MOST_EXTRA_RUNS;
 use crate::session::Until;
 
@@ -33,6 +33,9 @@ pub struct Verify {
     /// The study, how its points are run, and where the results go
     #[command(flatten)]
     pub work: Work,
+    /// A part of the points
+    #[command(flatten)]
+    pub shards: Shards,
     /// How many points, instead of the study's number
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub points: Option<u64>,
