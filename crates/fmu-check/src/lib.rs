@@ -17,6 +17,7 @@ mod hit;
 mod names;
 mod probe;
 mod probes;
+mod references;
 mod rules;
 mod schema;
 mod simulated;
@@ -143,7 +144,8 @@ impl Findings {
         // Probes of the binary would only repeat the description's errors.
         let described_well = self.count(Severity::Error) == 0;
         let files = files::broken(&mut package)?;
-        for (rule, hit) in files.findings {
+        let others = references::broken(&mut package)?;
+        for (rule, hit) in files.findings.into_iter().chain(others) {
             self.add(rule, hit);
         }
         let folder = stop::scratch()?;

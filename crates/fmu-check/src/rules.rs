@@ -136,6 +136,8 @@ pub static RULES: &[Rule] = &[
     // The archive.
     rule("archive-path", Error, "FMI 2.0.5, 2.3", "paths are relative, with forward slashes", Elsewhere),
     rule("archive-entry-unique", Warning, "FMI 2.0.5, 2.3", "entries have names of their own", Elsewhere),
+    rule("terminals-version", Warning, "FMI 3.0.2, 2.4.9", "terminalsAndIcons.xml and modelDescription.xml name the same version", Elsewhere),
+    rule("references-manifest", Warning, "FMI-LS-REF 1.0.0-beta.1", "the manifest of related files keeps to its schema", Elsewhere),
     rule("model-identifier", Error, "FMI 2.0.5, 4.3.1", "modelIdentifier is a C identifier", Elsewhere),
     rule("binary-there", Error, "FMI 2.0.5, 2.3", "there is a binary for this machine", Elsewhere),
     rule("binary-folder", Error, "FMI 2.0.5, 2.3", "binaries lie in binaries/PLATFORM", Elsewhere),
