@@ -38,6 +38,30 @@ pub(crate) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Strin
     differ.then(|| earlier.clash(other, "but their units differ"))
 }
 
+/// One of them with a unit and another without.
+pub(crate) fn without_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let earlier = Earlier::of(scalar, document)?;
+    let other = earlier.first(Sort::Any)?;
+    let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit").is_some());
+    let (reference, name) = (earlier.reference, other.name);
+    (one != two).then(|| {
+        format!("valueReference {reference} is {name}'s, too, but only one of them has a unit: give it to both")
+    })
+}
+
+/// They may change at the same times.
+pub(crate) fn variability(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+    let earlier = Earlier::of(scalar, document)?;
+    let other = earlier.first(Sort::Any)?;
+    let (reference, one, two) = (earlier.reference, other.variability, scalar.variability);
+    (one != two).then(|| {
+        format!(
+            "valueReference {reference} is {}'s, too, but that is {one} and this is {two}: give both the same variability",
+            other.name
+        )
+    })
+}
+
 /// The variables before one that are the same under another name.
 struct Earlier<'d, 'a> {
     document: &'d Document<'a>,

@@ -6,7 +6,7 @@ use roxmltree::Node;
 
 use crate::document::{Document, Scalar, at};
 use crate::hit::Hit;
-use crate::structure::{listed, states};
+use crate::structure::{listed, scalar_of, states};
 
 const LISTS: [&str; 3] = ["Outputs", "Derivatives", "InitialUnknowns"];
 
@@ -54,10 +54,23 @@ pub(crate) fn unsorted(document: &Document<'_>) -> Vec<Hit> {
     })
 }
 
+/// Only Reals depend on something by a factor.
+pub(crate) fn factors(document: &Document<'_>) -> Vec<Hit> {
+    let wrong = every(document, |_, unknown| {
+        let scalar = scalar_of(document, unknown.attribute("index")?)?;
+        let kinds = unknown.attribute("dependenciesKind")?;
+        let factor = kinds.split_whitespace().find(|kind| *kind != "dependent")?;
+        let (name, kind) = (scalar.name, scalar.kind());
+        (kind != "Real")
+            .then(|| format!("dependenciesKind {factor} for {name}, which is no Real but {kind}: write dependent"))
+    });
+    first_of(wrong)
+}
+
 /// Dependencies are on variables that are known: not on what is computed itself.
 pub(crate) fn unknown(document: &Document<'_>) -> Vec<Hit> {
     let states = states(document);
-    let mut hits = every(document, |name, unknown| {
+    let wrong = every(document, |name, unknown| {
         let computed = dependencies_on(unknown).find_map(|(_, place)| {
             let scalar = document.scalars.get(place?)?.as_ref()?;
             (!is_known(scalar, name, &states)).then_some(scalar)
@@ -71,13 +84,7 @@ pub(crate) fn unknown(document: &Document<'_>) -> Vec<Hit> {
             }
         ))
     });
-    // Of many that are all alike the first is told.
-    let more = hits.len().saturating_sub(1);
-    hits.truncate(1);
-    if let Some(first) = hits.first_mut().filter(|_| more > 0) {
-        first.text += &format!(" (so it is with {more} more)");
-    }
-    hits
+    first_of(wrong)
 }
 
 /// Whether unknowns of a list may depend on a variable.
@@ -97,6 +104,16 @@ fn every(document: &Document<'_>, wrong: impl Fn(&'static str, Node<'_, '_>) -> 
         hits.extend(
             listed(document, name).filter_map(|node| Some(at(node, format!("{name}: {}", wrong(name, node)?)))),
         );
+    }
+    hits
+}
+
+/// The first of many that are all alike.
+fn first_of(mut hits: Vec<Hit>) -> Vec<Hit> {
+    let more = hits.len().saturating_sub(1);
+    hits.truncate(1);
+    if let Some(first) = hits.first_mut().filter(|_| more > 0) {
+        first.text += &format!(" (so it is with {more} more)");
     }
     hits
 }

@@ -93,6 +93,8 @@ pub static RULES: &[Rule] = &[
     rule("tolerance-positive", Error, "FMI 2.0.5, 2.2.5", "tolerance is greater than 0", Either(|d| positive("tolerance", d.read.default_experiment.tolerance))),
     rule("stop-after-start", Error, "FMI 2.0.5, 2.2.5", "stopTime is later than startTime", Either(values::stop)),
     rule("step-within", Warning, "FMI 2.0.5, 2.2.5", "stepSize is not longer than the experiment", Either(values::long_step)),
+    rule("tool-unique", Error, "FMI 2.0.5, 2.2.6", "annotations are of a tool each", Document(|d| [alike(d, "VendorAnnotations/Tool", &["name"]), alike(d, "ModelVariables/ScalarVariable/Annotations/Tool", &["name"])].concat())),
+    rule("source-file-unique", Warning, "FMI 2.0.5, 4.3.1", "source files have names of their own", Document(|d| alike(d, "CoSimulation/SourceFiles/File", &["name"]))),
     rule("serialize-needs-state", Error, "FMI 2.0.5, 4.3.1", "canSerializeFMUstate implies canGetAndSetFMUstate", Document(definitions::serialized_states)),
     rule("exchange-only", Error, "FMI 2.0.5, 2.2.7", "reinit and canHandleMultipleSetPerTimeInstant are for Model Exchange", Document(definitions::exchange_only)),
     // Variables.
@@ -120,6 +122,8 @@ pub static RULES: &[Rule] = &[
     rule("variability-given", Warning, "FMI 2.0.5, 2.2.7", "what is no Real has a variability, as the default is continuous", Variable(variables::variability_missing)),
     rule("range-of-type", Warning, "FMI 2.0.5, 2.2.7", "a variable's range lies within its type's", Variable(values::beyond_type)),
     rule("display-unit-defined", Warning, "FMI 2.0.5, 2.2.3", "displayUnit is defined for the unit, as it is ignored otherwise", Variable(values::display_unit)),
+    rule("alias-unit-missing", Warning, "FMI 2.0.5, 2.2.7", "several names all have a unit or none has", Variable(aliases::without_unit)),
+    rule("alias-variability", Note, "FMI 2.0.5, 2.2.7", "several names have one variability", Variable(aliases::variability)),
     // The structure.
     rule("outputs", Error, "FMI 2.0.5, 2.2.8", "Outputs lists outputs, each once", Document(structure::outputs)),
     rule("outputs-complete", Error, "FMI 2.0.5, 2.2.8", "Outputs lists every output", Document(structure::outputs_missing)),
@@ -130,9 +134,11 @@ pub static RULES: &[Rule] = &[
     rule("initial-unknowns", Error, "FMI 2.0.5, 2.2.8", "InitialUnknowns lists variables that are computed initially, each once", Document(structure::initial_unknowns)),
     rule("initial-unknowns-sorted", Error, "FMI 2.0.5, 2.2.8", "InitialUnknowns is sorted by index", Document(structure::initial_unknowns_unsorted)),
     rule("initial-unknowns-complete", Warning, "FMI 2.0.5, 2.2.8", "InitialUnknowns lists all outputs, calculated parameters, states and derivatives that are computed", Document(structure::initial_unknowns_missing)),
+    rule("initial-unknowns-surplus", Warning, "FMI 2.0.5, 2.2.8", "InitialUnknowns lists nothing else", Document(structure::initial_unknowns_surplus)),
     rule("dependencies", Error, "FMI 2.0.5, 2.2.8", "dependencies are on variables, with a kind each where kinds are given", Document(dependencies::dependencies)),
     rule("dependencies-sorted", Error, "FMI 2.0.5, 2.2.8", "dependencies are sorted by index, each once", Document(dependencies::unsorted)),
     rule("dependencies-known", Warning, "FMI 2.0.5, 2.2.8", "dependencies are on inputs, states and what else is known", Document(dependencies::unknown)),
+    rule("dependencies-factor", Warning, "FMI 2.0.5, 2.2.8", "only a Real depends on something by a factor", Document(dependencies::factors)),
     // The archive.
     rule("archive-path", Error, "FMI 2.0.5, 2.3", "paths are relative, with forward slashes", Elsewhere),
     rule("archive-entry-unique", Warning, "FMI 2.0.5, 2.3", "entries have names of their own", Elsewhere),

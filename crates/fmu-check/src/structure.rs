@@ -88,12 +88,17 @@ pub(crate) fn initial_unknowns_missing(document: &Document<'_>) -> Vec<Hit> {
     if !initial_unknowns(document).is_empty() {
         return Vec::new();
     }
-    let derivatives = entries(document, "Derivatives").map(|scalar| scalar.position);
-    let states: HashSet<usize> = derivatives.chain(states(document)).collect();
+    let states = states_and_derivatives(document);
     missing(document, "InitialUnknowns", &|scalar| {
         let computed = is_output(scalar) || states.contains(&scalar.position);
         scalar.causality == "calculatedParameter" || computed && is_guessed(scalar)
     })
+}
+
+/// The positions of the states and their derivatives, as `Derivatives` lists them.
+fn states_and_derivatives(document: &Document<'_>) -> HashSet<usize> {
+    let derivatives = entries(document, "Derivatives").map(|scalar| scalar.position);
+    derivatives.chain(states(document)).collect()
 }
 
 /// The positions of the states: the variables of which `Derivatives` lists the derivatives.
@@ -108,13 +113,40 @@ fn state_of<'d, 'a>(document: &'d Document<'a>, scalar: &Scalar<'_>) -> Option<&
 }
 
 /// The variable of an index.
-fn scalar_of<'d, 'a>(document: &'d Document<'a>, index: &str) -> Option<&'d Scalar<'a>> {
+pub(crate) fn scalar_of<'d, 'a>(document: &'d Document<'a>, index: &str) -> Option<&'d Scalar<'a>> {
     document.scalars[position(index, &document.scalars)?].as_ref()
 }
 
 /// The variables of one list.
 fn entries<'d, 'a>(document: &'d Document<'a>, name: &'static str) -> impl Iterator<Item = &'d Scalar<'a>> {
     listed(document, name).filter_map(|unknown| scalar_of(document, unknown.attribute("index")?))
+}
+
+/// Entries that the list is not made for.
+pub(crate) fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
+    let Some(structure) = structure(document) else {
+        return Vec::new();
+    };
+    if !initial_unknowns(document).is_empty() {
+        return Vec::new();
+    }
+    let states = states_and_derivatives(document);
+    // An output that is not computed does no harm here.
+    let is_wanted = |scalar: &Scalar<'_>| {
+        scalar.causality == "calculatedParameter"
+            || is_output(scalar)
+            || states.contains(&scalar.position) && is_guessed(scalar)
+    };
+    let names: Vec<String> = entries(document, "InitialUnknowns")
+        .filter(|scalar| !is_wanted(scalar))
+        .map(|scalar| scalar.name.to_owned())
+        .collect();
+    let text = format!(
+        "InitialUnknowns: {} is no output, calculated parameter, state or state derivative that is computed \
+         initially: remove it",
+        short(&names)
+    );
+    Vec::from_iter((!names.is_empty()).then(|| at(structure, text)))
 }
 
 pub(crate) fn initial_unknowns_unsorted(document: &Document<'_>) -> Vec<Hit> {
