@@ -207,6 +207,7 @@ class Study:
         posterior: int | None = None,
         budget: int | None = None,
         narrow: str | None = None,
+        against: StrPath | None = None,
         seed: int | None = None,
         time_limit: float | None = None,
         output: StrPath | None = None,
@@ -215,12 +216,14 @@ class Study:
         """Finds the parameters that make the measured values most probable; the study needs a section ``[identify]``.
 
         ``posterior`` draws so many sets of parameters from the posterior into ``posterior.csv``. ``budget`` is the most runs,
-        of which a surrogate is made. ``narrow`` names the parameter for which the next measurement is chosen.
-        ``time_limit``, s, ends the search and takes the best so far.
+        of which a surrogate is made. ``narrow`` names the parameter for which the next measurement is chosen. ``against``
+        weighs the model against that of another result on the same data. ``time_limit``, s, ends the search and takes the
+        best so far.
         """
         folder = self._folder(output)
         options: dict[str, Value] = {"starts": starts, "posterior": posterior, "budget": budget}
         options |= {"narrow": narrow, "seed": seed, "time_limit": time_limit}
+        options["against"] = None if against is None else os.path.abspath(against)
         done = self._run("identify", folder, options, running, state="identify")
         found = Identification(folder, done.text)
         for doubt in found.doubts:

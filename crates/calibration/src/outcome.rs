@@ -13,7 +13,7 @@ use super::optima::{Approximation, Optimum};
 use super::order::Order;
 use super::posterior::{Direction, UNDETERMINED};
 use super::problem::{Problem, Spacing};
-use super::sample::outcome::PosteriorOutcome;
+use super::sample::outcome::{Evidence, PosteriorOutcome};
 use super::search::Progress;
 use super::shared::SharedOutcome;
 use super::surrogate::outcome::SurrogateOutcome;
@@ -89,6 +89,9 @@ pub struct IdentificationOutcome {
     /// A sample of the posterior, where that was asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub posterior: Option<PosteriorOutcome>,
+    /// The evidence by that sample.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub evidence: Option<Evidence>,
 }
 
 /// A set of parameters that could be the right one: a minimum of the sum of squares.
@@ -276,6 +279,7 @@ impl IdentificationOutcome {
             next: None,
             surrogate: None,
             posterior: None,
+            evidence: None,
             optima: outcomes,
         }
     }

@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use conformity::uncertainty::Law;
 use nalgebra::DVector;
+use sampling::random::mix;
 use serde::{Deserialize, Serialize};
 
 /// How a parameter is measured out between its bounds.
@@ -343,6 +344,16 @@ impl Problem {
     /// How many measured values there are.
     pub fn values(&self) -> usize {
         self.cases.len() * self.quantities.len()
+    }
+
+    /// A digest of the measured values and their units: the same for the same data, whatever the model.
+    pub fn digest(&self) -> String {
+        let of = |hash: u64, number: u64| mix(hash.wrapping_mul(3) ^ number);
+        let units = self.quantities.iter().filter_map(|quantity| quantity.unit.as_deref());
+        let letters = units.flat_map(str::bytes).map(u64::from);
+        let values = self.cases.iter().flat_map(|case| &case.measured);
+        let values = values.map(|measured| measured.value.to_bits());
+        format!("{:016x}", letters.chain(values).fold(self.values() as u64, of))
     }
 
     /// Where a case's latent parameters stand among the unknowns.

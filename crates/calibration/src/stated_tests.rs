@@ -9,25 +9,26 @@ use super::objective::Objective;
 use super::optima::Optimum;
 use super::outcome::IdentificationOutcome;
 use super::problem::{Channel, Effect, Measured, NotNormal, Problem, SharedKind, Source, Spacing};
-use super::sample::outcome::PosteriorOutcome;
+use super::sample::outcome::{Evidence, PosteriorOutcome};
 use super::sample::sample;
 use super::search::search;
-use super::testing::{effort, free, log_evidence, problem, settings, starts};
+use super::testing::{effort, free, problem, settings, starts};
 
-/// The answer of a search, a sample and the logarithm of its evidence.
+/// The answer of a search, a sample and its evidence.
 fn answer(
     problem: &Problem,
     model: &dyn Fn(f64) -> Vec<f64>,
     particles: u64,
-) -> (IdentificationOutcome, PosteriorOutcome, f64) {
+) -> (IdentificationOutcome, PosteriorOutcome, Evidence) {
     let model = |_: usize, p: &[f64], _: &[f64]| Ok(model(p[0]));
     let objective = Objective::new(problem, &model, 1e-4);
     let (optima, progress) = search(&objective, &starts(1, 4), &effort(2, 40), &|_| ()).unwrap();
     let sample = sample(&objective, &optima, &settings(particles, 5), &|_, _| ()).unwrap();
     let outcome = PosteriorOutcome::new(&objective, &optima, &sample);
     assert!(outcome.trusted, "{:?}", outcome.doubts);
+    let evidence = Evidence::new(&objective, &optima, &sample, true);
     let fit = IdentificationOutcome::new(problem, &optima, &progress);
-    (fit, outcome, log_evidence(&sample))
+    (fit, outcome, evidence)
 }
 
 /// Mean, standard deviation, the 2.5 and 97.5 % quantiles, and the logarithm of the mean of a density on a grid.
@@ -126,7 +127,7 @@ fn rectangular_zero_errors_are_those_of_a_grid() {
     close(interval[1], high, 0.15 * deviation);
     // The grid of levels is half of the prior's range.
     let expected = log - 2.0 * (offsets.len() as f64).ln() - 2.0_f64.ln();
-    close(evidence, expected, 0.1);
+    close(evidence.log, expected, 0.1);
     let [mean, deviation, ..] = moments(&offsets, &of_offset);
     close(sampled.shared[0].value, mean, 0.03);
     close(sampled.shared[0].left * standard / deviation, 1.0, 0.06);
@@ -175,7 +176,7 @@ fn a_mean_of_three_repeats_has_students_interval() {
     close(low, 1.0 - half, 0.1 * half);
     close(high, 1.0 + half, 0.1 * half);
     // All of the density lies between the bounds, but for the far tails.
-    close(evidence, -(40.0_f64.ln()), 0.05);
+    close(evidence.log, -(40.0_f64.ln()), 0.05);
 }
 
 #[test]

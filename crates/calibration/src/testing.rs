@@ -3,10 +3,9 @@
 use super::local::Limits;
 use super::outcome::IdentificationOutcome;
 use super::problem::{Case, Free, Measured, Named, Problem, Spacing};
-use super::sample::{GROUPS, Sample, Settings};
+use super::sample::Settings;
 use super::search::Effort;
 use super::text;
-use sampling::distribution::ln_sum;
 
 /// When the values of [`decay`] are measured.
 pub const TIMES: [f64; 6] = [0.3, 0.6, 1.0, 1.5, 2.2, 3.0];
@@ -48,12 +47,6 @@ pub fn problem(free: Vec<Free>, cases: Vec<Vec<Measured>>) -> Problem {
         cases: cases.into_iter().enumerate().map(case).collect(),
         ..Problem::default()
     }
-}
-
-/// The logarithm of the measured values' mean density over the prior, by the stages of a sample.
-pub fn log_evidence(sample: &Sample) -> f64 {
-    let groups: Vec<f64> = sample.groups.iter().map(|(log, _)| *log).collect();
-    ln_sum(&groups) - (GROUPS as f64).ln()
 }
 
 /// One case: parameters `p0`, `p1` and so on between bounds, and values with their accuracies.

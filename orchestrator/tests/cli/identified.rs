@@ -1,4 +1,5 @@
-//! What `identify` tells beyond an optimum: specimens with a common mean and spread, lags of single curves, and its page. The fixture's closed form is y = u (1 - exp(-rate t)).
+//! What `identify` tells beyond an optimum: specimens with a common mean and spread, the evidence of two models on the same
+//! data, lags of single curves, and its page. The fixture's closed form is y = u (1 - exp(-rate t)).
 
 use std::fmt::Write;
 
@@ -82,6 +83,7 @@ fn specimens_have_a_common_mean_and_a_spread() {
         "Fit and residuals",
         "Sample of the posterior",
         "lag.rate, spread from case to case",
+        "ln evidence",
         "sample of the posterior",
         "prior: anything within",
     ] {
@@ -92,6 +94,45 @@ fn specimens_have_a_common_mean_and_a_spread() {
     let one = specimens().split("[[cases]]\nname = \"b\"").next().unwrap().to_owned();
     bench.write("one.toml", &one);
     bench.run(&["identify", "one.toml"]).is_mistake(&["shows no spread from case to case"]);
+}
+
+#[test]
+fn a_wrong_setting_loses_to_the_right_one() {
+    let bench = Bench::new();
+    let study = specimens().replace("varies = \"case\"\n", "");
+    // One rate for all: the specimens' values are those of 1.1.
+    let same = 1.0 - (-1.1_f64).exp();
+    let study: String = study
+        .lines()
+        .map(|line| match line.split_once("nominal = ") {
+            Some((before, after)) => {
+                let rest = after.split_once(',').unwrap().1;
+                format!("{before}nominal = {same},{rest}\n")
+            }
+            None => format!("{line}\n"),
+        })
+        .collect();
+    let right = ["--posterior", "200"];
+    let (said, outcome) = identify(&bench, &study, &right);
+    assert!(said.out.contains("--against FOLDER"), "{}", said.out);
+    let evidence = &outcome["evidence"];
+    let [low, high] = ends(&evidence["interval"]);
+    assert!(low < high && evidence["data"].is_string(), "{evidence}");
+    std::fs::rename(bench.path("out"), bench.path("right")).unwrap();
+    // No rate within the bounds explains these values with half of the input in one case.
+    let wrong = study.replacen("\"drive.u\" = 1.0", "\"drive.u\" = 0.8", 1);
+    let options = ["--posterior", "200", "--against", "right"];
+    let (said, outcome) = identify(&bench, &wrong, &options);
+    assert!(said.out.contains("the data favour the other one by a factor of"), "{}", said.out);
+    let ratio = &outcome["evidence"]["against"];
+    assert!(ratio["log"].as_f64().unwrap() < -3.0, "{ratio}");
+    assert!(bench.read("out/report.html").contains("favour the other one"));
+    // Other measured values cannot be compared, and without a sample there is no evidence.
+    bench.write("other.toml", &study.replacen("nominal = 0.", "nominal = 0.1", 1));
+    bench
+        .run(&[&["identify", "other.toml", "--output", "o"][..], &options[..]].concat())
+        .is_mistake(&["other measured values"]);
+    bench.run(&["identify", "study.toml", "--against", "right", "--output", "n"]).is_mistake(&["--posterior"]);
 }
 
 /// Euler's method with steps h makes (1 - r h)^(1/h) of exp(-r), so it takes 1.1 for (1 - exp(-1.1 h)) / h.

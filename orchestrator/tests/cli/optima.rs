@@ -272,7 +272,7 @@ accuracy = 0.02
     let x2 = 1.8 - 1.6_f64.sin();
     let [low, high] = interval(1);
     assert!(low < x2 && x2 < high && high - low < 0.12, "{}", found["free"]);
-    assert!(found["posterior"]["free"].is_array());
+    assert!(found["posterior"]["free"].is_array() && found["evidence"].is_object());
     bench.run(&["identify", "study.toml", "--budget", "20"]).is_mistake(&["--budget", "20 runs", "give 23 or more"]);
 }
 

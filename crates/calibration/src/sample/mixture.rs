@@ -121,6 +121,20 @@ impl Mixture {
         Self::new(parts.collect())
     }
 
+    /// The mixture that is fitted to points of equal weight, and in equal parts a normal distribution of all of them: the
+    /// small parts alone leave out the tails.
+    pub(super) fn covering(points: &[&[f64]], random: &mut Random) -> Option<Self> {
+        let weights = vec![(points.len() as f64).recip(); points.len()];
+        let mut mixture = Self::fitted(points, &weights, random)?;
+        let all: Vec<usize> = (0..points.len()).collect();
+        let (mean, whole) = moments(points, &weights, &all);
+        for part in &mut mixture.parts {
+            part.weight *= 0.5;
+        }
+        mixture.parts.push(Part::new(0.5, &mean, floored(whole.clone(), &whole))?);
+        Some(mixture)
+    }
+
     /// The logarithm of each part's share of the density, with all deviations `scale` times as large.
     fn logs(&self, place: &[f64], scale: f64) -> Vec<f64> {
         let parts = self.parts.iter();

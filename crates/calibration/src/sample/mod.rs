@@ -16,6 +16,8 @@
 
 #[cfg(test)]
 mod coverage_tests;
+#[cfg(test)]
+mod evidence_tests;
 mod mixture;
 mod moves;
 pub mod outcome;
@@ -155,6 +157,8 @@ pub struct Sample {
     pub groups: Vec<(f64, Vec<Particle>)>,
     /// The distributions on the way.
     pub stages: Vec<Stage>,
+    /// The logarithms of the weights of fresh draws, whose mean is the evidence (see [`Walk::weights`]).
+    pub weights: Vec<f64>,
     /// At how many places the model was asked.
     pub evaluated: u64,
     /// At how many of them a run failed: their likelihood counts as 0.
@@ -203,6 +207,7 @@ pub fn sample(
     let groups = evidences.into_iter().zip(walk.groups());
     let groups: Vec<(f64, Vec<Particle>)> = groups.collect();
     walk.join(observe)?;
+    let weights = walk.weights()?;
     let failures = objective.failures();
     let placed = |particles: Vec<Particle>| {
         let particles =
@@ -214,6 +219,7 @@ pub fn sample(
         particles: placed(walk.particles),
         groups: groups.collect(),
         stages: walk.stages,
+        weights,
         evaluated: failures.asked - before.asked,
         failed: failures.failed - before.failed,
         failures,
@@ -369,6 +375,44 @@ impl<'a> Walk<'a> {
         let count = self.particles.len();
         self.particles = resampled(&self.particles, &weights, count, &mut self.random);
         self.settle(UNMOVED[1], observe)
+    }
+
+    /// Fresh draws from the final sample's shape, and some from the prior: the logarithms of prior and likelihood over the
+    /// density of the draw. The mean of these weights is the evidence. It has no bias, and its scatter is that of independent
+    /// numbers; the product of the stages' ratios has neither quality, as the particles remember those before them. As many
+    /// draws as particles, and again until they tell enough.
+    fn weights(&mut self) -> Result<Vec<f64>, SampleError> {
+        const FROM_PRIOR: f64 = 0.1;
+        const MOST_ROUNDS: usize = 5;
+        let points: Vec<&[f64]> = self.particles.iter().map(|particle| &particle.places[..]).collect();
+        let Some(mixture) = Mixture::covering(&points, &mut self.random) else {
+            return Ok(Vec::new());
+        };
+        let count = self.particles.len();
+        let of_prior = (FROM_PRIOR * count as f64) as usize;
+        let part = of_prior as f64 / count as f64;
+        let mut weights = Vec::new();
+        for round in 0..MOST_ROUNDS {
+            if round > 0 && outcome::effective_draws(&weights) >= outcome::ENOUGH {
+                break;
+            }
+            let shift = self.random.unit();
+            let draw = |index: usize| match index < of_prior {
+                true => self.target.draw(&mut self.random),
+                false => {
+                    let level = ((index - of_prior) as f64 + shift) / (count - of_prior) as f64;
+                    mixture.draw(level, moves::WIDER, &mut self.random)
+                }
+            };
+            let places = (0..count).map(draw).collect();
+            let drawn = self.weighed(places)?;
+            weights.extend(drawn.iter().map(|particle| {
+                let shaped = mixture.log_density(&particle.places, moves::WIDER);
+                let density = [shaped + (1.0 - part).ln(), particle.log_prior + part.ln()];
+                particle.log_prior + particle.log_likelihood - ln_sum(&density)
+            }));
+        }
+        Ok(weights)
     }
 
     /// One step of all particles, in one batch of runs; tells which have moved.

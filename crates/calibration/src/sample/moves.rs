@@ -11,7 +11,7 @@ use super::Particle;
 use super::mixture::Mixture;
 
 /// Leaps go to places from a mixture that is so much wider than the sample.
-const WIDER: f64 = 1.2;
+pub(super) const WIDER: f64 = 1.2;
 
 /// The acceptance of walks that is aimed at (Roberts, Gelman & Gilks 1997, Annals of Applied Probability 7, 110-120).
 const WANTED: f64 = 0.27;

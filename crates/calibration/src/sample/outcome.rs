@@ -2,7 +2,7 @@
 
 use sampling::distribution::ln_sum;
 use sampling::statistics::moments::{deviation, mean, pearson, sorted};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
 use super::super::failures;
@@ -15,7 +15,11 @@ use super::target::Target;
 use super::{FEWEST, GROUPS, Particle, Sample, Stage};
 
 /// Fewer independent particles say too little of a 95 % interval: with 100 it holds 91 to 99 %.
-const ENOUGH: f64 = 100.0;
+pub(super) const ENOUGH: f64 = 100.0;
+
+/// Standard errors of the evidence's logarithm to each side for 95 %: Student's factor with seven degrees of freedom. The
+/// draws are many, but few of them have most of the weight, so their scatter is known about as well as that of so few numbers.
+const REACH: f64 = 2.365;
 
 /// A larger standard error of the evidence's logarithm means that the groups differ.
 const AGREE: f64 = 0.3;
@@ -69,6 +73,123 @@ pub struct PosteriorOutcome {
     pub optima: Vec<Share>,
     /// The part of the sample that lies within the optima's normal approximations: about 0.99 where these hold.
     pub approximated: f64,
+}
+
+/// The evidence of a model with its prior: the mean likelihood of the measured values over the prior.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Evidence {
+    /// Its logarithm; the evidence is in the inverse units of the measured values.
+    pub log: f64,
+    /// The standard error of the logarithm.
+    pub error: f64,
+    /// The interval that holds the logarithm with 95 % probability.
+    pub interval: [f64; 2],
+    /// Whether the sample can be relied on.
+    pub trusted: bool,
+    /// What the logarithm lies between even where the sample cannot be relied on: the estimate has no bias and is not negative,
+    /// so it exceeds the evidence twenty times with a probability of 5 % at most (Markov's inequality); and no mean over the
+    /// prior exceeds the best fit that the search has reached.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bounds: Option<[f64; 2]>,
+    /// A digest of the measured values: evidences of other data cannot be compared.
+    pub data: String,
+    /// How much more probable these data are here than in another result, where that was asked for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub against: Option<Ratio>,
+}
+
+/// The ratio of two evidences: Bayes' factor.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ratio {
+    /// Its logarithm; without an interval a bound, with 95 % probability: the logarithm is as far from 0, or farther.
+    pub log: f64,
+    /// The interval that holds the logarithm with 95 % probability.
+    pub interval: Option<[f64; 2]>,
+}
+
+impl Evidence {
+    /// That of a problem, by a sample that can be relied on or not. `optima` are the best fits; none where they were found with
+    /// other errors than the sample has.
+    pub fn new(objective: &Objective<'_>, optima: &[Optimum], sample: &Sample, trusted: bool) -> Self {
+        /// A number that is not negative exceeds its mean so many times with a probability of 5 % at most.
+        const TIMES: f64 = 20.0;
+        let problem = objective.problem;
+        let count = sample.weights.len() as f64;
+        let log = ln_sum(&sample.weights) - count.ln();
+        let error = (effective_draws(&sample.weights).recip() - count.recip()).max(0.0);
+        let error = error.sqrt();
+        let target = Target::new(objective);
+        let fits = optima.iter().map(|optimum| target.log_likelihood(&optimum.minimum));
+        let particles = sample.particles.iter();
+        let best = particles.map(|particle| particle.log_likelihood).chain(fits);
+        let bounds = [log - TIMES.ln(), best.fold(f64::NEG_INFINITY, f64::max)];
+        let is_told = !optima.is_empty() && bounds.iter().all(|bound| bound.is_finite());
+        Self {
+            log,
+            error,
+            interval: around(log, error),
+            // With fewer effective draws their scatter is not known well.
+            trusted: trusted && effective_draws(&sample.weights) >= ENOUGH,
+            bounds: is_told.then_some(bounds),
+            data: problem.digest(),
+            against: None,
+        }
+    }
+
+    /// Whether it is that of the same measured values.
+    ///
+    /// # Errors
+    /// Says that they are others.
+    pub fn is_of(&self, problem: &Problem) -> Result<(), String> {
+        match self.data == problem.digest() {
+            true => Ok(()),
+            false => Err(
+                "its evidence is that of other measured values, or of the same in another order or unit, and cannot be compared"
+                    .to_owned(),
+            ),
+        }
+    }
+
+    /// Notes the ratio to the evidence of another result on the same data. Where a sample cannot be relied on it is a bound, if
+    /// one model is plainly better.
+    ///
+    /// # Errors
+    /// When it cannot be told.
+    pub fn compare(&mut self, other: &Self) -> Result<(), String> {
+        if self.trusted && other.trusted {
+            let log = self.log - other.log;
+            let interval = Some(around(log, self.error.hypot(other.error)));
+            self.against = Some(Ratio { log, interval });
+            return Ok(());
+        }
+        let bounds = self.bounds.zip(other.bounds);
+        let bounds = bounds.map(|(this, other)| [this[0] - other[1], this[1] - other[0]]);
+        let plain = bounds.and_then(|[least, most]| match (least > 0.0, most < 0.0) {
+            (true, _) => Some(least),
+            (_, true) => Some(most),
+            _ => None,
+        });
+        let which = if self.trusted { "its" } else { "this" };
+        let log = plain.ok_or_else(|| {
+            format!(
+                "{which} sample of the posterior is not to be relied on, and neither model is plainly better; draw more"
+            )
+        })?;
+        self.against = Some(Ratio { log, interval: None });
+        Ok(())
+    }
+}
+
+/// As many equal weights would tell as much as these, given their logarithms.
+pub(super) fn effective_draws(logs: &[f64]) -> f64 {
+    let all = ln_sum(logs);
+    let squares = logs.iter().map(|log| (2.0 * (log - all)).exp());
+    squares.sum::<f64>().recip()
+}
+
+/// The interval that holds a number of this standard error with 95 % probability.
+fn around(centre: f64, error: f64) -> [f64; 2] {
+    [-1.0, 1.0].map(|side| centre + side * REACH * error)
 }
 
 /// One parameter's distribution.
@@ -300,7 +421,7 @@ fn effective(groups: &Groups<'_>, sample: &Sample) -> f64 {
 }
 
 /// The standard error of the logarithm of the evidence by the stages' ratios, from the groups' scatter.
-pub(super) fn disagreement(sample: &Sample) -> f64 {
+fn disagreement(sample: &Sample) -> f64 {
     let logs: Vec<f64> = sample.groups.iter().map(|(log, _)| *log).collect();
     let count = logs.len() as f64;
     let whole = ln_sum(&logs) - count.ln();

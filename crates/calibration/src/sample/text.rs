@@ -2,14 +2,14 @@
 
 use super::super::digits::{digits, rounded, shown};
 use super::super::problem::Problem;
-use super::outcome::{Marginal, PosteriorOutcome};
+use super::outcome::{Evidence, Marginal, PosteriorOutcome, Ratio};
 use super::{GROUPS, Sample};
 
 /// Intervals that are named one by one.
 const NAMED: usize = 8;
 
 /// How far the sample is to be relied on, and what it says beside its marginals.
-pub fn sentences(outcome: &PosteriorOutcome) -> Vec<String> {
+pub fn sentences(outcome: &PosteriorOutcome, of_data: &Evidence) -> Vec<String> {
     let PosteriorOutcome { particles, effective, evaluated, .. } = outcome;
     let judged = match outcome.trusted {
         true => format!("{GROUPS} independent groups agree; worth about {effective:.0} independent draws"),
@@ -29,6 +29,7 @@ pub fn sentences(outcome: &PosteriorOutcome) -> Vec<String> {
         "{} % of the particles are different",
         rounded(100.0 * outcome.distinct as f64 / *particles as f64, 3),
     ));
+    said.push(of_data.words());
     said.extend(outcome.notes.iter().cloned());
     said.extend(outcome.doubts.iter().map(|doubt| format!("do not rely on this sample: {doubt}")));
     if !outcome.trusted {
@@ -63,6 +64,47 @@ pub fn marginals(outcome: &PosteriorOutcome) -> Vec<Vec<String>> {
         ]
     };
     outcome.free.iter().cloned().chain(populations).map(row).collect()
+}
+
+impl Evidence {
+    /// How probable the measured values are under this model with its prior, and how much more than under another.
+    pub fn words(&self) -> String {
+        let [low, high] = self.interval.map(digits);
+        let own = match self.trusted {
+            true => format!("{} ({low} .. {high}, 95 %)", digits(self.log)),
+            false => format!("{}, NOT to be relied on", digits(self.log)),
+        };
+        let Some(Ratio { log, interval }) = &self.against else {
+            let more = match self.trusted {
+                true => {
+                    ". To compare with another model on the same data: `identify OTHER --posterior N --against FOLDER`, this result's folder"
+                }
+                false => ": more particles may do",
+            };
+            return format!("ln evidence {own}{more}");
+        };
+        // Factors beyond a million are told by their logarithm.
+        let factor = |log: f64| match log.abs() < 14.0 {
+            true => rounded(log.exp(), 3),
+            false => format!("exp({})", rounded(log, 4)),
+        };
+        let which = if *log > 0.0 { "this" } else { "the other" };
+        let how = match interval {
+            None => format!(
+                "favour {which} one by a factor of at least {} (95 %, from the best fit of the one and a bound of the other's evidence)",
+                factor(log.abs())
+            ),
+            Some([low, high]) if low * high > 0.0 => {
+                let [least, most] = [low.abs().min(high.abs()), low.abs().max(high.abs())].map(factor);
+                format!("favour {which} one by a factor of {} ({least} .. {most}, 95 %)", factor(log.abs()))
+            }
+            Some(ends) => {
+                let [least, most] = ends.map(factor);
+                format!("do not tell the two apart: their ratio is {} ({least} .. {most}, 95 %)", factor(*log))
+            }
+        };
+        format!("ln evidence {own}: the data {how}, each with its own prior")
+    }
 }
 
 /// The head of the table of particles: free parameters, latent ones as `CASE/NAME`, means and spreads of populations as `NAME.mean` and `NAME.spread`, and the logarithm of the likelihood.

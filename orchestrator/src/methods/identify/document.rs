@@ -274,7 +274,7 @@ impl Page<'_> {
         items(&mut told, text::remarks(self.outcome));
         list(&mut told, text::open(self.outcome));
         self.outcome.notes.iter().for_each(|note| told.say(note));
-        if let Some(sample) = &self.outcome.posterior {
+        if let (Some(sample), Some(evidence)) = (&self.outcome.posterior, &self.outcome.evidence) {
             told.heading("Sample of the posterior");
             told.table(Table {
                 name: "Sample of the posterior".into(),
@@ -288,7 +288,7 @@ impl Page<'_> {
                 rows: sample::text::marginals(sample),
                 ..Table::default()
             });
-            list(&mut told, sample::text::sentences(sample));
+            list(&mut told, sample::text::sentences(sample, evidence));
         }
         let posterior = match self.sample {
             Some(_) => Key::new("bar in", "M1,13v-6h4v6zM5,13v-10h4v10zM9,13v-4h4v4z", "sample of the posterior"),

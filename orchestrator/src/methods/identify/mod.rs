@@ -6,7 +6,7 @@ mod files;
 mod posterior;
 mod surrogate;
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 use std::time::{Duration, Instant};
 
@@ -36,6 +36,7 @@ use calibration::problem::{NoPrediction, Simulate};
 use calibration::remembered::Remembered;
 use calibration::rounds::{self, Searched};
 use calibration::sample::Sample;
+use calibration::sample::outcome::Evidence;
 use calibration::search::{self, Progress, SearchError};
 use fmu_import::Package;
 use fmu_points::names::{did_you_mean, nearest};
@@ -120,6 +121,11 @@ pub struct Asked {
     /// optimum, intervals and posterior; its error counts as an uncertainty
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub budget: Option<u64>,
+    /// Weigh the model against that of another result on the same data: its identification.json, or its folder
+    // The other result may be another one when the run goes on.
+    #[serde(skip)]
+    #[arg(long, value_name = "FILE")]
+    pub against: Option<PathBuf>,
     /// Rank what to measure next by this parameter, instead of the one that the data determine least
     #[arg(long, value_name = "PARAMETER")]
     pub narrow: Option<String>,
@@ -204,11 +210,20 @@ impl Analysis for Asked {
             }
         }
         posterior::check(study, settings, bound, self.posterior.is_some())?;
+        self.other(settings, bound)?;
         surrogate::check(fit, self)
     }
 
     fn find(&self, fit: &Fit, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult, Error> {
-        let (outcome, sample) = find(self, fit, pipeline)?;
+        let (mut outcome, sample) = find(self, fit, pipeline)?;
+        if let (Some(other), Some(evidence)) = (self.other(&fit.settings, &fit.bound)?, &mut outcome.evidence) {
+            let compared = evidence.compare(&other);
+            compared.unwrap_or_else(|message| {
+                outcome.posterior.iter_mut().for_each(|sample| {
+                    sample.notes.push(format!("--against: {message}"));
+                })
+            });
+        }
         let others = fit.bound.others();
         files::write(folder, &fit.study, &fit.settings, &outcome, &others)?;
         posterior::write(folder, &fit.settings, &fit.bound, sample.as_ref())?;
@@ -241,6 +256,17 @@ impl Analysis for Asked {
 }
 
 impl Asked {
+    /// The evidence that this one's is weighed against.
+    fn other(&self, settings: &Identification, bound: &Bound) -> Result<Option<Evidence>, Error> {
+        let Some(path) = &self.against else {
+            return Ok(None);
+        };
+        if settings.posterior.is_none() {
+            return Err(Error::option("against", "the evidence comes with --posterior N"));
+        }
+        posterior::other(path, &bound.problem).map(Some)
+    }
+
     /// The study's settings, overridden by the command line. A study with criteria need not have any.
     fn settings(&self, study: &Study, seed: Option<u64>) -> Result<Identification, Error> {
         let usual = || (!study.criteria.is_empty()).then(Identification::default);

@@ -3,6 +3,8 @@
 use std::path::Path;
 use std::time::Instant;
 
+use serde::Deserialize;
+
 use super::files::remove;
 use crate::error::Error;
 use crate::identify::bind::Bound;
@@ -10,10 +12,12 @@ use calibration::local::End;
 use calibration::objective::Objective;
 use calibration::optima::Optimum;
 use calibration::outcome::IdentificationOutcome;
-use calibration::sample::outcome::PosteriorOutcome;
+use calibration::problem::Problem;
+use calibration::sample::outcome::{Evidence, PosteriorOutcome};
 use calibration::sample::{FEWEST, Sample, SampleError, Settings, sample, text};
 use calibration::search::SearchError;
 use number_tables::csv_file;
+use number_tables::files;
 use point_journal::files::write_atomically;
 use study::identification::PosteriorStart;
 use study::{Identification, Study};
@@ -46,6 +50,26 @@ pub(super) fn check(study: &Study, settings: &Identification, bound: &Bound, by_
     })
 }
 
+/// The evidence of another result, given its file or its folder.
+pub(super) fn other(path: &Path, problem: &Problem) -> Result<Evidence, Error> {
+    #[derive(Deserialize)]
+    struct Other {
+        evidence: Option<Evidence>,
+    }
+    let path = match path.is_dir() {
+        true => path.join(super::FILE),
+        false => path.to_owned(),
+    };
+    let other = serde_json::from_str::<Other>(&files::text(&path)?);
+    let other = other.map_err(|error| Error::content(&path, error))?;
+    let evidence = other
+        .evidence
+        .ok_or_else(|| Error::content(&path, "there is no evidence in it; run that identify with --posterior N"))?;
+    let same = evidence.is_of(problem);
+    same.map_err(|message| Error::content(&path, message))?;
+    Ok(evidence)
+}
+
 /// Samples the posterior where that is asked for. Where time is up before that is done there is no sample, and the outcome
 /// says so.
 pub(super) fn sampled(
@@ -69,7 +93,9 @@ pub(super) fn sampled(
     };
     match sample(objective, seeds, &settings, &observe) {
         Ok(sample) => {
-            outcome.posterior = Some(PosteriorOutcome::new(objective, optima, &sample));
+            let posterior = PosteriorOutcome::new(objective, optima, &sample);
+            outcome.evidence = Some(Evidence::new(objective, optima, &sample, posterior.trusted));
+            outcome.posterior = Some(posterior);
             Ok(Some(sample))
         }
         Err(SampleError::Time) => {
