@@ -1,4 +1,4 @@
-//! Options of every command that runs points of a study: processes, limits, shards, resuming.
+//! Options of every command that runs points of a study: processes, limits, resuming; and the shards of `verify`.
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -13,16 +13,21 @@ use fmu_points::{Isolation, Launcher, system};
 use point_journal::pipeline::Shard;
 use point_journal::pipeline::folder::Earlier;
 
-/// Shards of a run, and resuming.
+/// Resuming.
 #[derive(Debug, Args)]
-pub struct Parts {
+pub struct Resuming {
     /// Continue a run that was interrupted
     #[arg(long)]
     pub resume: bool,
     /// Replace the folder's results, also unfinished ones and those of another study or FMU
     #[arg(long, conflicts_with = "resume")]
     pub force: bool,
-    /// Simulate only part I of N of the points (exit code 0; searches refuse); `merge` joins them
+}
+
+/// A part of the points.
+#[derive(Debug, Args)]
+pub struct Shards {
+    /// Simulate only part I of N of the points (exit code 0); `merge` joins them
     #[arg(long, value_name = "I/N")]
     shard: Option<Shard>,
     /// The part, counted from 0, with --shards
@@ -33,12 +38,12 @@ pub struct Parts {
     shards: Option<u64>,
 }
 
-impl Parts {
+impl Shards {
     /// The part to simulate, if not all.
     ///
     /// # Errors
     /// When there is no such part.
-    pub fn shard(&self) -> Result<Option<Shard>, Error> {
+    pub fn chosen(&self) -> Result<Option<Shard>, Error> {
         match (self.shard_index, self.shards) {
             (Some(index), Some(of)) if index < of => {
                 let number = index + 1;
@@ -50,7 +55,9 @@ impl Parts {
             _ => Ok(self.shard),
         }
     }
+}
 
+impl Resuming {
     /// The treatment of an earlier run in the output folder.
     pub fn earlier(&self) -> Earlier {
         match (self.resume, self.force) {
@@ -209,28 +216,15 @@ pub struct Work {
     /// Run settings
     #[command(flatten)]
     pub means: Means,
-    /// Resuming and shards
+    /// Resuming
     #[command(flatten)]
-    pub parts: Parts,
+    pub resuming: Resuming,
 }
 
 impl Work {
-    /// Where the results go; unless the user says otherwise, a part of them goes beside the others. `analysis` has parts of its
-    /// own.
-    ///
-    /// # Errors
-    /// When there is no such part.
-    pub fn folder(&self, analysis: Option<&str>) -> Result<PathBuf, Error> {
-        let shard = self.parts.shard()?;
-        let usual = || {
-            let folder = folder_of(&self.study);
-            let name = analysis.map_or(String::new(), |name| format!("{name}-"));
-            match shard {
-                Some(shard) => folder.join(format!("{name}shard-{}-of-{}", shard.number, shard.of)),
-                None => folder,
-            }
-        };
-        Ok(self.output.clone().unwrap_or_else(usual))
+    /// Where the results go.
+    pub fn folder(&self) -> PathBuf {
+        self.output.clone().unwrap_or_else(|| folder_of(&self.study))
     }
 }
 

@@ -123,7 +123,7 @@ impl Errors {
     }
 
     /// The misfits over the accuracies, case by case.
-    pub(crate) fn plain(&self, problem: &Problem, predicted: &[Vec<f64>]) -> DVector<f64> {
+    fn plain(&self, problem: &Problem, predicted: &[Vec<f64>]) -> DVector<f64> {
         let cases = problem.cases.iter().zip(predicted).zip(&self.accuracy);
         let misfits = cases.flat_map(|((case, predicted), accuracy)| {
             let values = case.measured.iter().zip(predicted).zip(accuracy);

@@ -10,7 +10,7 @@ use super::outcome::IdentificationOutcome;
 use super::problem::Estimate;
 
 /// A right model misses by more with this probability, or its residuals are more in order: then the fit is in doubt.
-pub const DOUBTFUL: f64 = 0.05;
+const DOUBTFUL: f64 = 0.05;
 
 /// How well the model fits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]

@@ -12,7 +12,7 @@ use super::numerical::NumericalError;
 use super::optima::{Approximation, Optimum};
 use super::order::Order;
 use super::posterior::{Direction, UNDETERMINED};
-use super::problem::{Problem, Quantity, Spacing};
+use super::problem::{Problem, Spacing};
 use super::sample::outcome::{Evidence, PosteriorOutcome};
 use super::search::Progress;
 use super::shared::SharedOutcome;
@@ -49,9 +49,6 @@ pub struct IdentificationOutcome {
     pub surplus: usize,
     /// The probability of a larger sum, if model and accuracies were right; none without degrees of freedom.
     pub probability: Option<f64>,
-    /// The same by a fit without shared errors, about.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub probability_without_shared: Option<f64>,
     /// The order of the residuals along each measured curve.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub orders: Vec<Order>,
@@ -72,8 +69,6 @@ pub struct IdentificationOutcome {
     pub directions: Vec<DirectionOutcome>,
     /// The cases.
     pub cases: Vec<CaseOutcome>,
-    /// The largest absolute misfit of each quantity.
-    pub worst: Vec<WorstOutcome>,
     /// The local searches.
     pub search: SearchOutcome,
     /// What would explain the misfit, the likeliest first; none where nobody asked.
@@ -220,19 +215,6 @@ impl Residual {
     }
 }
 
-/// The largest misfit of a quantity.
-#[derive(Clone, Debug, Serialize)]
-pub struct WorstOutcome {
-    /// The quantity.
-    pub quantity: String,
-    /// The unit of its numbers.
-    pub unit: Option<String>,
-    /// The largest absolute difference.
-    pub difference: f64,
-    /// The largest absolute difference over the measured value.
-    pub relative: f64,
-}
-
 /// The local searches.
 #[derive(Clone, Debug, Serialize)]
 pub struct SearchOutcome {
@@ -266,7 +248,6 @@ impl IdentificationOutcome {
         let squares = minimum.misfit.residuals.len() - problem.sources.len();
         let expected = Expected::new(problem, squares, inside);
         let more = beyond_normal(problem, minimum);
-        let probability = |cost: f64| expected.chance((cost + more).max(0.0));
         let correlation = |a| (0..n).map(|b| posterior.correlation(a, b)).collect();
         let directions = posterior.directions.iter();
         let outcomes: Vec<_> = optima.iter().map(|each| optimum(problem, each)).collect();
@@ -274,7 +255,6 @@ impl IdentificationOutcome {
         let shifts = problem.shifts(minimum.misfit.sources(problem));
         let case = |(index, latents): (usize, &Vec<_>)| case(problem, minimum, (latents, &shifts[index]), index);
         let cases: Vec<_> = latents.iter().enumerate().map(case).collect();
-        let quantities = problem.quantities.iter().enumerate();
         Self {
             notes: Vec::new(),
             ambiguous: optima.len() > 1,
@@ -283,10 +263,7 @@ impl IdentificationOutcome {
             data_cost,
             degrees_of_freedom: expected.freedom.max(0.0) as usize,
             surplus: inside.saturating_sub(squares),
-            probability: probability(cost),
-            probability_without_shared: (!problem.sources.is_empty())
-                .then(|| probability(posterior.without_shared))
-                .flatten(),
+            probability: expected.chance((cost + more).max(0.0)),
             orders: Vec::new(),
             farthest: None,
             influence: Vec::new(),
@@ -294,7 +271,6 @@ impl IdentificationOutcome {
             free: free.clone(),
             correlations: (0..n).map(correlation).collect(),
             directions: directions.map(|d| direction(problem, d)).collect(),
-            worst: quantities.map(|(k, quantity)| worst(quantity, &cases, k)).collect(),
             cases,
             search: searches(progress),
             suspects: None,
@@ -408,17 +384,6 @@ fn latents(problem: &Problem, optimum: &Optimum, index: usize) -> Vec<LatentOutc
         interval: [interval.min, interval.max],
     });
     latents.collect()
-}
-
-fn worst(quantity: &Quantity, cases: &[CaseOutcome], index: usize) -> WorstOutcome {
-    let residuals = cases.iter().map(|case| &case.residuals[index]);
-    let largest = |of: fn(&Residual) -> f64| residuals.clone().map(of).fold(0.0, f64::max);
-    WorstOutcome {
-        quantity: quantity.name.clone(),
-        unit: quantity.unit.clone(),
-        difference: largest(|residual| residual.difference.abs()),
-        relative: largest(|residual| (residual.difference / residual.measured).abs()),
-    }
 }
 
 fn searches(progress: &Progress) -> SearchOutcome {

@@ -11,8 +11,8 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use sampling::distribution::Distribution;
 use sampling::statistics::moments::{mean, variance};
 
-use super::local::{Minimum, bounded_step};
-use super::objective::{Differences, Linear, Objective};
+use super::local::Minimum;
+use super::objective::{Differences, Objective};
 use super::problem::NoPrediction;
 
 /// The precision of a place of which only the bounds are known: the inverse variance of the uniform
@@ -46,8 +46,6 @@ pub struct Posterior {
     centre: Vec<f64>,
     /// Each channel's shared error: the most probable one and its standard deviation.
     pub shared: Vec<[f64; 2]>,
-    /// About the least sum of squares of a fit without shared errors.
-    pub without_shared: f64,
 }
 
 /// A combination of free parameters that the data determine apart from all others.
@@ -68,7 +66,6 @@ impl Posterior {
         let linear = objective.linear(&minimum.places, &minimum.misfit, Differences::Central)?;
         let problem = objective.problem;
         let n = problem.free.len();
-        let without_shared = without_shared(objective, minimum, &linear);
         let mut precision = linear.curvature.clone();
         let mut prior = vec![UNIFORM; n];
         let mut bounds = vec![UNIFORM; problem.unknowns()];
@@ -93,7 +90,6 @@ impl Posterior {
             places: minimum.places.clone(),
             shared: shared(objective, minimum, &linear.shared, &covariance),
             slopes: [linear.slopes, linear.shared],
-            without_shared,
             bounds,
             log_volume: -factor.l_dirty().diagonal().map(f64::ln).sum(),
             precision,
@@ -259,25 +255,6 @@ fn shared(
         [mean, deviation.hypot(more.max(0.0).sqrt())]
     });
     marginal.collect()
-}
-
-/// The sum of squares that a fit without shared errors would reach, by the linearised problem.
-fn without_shared(objective: &Objective<'_>, minimum: &Minimum, linear: &Linear) -> f64 {
-    let (problem, errors, misfit) = (objective.problem, &objective.errors, &minimum.misfit);
-    if errors.sources() == 0 {
-        return misfit.cost();
-    }
-    let sources = DVector::from_column_slice(misfit.sources(problem));
-    let along = errors.halved(linear.shared.clone());
-    let plain = Linear {
-        curvature: &linear.curvature + along.tr_mul(&along),
-        gradient: &linear.gradient - linear.shared.tr_mul(&sources),
-        ..linear.clone()
-    }
-    .damped(1e-12);
-    let here = misfit.cost() - misfit.data_cost(problem) + errors.plain(problem, &misfit.predicted).norm_squared();
-    let step = bounded_step(&plain, &minimum.places, &minimum.surrounded);
-    here - plain.fall(&step)
 }
 
 fn directions(covariance: &DMatrix<f64>, prior: &[f64]) -> Vec<Direction> {

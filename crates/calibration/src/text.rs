@@ -3,7 +3,7 @@
 pub use super::digits::digits;
 use super::digits::{rounded, shown};
 use super::failures::words;
-use super::fit::{DOUBTFUL, Fit};
+use super::fit::Fit;
 use super::influence::Influence;
 use super::local::End;
 use super::optima::Approximation;
@@ -185,16 +185,7 @@ pub fn shared(outcome: &IdentificationOutcome) -> Vec<String> {
     // The sample's, where there is one to rely on.
     let sampled = outcome.posterior.as_ref().filter(|sample| sample.trusted);
     let all = sampled.map_or(&outcome.shared, |sample| &sample.shared);
-    let mut said: Vec<String> = all.iter().map(of_channel).collect();
-    /// Without them a fit with a smaller probability of its misfit is none.
-    const NONE: f64 = 0.001;
-    let without = outcome.probability_without_shared;
-    if outcome.probability.is_some_and(|p| p >= DOUBTFUL) && without.is_some_and(|p| p < NONE) {
-        let only =
-            "The fit is good only with these shared errors: without them no parameters explain the measured values.";
-        said.push(only.to_owned());
-    }
-    said
+    all.iter().map(of_channel).collect()
 }
 
 /// A shared error in a line.
@@ -280,35 +271,17 @@ pub fn excluded(outcome: &IdentificationOutcome) -> Vec<String> {
     said
 }
 
-/// The largest misfits, where the values are too many for a table.
-pub fn largest(outcome: &IdentificationOutcome) -> Vec<String> {
-    const MANY: usize = 12;
+/// The largest misfit, where the values are too many for a table.
+pub fn largest(outcome: &IdentificationOutcome) -> Option<String> {
     let all = outcome.cases.iter().flat_map(|case| &case.residuals);
-    if outcome.worst.len() <= MANY {
-        let worst = outcome.worst.iter().map(|worst| {
-            let (unit, difference) = (shown(&worst.unit), rounded(worst.difference, 3));
-            // A measured value of 0 has no percentage.
-            let relative = worst.relative.is_finite().then_some(100.0 * worst.relative);
-            let percent = relative.map_or_else(String::new, |percent| format!(" ({percent:.2} %)"));
-            format!("Largest misfit of {}: {}{percent}.", worst.quantity, format!("{difference} {unit}").trim_end())
-        });
-        return worst.collect();
-    }
     let missed = |residual: &Residual| residual.missed().abs();
-    let count = all.clone().count();
-    let worst = all.max_by(|a, b| missed(a).total_cmp(&missed(b)));
-    let said = worst.map(|worst| {
-        format!(
-            "{count} measured values; the largest misfit is {} standard uncertainties{}, of {}.",
-            rounded(missed(worst), 3),
-            match outcome.shared.is_empty() {
-                true => "",
-                false => ", shared errors taken out",
-            },
-            worst.quantity
-        )
-    });
-    said.into_iter().collect()
+    let worst = all.max_by(|a, b| missed(a).total_cmp(&missed(b)))?;
+    Some(format!(
+        "The largest misfit is {} standard uncertainties{}, of {}.",
+        rounded(missed(worst), 3),
+        if outcome.shared.is_empty() { "" } else { ", shared errors taken out" },
+        worst.quantity
+    ))
 }
 
 /// The value that moves each parameter most, and the largest parts of its variance.

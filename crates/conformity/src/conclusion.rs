@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::decision::{Decision, Rule, other_verdict};
+use crate::decision::{Decision, Rule};
 use crate::looks::{Looks, Way};
 use crate::risk::{Bands, Risk, Statement, Unfit};
 use crate::sequence::{points_needed, points_needed_once};
@@ -18,9 +18,6 @@ pub struct Conclusion {
     pub verdict_words: String,
     /// The required share and the one found; only for the rule `share`.
     pub required: Option<Requirement>,
-    /// The 95 % interval of the probability that another seed comes to the other verdict, as if points were independent;
-    /// only of the rule `one point`.
-    pub other_verdict_interval: Option<[f64; 2]>,
     /// How many points are accepted: within all tolerances less the guard bands.
     pub accepted: u64,
     /// The guard band of every criterion, in expanded uncertainties; none where the points show of none that it limits the
@@ -202,7 +199,6 @@ impl Conclusion {
             rule: ruling.map_or(RuleName::OnePoint, |_| RuleName::Share),
             verdict_words: words,
             required,
-            other_verdict_interval: ruling.is_none().then(|| other_verdict(accepted, points, 0.95)),
             accepted,
             guard_band: statement.guard,
             point_risk: None,

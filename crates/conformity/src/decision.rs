@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::interval::{Moments, clopper_pearson, of_mean};
+use super::interval::{Moments, of_mean};
 
 /// The decision about a model.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -58,17 +58,6 @@ pub fn randomised(counts: &[u64], points: u64, confidence: f64) -> [f64; 2] {
     let size = |k: u64| points / nets + u64::from(k < points % nets);
     let of_net = |(k, &hits): (u64, &u64)| Moments { count: size(k), sum: hits as f64, squares: hits as f64 };
     of_mean(&(0..).zip(counts).map(of_net).collect::<Vec<Moments>>(), confidence)
-}
-
-/// The interval of the probability that another sample of as many independent points would come to the other verdict by
-/// the one-point rule: without an accepted point where this one has some, with one where this one has none.
-///
-/// That probability follows from the share of accepted points, of which the sample tells an [interval](clopper_pearson),
-/// whatever the share was held for before. A few accepted points tell next to nothing of it.
-pub fn other_verdict(accepted: u64, points: u64, confidence: f64) -> [f64; 2] {
-    let shares = clopper_pearson(accepted as f64, points as f64, confidence);
-    let [some, none] = shares.map(|share| (1.0 - share).powf(points as f64));
-    if accepted > 0 { [none, some] } else { [1.0 - some, 1.0 - none] }
 }
 
 #[cfg(test)]

@@ -5,7 +5,6 @@ pub mod files;
 pub mod parquet;
 pub mod recorded;
 mod rows;
-pub mod typed;
 
 use crate::files::FileError;
 use std::collections::HashSet;

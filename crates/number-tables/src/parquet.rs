@@ -106,7 +106,7 @@ impl Rows for ParquetRows {
 }
 
 /// The error's message on one line.
-pub(crate) fn one_line(error: &ParquetError) -> String {
+fn one_line(error: &ParquetError) -> String {
     let text = error.to_string();
     text.split_whitespace().collect::<Vec<_>>().join(" ")
 }

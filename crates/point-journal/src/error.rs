@@ -36,17 +36,6 @@ pub enum Error {
         /// How many there are, where that is known.
         of: Option<u64>,
     },
-    /// The points of this run's shard are done; those of the others are not its task.
-    #[error("{0} points of this shard are done")]
-    Shard(u64),
-    /// Only the journal is read, and it does not hold all points.
-    #[error("{missing} of {of} points are missing")]
-    Unknown {
-        /// How many are missing.
-        missing: u64,
-        /// How many were asked for.
-        of: u64,
-    },
 }
 
 impl Error {

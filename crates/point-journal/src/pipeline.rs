@@ -41,8 +41,8 @@ pub trait Model {
 /// Hands points to the workers, and writes every outcome into the journal.
 pub struct Pipeline<'a> {
     model: &'a dyn Model,
-    /// Knows how the points are computed; absent where only the journal is read.
-    crew: Option<&'a Crew>,
+    /// Knows how the points are computed.
+    crew: &'a Crew,
     workers: Vec<Box<dyn Worker>>,
     /// Points that will run again at the end.
     again: Again,
@@ -50,7 +50,6 @@ pub struct Pipeline<'a> {
     finished: Option<Arc<Finished>>,
     /// How the points were computed, as far as the journal says it.
     noted: Option<Conduct>,
-    part: Part,
     /// How many points all sets have together, where that is known beforehand.
     expected: Option<u64>,
     /// Points that were asked for so far.
@@ -66,30 +65,29 @@ pub struct Pipeline<'a> {
 }
 
 impl<'a> Pipeline<'a> {
-    /// A pipeline that notes points in a journal; `finished` is what that holds already. Without a crew it only
-    /// reads.
+    /// A pipeline that notes points in a journal; `finished` is what that holds already.
     pub fn new(
         model: &'a dyn Model,
-        crew: Option<(&'a Crew, &[Case])>,
+        (crew, cases): (&'a Crew, &[Case]),
         journal: Journal,
         finished: Option<Finished>,
         part: Part,
     ) -> Self {
         let expected = part.count();
-        let before = finished.as_ref().map_or(0, |finished| count_known(finished, &part));
+        let known = |finished: &Finished| finished.points().filter(|index| part.has(*index)).count() as u64;
+        let before = finished.as_ref().map_or(0, known);
         let progress = Progress::new(expected, before);
-        if let Some(((crew, _), finished)) = crew.zip(finished.as_ref()) {
-            finished.changed_file().into_iter().for_each(|file| crew.part(file));
+        if let Some(file) = finished.as_ref().and_then(Finished::changed_file) {
+            crew.part(file);
         }
         Self {
             model,
-            crew: crew.map(|(crew, _)| crew),
-            again: Again::new(crew.map_or(&[], |(_, cases)| cases)),
-            workers: crew.map_or_else(Vec::new, |(crew, cases)| crew.workers(cases)),
+            crew,
+            again: Again::new(cases),
+            workers: crew.workers(cases),
             journal,
             finished: finished.map(Arc::new),
             noted: None,
-            part,
             expected,
             asked: 0,
             computed: 0,
@@ -112,7 +110,7 @@ impl<'a> Pipeline<'a> {
 
     /// How many points each host has answered, where they ran on other machines.
     pub fn answered(&self) -> BTreeMap<String, u64> {
-        self.crew.map_or_else(BTreeMap::new, Crew::answered)
+        self.crew.answered()
     }
 
     /// How many points are done, in this run or before.
@@ -158,7 +156,7 @@ impl<'a> Pipeline<'a> {
         mut receive: impl FnMut(u64, Outcome) -> ControlFlow<()>,
     ) -> Result<(), Error> {
         // Points that share processes are known from the beginning, even if the run is killed.
-        if self.crew.is_some_and(|crew| crew.conduct().isolation != Isolation::Fresh) {
+        if self.crew.conduct().isolation != Isolation::Fresh {
             self.note_conduct()?;
         }
         let mut workers = std::mem::take(&mut self.workers);
@@ -199,11 +197,9 @@ impl<'a> Pipeline<'a> {
                 let outcome = self.model.outcome(answer.map(|result| result.values));
                 self.journal.append(index, &outcome, notices.as_deref())?;
                 self.computed += 1;
-                if let Some(crew) = self.crew {
-                    self.again.note(crew, index, &outcome, job);
-                }
+                self.again.note(self.crew, index, &outcome, job);
                 let verified = self.model.is_verified(&outcome);
-                let answered = || self.crew.map_or_else(BTreeMap::new, Crew::answered);
+                let answered = || self.crew.answered();
                 self.progress.step(verified, outcome.is_err(), answered);
                 Some((index, outcome))
             }
@@ -232,10 +228,7 @@ impl<'a> Pipeline<'a> {
 
     /// Notes how the points were computed.
     fn note_conduct(&mut self) -> Result<(), Error> {
-        let Some(crew) = self.crew else {
-            return Ok(());
-        };
-        let conduct = self.again.told(crew.conduct());
+        let conduct = self.again.told(self.crew.conduct());
         if self.noted.replace(conduct.clone()).as_ref() == Some(&conduct) {
             return Ok(());
         }
@@ -255,32 +248,21 @@ impl<'a> Pipeline<'a> {
         self.asked += points.len() as u64;
         self.begin_set(first, points)?;
         let mut outcomes = self.known(first, points.len())?;
-        let open: Vec<usize> =
-            (0..points.len()).filter(|&k| outcomes[k].is_none() && self.part.has(first + k as u64)).collect();
+        let open: Vec<usize> = (0..points.len()).filter(|&k| outcomes[k].is_none()).collect();
         if !open.is_empty() {
-            if self.workers.is_empty() {
-                return Err(Error::Unknown { missing: open.len() as u64, of: points.len() as u64 });
-            }
             self.fill(first, points, &open, &mut outcomes)?;
-            if open.iter().any(|&k| outcomes[k].is_none()) {
-                return Err(self.interrupted());
-            }
         }
         let complete: Option<Vec<Outcome>> = outcomes.into_iter().collect();
-        complete.ok_or_else(|| Error::Shard(self.done()))
+        complete.ok_or_else(|| self.interrupted())
     }
 
-    /// The outcomes of points whose simulations are others, each in a new process; the journal does not have them. None where
-    /// the FMU gives other results in every process, since theirs would tell nothing.
+    /// The outcomes of points whose simulations are others, each in a new process; the journal does not have them.
     ///
     /// # Errors
     /// When no worker can be started, and when Ctrl-C has ended the run.
-    pub fn apart(&self, cases: &[Case], points: &[Vec<f64>]) -> Result<Option<Vec<Outcome>>, Error> {
-        let Some(crew) = self.crew else {
-            return Ok(None);
-        };
-        let size = crew.size().min(points.len());
-        let mut workers: Vec<_> = (0..size).map(|_| crew.worker(cases)).collect();
+    pub fn apart(&self, cases: &[Case], points: &[Vec<f64>]) -> Result<Vec<Outcome>, Error> {
+        let size = self.crew.size().min(points.len());
+        let mut workers: Vec<_> = (0..size).map(|_| self.crew.worker(cases)).collect();
         let values = points.iter().map(|point| self.model.values(point));
         let values: Vec<Vec<f64>> = values.collect();
         let job = |index: u64| Job { index, values: values[index as usize].clone() };
@@ -293,7 +275,7 @@ impl<'a> Pipeline<'a> {
             Ok::<_, Error>(ControlFlow::Continue(()))
         })?;
         let all: Option<Vec<Outcome>> = outcomes.into_iter().collect();
-        all.map(Some).ok_or_else(|| self.interrupted())
+        all.ok_or_else(|| self.interrupted())
     }
 
     /// Computes the open points of a set.
@@ -354,18 +336,11 @@ impl<'a> Pipeline<'a> {
     /// # Errors
     /// When the system says no.
     pub fn pause(mut self) -> Result<(), Error> {
-        if let Some(crew) = self.crew {
-            self.again.run(crew, self.model)?;
-        }
+        self.again.run(self.crew, self.model)?;
         self.progress.finish();
         self.note_conduct()?;
         self.journal.sync()
     }
-}
-
-/// How many points of a part a journal knows.
-fn count_known(finished: &Finished, part: &Part) -> u64 {
-    finished.points().filter(|index| part.has(*index)).count() as u64
 }
 
 /// Identifies a set of points: their number and a checksum of all their digits.

@@ -71,7 +71,7 @@ impl Place<'_> {
                         section.replace("[[", "[").replace("]]", "]")
                     ),
                     _ if is_broken && !message.starts_with("duplicate key") => format!("{message}; {RULES}"),
-                    _ => remedy(error.message(), line).unwrap_or(message),
+                    _ => remedy(&message, line).unwrap_or(message),
                 };
                 self.error(span.start, message)
             }
@@ -112,14 +112,10 @@ const LIMITS: [&str; 6] = ["min", "max", "lower", "upper", "below", "above"];
 pub const BOTH_SIDES: &str = "a single limit is `at-most` or `at-least`, without `nominal` and `tolerance`; a tolerance that is not \
                               the same to both sides is tolerance = { minus = \"1 degC\", plus = \"2 degC\" }";
 
-/// The remedy where a section is one of several, or its name lacks its quotes.
+/// The remedy where the name of a section lacks its quotes.
 fn remedy(message: &str, line: &str) -> Option<String> {
-    let name = line.trim().strip_prefix('[')?.trim_end_matches(']');
-    if message.contains("expected a sequence") {
-        return Some(format!("there may be several of this section: write two brackets around its name, [[{name}]]"));
-    }
-    let (section, name) = name.split_once('.')?;
-    let is_bare = message.contains("unknown field") && name.contains('.') && !name.contains(['"', '\'']);
+    let (section, name) = line.trim().strip_prefix('[')?.trim_end_matches(']').split_once('.')?;
+    let is_bare = message.starts_with("unknown field") && name.contains('.') && !name.contains(['"', '\'']);
     is_bare.then(|| format!("a name with a point in it needs quotes: [{section}.\"{name}\"]"))
 }
 
@@ -141,11 +137,6 @@ fn suggest(message: &str) -> String {
             let start = message.split(',').next().unwrap_or_default();
             format!("{start}; {BOTH_SIDES}")
         }
-        Some("discrepancy") if unknown => {
-            "`discrepancy` is gone: how far the model itself may be off is part of `accuracy` (of a criterion's `noise`), as the root of \
-             the sum of squares"
-                .to_owned()
-        }
         Some(wrong) if unknown => match nearest(wrong, names) {
             Some(right) => {
                 let start = message.split(',').next().unwrap_or_default();
@@ -159,7 +150,7 @@ fn suggest(message: &str) -> String {
 
 /// Says what is expected in words of the study, not in those of the program.
 fn plain(message: &str) -> String {
-    const WORDS: [(&str, &str); 12] = [
+    const WORDS: [(&str, &str); 13] = [
         (
             "missing field `share`",
             "`share` is missing, the part of the points that must meet all criteria: share = \"90 %\"",
@@ -167,6 +158,7 @@ fn plain(message: &str) -> String {
         ("missing field", "this key is missing:"),
         ("wanted string or table", "expected a text in quotes"),
         ("expected a map", "expected a section with keys"),
+        ("expected a sequence", "expected a list: a section in two brackets, [[NAME]]"),
         ("expected f64", "expected a number"),
         ("expected u64", "expected a whole number, not negative"),
         ("expected usize", "expected a whole number, not negative"),
@@ -200,7 +192,7 @@ mod tests {
             (
                 "[design]",
                 "[cases]\n[design]",
-                "2:1: there may be several of this section: write two brackets around its name, [[cases]]",
+                "2:1: invalid type: map, expected a list: a section in two brackets, [[NAME]]",
             ),
             ("\"lag.rate\"]", "lag.rate]", "4:17: a name with a point in it needs quotes: [parameters.\"lag.rate\"]"),
             ("\"normal\"", "\"gauss\"", "did you mean `normal`?"),

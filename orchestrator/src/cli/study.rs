@@ -7,7 +7,7 @@ use clap::{Args, Parser};
 
 use super::{Cli, Command, verdict_help};
 use crate::methods::rare::{self, RareEvent};
-use crate::options::Work;
+use crate::options::{Shards, Work};
 use crate::results::MOST_EXTRA_RUNS;
 use crate::session::Until;
 
@@ -33,6 +33,9 @@ pub struct Verify {
     /// The study, how its points are run, and where the results go
     #[command(flatten)]
     pub work: Work,
+    /// A part of the points
+    #[command(flatten)]
+    pub shards: Shards,
     /// How many points, instead of the study's number
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub points: Option<u64>,
@@ -53,9 +56,6 @@ pub struct Verify {
     /// Show points, design and criteria and estimate the time from a few points; run nothing else
     #[arg(long)]
     pub dry_run: bool,
-    /// Write points.parquet, too
-    #[arg(long)]
-    pub parquet: bool,
     /// End early: "ci 0.01" when the 95 % interval of the share is 0.01 wide, "verdict" when the study's [verdict] is decided;
     /// at the latest at --points, --budget, or a million
     #[arg(long, value_name = "CONDITION", conflicts_with_all = ["shard", "shard_index"])]
@@ -74,7 +74,7 @@ pub struct Verify {
         value_name = "OF",
         num_args = 0..=1,
         default_missing_value = "verified",
-        conflicts_with_all = ["points", "until", "validation", "points_from", "shard", "shard_index", "parquet", "dry_run", "junit", "strict"]
+        conflicts_with_all = ["points", "until", "validation", "points_from", "shard", "shard_index", "dry_run", "junit", "strict"]
     )]
     pub rare: Option<RareEvent>,
     /// Rerun at most N points, finer and longer, to see whether their values have settled
@@ -163,9 +163,6 @@ pub struct Merge {
     /// The folder for the results
     #[arg(long, value_name = "DIR")]
     pub output: PathBuf,
-    /// Write points.parquet, too
-    #[arg(long)]
-    pub parquet: bool,
     /// The FMU's new path, if it has moved
     #[arg(long, value_name = "FMU")]
     pub fmu: Option<PathBuf>,

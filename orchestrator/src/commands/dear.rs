@@ -13,7 +13,7 @@ use crate::methods::sensitivity;
 use crate::methods::setup::{self, Place, Source as _, Work};
 use crate::reruns::Wish;
 use crate::results::summary::Run;
-use crate::results::{self, Summary, parquet};
+use crate::results::{self, Summary};
 use crate::session::budget::{self, Budget};
 use crate::session::{Request, Until, Verification};
 use crate::source::Source;
@@ -21,7 +21,7 @@ use sampling::design::Design;
 
 /// Runs the command.
 pub(super) fn run(options: &Verify, runs: u64) -> Result<ExitCode, Error> {
-    let folder = options.work.folder(None)?;
+    let folder = options.work.folder();
     let verification = open(options, runs, &folder)?;
     if options.dry_run {
         return tried(options, verification, &folder);
@@ -33,11 +33,11 @@ pub(super) fn run(options: &Verify, runs: u64) -> Result<ExitCode, Error> {
 
 /// Runs `sensitivity --budget N`: the points are those of `verify --budget N`, and what is there of them is not run again.
 pub(super) fn sensitivity(mut options: sensitivity::Options, runs: u64) -> Result<Delivery, Error> {
-    let folder = options.work.folder(None)?;
+    let folder = options.work.folder();
     let mut verify = Verify::of(&options.work.study);
     let then = Request::read(&folder).ok().and_then(|request| request.budget);
     verify.work = options.work;
-    verify.work.parts.resume |= !verify.work.parts.force && then.is_some();
+    verify.work.resuming.resume |= !verify.work.resuming.force && then.is_some();
     verify.seed = options.seed;
     // What is there already may be more than is asked for now.
     let runs = then.map_or(runs, |then| then.runs.max(runs));
@@ -87,11 +87,11 @@ fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> 
     let spent = session.request.budget.clone().unwrap_or_default();
     let jobs = means.jobs_of(spent.points())?;
     let mut looked = verification.looked(folder, &[])?;
-    let place = Place { output: folder, analysis: None, earlier: options.work.parts.earlier() };
+    let place = Place { output: folder, analysis: None, earlier: options.work.resuming.earlier() };
     let (header, summary) = (verification.header.clone(), folder.join("summary.json"));
     let taken = place.take(verification.parts(), &header, || {
         // What was complete is so no more.
-        match options.work.parts.resume && spent.places.is_empty() && summary.exists() {
+        match options.work.resuming.resume && spent.places.is_empty() && summary.exists() {
             true => fs::remove_file(&summary).map_err(Error::io(&summary)),
             false => Ok(()),
         }
@@ -109,9 +109,6 @@ fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> 
     verification.source = Source::Chosen { design: net, places: told.places.clone() };
     let run = Run { hosts, ..Run::since(begun, computed, jobs) };
     let mut summary = verification.conclude(folder, Some(run), None, &mut looked, Some(&told))?;
-    if options.parquet {
-        parquet::convert(folder, &summary)?;
-    }
     let here = means.jobs_here().min(jobs);
     let wish = Wish { most: 0, validation: false, dear: true, limits: means.limits(here)?, jobs: here };
     verify::finish(&mut verification, folder, &mut summary, &wish);
@@ -126,7 +123,7 @@ fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> 
 
 /// The study with its budget, which goes on from what the folder holds where that is resumed.
 fn open(options: &Verify, runs: u64, folder: &Path) -> Result<Verification, Error> {
-    let resumed = options.work.parts.resume && Request::is_in(folder);
+    let resumed = options.work.resuming.resume && Request::is_in(folder);
     let then = if resumed { Request::read(folder)?.budget } else { None };
     let mut request = verify::request(options)?;
     request.budget = Some(Budget::default());

@@ -1,6 +1,5 @@
 //! `inspect`: what an FMU is.
 
-use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::process::ExitCode;
 
@@ -11,48 +10,25 @@ use crate::cli::Inspect;
 use crate::error::Error;
 use crate::results::points::number;
 use fmu_import::units::Conversion;
-use fmu_import::{Causality, Description, Kind, Package, Variable, xml};
+use fmu_import::{Causality, Description, Kind, Package, Variable};
 use fmu_points::tell::one_line;
 
 pub(super) fn run(options: &Inspect) -> Result<ExitCode, Error> {
-    let mut package = Package::open(&options.fmu)?;
-    let terminals = terminals(&mut package);
+    let package = Package::open(&options.fmu)?;
     let fmu = package.description();
     let platforms = package.platforms();
     if options.json {
         let mut value = json!(fmu);
         value["platforms"] = json!(platforms);
-        value["terminals"] = json!(terminals);
         value["variables"] = fmu.variables.values().map(|variable| json!(variable)).collect();
         output::print(&format!("{value:#}\n"));
     } else {
-        output::print(&text(fmu, &platforms, &terminals));
+        output::print(&text(fmu, &platforms));
     }
     Ok(ExitCode::SUCCESS)
 }
 
-/// The terminals of an FMU, with the variables that are connected together there.
-type Terminals = BTreeMap<String, Vec<String>>;
-
-/// Those in `terminalsAndIcons.xml`; none where there is no such file, or none that can be read.
-fn terminals(package: &mut Package) -> Terminals {
-    let bytes = package.bytes_of("terminalsAndIcons/terminalsAndIcons.xml");
-    let text = String::from_utf8(bytes.unwrap_or_default()).unwrap_or_default();
-    let Ok(document) = xml::parse(&text) else {
-        return Terminals::new();
-    };
-    let all = document.root_element().descendants();
-    all.filter(|node| node.has_tag_name("Terminal"))
-        .filter_map(|node| {
-            let members = xml::children(node, "TerminalMemberVariable");
-            let members = members.filter_map(|member| member.attribute("variableName"));
-            let members = members.map(str::to_owned).collect();
-            Some((node.attribute("name")?.to_owned(), members))
-        })
-        .collect()
-}
-
-fn text(fmu: &Description, platforms: &[String], terminals: &Terminals) -> String {
+fn text(fmu: &Description, platforms: &[String]) -> String {
     let mut text = String::new();
     // Writing to a String cannot fail.
     let _ = writeln!(text, "{} (FMI {} for {})", fmu.model_name, fmu.fmi_version, fmu.interface.name());
@@ -69,9 +45,6 @@ fn text(fmu: &Description, platforms: &[String], terminals: &Terminals) -> Strin
     row("platforms", &platforms.join(", "));
     row("experiment", &experiment(fmu));
     row("capabilities", &capabilities(fmu));
-    let terminals = terminals.iter();
-    let terminals = terminals.map(|(name, members)| format!("{name} ({})", members.join(", ")));
-    row("terminals", &terminals.collect::<Vec<_>>().join("; "));
     let unusable = fmu.unusable.iter();
     let unusable: Vec<String> = unusable.map(|(name, why)| format!("{name} ({why})")).collect();
     row("not usable", &unusable.join("; "));

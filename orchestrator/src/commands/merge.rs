@@ -1,82 +1,65 @@
 //! `merge`: joins shards; the same result as one run.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::process::ExitCode;
 use std::thread::available_parallelism;
 use std::time::{Duration, Instant};
 
-use super::{deliver, verify};
+use super::verify;
 use crate::cli::Merge;
 use crate::error::Error;
-use crate::methods;
-use crate::methods::join::Shards;
 use crate::methods::setup::{Place, Source};
 use crate::reruns::Wish;
+use crate::results::MOST_EXTRA_RUNS;
 use crate::results::summary::Run;
-use crate::results::{MOST_EXTRA_RUNS, parquet};
 use crate::session::{Request, Verification};
 use fmu_points::Limits;
+use point_journal::pipeline::folder::Earlier;
+use point_journal::{Header, journal, lines};
 
 pub(super) fn run(options: &Merge) -> Result<ExitCode, Error> {
-    let folders = options.folders.iter().map(|folder| shard_in(folder));
-    let folders: Vec<PathBuf> = folders.collect::<Result<_, _>>()?;
-    let shards = Shards { folders: &folders, output: &options.output, force: options.force };
+    let start = Instant::now();
+    let Merge { folders, output, .. } = options;
     let [first, ..] = &folders[..] else {
-        return Err(Error::Missing(options.output.clone()));
+        return Err(Error::Missing(output.clone()));
     };
     let mut request = Request::read(first)?;
     request.shard = None;
     request.fmu = options.fmu.clone().or(request.fmu);
-    match request.analysis {
-        Some(_) => deliver(methods::join(&shards, request)?),
-        None => join_verification(options, &shards, request),
-    }
-}
-
-/// The folder of the journal in a shard's folder: that of `verify`, or that of the only analysis.
-fn shard_in(folder: &Path) -> Result<PathBuf, Error> {
-    if Request::is_in(folder) {
-        return Ok(folder.to_owned());
-    }
-    let candidates = methods::NAMES.iter().map(|name| folder.join(name));
-    let shards: Vec<PathBuf> = candidates.filter(|inner| Request::is_in(inner)).collect();
-    match &shards[..] {
-        [] => Err(Error::Missing(folder.to_owned())),
-        [only] => Ok(only.clone()),
-        [one, ..] => Err(Error::Refused(format!(
-            "{} holds shards of several analyses; name one of them, such as {}",
-            folder.display(),
-            one.display()
-        ))),
-    }
-}
-
-fn join_verification(options: &Merge, shards: &Shards<'_>, request: Request) -> Result<ExitCode, Error> {
-    let start = Instant::now();
-    let output = &options.output;
     let mut verification = Verification::open(request)?;
-    let named = shards.check(&verification.header)?;
-    let mut looked = verification.looked(output, shards.folders)?;
-    let place = Place { output, analysis: None, earlier: shards.earlier(output.join("summary.json").exists()) };
+    let named = shards(folders, &verification.header)?;
+    let mut looked = verification.looked(output, folders)?;
+    // A merge that was interrupted goes on, one that is complete is done again.
+    let earlier = match (options.force, output.join("summary.json").exists()) {
+        (true, _) => Earlier::Replaced,
+        (_, true) => Earlier::Complete,
+        _ => Earlier::Resumed,
+    };
+    let place = Place { output, analysis: None, earlier };
     let mut taken = place.take(verification.parts(), &verification.header, || Ok(()))?;
-    shards.fill(&mut taken.journal)?;
+    for folder in folders {
+        journal::copy(folder, &mut taken.journal)?;
+    }
+    taken.journal.sync()?;
     let run = Run::since(start, 0, 0);
     let summary = verification.conclude(output, Some(run), None, &mut looked, None);
     let summary = summary.map_err(|error| match error {
-        Error::Incomplete { missing, points, .. } => shards.incomplete([missing, points], &named, "verify STUDY"),
+        Error::Incomplete { missing, points, .. } => Error::Refused(format!(
+            "{missing} of {points} points are in none of the shards {}; merge all of them, or compute what is missing with \
+             `verify STUDY --output {} --resume`",
+            named.join(", "),
+            output.display()
+        )),
         error => error,
     })?;
     // Shards that grow and are joined again know of it, where they can be written to.
-    for folder in shards.folders {
+    for folder in folders {
         if looked.write(folder).is_err() {
             fmu_points::tell::line!(
                 "note: {} does not take a note of this verdict; join its points in the same --output",
                 folder.display()
             );
         }
-    }
-    if options.parquet {
-        parquet::convert(output, &summary)?;
     }
     let jobs = available_parallelism().map_or(1, Into::into);
     let wish = Wish {
@@ -87,4 +70,27 @@ fn join_verification(options: &Merge, shards: &Shards<'_>, request: Request) -> 
         jobs,
     };
     verify::conclude(&mut verification, output, summary, &wish, (&options.gate, options.verbose))
+}
+
+/// Refuses folders that are not of one study, before anything is written; names their shards.
+fn shards(folders: &[PathBuf], of: &Header) -> Result<Vec<String>, Error> {
+    let name = |folder: &PathBuf| {
+        let then = lines::header(folder)?;
+        // Only the part differs from one to the other.
+        let same_part = Header { shard: then.shard.clone(), ..of.clone() };
+        match same_part.difference(&then) {
+            None => Ok(then.shard.unwrap_or_else(|| "1/1".to_owned())),
+            // The first one gave the study file; its points are older than what stands there now.
+            Some((what, then, now)) if *folder == folders[0] => Err(Error::Refused(format!(
+                "{} has points of another {what} ({then}) than there is now ({now}); run it again",
+                folder.display(),
+            ))),
+            Some((what, then, now)) => Err(Error::Refused(format!(
+                "{} has another {what} ({then}) than {} ({now}); leave it out",
+                folder.display(),
+                folders[0].display(),
+            ))),
+        }
+    };
+    folders.iter().map(name).collect()
 }

@@ -58,10 +58,6 @@ pub fn run(cli: Cli) -> Result<ExitCode, Error> {
             fmu_points::tell::line!("{halt}");
             Ok(ExitCode::from(INTERRUPTED))
         }
-        Err(Error::Journal(halt @ Halt::Shard(_))) => {
-            output::print(&format!("{halt}; `orchestrator merge` joins the shards\n"));
-            Ok(ExitCode::SUCCESS)
-        }
         other => other,
     }
 }

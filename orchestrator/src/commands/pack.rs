@@ -102,7 +102,7 @@ pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
     let usual = || Path::new("results").join(fmu.file_name().unwrap_or_default()).join(name);
     let folder = options.work.output.clone().unwrap_or_else(usual);
     let place = folder.join(CARRIED);
-    let earlier = options.work.parts.earlier();
+    let earlier = options.work.resuming.earlier();
     let aside = settle(&mut package, &carried, &place, |study| {
         let fmu = options.work.means.fmu.as_ref().unwrap_or(&fmu).clone();
         let request = Request { study: place.join(&carried.ties.study), fmu: Some(fmu), ..Request::default() };
@@ -129,7 +129,7 @@ pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
     options.validation |= ties.validation;
     let file = options.gate.junit.take();
     let code = verify::run(&options)?;
-    if options.dry_run || options.work.parts.shard()?.is_some() {
+    if options.dry_run || options.shards.chosen()?.is_some() {
         return Ok(code);
     }
     let results = place.join("results");

@@ -15,9 +15,10 @@ use crate::cli::{Gate, Verify};
 use crate::error::Error;
 use crate::methods::setup::{self, Place, Source, Work};
 use crate::methods::{asking, identify};
+use crate::options::folder_of;
 use crate::reruns::{self, Wish};
 use crate::results::summary::Run;
-use crate::results::{Looked, Summary, parquet};
+use crate::results::{Looked, Summary};
 use crate::session::{Ending, Front, Request, Session, Verification};
 use conformity::decision::Decision;
 use fmu_points::names::behind;
@@ -35,7 +36,7 @@ const MOST_POINTS: u64 = 1_000_000;
 
 /// Refuses to write a verdict of a part of the points.
 fn refuse_verdict_of_part(options: &Verify) -> Result<(), Error> {
-    if options.gate.junit.is_some() && options.work.parts.shard()?.is_some() {
+    if options.gate.junit.is_some() && options.shards.chosen()?.is_some() {
         let message = "a part of the points has no verdict; give this option to `merge`";
         return Err(Error::option("junit", message));
     }
@@ -48,7 +49,10 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
     let mut verification = Verification::open(request(options)?)?;
     asking::warn(&verification.session.judge);
     let means = &options.work.means;
-    let folder = options.work.folder(None)?;
+    let folder = match (&options.work.output, verification.session.request.shard) {
+        (None, Some(shard)) => folder_of(&options.work.study).join(format!("shard-{}-of-{}", shard.number, shard.of)),
+        _ => options.work.folder(),
+    };
     let mut looked = verification.looked(&folder, &[])?;
     let ending = check(options, &verification, &looked)?;
     // More workers than points would only take memory from each other.
@@ -59,7 +63,7 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
         output::print(&cost::of(&mut verification, means, jobs)?);
         return Ok(ExitCode::SUCCESS);
     }
-    let place = Place { output: &folder, analysis: None, earlier: options.work.parts.earlier() };
+    let place = Place { output: &folder, analysis: None, earlier: options.work.resuming.earlier() };
     let header = verification.header.clone();
     let taken = place.take(verification.parts(), &header, || match place.earlier == Earlier::Resumed {
         true => extend(&verification, &folder),
@@ -89,9 +93,6 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
     }
     let run = Run { hosts, ..Run::since(begun, computed, jobs) };
     let mut summary = verification.conclude(&folder, Some(run), ending.as_ref(), &mut looked, None)?;
-    if options.parquet {
-        parquet::convert(&folder, &summary)?;
-    }
     let jobs = means.jobs_here().min(jobs);
     let limits = means.limits(jobs)?;
     let wish = Wish { most: options.extra_runs, validation: options.validation, dear: false, limits, jobs };
@@ -117,7 +118,7 @@ fn explain(options: &Verify, folder: &Path, summary: &mut Summary) {
         return;
     }
     // A search that was cut short goes on with the study.
-    let earlier = match options.work.parts.earlier() {
+    let earlier = match options.work.resuming.earlier() {
         Earlier::Resumed => Earlier::Resumed,
         _ => Earlier::Replaced,
     };
@@ -273,7 +274,7 @@ pub(super) fn request(options: &Verify) -> Result<Request, Error> {
         most: options.until.map(|_| MOST_POINTS),
         seed: options.seed,
         points_from: options.points_from.clone(),
-        shard: options.work.parts.shard()?,
+        shard: options.shards.chosen()?,
         ..Request::default()
     })
 }

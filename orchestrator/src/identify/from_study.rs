@@ -128,8 +128,7 @@ pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Resu
         }
     }
     bound.notes.append(&mut assumed);
-    bound.notes.extend(repeated(&fitted, &judge));
-    bound.notes.extend(rectangular(&fitted, &judge, &plan));
+    bound.notes.extend(as_normal(&fitted, &judge, &plan));
     let populations = bound.problem.populations.iter();
     bound.notes.extend(populations.map(|population| {
         let first = &bound.problem.free[population.members[0]];
@@ -150,46 +149,24 @@ pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Resu
     Ok(bound)
 }
 
-/// What is assumed of means of repeats.
-fn repeated(study: &Study, judge: &Judge) -> Option<String> {
-    let all = study.criteria.keys().zip(&judge.criteria);
-    let repeated = all.filter_map(|(name, criterion)| {
-        let uncertainty = criterion.uncertainty.filter(|u| u.repeats.is_some())?;
-        let law = uncertainty.law(criterion.measured().value?);
-        Some((name.as_ref().as_str(), law))
-    });
-    let (names, laws): (Vec<&str>, Vec<Law>) = repeated.unzip();
-    let factor = |law: &Law| law.among(laws.len()).as_normal() / law.standard();
-    let most = laws.iter().map(factor).reduce(f64::max)?;
-    let together = match laws.len() {
-        1 => "as wide a 95 % interval",
-        _ => "so wide an interval that those of all hold together with 95 %",
-    };
-    Some(format!(
-        "The noise of {} is known from the repeats alone, so the error of their mean is Student's. The table takes a normal error with {together} (up to {} times the standard uncertainty), --posterior N Student's distribution, as wide.",
-        names.join(", "),
-        rounded(most, 3)
-    ))
-}
-
-/// What is assumed of errors that are stated as rectangular.
-fn rectangular(study: &Study, judge: &Judge, plan: &Plan) -> Option<String> {
+/// What is assumed of errors that are not normal: rectangular limits, and Student's of a mean of repeats.
+fn as_normal(study: &Study, judge: &Judge, plan: &Plan) -> Option<String> {
     let of_curve = |probe: &Probe| {
         let errors = probe.curve.as_ref().and_then(|curve| curve.errors.as_ref());
         errors.is_some_and(|errors| errors.rectangular)
     };
-    let all = study.criteria.keys().zip(&judge.criteria);
-    let names = all.zip(plan.placed_probes());
-    let names = names.filter(|((_, criterion), (_, probe))| {
-        let value = criterion.uncertainty;
-        of_curve(probe) || value.is_some_and(|u| u.distribution == uncertainty::Distribution::Rectangular)
-    });
-    let names: Vec<&str> = names.map(|((name, _), _)| name.as_ref().as_str()).collect();
+    let of_value = |criterion: &Criterion| {
+        let is_other = |u: Uncertainty| u.repeats.is_some() || u.distribution == uncertainty::Distribution::Rectangular;
+        criterion.uncertainty.is_some_and(is_other)
+    };
+    let all = study.criteria.keys().zip(&judge.criteria).zip(plan.placed_probes());
+    let others = all.filter(|((_, criterion), (_, probe))| of_curve(probe) || of_value(criterion));
+    let names: Vec<&str> = others.map(|((name, _), _)| name.as_ref().as_str()).collect();
     (!names.is_empty()).then(|| {
         format!(
-            "The table takes the rectangular limits of error of {} as normal errors with the same standard deviation: an interval that \
-             rests on one of them alone is 19 % too wide, and where the data speak for an error near its limit one is too wide or \
-             too narrow by up to a half. --posterior N takes the limits as they are.",
+            "The table takes the errors of {} as normal, though they are rectangular, or known from few repeats: rectangular ones with \
+             their standard deviation, means of repeats with as wide a 95 % interval as Student's, of several so wide that all hold \
+             together. --posterior N takes them as they are.",
             names.join(", ")
         )
     })

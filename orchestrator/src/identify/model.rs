@@ -97,10 +97,8 @@ impl<'a, 'b> FmuModel<'a, 'b> {
     ) -> Result<Vec<Prediction>, NoPrediction> {
         let mut cases = self.bound.simulations.clone();
         cases.iter_mut().for_each(|case| change(&mut case.task));
-        match self.pipeline.borrow().apart(&cases, &points).transpose() {
-            Some(outcomes) => self.predicted(queries, outcomes),
-            None => Err(NoPrediction::Here("the FMU gives other results each time".to_owned())),
-        }
+        let outcomes = self.pipeline.borrow().apart(&cases, &points);
+        self.predicted(queries, outcomes)
     }
 
     fn points(&self, queries: &[Query]) -> Vec<Vec<f64>> {

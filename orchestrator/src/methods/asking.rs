@@ -1,4 +1,4 @@
-//! Analyses that ask for points of their own, however they come to be run: begun, resumed, in parts, or joined.
+//! Analyses that ask for points of their own, however they come to be run: begun or resumed.
 
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -12,16 +12,16 @@ use crate::options::{Means, Work};
 use crate::results::origin::Origin;
 use crate::results::table;
 use crate::results::validity::Validity;
-use crate::session::{Asking, Request, Session};
+use crate::session::{Request, Session};
 use conformity::decision::Decision;
 use parameter_regions::table::PointTable;
 use point_journal::files::{make_folder, write_json};
+use point_journal::pipeline::Pipeline;
 use point_journal::pipeline::folder::{Earlier, Kept};
-use point_journal::pipeline::{Pipeline, Shard};
 use point_journal::{Header, Outcome};
 
-/// An analysis that asks for points of its own. Its fields are its options, as the request keeps them.
-pub trait Analysis: Serialize {
+/// An analysis that asks for points of its own. Its fields are its options.
+pub trait Analysis {
     /// Its name: that of its command, and of the folder of its journal.
     const NAME: &'static str;
 
@@ -40,11 +40,6 @@ pub trait Analysis: Serialize {
     /// # Errors
     /// When the options say nothing that can be run.
     fn points(&self, source: &Self::Source) -> Result<PointSet, Error>;
-
-    /// Why parts of the points cannot be computed apart, if they cannot.
-    fn one_piece(&self) -> Option<&'static str> {
-        None
-    }
 
     /// Refuses what it cannot do, before the folder is taken and what an earlier run left there is replaced.
     ///
@@ -202,22 +197,12 @@ pub(super) fn session(request: Request, takes: Takes) -> Result<Session, Error> 
 
 /// Reads what the points of an analysis are run of.
 pub(super) fn open<A: Analysis>(work: &Work, analysis: &A) -> Result<A::Source, Error> {
-    let shard = work.parts.shard()?;
-    if let (Some(_), Some(message)) = (shard, analysis.one_piece()) {
-        return Err(Error::option("shard", message));
-    }
-    analysis.open(request(&work.study, &work.means, shard, analysis))
+    analysis.open(request(&work.study, &work.means))
 }
 
 /// What was asked for.
-pub(super) fn request<A: Analysis>(study: &Path, means: &Means, shard: Option<Shard>, analysis: &A) -> Request {
-    Request {
-        study: study.to_owned(),
-        fmu: means.fmu.clone(),
-        shard,
-        analysis: Some(Asking { name: A::NAME.to_owned(), options: serde_json::json!(analysis) }),
-        ..Request::default()
-    }
+pub(super) fn request(study: &Path, means: &Means) -> Request {
+    Request { study: study.to_owned(), fmu: means.fmu.clone(), ..Request::default() }
 }
 
 /// The journal's header: which study, FMU and analysis its points belong to.
@@ -234,7 +219,6 @@ pub fn header<A: Analysis>(source: &A::Source, analysis: &A) -> Result<Header, E
         table: set.table,
         seed: set.seed,
         points: set.points,
-        shard: parts.request.shard.map(|shard| shard.to_string()),
         analysis: Some(format!("{}, {}", A::NAME, set.method)),
         ..Header::default()
     })
@@ -247,7 +231,7 @@ pub(super) fn run<A: Analysis>(
     work: &Work,
     folder: PathBuf,
 ) -> Result<Delivery, Error> {
-    run_by(source, analysis, (&work.means, work.parts.earlier()), folder)
+    run_by(source, analysis, (&work.means, work.resuming.earlier()), folder)
 }
 
 /// The same by these processes, with this treatment of an earlier run.

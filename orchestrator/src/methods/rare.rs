@@ -67,7 +67,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
     // A refusal is one line, without doubts before it.
     analysis.check(&session)?;
     asking::warn(&session.judge);
-    let folder = options.work.folder(None)?;
+    let folder = options.work.folder();
     asking::run(session, &analysis, &options.work, folder)
 }
 
@@ -96,7 +96,7 @@ fn refuse(session: &Session, event: RareEvent) -> Result<(), Error> {
 }
 
 /// A search for a rare share.
-#[derive(Debug, Serialize)]
+#[derive(Debug)]
 struct Rare {
     event: RareEvent,
     /// All runs of the FMU.
@@ -117,10 +117,6 @@ impl Analysis for Rare {
             method: format!("{} with at most {} runs", word(&self.event), self.budget),
             table: None,
         })
-    }
-
-    fn one_piece(&self) -> Option<&'static str> {
-        Some("each set of points depends on the ones before; run it in one piece")
     }
 
     fn open(&self, request: Request) -> Result<Session, Error> {

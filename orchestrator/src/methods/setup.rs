@@ -154,8 +154,7 @@ fn run_in<S: Source, T>(
     let source = &*source;
     let parts = source.parts();
     let part = Part::of(parts.request.shard, header);
-    let run = Some((&crew, parts.cases));
-    let mut pipeline = Pipeline::new(parts.model, run, folder.journal, folder.finished, part);
+    let mut pipeline = Pipeline::new(parts.model, (&crew, parts.cases), folder.journal, folder.finished, part);
     let told = ask(source, &mut pipeline);
     match told.is_ok() && work.ends {
         true => pipeline.end()?,

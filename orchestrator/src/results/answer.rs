@@ -10,16 +10,13 @@ use super::by_surrogate::BySurrogate;
 use super::settled::Settled;
 use super::summary::{CriterionCount, FailureKind};
 use super::surrogate;
-use super::words::{accepted, beyond_validity, capitalised, firmness, guard, looked, unknown};
+use super::words::{accepted, beyond_validity, capitalised, few, guard, looked, unknown};
 use super::{Summary, resampled::presumed};
 use conformity::conclusion::{Conclusion, Requirement, grouped, percent};
 use conformity::decision::Decision;
 use fmu_points::Conduct;
 use result_document::format::number;
 use study::concern::{Concern, Severity};
-
-/// The confidence at which a verdict is firm.
-const USUAL: f64 = 0.95;
 
 /// What a reader has to know who reads no further.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -239,8 +236,7 @@ fn decides(summary: &Summary) -> Vec<String> {
         Some(risk) => accepted(conclusion.accepted, risk, summary),
         None => unknown(summary),
     }));
-    let weak = conclusion.filter(|conclusion| is_weak(conclusion));
-    list.extend(weak.and_then(|conclusion| firmness(conclusion, summary)));
+    list.extend(conclusion.and_then(|conclusion| few(conclusion, summary)));
     list.extend(odd(summary).map(|odd| format!("Warning: {odd}.")));
     list.extend(company(summary));
     list.extend(doubts(summary));
@@ -248,12 +244,6 @@ fn decides(summary: &Summary) -> Vec<String> {
     list.extend(conclusion.and_then(guard));
     list.extend(decisive);
     list
-}
-
-/// Whether other points may well come to the other verdict.
-fn is_weak(conclusion: &Conclusion) -> bool {
-    let interval = conclusion.other_verdict_interval;
-    interval.is_some_and(|[_, most]| most >= 1.0 - USUAL)
 }
 
 /// How the points were computed, and doubts as a whole.
@@ -266,16 +256,13 @@ pub fn remarks(summary: &Summary) -> Vec<String> {
     computed.chain(doubts).chain(further(summary)).collect()
 }
 
-/// How firmly the verdict stands where that is no doubt, and what its risks presume.
+/// How often one has looked, and what the risks presume.
 fn further(summary: &Summary) -> Vec<String> {
     let compared = summary.failed < summary.points && !summary.has_own_values();
     let Some(conclusion) = summary.conclusion.as_ref().filter(|_| compared) else {
         return Vec::new();
     };
-    let firm = Some(conclusion).filter(|conclusion| !is_weak(conclusion));
-    let firm = firm.and_then(|conclusion| firmness(conclusion, summary));
-    let sentences = [firm, looked(conclusion)];
-    sentences.into_iter().flatten().chain(presumed(summary)).collect()
+    looked(conclusion).into_iter().chain(presumed(summary)).collect()
 }
 
 /// Doubts; those of one kind are told of the first criterion, with the names of the others.

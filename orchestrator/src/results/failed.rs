@@ -74,7 +74,7 @@ pub fn place(varied: &[(usize, &str, Option<&str>)], points: &[(impl AsRef<[f64]
 
 /// The conclusion where no point has a result: there is nothing to decide by.
 pub(super) fn nothing_compared(conclusion: &mut Conclusion, points: u64) {
-    let Conclusion { verdict, verdict_words, required, other_verdict_interval, risk, .. } = conclusion;
+    let Conclusion { verdict, verdict_words, required, risk, .. } = conclusion;
     *verdict = Decision::Inconclusive;
     *verdict_words = match points {
         1 => "inconclusive: the only point failed, so nothing was compared with the measurement".to_owned(),
@@ -87,6 +87,5 @@ pub(super) fn nothing_compared(conclusion: &mut Conclusion, points: u64) {
         required.points_needed_going_on = None;
         "none: no point has a result".clone_into(&mut required.method);
     }
-    *other_verdict_interval = None;
     *risk = None;
 }

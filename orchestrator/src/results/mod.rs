@@ -13,7 +13,6 @@ pub mod concerns;
 mod failed;
 pub mod looked;
 pub mod origin;
-pub mod parquet;
 pub mod points;
 mod resampled;
 pub mod settled;

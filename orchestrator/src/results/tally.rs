@@ -272,10 +272,6 @@ impl<'a> Tally<'a> {
         if self.is_dependent {
             untold(&mut conclusion, points);
         }
-        if self.replicates > 1 {
-            // How another seed's nets would differ is not known.
-            conclusion.other_verdict_interval = None;
-        }
         let compared = self.failed() < points;
         if !compared {
             failed::nothing_compared(&mut conclusion, points);
@@ -346,8 +342,6 @@ impl<'a> Tally<'a> {
 
 /// The conclusion from points whose share nothing tells the error of.
 fn untold(conclusion: &mut Conclusion, points: u64) {
-    // Points of another seed depend on each other, too.
-    conclusion.other_verdict_interval = None;
     let Some(required) = &mut conclusion.required else {
         return;
     };
@@ -373,7 +367,6 @@ fn unmeasured(conclusion: &mut Conclusion, points: u64) {
         grouped(points)
     );
     conclusion.required = None;
-    conclusion.other_verdict_interval = None;
 }
 
 /// Which measured values' errors are correlated.

@@ -2,6 +2,7 @@
 
 use super::Summary;
 use conformity::conclusion::{Conclusion, grouped, percent};
+use conformity::decision::Decision;
 use conformity::risk::Risk;
 
 /// How many of the points on which the verdict rests went beyond what the model is valid for.
@@ -16,18 +17,15 @@ pub(super) fn beyond_validity(summary: &Summary) -> Option<String> {
     })
 }
 
-/// Whether other points would say the same.
-pub(super) fn firmness(conclusion: &Conclusion, summary: &Summary) -> Option<String> {
-    let interval = conclusion.other_verdict_interval?;
-    other_verdict(interval, &summary.provenance.method).or_else(|| few(interval, summary))
-}
-
-/// That a verdict of the one-point rule rests on few points of a design, whose points are not independent.
-fn few([_, most]: [f64; 2], summary: &Summary) -> Option<String> {
-    const UNSURE: f64 = 0.05;
-    let conclusion = summary.conclusion.as_ref()?;
-    let is_few = conclusion.required.is_none() && conclusion.accepted > 0 && most > UNSURE;
-    is_few.then(|| {
+/// That a verdict of the one-point rule rests on few points.
+pub(super) fn few(conclusion: &Conclusion, summary: &Summary) -> Option<String> {
+    /// From so many on, other points have none with a probability below 5 %, even at the share's lower limit (Clopper and
+    /// Pearson).
+    const ENOUGH: u64 = 8;
+    let is_few =
+        conclusion.required.is_none() && conclusion.verdict == Decision::Verified && conclusion.accepted < ENOUGH;
+    let is_independent = summary.verified_interval.is_some() && summary.provenance.replicates.is_none();
+    (is_few && is_independent).then(|| {
         format!(
             "The verdict rests on {} of {} points: of others, with another seed, none may be accepted.{}",
             conclusion.accepted,
@@ -50,34 +48,6 @@ fn enough(summary: &Summary) -> Option<u64> {
     let points = (NINETY_FIVE / WITHIN).powi(2) * (1.0 - share) / share;
     let rounded: f64 = format!("{points:.1e}").parse().ok()?;
     (rounded.is_finite() && rounded > summary.points as f64).then_some(rounded as u64)
-}
-
-/// How probably other points come to the other verdict.
-fn other_verdict([least, most]: [f64; 2], method: &str) -> Option<String> {
-    const LITTLE: f64 = 0.001;
-    let points = match method {
-        "table" => "other points from the same source",
-        "monte-carlo" => "other random points",
-        // The points of other designs are not independent, and nothing is known of how their seeds differ.
-        _ => return None,
-    };
-    // A limit is not rounded down.
-    let above = |share: f64| match 100.0 * share {
-        percent if percent > 10.0 => short(percent.ceil()),
-        percent => short(percent),
-    };
-    let other =
-        |probability: String| format!("be the other one with a probability of {probability} (at a confidence of 95 %)");
-    if most - least > 0.9 {
-        let few = "too few points are accepted to say how probable that is";
-        return Some(format!("If the study were repeated with {points}, the verdict could be the other one; {few}."));
-    }
-    let verdict = match (least, most) {
-        (_, most) if most < LITTLE => "almost surely (more than 99.9 %) be the same".to_owned(),
-        (least, most) if least < LITTLE => other(format!("at most {} %", above(most))),
-        (least, most) => other(format!("{} to {} %", short(100.0 * least), above(most))),
-    };
-    Some(format!("If the study were repeated with {points}, the verdict would {verdict}."))
 }
 
 /// How often the study was judged with other numbers of points.

@@ -17,7 +17,7 @@ use study::points;
 
 pub use finale::{FileSet, provenance};
 use point_journal::{Header, Outcome};
-pub use request::{Asking, Request};
+pub use request::Request;
 pub use until::{Ending, Front, Until};
 pub use verification::Verification;
 

@@ -35,24 +35,12 @@ pub struct Request {
     /// A number of runs that chosen points share, instead of a design.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub budget: Option<Budget>,
-    /// The analysis that asks for points, where that is another one than `verify`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub analysis: Option<Asking>,
     /// The folder of the files that the study names, where that is not its own.
     #[serde(skip)]
     pub base: Option<PathBuf>,
     /// Where the study stood when it was run, if what is read now is the text that was kept.
     #[serde(skip)]
     pub original: Option<PathBuf>,
-}
-
-/// An analysis that asks for points of its own.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Asking {
-    /// Its name, which is that of its command.
-    pub name: String,
-    /// Its options.
-    pub options: serde_json::Value,
 }
 
 const FILE: &str = "request.json";

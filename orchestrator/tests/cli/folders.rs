@@ -72,7 +72,7 @@ fn the_umask_decides_who_may_read_every_file() {
     let program = env!("CARGO_BIN_EXE_orchestrator");
     for (umask, file, folder) in [("027", 0o640, 0o750), ("077", 0o600, 0o700), ("002", 0o664, 0o775)] {
         let commands = [
-            format!("verify study.toml --output {umask} --parquet"),
+            format!("verify study.toml --output {umask}"),
             format!("replay {umask} 2"),
             format!("sensitivity study.toml --base 4 --output {umask}"),
             format!("identify fit.toml --output {umask}/fit"),

@@ -227,7 +227,7 @@ lag = { min = "-60 ms", max = "60 ms" }
         let [low, high] = ends(&free["interval"]);
         assert!(low < truth && truth < high, "{name}: {low} .. {high}");
     }
-    assert!(said.out.contains("rectangular limits of error"), "{}", said.out);
+    assert!(said.out.contains("as normal, though they are rectangular"), "{}", said.out);
     let page = bench.read("out/report.html");
     for words in [
         "Fit and residuals",

@@ -399,57 +399,25 @@ fn a_hundred_kills_with_one_two_and_five_workers_cost_a_batch_a_worker_at_most()
 }
 
 #[test]
-fn shards_join_to_the_same_results() {
+fn what_has_no_parts_is_refused() {
     let bench = bench();
-    for analysis in [SENSITIVITY, SCREENING, ROBUSTNESS] {
-        let (whole, text) = analysis.undisturbed(&bench);
-        let mut folders = Vec::new();
-        for shard in ["3/3", "1/3", "2/3"] {
-            let folder = format!("part{}", &shard[..1]);
-            let said = analysis.run(&bench, &folder, &["--shard", shard]);
-            assert_eq!(said.code, 0, "{}", said.err);
-            assert!(said.out.contains("`orchestrator merge`"), "{}", said.out);
-            assert!(!bench.path(&format!("{folder}/{}", analysis.files[0])).exists());
-            folders.push(folder);
-        }
-        let merge = |parts: &[String], into: &str| {
-            let parts = parts.iter().map(String::as_str);
-            let command: Vec<&str> = ["merge"].into_iter().chain(parts).collect();
-            bench.run(&[&command[..], &["--output", into]].concat())
-        };
-        merge(&folders[1..], "joined").is_mistake(&["are in none of the shards 1/3, 2/3"]);
-        let mut said = merge(&folders, "joined");
-        if said.code == 2 {
-            // A statement did not hold. It is confirmed again by new points, which no shard could know of.
-            said.is_mistake(&["robustness STUDY ... --output joined --resume"]);
-            said = analysis.run(&bench, "joined", &["--resume"]);
-        }
-        assert_eq!(said.code, 0, "{}", said.err);
-        assert_eq!(said.out, text.replace("in whole", "in joined"));
-        assert!(analysis.results(&bench, "joined") == whole, "{}", analysis.state);
-        for folder in ["part1", "part2", "part3", "joined", "whole"] {
-            fs::remove_dir_all(bench.path(folder)).unwrap();
-        }
+    for analysis in [IDENTIFICATION, SENSITIVITY, ROBUSTNESS] {
+        analysis.run(&bench, "i", &["--shard", "1/2"]).is_mistake(&["--shard"]);
     }
-}
-
-#[test]
-fn what_has_no_parts_is_refused_with_the_reason() {
-    let bench = bench();
-    let shard = ["--shard", "1/2"];
-    IDENTIFICATION.run(&bench, "i", &shard).is_mistake(&["--shard", "depends on the one before"]);
-    bench.run(&["robustness", "study.toml", "--from", "verified", "--shard", "1/2"]).is_mistake(&["--confirm"]);
 }
 
 #[test]
 fn other_analyses_are_not_resumed_and_an_unfinished_one_is_not_overwritten() {
     let bench = bench();
-    let said = SENSITIVITY.run(&bench, "s", &["--shard", "1/2"]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    let other = |more: &[&str]| SENSITIVITY.run(&bench, "s", &[&["--shard", "1/2"], more].concat());
-    other(&["--resume", "--seed", "9"]).is_mistake(&["another seed (1 then, 9 now)"]);
-    other(&[]).is_mistake(&["begun already", "--resume"]);
-    SCREENING.run(&bench, "s", &["--resume", "--shard", "1/2"]).is_mistake(&[
+    let run = |more: &[&str]| SENSITIVITY.run(&bench, "s", more);
+    assert_eq!(run(&[]).code, 0);
+    // As a run leaves it that was stopped half way.
+    let journal = bench.read("s/sensitivity/journal.txt");
+    let lines: Vec<&str> = journal.lines().collect();
+    bench.write("s/sensitivity/journal.txt", &(lines[..lines.len() / 2].join("\n") + "\n"));
+    run(&["--resume", "--seed", "9"]).is_mistake(&["another seed (1 then, 9 now)"]);
+    run(&[]).is_mistake(&["begun already", "--resume"]);
+    SCREENING.run(&bench, "s", &["--resume"]).is_mistake(&[
         "another analysis",
         "20 base points then",
         "20 trajectories now",

@@ -36,4 +36,5 @@ mod statistics;
 mod strangers;
 mod support;
 mod three;
+mod typed;
 mod verdicts;

@@ -131,15 +131,4 @@ fn shapley_effects_divide_the_variance_among_correlated_parameters() {
     assert!((first[3] - 0.4).abs() < 0.05 && first[1].abs() < 0.03, "{first:?}");
     let linear = effects("linear");
     assert!((linear[1] - 4.0 / 14.0).abs() < 0.03 && (linear[2] - 9.0 / 14.0).abs() < 0.05);
-    // A part of a study, and the whole of it again.
-    let part = ["sensitivity", "study.toml", "--shapley", "256", "--shard"];
-    for shard in ["1/2", "2/2"] {
-        let folder = format!("part-{}", &shard[..1]);
-        let said = bench.run(&[&part[..], &[shard, "--output", &folder]].concat());
-        assert_eq!(said.code, 0, "{}", said.err);
-    }
-    let parts = ["merge", "part-1/sensitivity", "part-2/sensitivity", "--output", "whole"];
-    let said = bench.run(&parts);
-    assert_eq!(said.code, 0, "{}", said.err);
-    assert_eq!(result(&bench, "whole")["outputs"], found["outputs"]);
 }

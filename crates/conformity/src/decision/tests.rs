@@ -2,6 +2,7 @@ use std::cell::RefCell;
 use std::collections::HashMap;
 
 use super::*;
+use crate::interval::clopper_pearson;
 use crate::sequence::ConfidenceSequence;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use statrs::distribution::{Binomial, DiscreteCDF};
@@ -157,39 +158,5 @@ fn randomised_designs_hardly_ever_decide_wrongly() {
                 RULE.decide(randomised(&counts, points, RULE.confidence))
             });
         }
-    }
-}
-
-/// By hand: with none of n points accepted the limit of the share has none in 2.5 % of the samples, and with all but none
-/// of one point it is the share itself.
-#[test]
-fn another_sample_may_come_to_the_other_verdict() {
-    for points in [1, 50, 1_000_000] {
-        let [least, most] = other_verdict(0, points, 0.95);
-        assert!(least == 0.0 && (most - 0.975).abs() < 1e-9, "{points}: {most}");
-        let [_, most] = other_verdict(1, points, 0.95);
-        assert!((most - 0.975).abs() < 1e-9, "{points}: {most}");
-    }
-    // The limits of 11 of 50 are 11.53 and 35.96 % (Clopper and Pearson).
-    let [least, most] = other_verdict(11, 50, 0.95);
-    assert!((most / (1.0 - 0.1153_f64).powi(50) - 1.0).abs() < 0.01, "{most}");
-    assert!((least / (1.0 - 0.3596_f64).powi(50) - 1.0).abs() < 0.02, "{least}");
-}
-
-/// Whatever the share, the interval holds the probability of the other verdict in 95 % of the samples.
-#[test]
-fn the_probability_of_the_other_verdict_is_in_its_interval() {
-    const POINTS: u64 = 50;
-    const SAMPLES: u32 = 2000;
-    let mut random = StdRng::seed_from_u64(9);
-    for share in [0.001, 0.01, 0.02, 0.05, 0.2] {
-        let none = (1.0_f64 - share).powi(POINTS as i32);
-        let held = (0..SAMPLES).filter(|_| {
-            let accepted = hits(&mut random, share, POINTS);
-            let other = if accepted > 0 { none } else { 1.0 - none };
-            let [least, most] = other_verdict(accepted, POINTS, 0.95);
-            (least..=most).contains(&other)
-        });
-        assert!(held.count() >= 1900, "{share}");
     }
 }

@@ -4,98 +4,74 @@ use super::{BaseUnit, Conversion, plain};
 
 type Exponents = [i32; 8];
 
-const NONE: Exponents = [0; 8];
-const LENGTH: Exponents = [0, 1, 0, 0, 0, 0, 0, 0];
-const TIME: Exponents = [0, 0, 1, 0, 0, 0, 0, 0];
-const FREQUENCY: Exponents = [0, 0, -1, 0, 0, 0, 0, 0];
-const TURNING: Exponents = [0, 0, -1, 0, 0, 0, 0, 1];
-const ANGLE: Exponents = [0, 0, 0, 0, 0, 0, 0, 1];
-const VELOCITY: Exponents = [0, 1, -1, 0, 0, 0, 0, 0];
-const ACCELERATION: Exponents = [0, 1, -2, 0, 0, 0, 0, 0];
-const MASS: Exponents = [1, 0, 0, 0, 0, 0, 0, 0];
-const FORCE: Exponents = [1, 1, -2, 0, 0, 0, 0, 0];
-const TORQUE: Exponents = [1, 2, -2, 0, 0, 0, 0, 0];
-const PRESSURE: Exponents = [1, -1, -2, 0, 0, 0, 0, 0];
-const POWER: Exponents = [1, 2, -3, 0, 0, 0, 0, 0];
-const TEMPERATURE: Exponents = [0, 0, 0, 0, 1, 0, 0, 0];
-const MASS_FLOW: Exponents = [1, 0, -1, 0, 0, 0, 0, 0];
-const FLOW: Exponents = [0, 3, -1, 0, 0, 0, 0, 0];
-const VOLTAGE: Exponents = [1, 2, -3, -1, 0, 0, 0, 0];
-const CURRENT: Exponents = [0, 0, 0, 1, 0, 0, 0, 0];
+/// Names of a unit, the usual one first, and its factor to base units.
+type Named = (&'static str, f64);
+
 const TURN: f64 = std::f64::consts::TAU;
 const DEGREE: f64 = TURN / 360.0;
 
-/// Names of a unit, the usual one first; its kind; factor and offset to base units. A turn a minute is an angular velocity in
-/// one FMU and a frequency in another one.
-const KNOWN: &[(&str, Exponents, f64, f64)] = &[
-    ("1 -", NONE, 1.0, 0.0),
-    ("%", NONE, 0.01, 0.0),
-    ("m", LENGTH, 1.0, 0.0),
-    ("cm", LENGTH, 1e-2, 0.0),
-    ("mm", LENGTH, 1e-3, 0.0),
-    ("um", LENGTH, 1e-6, 0.0),
-    ("s sec seconds Sekunden", TIME, 1.0, 0.0),
-    ("ms msec", TIME, 1e-3, 0.0),
-    ("us usec", TIME, 1e-6, 0.0),
-    ("ns", TIME, 1e-9, 0.0),
-    ("min", TIME, 60.0, 0.0),
-    ("h hr", TIME, 3600.0, 0.0),
-    ("d", TIME, 86_400.0, 0.0),
-    ("Hz 1/s", FREQUENCY, 1.0, 0.0),
-    ("kHz", FREQUENCY, 1e3, 0.0),
-    ("1/min rpm", FREQUENCY, 1.0 / 60.0, 0.0),
-    ("rad/s", TURNING, 1.0, 0.0),
-    ("deg/s", TURNING, DEGREE, 0.0),
-    ("rpm 1/min /min min-1 min^-1 RPM U/min r/min rev/min", TURNING, TURN / 60.0, 0.0),
-    ("rev/s", TURNING, TURN, 0.0),
-    ("rad", ANGLE, 1.0, 0.0),
-    ("deg degCA", ANGLE, DEGREE, 0.0),
-    ("m/s", VELOCITY, 1.0, 0.0),
-    ("mm/s", VELOCITY, 1e-3, 0.0),
-    ("km/h kph KMPH", VELOCITY, 1.0 / 3.6, 0.0),
-    ("mph MPH", VELOCITY, 0.447_04, 0.0),
-    ("m/s2 m/s^2", ACCELERATION, 1.0, 0.0),
-    ("kg", MASS, 1.0, 0.0),
-    ("g", MASS, 1e-3, 0.0),
-    ("N", FORCE, 1.0, 0.0),
-    ("kN", FORCE, 1e3, 0.0),
-    ("N.m Nm", TORQUE, 1.0, 0.0),
-    ("N.mm Nmm", TORQUE, 1e-3, 0.0),
-    ("mN.m mNm", TORQUE, 1e-3, 0.0),
-    ("N.cm Ncm", TORQUE, 1e-2, 0.0),
-    ("kN.m kNm", TORQUE, 1e3, 0.0),
-    // An energy has the base units of a torque.
-    ("J", TORQUE, 1.0, 0.0),
-    ("kJ", TORQUE, 1e3, 0.0),
-    ("kWh", TORQUE, 3.6e6, 0.0),
-    ("Pa", PRESSURE, 1.0, 0.0),
-    ("hPa mbar", PRESSURE, 1e2, 0.0),
-    ("kPa", PRESSURE, 1e3, 0.0),
-    ("bar", PRESSURE, 1e5, 0.0),
-    ("MPa", PRESSURE, 1e6, 0.0),
-    ("psi", PRESSURE, 6_894.757_293_168, 0.0),
-    ("W", POWER, 1.0, 0.0),
-    ("kW", POWER, 1e3, 0.0),
-    ("K", TEMPERATURE, 1.0, 0.0),
-    ("degC Celsius", TEMPERATURE, 1.0, 273.15),
-    ("degF Fahrenheit", TEMPERATURE, 5.0 / 9.0, 459.67 * 5.0 / 9.0),
-    ("kg/s", MASS_FLOW, 1.0, 0.0),
-    ("g/s", MASS_FLOW, 1e-3, 0.0),
-    ("kg/h", MASS_FLOW, 1.0 / 3600.0, 0.0),
-    ("m3/s m^3/s", FLOW, 1.0, 0.0),
-    ("m3/h m^3/h", FLOW, 1.0 / 3600.0, 0.0),
-    ("l/min L/min", FLOW, 1e-3 / 60.0, 0.0),
-    ("V Volts", VOLTAGE, 1.0, 0.0),
-    ("mV", VOLTAGE, 1e-3, 0.0),
-    ("A", CURRENT, 1.0, 0.0),
-    ("mA", CURRENT, 1e-3, 0.0),
+/// The units by their exponents of kg, m, s, A, K, mol, cd, rad. A turn a minute is an angular velocity in one FMU and a frequency in
+/// another one; an energy has the base units of a torque.
+const KNOWN: &[(Exponents, &[Named])] = &[
+    ([0; 8], &[("1 -", 1.0), ("%", 0.01)]),
+    ([0, 1, 0, 0, 0, 0, 0, 0], &[("m", 1.0), ("cm", 1e-2), ("mm", 1e-3), ("um", 1e-6)]),
+    (
+        [0, 0, 1, 0, 0, 0, 0, 0],
+        &[
+            ("s sec seconds Sekunden", 1.0),
+            ("ms msec", 1e-3),
+            ("us usec", 1e-6),
+            ("ns", 1e-9),
+            ("min", 60.0),
+            ("h hr", 3600.0),
+            ("d", 86_400.0),
+        ],
+    ),
+    ([0, 0, -1, 0, 0, 0, 0, 0], &[("Hz 1/s", 1.0), ("kHz", 1e3), ("1/min rpm", 1.0 / 60.0)]),
+    (
+        [0, 0, -1, 0, 0, 0, 0, 1],
+        &[
+            ("rad/s", 1.0),
+            ("deg/s", DEGREE),
+            ("rpm 1/min /min min-1 min^-1 RPM U/min r/min rev/min", TURN / 60.0),
+            ("rev/s", TURN),
+        ],
+    ),
+    ([0, 0, 0, 0, 0, 0, 0, 1], &[("rad", 1.0), ("deg degCA", DEGREE)]),
+    ([0, 1, -1, 0, 0, 0, 0, 0], &[("m/s", 1.0), ("mm/s", 1e-3), ("km/h kph KMPH", 1.0 / 3.6), ("mph MPH", 0.447_04)]),
+    ([0, 1, -2, 0, 0, 0, 0, 0], &[("m/s2 m/s^2", 1.0)]),
+    ([1, 0, 0, 0, 0, 0, 0, 0], &[("kg", 1.0), ("g", 1e-3)]),
+    ([1, 1, -2, 0, 0, 0, 0, 0], &[("N", 1.0), ("kN", 1e3)]),
+    (
+        [1, 2, -2, 0, 0, 0, 0, 0],
+        &[
+            ("N.m Nm", 1.0),
+            ("N.mm Nmm", 1e-3),
+            ("mN.m mNm", 1e-3),
+            ("N.cm Ncm", 1e-2),
+            ("kN.m kNm", 1e3),
+            ("J", 1.0),
+            ("kJ", 1e3),
+            ("kWh", 3.6e6),
+        ],
+    ),
+    (
+        [1, -1, -2, 0, 0, 0, 0, 0],
+        &[("Pa", 1.0), ("hPa mbar", 1e2), ("kPa", 1e3), ("bar", 1e5), ("MPa", 1e6), ("psi", 6_894.757_293_168)],
+    ),
+    ([1, 2, -3, 0, 0, 0, 0, 0], &[("W", 1.0), ("kW", 1e3)]),
+    ([0, 0, 0, 0, 1, 0, 0, 0], &[("K", 1.0), ("degC Celsius", 1.0), ("degF Fahrenheit", 5.0 / 9.0)]),
+    ([1, 0, -1, 0, 0, 0, 0, 0], &[("kg/s", 1.0), ("g/s", 1e-3), ("kg/h", 1.0 / 3600.0)]),
+    ([0, 3, -1, 0, 0, 0, 0, 0], &[("m3/s m^3/s", 1.0), ("m3/h m^3/h", 1.0 / 3600.0), ("l/min L/min", 1e-3 / 60.0)]),
+    ([1, 2, -3, -1, 0, 0, 0, 0], &[("V Volts", 1.0), ("mV", 1e-3)]),
+    ([0, 0, 0, 1, 0, 0, 0, 0], &[("A", 1.0), ("mA", 1e-3)]),
 ];
 
-/// The units of a name: none, one, or several of different kinds.
-fn named(name: &str) -> impl Iterator<Item = &'static (&'static str, Exponents, f64, f64)> {
+/// The units of a name: none, one, or several of different kinds, each with its exponents.
+fn named(name: &str) -> impl Iterator<Item = (Exponents, Named)> {
     let name = plain(name).replace('*', ".");
-    let is_it = move |names: &str| names.split(' ').any(|known| known == name);
-    KNOWN.iter().filter(move |(names, ..)| is_it(names))
+    let all = KNOWN.iter().flat_map(|(exponents, units)| units.iter().map(|unit| (*exponents, *unit)));
+    all.filter(move |(_, (names, _))| names.split(' ').any(|known| known == name))
 }
 
 fn first(names: &'static str) -> &'static str {
@@ -104,12 +80,19 @@ fn first(names: &'static str) -> &'static str {
 
 /// The usual name of a unit, such as `N.m` for `Nm` and `rpm` for `1/min`; `None` of an unknown one.
 pub fn usual(name: &str) -> Option<&'static str> {
-    named(name).last().map(|(names, ..)| first(names))
+    named(name).last().map(|(_, (names, _))| first(names))
 }
 
 /// What a name means in SI base units: nothing, one thing, or several of different kinds.
 pub(super) fn meanings(name: &str) -> impl Iterator<Item = BaseUnit> {
-    named(name).map(|&(_, exponents, factor, offset)| BaseUnit { exponents, to_base: Conversion { factor, offset } })
+    named(name).map(|(exponents, (names, factor))| {
+        let offset = match first(names) {
+            "degC" => 273.15,
+            "degF" => 459.67 * 5.0 / 9.0,
+            _ => 0.0,
+        };
+        BaseUnit { exponents, to_base: Conversion { factor, offset } }
+    })
 }
 
 /// How values in one unit become values in another one of the same kind, by their names alone.
@@ -121,9 +104,9 @@ pub fn between(from: &str, to: &str) -> Option<Conversion> {
 
 /// The usual names of all units of a unit's kind.
 pub fn alike(unit: &str) -> Vec<&'static str> {
-    let kinds: Vec<_> = named(unit).map(|(_, kind, ..)| kind).collect();
-    let of_kind = KNOWN.iter().filter(|(_, kind, ..)| kinds.contains(&kind));
-    of_kind.map(|(names, ..)| first(names)).collect()
+    let kinds: Vec<Exponents> = named(unit).map(|(kind, _)| kind).collect();
+    let of_kind = KNOWN.iter().filter(|(kind, _)| kinds.contains(kind));
+    of_kind.flat_map(|(_, units)| units.iter().map(|(names, _)| first(names))).collect()
 }
 
 #[cfg(test)]

@@ -87,7 +87,7 @@ struct Section {
 /// Says why nothing was sought or found.
 pub(crate) fn causes(study: &Path, means: &Means, earlier: Earlier, folder: &Path) -> Result<Vec<String>, Error> {
     let asked = Asked::default();
-    let request = asking::request(study, means, None, &asked);
+    let request = asking::request(study, means);
     let fit = asked.open(request)?;
     let Delivery { result, folder, .. } = asking::run_by(fit, &asked, (means, earlier), folder.to_owned())?;
     result.write(&folder)?;
@@ -101,7 +101,7 @@ pub(crate) fn causes(study: &Path, means: &Means, earlier: Earlier, folder: &Pat
 pub fn run(options: &Options) -> Result<Delivery, Error> {
     let Options { work, asked } = options;
     let mut fit = asking::open(work, asked)?;
-    let folder = work.folder(None)?;
+    let folder = work.folder();
     if asked.budget.is_some() {
         fit.known = Known::of(&fit, &folder)?;
     }
@@ -109,8 +109,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
 }
 
 /// A search for the most probable parameters.
-#[derive(Debug, Default, Args, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Debug, Default, Args)]
 pub struct Asked {
     /// How many starts are screened, instead of the study's number
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
@@ -128,18 +127,12 @@ pub struct Asked {
     #[arg(long, value_name = "FILE")]
     pub against: Option<PathBuf>,
     /// Rank what to measure next by this parameter, instead of the one that the data determine least
-    // It asks for no other runs.
-    #[serde(skip)]
     #[arg(long, value_name = "PARAMETER")]
     pub narrow: Option<String>,
     /// The seed of the starts, instead of the study's
-    // The request has it beside these.
-    #[serde(skip)]
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,
     /// End the search after this long and report the best so far
-    // A search that is resumed may take as long again.
-    #[serde(skip)]
     #[arg(long, value_name = "SECONDS")]
     pub time_limit: Option<f64>,
 }
@@ -176,10 +169,6 @@ impl Analysis for Asked {
     const NAME: &'static str = "identify";
 
     type Source = Fit;
-
-    fn one_piece(&self) -> Option<&'static str> {
-        Some("each step of a search depends on the one before, so it has no parts; --resume goes on with one")
-    }
 
     fn open(&self, request: Request) -> Result<Fit, Error> {
         let seed = self.seed.or(request.seed);

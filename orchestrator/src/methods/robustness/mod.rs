@@ -6,7 +6,6 @@ mod document;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde::{Deserialize, Serialize};
 
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
@@ -84,17 +83,12 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
     let session = asking::open(work, &analysis);
-    let shard = work.parts.shard()?;
-    let folder = match (&work.output, shard) {
-        (Some(output), _) => output.clone(),
-        (None, Some(_)) => work.folder(Some(Asked::NAME))?,
-        (None, None) => from,
-    };
+    let folder = work.output.clone().unwrap_or(from);
     if analysis.confirm > 0 {
         return asking::run(session?, &analysis, work, folder);
     }
-    if shard.is_some() || work.parts.resume {
-        let message = "without new runs there is nothing to resume or to share; add --confirm N";
+    if work.resuming.resume {
+        let message = "without new runs there is nothing to resume; add --confirm N";
         return Err(Error::option("confirm", message));
     }
     // Without the FMU there are no new runs, but all else can be told, unless it takes what binds the study's parameters.
@@ -111,7 +105,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
         result.keep_together(&plan.together());
     }
     let result = AnalysisResult::new(&result, origin, document(&result).as_text(), FILE);
-    Delivery::without_runs(result, &work.study, work.parts.earlier(), folder)
+    Delivery::without_runs(result, &work.study, work.resuming.earlier(), folder)
 }
 
 /// The probability that the box must hold.
@@ -130,7 +124,7 @@ fn level(options: &Options, study: &Study) -> Result<f64, Error> {
 }
 
 /// Statements from the points of a finished study, confirmed by new runs if wanted.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug)]
 pub struct Asked {
     /// The folder of the finished study.
     from: PathBuf,

@@ -9,7 +9,6 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 use nalgebra::DMatrix;
-use serde::{Deserialize, Serialize};
 
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::Finished;
@@ -49,7 +48,7 @@ pub struct Options {
     #[arg(long, value_name = "DIR", conflicts_with_all = ["base", "morris", "shapley"])]
     pub from: Option<PathBuf>,
     /// The same from at most N runs of the FMU in all: those of `verify --budget N` in this folder, where they are there
-    #[arg(long, value_name = "N", conflicts_with_all = ["from", "base", "morris", "shapley", "shard", "shard_index"])]
+    #[arg(long, value_name = "N", conflicts_with_all = ["from", "base", "morris", "shapley"])]
     pub budget: Option<u64>,
     /// Sobol indices from N base points: N (d + 2) runs for d parameters [default: what the study says, or 256]
     #[arg(long, value_name = "N", conflicts_with_all = ["morris", "shapley"])]
@@ -82,7 +81,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
         return of_points(options, from, analysis.seed);
     }
     let session = asking::open(&options.work, &analysis)?;
-    let folder = options.work.folder(Some(Asked::NAME))?;
+    let folder = options.work.folder();
     asking::run(session, &analysis, &options.work, folder)
 }
 
@@ -96,11 +95,11 @@ fn of_points(options: &Options, from: &Path, seed: u64) -> Result<Delivery, Erro
     let text = document(&result).as_text();
     let folder = work.output.clone().unwrap_or_else(|| from.to_owned());
     let result = AnalysisResult::new(&result, origin, text, FILE);
-    Delivery::without_runs(result, &work.study, work.parts.earlier(), folder)
+    Delivery::without_runs(result, &work.study, work.resuming.earlier(), folder)
 }
 
 /// An analysis by runs of its own.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug)]
 pub struct Asked {
     method: String,
     size: u64,

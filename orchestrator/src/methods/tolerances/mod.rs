@@ -7,7 +7,6 @@ mod reasons;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde::{Deserialize, Serialize};
 
 use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use super::known::{self, Finished};
@@ -87,12 +86,12 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
     let session = asking::open(&options.work, &analysis)?;
-    let folder = options.work.folder(Some(Asked::NAME))?;
+    let folder = options.work.folder();
     asking::run(session, &analysis, &options.work, folder)
 }
 
 /// A search by importance weights on known points, and by runs of its own.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Debug)]
 pub struct Asked {
     /// The folder of the finished study, if there is one.
     from: PathBuf,
@@ -101,7 +100,6 @@ pub struct Asked {
     /// Fresh runs that confirm the result.
     confirm: u64,
     /// Whether a surrogate takes the place of all other runs.
-    #[serde(default)]
     by_surrogate: bool,
     seed: u64,
 }
@@ -125,10 +123,6 @@ impl Analysis for Asked {
             method: format!("rounds of {} points, {} to confirm", self.points, self.confirm),
             table: known.then(|| known::digest_of(&self.from)).transpose()?,
         })
-    }
-
-    fn one_piece(&self) -> Option<&'static str> {
-        Some("each round of points depends on the ones before; run it in one piece")
     }
 
     fn check(&self, session: &Session) -> Result<(), Error> {
