@@ -191,7 +191,7 @@ impl<'a> Pipeline<'a> {
                 let said = result.and_then(|result| result.notices.take());
                 let mut notices = self.said.remove(&index).or(said);
                 // A point beside which none runs can hold what it likes.
-                if let (Some(notices), Some(1)) = (&mut notices, self.crew.map(Crew::size)) {
+                if let (Some(notices), 1) = (&mut notices, self.crew.size()) {
                     notices.held = None;
                 }
                 let outcome = self.model.outcome(answer.map(|result| result.values));

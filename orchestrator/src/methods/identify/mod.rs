@@ -122,8 +122,6 @@ pub struct Asked {
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub budget: Option<u64>,
     /// Weigh the model against that of another result on the same data: its identification.json, or its folder
-    // The other result may be another one when the run goes on.
-    #[serde(skip)]
     #[arg(long, value_name = "FILE")]
     pub against: Option<PathBuf>,
     /// Rank what to measure next by this parameter, instead of the one that the data determine least
