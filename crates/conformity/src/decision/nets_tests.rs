@@ -5,7 +5,7 @@ use std::f64::consts::PI;
 use std::ops::Range;
 
 use super::*;
-use crate::interval::of_part;
+use crate::interval::{clopper_pearson, of_part};
 use crate::looks::{History, Look, Way};
 use crate::normal::between;
 use sampling::design::{Design, Method, Sampling, cube};
