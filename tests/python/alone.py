@@ -3,8 +3,9 @@ to the last bit, with what fmpy computes in a fresh process each, of the healthy
 Prints a line for every run in which a result is wrong or lost, and what told of it; the exit code is 1 when nothing did, or
 when a process is left.
 
-    scripts/evidence/alone [--every N ...] [--jobs N ...] [--hosts] [--only PART] [--at-once N]
+    scripts/evidence/alone [--all] [--every N ...] [--jobs N ...] [--hosts] [--only PART] [--at-once N]
 
+Without --all the FMUs are those whose points meet outside of their processes and folders: at a port, at a lock.
 Two hosts are this machine twice."""
 
 import argparse
@@ -58,14 +59,15 @@ def examine(laboratory, model, every, where):
 
 def main():
     arguments = argparse.ArgumentParser(prog="scripts/evidence/alone", description=__doc__.split("\n\n")[0])
-    arguments.add_argument("--every", type=int, nargs="+", default=[10], metavar="N", help="one point in N has the fault [10]")
+    arguments.add_argument("--all", action="store_true", help="all behaviours of tests/faulty")
+    arguments.add_argument("--every", type=int, nargs="+", default=[10, 500], metavar="N", help="one point in N has the fault [10 500]")
     arguments.add_argument("--jobs", nargs="+", default=["2"], metavar="N", help="points at a time [2]")
     arguments.add_argument("--hosts", action="store_true", help="two hosts instead, a point at a time each")
     arguments.add_argument("--only", default="", metavar="PART", help="only behaviours with this in their names")
     arguments.add_argument("--at-once", type=int, default=2, metavar="N", help="so many runs at a time [2]")
     options = arguments.parse_args()
     places = [None] if options.hosts else [["--jobs", jobs] for jobs in options.jobs]
-    models = [model for model in MODELS + MEETINGS if re.search(options.only, model.name)]
+    models = [model for model in [*MEETINGS, *(MODELS if options.all else [])] if re.search(options.only, model.name)]
     supervised.DEADLINE = DEADLINE
     points, off, silent = 0, [], 0
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(options.at_once) as threads:
