@@ -1,7 +1,7 @@
 //! Which processes fit the runs: maxima of the posterior of length scales and nugget, and a sample around them.
 
-use crate::kernel::{FARTHEST, Smoothness};
-use crate::process::{Data, LEAST_NUGGET, Process};
+use crate::kernel::{FARTHEST, LEAST_NUGGET, Smoothness};
+use crate::process::{Data, Process};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 use sampling::random::Random;
 

@@ -5,9 +5,11 @@
 //! 2013, "ANOVA kernels and RKHS of zero mean functions", without the centring). A small t makes the process nearly a sum of
 //! functions of single coordinates, which few runs determine; a large one lets all coordinates interact.
 
-use crate::process::LEAST_NUGGET;
 use nalgebra::DMatrix;
 use sampling::random::Random;
+
+/// The smallest nugget, for the condition of the matrices.
+pub const LEAST_NUGGET: f64 = 1e-9;
 
 /// Farther from the centre than this many scaled distances, points are as good as infinitely far from the runs.
 pub const FARTHEST: f64 = 700.0;
@@ -133,10 +135,10 @@ impl Kernel {
 
     /// A random frequency of all coordinates: zero in those with which its wave does not vary.
     pub fn frequency(&self, random: &mut Random) -> Vec<f64> {
-        let mut one = |length: &f64| {
+        let one = |length: &f64| {
             if random.unit() < self.varies { self.smoothness.frequency(random) / length } else { 0.0 }
         };
-        self.lengths.iter().map(|length| one(length)).collect()
+        self.lengths.iter().map(one).collect()
     }
 }
 

@@ -4,13 +4,10 @@
 //! variance s2 g (the nugget). Trend and s2 are integrated out (Santner, Williams & Notz 2003, "The Design and Analysis of
 //! Computer Experiments", section 3.3; Rasmussen & Williams 2006, section 2.7), so predictions follow Student's distribution.
 
-use crate::kernel::{Kernel, Places, Smoothness};
+use crate::kernel::{Kernel, LEAST_NUGGET, Places, Smoothness};
 use nalgebra::{DMatrix, DMatrixViewMut, DVector};
 use sampling::random::Random;
 use std::f64::consts::TAU;
-
-/// The smallest nugget, for the condition of the matrices.
-pub const LEAST_NUGGET: f64 = 1e-9;
 
 /// Random waves of a draw from the prior.
 const WAVES: usize = 384;

@@ -205,7 +205,7 @@ mod tests {
             ),
             ("\"normal\"", "\"rectangular\"", "did you mean `uniform`?"),
             ("deviation", "sigma", "did you mean `deviation`?"),
-            ("distribution = \"normal\"\n", "", "4:1: missing: `distribution`"),
+            ("distribution = \"normal\"\n", "", "4:1: this key is missing: `distribution`"),
             ("\"normal\"", "3", "5:16: expected a text in quotes"),
             ("points = 8", "method = \"lhs\"", "did you mean `latin-hypercube`?"),
         ] {

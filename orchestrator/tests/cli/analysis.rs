@@ -300,9 +300,11 @@ fn synchronise_writes_criteria() {
     assert!(text.contains("\n# tolerance = "), "{text}");
     assert!(bench.path("m/plots/friction.svg").exists());
     let page = bench.read("m/report.html");
-    assert!(page.contains("Torque 12.3 ms later than the load"));
+    assert!(page.contains("Torque later than the load by 12.3"));
     assert!(page.contains("Savitzky-Golay, order 3 over 21 samples"));
-    assert!(page.contains("[criteria.F_N]") && page.contains("F_N: means of blocks"));
+    for text in ["criteria.toml", "F_N: means of blocks"] {
+        assert!(page.contains(text), "{text}: {page}");
+    }
     // The name of the power's variable is the FMU's, not the program's.
     let without = SETTINGS.replace("power = { variable = \"sensor.frictionPower\" }\n", "");
     bench.write("settings.toml", &without);
