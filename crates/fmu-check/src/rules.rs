@@ -194,6 +194,8 @@ pub static RULES: &[Rule] = &[
     rule("three-initial", Error, "FMI 3.0.2, 2.4.7", "initial goes with causality and variability", Each(variables::initial)),
     rule("three-finite", Warning, "a study would be wrong", "start is a finite number", Each(three::not_finite)),
     rule("three-derivative", Error, "FMI 3.0.2, 2.4.8", "a derivative is one of a continuous float", Three(three::derivatives)),
+    rule("three-reinit", Error, "FMI 3.0.2, 2.4.7", "reinit is for continuous-time states", Three(three::reinit)),
+    rule("three-internal-step", Error, "FMI 3.0.2, 4.4.1", "fixedInternalStepSize is greater than 0", Three(three::internal_step)),
     rule("three-clocks", Error, "FMI 3.0.2, 2.4.7", "clocks refers to Clocks", Three(three::clocks)),
     rule("three-clock", Error, "FMI 3.0.2, 2.2.9", "a clock is as its kind needs it, and Co-Simulation with clocks has event mode", Three(three::timing)),
     rule("three-initial-unknowns", Error, "FMI 3.0.2, 2.4.8", "ModelStructure lists what is computed initially, and nothing else", Three(three::initial_unknowns)),

@@ -4,7 +4,7 @@ mod variables;
 
 use std::collections::{HashMap, HashSet};
 pub(crate) use variables::{
-    clocks, derivatives, initial_unknowns, not_finite, structure as lists, timing, variabilities,
+    clocks, derivatives, initial_unknowns, not_finite, reinit, structure as lists, timing, variabilities,
 };
 
 use roxmltree::Node;
@@ -31,6 +31,12 @@ pub(crate) fn version(document: &Document<'_>) -> Vec<Hit> {
     let is_known = rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '-']));
     let text = format!("fmiVersion is {version}: it was read as 3.0");
     Vec::from_iter((!is_known).then(|| at(document.root, text)))
+}
+
+pub(crate) fn internal_step(document: &Document<'_>) -> Vec<Hit> {
+    let steps = document.root.descendants().filter_map(|node| Some((node, node.attribute("fixedInternalStepSize")?)));
+    let wrong = steps.filter(|(_, step)| step.trim().parse::<f64>().is_ok_and(|step| step <= 0.0));
+    wrong.map(|(node, step)| at(node, format!("fixedInternalStepSize is {step}; it must be greater than 0"))).collect()
 }
 
 pub(crate) fn empty_names(document: &Document<'_>) -> Vec<Hit> {
