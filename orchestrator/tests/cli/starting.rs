@@ -1,6 +1,6 @@
 //! `init`: what it writes runs at once, and says that nothing is measured yet.
 
-use crate::support::{Bench, Said, model};
+use crate::support::{Bench, Said, THREE, model};
 
 fn good(said: Said) -> Said {
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
@@ -140,6 +140,17 @@ fn what_the_user_sets_is_fixed() {
 
 const MEASURED: &str = "time,lag.y,lag.temperature [degC],drive.u,lag.yy,lag.text,lag.micrometres\n\
                         0,0,20,1,0,0,20\n1,0.632,20.6,1,0,0,20\n1.5,0.777,20.8,1,0,0,20\n";
+
+/// FMI 3.0 and the Reference FMUs have the time as a variable: a column of its name is that of the times.
+#[test]
+fn the_fmus_own_time_is_the_time_of_a_recording() {
+    let bench = Bench::empty();
+    bench.three("three.fmu", &[], THREE);
+    bench.write("data.csv", "time [s],y\n0,1\n0.5,2\n1,4\n");
+    good(bench.run(&["init", "three.fmu", "--measured", "data.csv", "--output", "study.toml"]));
+    let study = bench.read("study.toml");
+    assert!(study.contains("reference = { file = \"data.csv\", time = \"time [s]\", column = \"y\" }"), "{study}");
+}
 
 #[test]
 fn measured_columns_become_curves() {

@@ -56,7 +56,9 @@ impl<'a> Measured<'a> {
             return Err(Error::content(path, message));
         }
         let others = || header.iter().map(|name| (name, split(name, fmu)));
-        let others = || others().filter(|(_, (bare, _))| !fmu.variables.contains_key(*bare));
+        // The FMU's own variable `time` is the time.
+        let is_measured = |name: &str| fmu.variables.get(name).is_some_and(|v| v.causality != Causality::Independent);
+        let others = || others().filter(|(_, (bare, _))| !is_measured(bare));
         let called = others().find(|(_, (bare, _))| is_time_name(bare));
         // Of operating points a duration does not rise from row to row.
         let rises = |(name, (_, unit)): &(&String, (_, Option<String>))| {
