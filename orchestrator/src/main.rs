@@ -12,7 +12,10 @@ fn main() -> ExitCode {
     let error = match said {
         Ok(Ok(code)) => return code,
         Ok(Err(error)) => error.to_string(),
-        Err(error) => error,
+        Err(error) => {
+            commands::note_misread(&error);
+            error
+        }
     };
     fmu_points::tell::line!("error: {error}");
     ExitCode::from(commands::MISTAKE)

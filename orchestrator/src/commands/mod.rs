@@ -21,6 +21,7 @@ mod synchronise;
 mod table;
 mod verify;
 
+use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
 
@@ -47,11 +48,8 @@ pub const MISTAKE: u8 = 2;
 pub fn run(cli: Cli) -> Result<ExitCode, Error> {
     let junit = cli.command.junit().map(Path::to_owned);
     let done = dispatch(cli);
-    // The file of an earlier run must not stand for this one.
     if let (Err(error), Some(file)) = (&done, junit) {
-        let test = Test::new("orchestrator", "run", Outcome::Broken(error.to_string()));
-        let written = junit::write(&file, "orchestrator", &[test], 0.0);
-        written.unwrap_or_else(|error| left_out("the tests are in no file", &error));
+        note_mistake(&file, error.to_string());
     }
     match done {
         Err(Error::Journal(halt @ Halt::Interrupted { .. })) => {
@@ -59,6 +57,22 @@ pub fn run(cli: Cli) -> Result<ExitCode, Error> {
             Ok(ExitCode::from(INTERRUPTED))
         }
         other => other,
+    }
+}
+
+/// Writes a mistake into the file of the tests, as that of an earlier run must not stand for this one.
+fn note_mistake(file: &Path, mistake: String) {
+    let test = Test::new("orchestrator", "run", Outcome::Broken(mistake));
+    let written = junit::write(file, "orchestrator", &[test], 0.0);
+    written.unwrap_or_else(|error| left_out("the tests are in no file", &error));
+}
+
+/// The same for a command line that cannot be read: the word after `--junit` is the file.
+pub fn note_misread(mistake: &str) {
+    let words: Vec<OsString> = std::env::args_os().collect();
+    let place = words.iter().position(|word| word == "--junit");
+    if let Some(file) = place.and_then(|place| words.get(place + 1)) {
+        note_mistake(file.as_ref(), mistake.to_owned());
     }
 }
 

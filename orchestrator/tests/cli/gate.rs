@@ -67,6 +67,9 @@ fn a_mistake_is_an_error_of_the_file() {
     said.is_mistake(&["none.fmu"]);
     let told = tests(&bench, "green.xml");
     assert!(find(&told, "orchestrator", "run").unwrap().starts_with("error: "), "{told:?}");
+    bench.write("green.xml", "<testsuites/>");
+    bench.run(&["verify", "study.toml", "--strct", "--junit", "green.xml"]).is_mistake(&["--strict"]);
+    assert!(find(&tests(&bench, "green.xml"), "orchestrator", "run").unwrap().contains("--strct"));
 }
 
 #[test]
