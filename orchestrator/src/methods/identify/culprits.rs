@@ -99,7 +99,10 @@ fn sensors(bound: &Bound) -> Vec<Sensor> {
 fn readings(unit: Option<&str>, is_curve: bool) -> Vec<Confusion> {
     let same = Confusion { factor: 1.0, offset: 0.0, rows: 0, words: String::new() };
     let sign = Confusion { factor: -1.0, words: "its sign were the other one".to_owned(), ..same.clone() };
-    let late = [-8, -5, -3, -2, -1, 1, 2, 3, 5, 8].into_iter().filter(|_| is_curve).map(|rows| Confusion { rows, ..same.clone() });
+    let late = [-8, -5, -3, -2, -1, 1, 2, 3, 5, 8]
+        .into_iter()
+        .filter(|_| is_curve)
+        .map(|rows| Confusion { rows, ..same.clone() });
     let units = confusions(unit).into_iter().map(|(Conversion { factor, offset }, units)| Confusion {
         factor,
         offset,
@@ -172,7 +175,10 @@ fn of_inputs(bound: &Bound, fmu: &Description) -> Vec<Known> {
         let handle = series.slot.handle;
         let is_unknown = |slot: &Slot| slot.handle == handle;
         let is_told = all.iter().any(|known| known.slot.handle == handle);
-        if is_told || !tasks().all(|task| task.inputs.iter().any(|other| other.slot.handle == handle)) || tasks().flat_map(|task| &task.varied).any(is_unknown) {
+        if is_told
+            || !tasks().all(|task| task.inputs.iter().any(|other| other.slot.handle == handle))
+            || tasks().flat_map(|task| &task.varied).any(is_unknown)
+        {
             continue;
         }
         let most = series.values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
