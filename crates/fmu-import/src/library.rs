@@ -31,8 +31,8 @@ use crate::version::Version;
 /// The functions of a binary, by its version of FMI.
 #[derive(Debug)]
 enum Functions {
-    Two(Box<fmi2::Functions>),
-    Three(Box<fmi3::Functions>, Arc<[Element]>),
+    Two(Arc<fmi2::Functions>),
+    Three(Arc<fmi3::Functions>, Arc<[Element]>),
 }
 
 /// A loaded binary.
@@ -87,9 +87,9 @@ impl Library {
             .collect();
         Ok(Self {
             functions: match version {
-                Version::Two => Functions::Two(Box::new(fmi2::Functions::find(&symbols, interface)?)),
+                Version::Two => Functions::Two(Arc::new(fmi2::Functions::find(&symbols, interface)?)),
                 Version::Three => {
-                    Functions::Three(Box::new(fmi3::Functions::find(&symbols, interface)?), Element::all(description))
+                    Functions::Three(Arc::new(fmi3::Functions::find(&symbols, interface)?), Element::all(description))
                 }
             },
             common: Common::find(&symbols, states)?,
@@ -142,9 +142,9 @@ impl Library {
     fn component(&self, name: &str, events: bool) -> Result<Box<dyn Simulation>, Call> {
         let (birth, common, caller) = (&self.birth, self.common, Caller::new(self.mode));
         Ok(match &self.functions {
-            Functions::Two(functions) => Box::new(fmi2::Model::new(**functions, common, birth, caller, name)?),
+            Functions::Two(functions) => Box::new(fmi2::Model::new(Arc::clone(functions), common, birth, caller, name)?),
             Functions::Three(functions, elements) => {
-                Box::new(fmi3::Model::new(**functions, common, Arc::clone(elements), birth, events, caller, name)?)
+                Box::new(fmi3::Model::new(Arc::clone(functions), common, Arc::clone(elements), birth, events, caller, name)?)
             }
         })
     }

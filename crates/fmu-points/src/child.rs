@@ -23,7 +23,7 @@ pub(crate) struct Estate<'a> {
     pub(crate) setup: &'a mut Setup,
     pub(crate) package: Option<&'a mut Package>,
     /// What runs points, where the worker has loaded the FMU for them: a fork has a copy of its own.
-    pub(crate) runner: &'a mut Option<Runner>,
+    pub(crate) runner: &'a mut Option<Box<Runner>>,
 }
 
 /// A worker's child.
@@ -73,7 +73,7 @@ impl Child<'_> {
     }
 
     /// Runs one point, and tells its answer before the instance is ended.
-    fn alone(&mut self, mut runner: Runner, job: &Job) {
+    fn alone(&mut self, mut runner: Box<Runner>, job: &Job) {
         let instance = runner.alone(&job.values, |runner, answer| {
             self.say(&Said::Replies(vec![reply(job.index, runner, answer)]));
         });
@@ -85,7 +85,7 @@ impl Child<'_> {
     }
 
     /// Runs points until there are no further ones, or until one fails.
-    fn serve(&mut self, mut runner: Runner) {
+    fn serve(&mut self, mut runner: Box<Runner>) {
         let cases = self.estate.setup.cases.len();
         let mut replies = Vec::new();
         while let Some(jobs) = self.place.receive().and_then(|jobs| read::<Vec<Job>>(&jobs)) {
@@ -109,7 +109,7 @@ impl Child<'_> {
     }
 
     /// Runs a point and sends its trajectory.
-    fn record(&mut self, mut runner: Runner, values: &[f64], columns: &[Handle]) {
+    fn record(&mut self, mut runner: Box<Runner>, values: &[f64], columns: &[Handle]) {
         const FULL: usize = 1 << 13;
         let (mut rows, mut sent) = (Vec::new(), Instant::now());
         let ended = runner.trajectory(values, |time, instance| {
@@ -137,7 +137,7 @@ impl Child<'_> {
     }
 
     /// What runs points, with the FMU loaded here; the worker is told.
-    fn loaded(&mut self) -> Option<Runner> {
+    fn loaded(&mut self) -> Option<Box<Runner>> {
         let before = Belongings::now();
         match self.estate.package.as_mut()?.load() {
             Ok(library) => {

@@ -13,7 +13,7 @@ use fmu_import::Library;
 #[derive(Debug)]
 pub struct Local {
     /// None where there is no case.
-    runner: Option<Runner>,
+    runner: Option<Box<Runner>>,
     cases: Vec<Part>,
 }
 

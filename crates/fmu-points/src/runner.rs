@@ -59,9 +59,9 @@ pub struct Last(#[allow(dead_code)] Option<Held>);
 
 impl Runner {
     /// A runner of points of these cases, with the first one chosen; none where there is no case.
-    pub fn new(library: Arc<Library>, cases: &[Case]) -> Option<Self> {
+    pub fn new(library: Arc<Library>, cases: &[Case]) -> Option<Box<Self>> {
         let mut scenes = cases.iter().zip(0..).map(|(case, number)| Scene::new(number, case.task.clone()));
-        Some(Self {
+        Some(Box::new(Self {
             used: None,
             failed: None,
             renews: false,
@@ -73,7 +73,7 @@ impl Runner {
             others: scenes.collect(),
             notices: Notices::default(),
             version: None,
-        })
+        }))
     }
 
     /// Chooses the case that is simulated next, by its number.

@@ -72,7 +72,7 @@ struct Service {
     output: Output,
     package: Option<Package>,
     /// What runs points in forks, once this process has loaded the FMU. It is never instantiated here.
-    runner: Option<Runner>,
+    runner: Option<Box<Runner>>,
     /// The child that runs many points.
     used: Option<Child>,
 }

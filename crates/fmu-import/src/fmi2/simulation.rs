@@ -2,6 +2,7 @@
 
 use std::ffi::{CStr, c_int};
 use std::ptr;
+use std::sync::Arc;
 
 use super::functions::{Access, Functions, Get, Set};
 use crate::call::Call;
@@ -15,13 +16,13 @@ use crate::value::{Content, Handle, Value};
 #[derive(Debug)]
 pub(crate) struct Model {
     pub(super) base: Base,
-    pub(super) functions: Functions,
+    pub(super) functions: Arc<Functions>,
 }
 
 impl Model {
     /// Creates a component.
     pub(crate) fn new(
-        functions: Functions,
+        functions: Arc<Functions>,
         common: Common,
         birth: &Birth,
         mut caller: Caller,
@@ -108,7 +109,7 @@ impl Simulation for Model {
     }
 
     fn value(&mut self, handle: Handle) -> Result<Value, Call> {
-        let (of, functions) = (handle.reference, self.functions);
+        let (of, functions) = (handle.reference, Arc::clone(&self.functions));
         Ok(match handle.content {
             Content::Real => Value::Real(self.get(of, functions.real, 0.0)?),
             Content::Integer => Value::Integer(self.get(of, functions.integer, 0)?.into()),
@@ -127,7 +128,7 @@ impl Simulation for Model {
     }
 
     fn set(&mut self, reference: u32, value: &Value) -> Result<(), Call> {
-        let functions = self.functions;
+        let functions = Arc::clone(&self.functions);
         match value {
             Value::Real(value) => self.put(reference, functions.real, *value),
             Value::Integer(value) => {

@@ -27,7 +27,7 @@ type Written = HashMap<u32, Vec<Value>>;
 #[derive(Debug)]
 pub(crate) struct Model {
     pub(super) base: Base,
-    pub(super) functions: Functions,
+    pub(super) functions: Arc<Functions>,
     pub(super) elements: Arc<[Element]>,
     /// The values of the arrays that were written before the initialisation, by their references; none after it.
     pub(super) written: Option<Written>,
@@ -44,7 +44,7 @@ pub(crate) struct Model {
 impl Model {
     /// Creates a component; `events` lets its caller handle the events of Co-Simulation.
     pub(crate) fn new(
-        functions: Functions,
+        functions: Arc<Functions>,
         common: Common,
         elements: Arc<[Element]>,
         birth: &Birth,

@@ -34,7 +34,7 @@ impl Model {
 
     /// The values of all elements of a variable.
     fn read_array(&mut self, element: &Element) -> Result<Vec<Value>, Call> {
-        let functions = self.functions;
+        let functions = Arc::clone(&self.functions);
         Ok(match element.storage {
             Storage::Float32 => {
                 let values = self.all(functions.float32, element, 0.0)?;
@@ -65,7 +65,7 @@ impl Model {
     /// Writes one element. The others of its array keep their values: before the initialisation those that were written
     /// or with which the FMU starts, as some FMUs tell none then.
     pub(super) fn write(&mut self, number: u32, value: &Value) -> Result<(), Call> {
-        let functions = self.functions;
+        let functions = Arc::clone(&self.functions);
         let elements = Arc::clone(&self.elements);
         let element = Element::of(&elements, number)?;
         let mut array = None;
