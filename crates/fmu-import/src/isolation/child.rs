@@ -7,7 +7,7 @@ use std::io;
 use std::time::{Duration, Instant};
 
 use super::frame::{self, Inbox};
-use super::keeper::{Answers, Keeper, Orders, PAUSE, Process};
+use super::keeper::{Answers, Keeper, Orders, Process};
 use super::loss::{Bounds, Loss, Parting, State};
 
 /// How long a child may take to end after it has closed its pipe.
@@ -95,7 +95,7 @@ impl Child {
                 State::Running => {}
             }
             keeper.hear();
-            std::thread::sleep(PAUSE);
+            self.process.await_end();
         }
         Loss::Mute
     }
@@ -113,7 +113,7 @@ impl Child {
                 Err(Loss::Orphaned)
             } else {
                 keeper.hear();
-                std::thread::sleep(PAUSE);
+                self.process.await_end();
                 Ok(false)
             };
             match arrived {

@@ -105,8 +105,8 @@ pub(super) type Answers = File;
 pub(super) type Orders = File;
 /// How often a silent child is looked at.
 const LOOK: Timespec = Timespec { tv_sec: 0, tv_nsec: 10_000_000 };
-/// Between two looks at a child that has nothing more to say.
-pub(super) const PAUSE: Duration = Duration::from_micros(50);
+/// The longest time between two looks at a child that has nothing more to say.
+const PAUSE: Timespec = Timespec { tv_sec: 0, tv_nsec: 1_000_000 };
 
 /// The process of a child, by its number.
 #[derive(Debug)]
@@ -135,6 +135,16 @@ impl Process {
             None => status.terminating_signal().map(Loss::Signal),
         };
         loss.map_or(State::Running, State::Ended)
+    }
+
+    /// Waits a short time for the child's end. Where the system does not tell of it, the time is shorter.
+    pub(super) fn await_end(&self) {
+        #[cfg(target_os = "linux")]
+        if let Ok(process) = rustix::process::pidfd_open(self.pid(), rustix::process::PidfdFlags::empty()) {
+            let _ = poll(&mut [PollFd::new(&process, PollFlags::IN)], Some(&PAUSE));
+            return;
+        }
+        std::thread::sleep(Duration::from_micros(50));
     }
 
     /// Ends the child with its group at once, and reaps it. The loss that its status tells.

@@ -58,8 +58,6 @@ pub(in crate::isolation) type Answers = Arrivals;
 pub(in crate::isolation) type Orders = ChildStdin;
 /// How often a silent child is looked at.
 const LOOK: Duration = Duration::from_millis(10);
-/// Between two looks at a child that has nothing more to say.
-pub(in crate::isolation) const PAUSE: Duration = Duration::from_millis(1);
 
 /// The process of a child, and the job in which it lies.
 #[derive(Debug)]
@@ -78,6 +76,11 @@ impl Process {
             Ok(Some(status)) => State::Ended(loss(status)),
             _ => State::Running,
         }
+    }
+
+    /// Waits a short time for the child's end.
+    pub(in crate::isolation) fn await_end(&self) {
+        std::thread::sleep(Duration::from_millis(1));
     }
 
     /// Ends the child with its job at once. The loss that its status tells.
