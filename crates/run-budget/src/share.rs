@@ -200,21 +200,34 @@ pub fn doubt(surrogate: &Surrogate, limits: &[Limit], runs: &[Run]) -> Option<Do
         return Some(Doubt::Failures);
     }
     let succeeded: Vec<&Run> = runs.iter().filter(|run| run.finite().is_some()).collect();
-    let (mut excess, mut variance) = (0.0, 0.0);
-    for limit in limits {
-        for (run, [mean, deviation]) in succeeded.iter().zip(surrogate.left_out(limit.output)) {
+    let told = limits.iter().flat_map(|limit| {
+        succeeded.iter().zip(surrogate.left_out(limit.output)).map(|(run, [mean, deviation])| {
             let value = run.finite().map_or(f64::NAN, |values| values[limit.output]);
             let below = |end: f64| normal_below((end - mean) / deviation);
-            // A surrogate is never surer of a sign than its number of runs allows.
-            let least = 0.1 / succeeded.len() as f64;
-            let good = (below(limit.range[1]) - below(limit.range[0])).clamp(least, 1.0 - least);
             let is_good = if limit.margin(value) >= 0.0 { 1.0 } else { 0.0 };
-            excess += (is_good - good).powi(2) - good * (1.0 - good);
-            variance += good * (1.0 - good) * (1.0 - 2.0 * good).powi(2);
-        }
-    }
-    let deviations = excess / variance.sqrt();
+            [below(limit.range[1]) - below(limit.range[0]), is_good]
+        })
+    });
+    // A surrogate is never surer of a sign than its number of runs allows.
+    let [scattered, one_sided] = surprise(told, 0.1 / succeeded.len() as f64);
+    // A process smooths a jump: the limit then lies on one side of where it is at all runs, and its functions share that error.
+    let deviations = scattered.max(one_sided);
     (deviations > REFUTED).then_some(Doubt::Signs { deviations })
+}
+
+/// By how many deviations what came out, 0 or 1, is farther off what was said of it than that admits, and how far it is off to one
+/// side. What was said is never surer than `least`.
+pub(crate) fn surprise(told: impl Iterator<Item = [f64; 2]>, least: f64) -> [f64; 2] {
+    let (mut excess, mut variance, mut off, mut open) = (0.0, 0.0, 0.0, 0.0);
+    for [said, is] in told {
+        let said = said.clamp(least, 1.0 - least);
+        let by_chance: f64 = said * (1.0 - said);
+        excess += (is - said).powi(2) - by_chance;
+        variance += by_chance * (1.0 - 2.0 * said).powi(2);
+        off += is - said;
+        open += by_chance;
+    }
+    [excess / variance.sqrt(), off.abs() / open.sqrt()]
 }
 
 /// The probability that a standard normal number is below another.
