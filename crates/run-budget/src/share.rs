@@ -1,6 +1,6 @@
 //! The share of good points: by the surrogate with what it leaves open, or counted where it does not hold.
 
-use crate::output::Check;
+use crate::refine::{centre, close};
 use crate::surrogate::{Run, Surrogate};
 use conformity::interval::clopper_pearson;
 use nalgebra::DMatrix;
@@ -188,9 +188,9 @@ impl Possible {
 /// What refutes the surrogate, if anything does: errors that are too large, or runs that are good or bad against what the others
 /// say of them.
 pub fn doubt(surrogate: &Surrogate, limits: &[Limit], runs: &[Run]) -> Option<Doubt> {
-    let checks: Vec<Check> = surrogate.checks();
+    let checks = surrogate.checks();
     for limit in limits {
-        let relative = checks[limit.output].error / surrogate.spread(limit.output);
+        let relative = checks[limit.output].relative;
         if relative > LARGEST_ERROR {
             return Some(Doubt::Error { output: limit.output, relative });
         }
@@ -246,10 +246,7 @@ pub(crate) fn undecided(mut margins: DMatrix<f64>, count: usize) -> Vec<usize> {
     };
     let candidates = margins.nrows();
     let open: Vec<f64> = (0..candidates).map(open).collect();
-    for mut row in margins.row_iter_mut() {
-        let mean = row.mean();
-        row.add_scalar_mut(-mean);
-    }
+    centre(&mut margins);
     let square = |margins: &DMatrix<f64>, i: usize| margins.row(i).norm_squared();
     let before: Vec<f64> = (0..candidates).map(|i| square(&margins, i)).collect();
     let mut chosen: Vec<usize> = Vec::new();
@@ -265,11 +262,7 @@ pub(crate) fn undecided(mut margins: DMatrix<f64>, count: usize) -> Vec<usize> {
             break;
         }
         chosen.push(best);
-        // What the chosen point's value tells of all others is no longer open.
-        let row = margins.row(best).into_owned();
-        let of_row = row.norm_squared();
-        let told = &margins * row.transpose() / of_row;
-        margins -= told * row;
+        close(&mut margins, best);
     }
     chosen
 }

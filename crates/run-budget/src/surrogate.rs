@@ -147,7 +147,7 @@ impl Surrogate {
 
     /// Error of success when runs are left out, over its deviation. `None` where hardly any run failed.
     pub(crate) fn success_error(&self) -> Option<f64> {
-        self.success.as_ref().map(|success| success.check.error / success.unit)
+        self.success.as_ref().map(|success| success.check.relative)
     }
 
     /// Mean and deviation (with noise) of an output at each successful run by the others.
