@@ -195,16 +195,15 @@ pub fn doubt(surrogate: &Surrogate, limits: &[Limit], runs: &[Run]) -> Option<Do
             return Some(Doubt::Error { output: limit.output, relative });
         }
     }
-    let fails = runs.iter().any(|run| run.finite().is_none());
-    if fails && surrogate.success_error().is_none_or(|relative| relative > LARGEST_ERROR) {
+    let succeeded: Vec<&[f64]> = runs.iter().filter_map(Run::finite).collect();
+    let unforeseen = surrogate.success.as_ref().is_none_or(|success| success.check.relative > LARGEST_ERROR);
+    if succeeded.len() < runs.len() && unforeseen {
         return Some(Doubt::Failures);
     }
-    let succeeded: Vec<&Run> = runs.iter().filter(|run| run.finite().is_some()).collect();
     let told = limits.iter().flat_map(|limit| {
-        succeeded.iter().zip(surrogate.left_out(limit.output)).map(|(run, [mean, deviation])| {
-            let value = run.finite().map_or(f64::NAN, |values| values[limit.output]);
+        succeeded.iter().zip(surrogate.left_out(limit.output)).map(|(values, [mean, deviation])| {
             let below = |end: f64| normal_below((end - mean) / deviation);
-            let is_good = if limit.margin(value) >= 0.0 { 1.0 } else { 0.0 };
+            let is_good = if limit.margin(values[limit.output]) >= 0.0 { 1.0 } else { 0.0 };
             [below(limit.range[1]) - below(limit.range[0]), is_good]
         })
     });
