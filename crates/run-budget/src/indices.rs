@@ -41,7 +41,7 @@ pub fn indices(
         possible.values.into_iter().chain([good]).collect()
     };
     let checks = surrogate.checks();
-    let relative: Vec<f64> = (0..checks.len()).map(|k| checks[k].error / surrogate.spread(k)).collect();
+    let relative: Vec<f64> = checks.iter().map(|check| check.relative).collect();
     let worst = limits.iter().map(|limit| relative[limit.output]).fold(0.0, f64::max);
     let doubt_of =
         |(output, &relative): (usize, &f64)| (relative > LARGEST_ERROR).then_some(Doubt::Error { output, relative });

@@ -16,6 +16,8 @@ const CHUNK: usize = 500;
 pub struct Check {
     /// Root mean square of the errors when each run is left out, in the output's unit.
     pub error: f64,
+    /// The same over the deviation of the output among its runs.
+    pub relative: f64,
     /// The part of the runs that the 95 % band without them held.
     pub held: f64,
     /// By how much all deviations were widened, so that the errors of runs left out fit them.
@@ -63,7 +65,8 @@ impl Output {
         // Length scales, interaction and nugget were tuned on the runs left out, so that errors come out too small.
         let tuned = (best.unknowns.len() as f64 / n).min(0.75);
         let widening = mean_square.max(tail).max(1.0) / (1.0 - tuned).sqrt();
-        let check = Check { error: unit * (squares / n).sqrt(), held, widening, noise };
+        let relative = (squares / n).sqrt();
+        let check = Check { error: unit * relative, relative, held, widening, noise };
         let by_others =
             |(value, [error, deviation]): (&f64, &[f64; 2])| [value - unit * error, check.widening * unit * deviation];
         let left_out = values.iter().zip(&left_out).map(by_others).collect();

@@ -225,16 +225,24 @@ impl Process {
         self.kernel.nugget
     }
 
-    /// Correlations with the runs: a row a run, a column a point.
+    /// Correlations with the runs: a row a run, a column a point. A point of a grid shares most coordinates, and their factors, with the
+    /// one before it.
     fn cross(&self, points: &DMatrix<f64>) -> DMatrix<f64> {
         let n = self.solved.weights.len();
         let of_points = self.kernel.places(points);
         let mut cross = DMatrix::repeat(n, points.ncols(), 1.0);
         let mut unasked = [vec![0.0; n], vec![0.0; n]];
-        for (j, values) in cross.as_mut_slice().chunks_mut(n).enumerate() {
-            for (of_runs, of_points) in self.places.iter().zip(&of_points) {
+        let mut before = vec![(f64::NAN, DVector::zeros(n)); of_points.len()];
+        for (j, mut values) in cross.column_iter_mut().enumerate() {
+            for ((of_runs, of_points), (at, factors)) in self.places.iter().zip(&of_points).zip(&mut before) {
                 let (of_runs, other) = (of_runs.each_ref().map(|of| &**of), of_points.each_ref().map(|of| of[j]));
-                self.kernel.multiply::<false>(of_runs, other, values, unasked.each_mut().map(|of| &mut **of));
+                if other[0] != *at {
+                    *at = other[0];
+                    factors.fill(1.0);
+                    let unasked = unasked.each_mut().map(|of| &mut **of);
+                    self.kernel.multiply::<false>(of_runs, other, factors.as_mut_slice(), unasked);
+                }
+                values.component_mul_assign(factors);
             }
         }
         cross

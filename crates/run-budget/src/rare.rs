@@ -11,7 +11,7 @@
 
 use std::f64::consts::PI;
 
-use crate::share::{Basis, Event, Limit, Possible, REFUTED, Share, undecided};
+use crate::share::{Basis, Event, Limit, Possible, REFUTED, Share, surprise, undecided};
 use crate::surrogate::{Run, Surrogate};
 use nalgebra::DMatrix;
 use sampling::design::cube;
@@ -194,13 +194,7 @@ impl Search<'_> {
         if inside < LEAST_INSIDE {
             return Err(Unknown::Outside);
         }
-        let (mut excess, mut variance) = (0.0, 0.0);
-        for [said, is] in foretold {
-            let said = said.clamp(SUREST, 1.0 - SUREST);
-            excess += (is - said).powi(2) - said * (1.0 - said);
-            variance += said * (1.0 - said) * (1.0 - 2.0 * said).powi(2);
-        }
-        let deviations = excess / variance.sqrt();
+        let [deviations, _] = surprise(foretold.iter().copied(), SUREST);
         if deviations > REFUTED {
             return Err(Unknown::Contradicted { deviations });
         }

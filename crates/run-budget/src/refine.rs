@@ -13,10 +13,7 @@ pub fn most_open(surrogates: &[(&Surrogate, Vec<Vec<f64>>)], count: usize) -> Ve
         let standard = surrogate.standard(points);
         let of = |output: usize| {
             let mut values = surrogate.functions(output, EACH).at(&standard);
-            for mut row in values.row_iter_mut() {
-                let mean = row.mean();
-                row.add_scalar_mut(-mean);
-            }
+            centre(&mut values);
             values
         };
         (0..surrogate.checks().len()).map(of).collect()
@@ -31,17 +28,27 @@ pub fn most_open(surrogates: &[(&Surrogate, Vec<Vec<f64>>)], count: usize) -> Ve
             break;
         };
         chosen.push(best);
-        for values in &mut outputs {
-            // What the chosen point's value tells of all others is no longer open.
-            let row = values.row(best).into_owned();
-            let of_row = row.norm_squared();
-            if of_row > 0.0 {
-                let told = &*values * row.transpose() / of_row;
-                *values -= told * row;
-            }
-        }
+        outputs.iter_mut().for_each(|values| close(values, best));
     }
     chosen
+}
+
+/// Takes each row's mean away.
+pub(crate) fn centre(values: &mut DMatrix<f64>) {
+    for mut row in values.row_iter_mut() {
+        let mean = row.mean();
+        row.add_scalar_mut(-mean);
+    }
+}
+
+/// What the value at one row tells of all others is no longer open.
+pub(crate) fn close(values: &mut DMatrix<f64>, row: usize) {
+    let row = values.row(row).into_owned();
+    let of_row = row.norm_squared();
+    if of_row > 0.0 {
+        let told = &*values * row.transpose() / of_row;
+        *values -= told * row;
+    }
 }
 
 #[cfg(test)]

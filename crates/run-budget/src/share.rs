@@ -1,6 +1,6 @@
 //! The share of good points: by the surrogate with what it leaves open, or counted where it does not hold.
 
-use crate::output::Check;
+use crate::refine::{centre, close};
 use crate::surrogate::{Run, Surrogate};
 use conformity::interval::clopper_pearson;
 use nalgebra::DMatrix;
@@ -188,33 +188,45 @@ impl Possible {
 /// What refutes the surrogate, if anything does: errors that are too large, or runs that are good or bad against what the others
 /// say of them.
 pub fn doubt(surrogate: &Surrogate, limits: &[Limit], runs: &[Run]) -> Option<Doubt> {
-    let checks: Vec<Check> = surrogate.checks();
+    let checks = surrogate.checks();
     for limit in limits {
-        let relative = checks[limit.output].error / surrogate.spread(limit.output);
+        let relative = checks[limit.output].relative;
         if relative > LARGEST_ERROR {
             return Some(Doubt::Error { output: limit.output, relative });
         }
     }
-    let fails = runs.iter().any(|run| run.finite().is_none());
-    if fails && surrogate.success_error().is_none_or(|relative| relative > LARGEST_ERROR) {
+    let succeeded: Vec<&[f64]> = runs.iter().filter_map(Run::finite).collect();
+    let unforeseen = surrogate.success.as_ref().is_none_or(|success| success.check.relative > LARGEST_ERROR);
+    if succeeded.len() < runs.len() && unforeseen {
         return Some(Doubt::Failures);
     }
-    let succeeded: Vec<&Run> = runs.iter().filter(|run| run.finite().is_some()).collect();
-    let (mut excess, mut variance) = (0.0, 0.0);
-    for limit in limits {
-        for (run, [mean, deviation]) in succeeded.iter().zip(surrogate.left_out(limit.output)) {
-            let value = run.finite().map_or(f64::NAN, |values| values[limit.output]);
+    let told = limits.iter().flat_map(|limit| {
+        succeeded.iter().zip(surrogate.left_out(limit.output)).map(|(values, [mean, deviation])| {
             let below = |end: f64| normal_below((end - mean) / deviation);
-            // A surrogate is never surer of a sign than its number of runs allows.
-            let least = 0.1 / succeeded.len() as f64;
-            let good = (below(limit.range[1]) - below(limit.range[0])).clamp(least, 1.0 - least);
-            let is_good = if limit.margin(value) >= 0.0 { 1.0 } else { 0.0 };
-            excess += (is_good - good).powi(2) - good * (1.0 - good);
-            variance += good * (1.0 - good) * (1.0 - 2.0 * good).powi(2);
-        }
-    }
-    let deviations = excess / variance.sqrt();
+            let is_good = if limit.margin(values[limit.output]) >= 0.0 { 1.0 } else { 0.0 };
+            [below(limit.range[1]) - below(limit.range[0]), is_good]
+        })
+    });
+    // A surrogate is never surer of a sign than its number of runs allows.
+    let [scattered, one_sided] = surprise(told, 0.1 / succeeded.len() as f64);
+    // A process smooths a jump: the limit then lies on one side of where it is at all runs, and its functions share that error.
+    let deviations = scattered.max(one_sided);
     (deviations > REFUTED).then_some(Doubt::Signs { deviations })
+}
+
+/// By how many deviations what came out, 0 or 1, is farther off what was said of it than that admits, and how far it is off to one
+/// side. What was said is never surer than `least`.
+pub(crate) fn surprise(told: impl Iterator<Item = [f64; 2]>, least: f64) -> [f64; 2] {
+    let (mut excess, mut variance, mut off, mut open) = (0.0, 0.0, 0.0, 0.0);
+    for [said, is] in told {
+        let said = said.clamp(least, 1.0 - least);
+        let by_chance: f64 = said * (1.0 - said);
+        excess += (is - said).powi(2) - by_chance;
+        variance += by_chance * (1.0 - 2.0 * said).powi(2);
+        off += is - said;
+        open += by_chance;
+    }
+    [excess / variance.sqrt(), off.abs() / open.sqrt()]
 }
 
 /// The probability that a standard normal number is below another.
@@ -233,10 +245,7 @@ pub(crate) fn undecided(mut margins: DMatrix<f64>, count: usize) -> Vec<usize> {
     };
     let candidates = margins.nrows();
     let open: Vec<f64> = (0..candidates).map(open).collect();
-    for mut row in margins.row_iter_mut() {
-        let mean = row.mean();
-        row.add_scalar_mut(-mean);
-    }
+    centre(&mut margins);
     let square = |margins: &DMatrix<f64>, i: usize| margins.row(i).norm_squared();
     let before: Vec<f64> = (0..candidates).map(|i| square(&margins, i)).collect();
     let mut chosen: Vec<usize> = Vec::new();
@@ -252,11 +261,7 @@ pub(crate) fn undecided(mut margins: DMatrix<f64>, count: usize) -> Vec<usize> {
             break;
         }
         chosen.push(best);
-        // What the chosen point's value tells of all others is no longer open.
-        let row = margins.row(best).into_owned();
-        let of_row = row.norm_squared();
-        let told = &margins * row.transpose() / of_row;
-        margins -= told * row;
+        close(&mut margins, best);
     }
     chosen
 }

@@ -48,7 +48,7 @@ pub struct Surrogate {
     centre: Vec<f64>,
     deviation: Vec<f64>,
     outputs: Vec<Output>,
-    success: Option<Output>,
+    pub(crate) success: Option<Output>,
     seed: u64,
 }
 
@@ -65,18 +65,17 @@ impl Surrogate {
         let centre: Vec<f64> = (0..d).map(mean).collect();
         let spread = |k: usize| (like.iter().map(|x| (x[k] - centre[k]).powi(2)).sum::<f64>() / n).sqrt();
         let deviation: Vec<f64> = (0..d).map(spread).collect();
-        let good: Vec<&Run> = runs.iter().filter(|run| run.finite().is_some()).collect();
+        let good: Vec<(&Run, &[f64])> = runs.iter().filter_map(|run| Some((run, run.finite()?))).collect();
         let needed = LEAST.max(2 + d / 2);
         if good.len() < needed {
             return Err(Unfit::TooFew { runs: good.len(), needed });
         }
         let mut surrogate = Self { centre, deviation, outputs: Vec::new(), success: None, seed };
-        let points: Vec<&[f64]> = good.iter().map(|run| run.point.as_slice()).collect();
+        let points: Vec<&[f64]> = good.iter().map(|(run, _)| run.point.as_slice()).collect();
         let points = surrogate.standard(&points);
-        let width = good[0].values.as_ref().map_or(0, Vec::len);
+        let width = good[0].1.len();
         let fit = |k: usize| {
-            let value = |run: &&Run| run.values.as_ref().map_or(f64::NAN, |v| v[k]);
-            let values: Vec<f64> = good.iter().map(value).collect();
+            let values: Vec<f64> = good.iter().map(|(_, values)| values[k]).collect();
             let before = earlier.and_then(|e| e.outputs.get(k));
             Output::fit(points.clone(), &values, before, seed, k as u32).ok_or(Unfit::Output(k))
         };
@@ -143,11 +142,6 @@ impl Surrogate {
     /// The deviation of an output among its runs; 1 where they are all the same.
     pub fn spread(&self, output: usize) -> f64 {
         self.outputs[output].unit
-    }
-
-    /// Error of success when runs are left out, over its deviation. `None` where hardly any run failed.
-    pub(crate) fn success_error(&self) -> Option<f64> {
-        self.success.as_ref().map(|success| success.check.error / success.unit)
     }
 
     /// Mean and deviation (with noise) of an output at each successful run by the others.

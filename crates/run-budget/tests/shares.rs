@@ -81,6 +81,16 @@ fn noise_that_no_surrogate_follows_is_counted_or_left_open() {
     assert!(low < truth && truth < high, "{share:?} {truth}");
 }
 
+/// A process smooths a jump, so that all its functions take the lower side of the limit for the upper one next to it.
+#[test]
+fn a_jump_at_the_limit_is_counted_or_left_open() {
+    let model = functions::ALL.iter().find(|m| m.name == "jump").expect("it is listed");
+    let share = campaign(model, 100, 1004, never);
+    let truth = truth(model, never);
+    let [low, high] = share.interval(0.95);
+    assert!(low < truth && truth < high, "{share:?} {truth}");
+}
+
 /// Prints how often intervals hold: `cargo test -p run-budget --release --test shares -- --ignored --nocapture`.
 #[test]
 #[ignore = "takes many minutes of CPU"]

@@ -186,7 +186,18 @@ def paper_table(folder, rounds):
     ]
     exact = "first-order index {}, total index {}".format(*our_indices(reference / "sensitivity.json"))
     return rows, (f"The orchestrator from {BASE_OF_REFERENCE * 9:,} runs: {exact}. OpenTURNS' polynomial of 200 runs: total index "
-                  f"{float(polynomial):.3f}.")
+                  f"{float(polynomial):.3f}.\n\n{shares_of_few(folder / 'few')}")
+
+
+def shares_of_few(target):
+    """The share by surrogates of 100 runs, and what they cost."""
+    ours = succeeded(run([PROGRAM, "verify", HERE / OURS / "paper.toml", "--budget", 100, "--output", target, "--force"]), (0, 1, 3))
+    theirs = succeeded(run([python("openturns"), HERE / "openturns/few.py"]))
+    told = json.loads((target / "summary.json").read_text())["surrogate"]
+    other = float(re.search(rf"share: {NUMBER}", theirs.said).group(1))
+    low, high = told["interval"]
+    return (f"The share by Gaussian processes of 100 runs: ours {100 * told['share']:.1f} % ({100 * low:.1f} to {100 * high:.1f} %) in "
+            f"{ours.cpu:.1f} s of CPU; OpenTURNS' {100 * other:.1f} %, no interval, in {theirs.cpu:.1f} s.")
 
 
 def wrong(file):

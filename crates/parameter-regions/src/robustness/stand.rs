@@ -44,12 +44,12 @@ impl Stand {
         let runs: Vec<Run> = taken.iter().map(run).collect();
         const SEED: u64 = 1;
         let surrogate = Surrogate::fit(&runs, &inputs, None, SEED).ok()?;
-        let quality = |(k, check): (usize, run_budget::Check)| Quality {
+        let quality = |check: run_budget::Check| Quality {
             points: taken.len(),
             error: check.error,
-            predicted: 1.0 - (check.error / surrogate.spread(k)).powi(2),
+            predicted: 1.0 - check.relative.powi(2),
         };
-        let qualities = surrogate.checks().into_iter().enumerate().map(quality).collect();
+        let qualities = surrogate.checks().into_iter().map(quality).collect();
         let mut left_out = means(&surrogate, &inputs);
         for (number, i) in taken.into_iter().enumerate() {
             left_out[i] = (0..table.criteria.len()).map(|k| surrogate.left_out(k)[number][0]).collect();

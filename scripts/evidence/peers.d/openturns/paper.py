@@ -36,30 +36,31 @@ joint = ot.JointDistribution(list(INPUTS.values()))
 joint.setDescription(list(INPUTS))
 model = ot.MemoizeFunction(ot.PythonFunction(7, 4, simulate, n_cpus=2))
 
-event = ot.DomainEvent(ot.CompositeRandomVector(model, ot.RandomVector(joint)), WINDOW)
-share = ot.ProbabilitySimulationAlgorithm(event, ot.MonteCarloExperiment())
-share.setMaximumOuterSampling(1)
-share.setBlockSize(50)
-share.run()
-estimate, half = share.getResult().getProbabilityEstimate(), share.getResult().getConfidenceLength(0.95) / 2
-accepted = [k + 1 for k, y in enumerate(model.getOutputHistory()) if WINDOW.contains(y)]
-print("accepted:", len(accepted), "points:", accepted, "share:", estimate, "+-", half)
+if __name__ == "__main__":
+    event = ot.DomainEvent(ot.CompositeRandomVector(model, ot.RandomVector(joint)), WINDOW)
+    share = ot.ProbabilitySimulationAlgorithm(event, ot.MonteCarloExperiment())
+    share.setMaximumOuterSampling(1)
+    share.setBlockSize(50)
+    share.run()
+    estimate, half = share.getResult().getProbabilityEstimate(), share.getResult().getConfidenceLength(0.95) / 2
+    accepted = [k + 1 for k, y in enumerate(model.getOutputHistory()) if WINDOW.contains(y)]
+    print("accepted:", len(accepted), "points:", accepted, "share:", estimate, "+-", half)
 
-x = ot.SobolIndicesExperiment(joint, 256, False).generate()
-y = model(x)
-few, held_out = joint.getSample(200), joint.getSample(50)
-of_few, of_held_out = model(few), model(held_out)
-basis = ot.OrthogonalProductPolynomialFactory(list(INPUTS.values()))
-terms = ot.FixedStrategy(basis, basis.getEnumerateFunction().getBasisSizeFromTotalDegree(3))
-sparse = ot.LeastSquaresStrategy(ot.LeastSquaresMetaModelSelectionFactory())
-for k, output in enumerate(OUTPUTS):
-    indices = ot.MartinezSensitivityAlgorithm(x, y.getMarginal(k), 256)
-    first, total = indices.getFirstOrderIndicesInterval(), indices.getTotalOrderIndicesInterval()
-    chaos = ot.FunctionalChaosAlgorithm(few, of_few.getMarginal(k), joint, terms, sparse)
-    chaos.run()
-    polynomial = ot.FunctionalChaosSobolIndices(chaos.getResult())
-    quality = ot.MetaModelValidation(of_held_out.getMarginal(k), chaos.getResult().getMetaModel()(held_out)).computeR2Score()
-    for i, name in enumerate(INPUTS):
-        print(output, name, "first", indices.getFirstOrderIndices()[i], first.getLowerBound()[i], first.getUpperBound()[i],
-              "total", indices.getTotalOrderIndices()[i], total.getLowerBound()[i], total.getUpperBound()[i],
-              "polynomial", polynomial.getSobolTotalIndex(i), "R2", quality[0])
+    x = ot.SobolIndicesExperiment(joint, 256, False).generate()
+    y = model(x)
+    few, held_out = joint.getSample(200), joint.getSample(50)
+    of_few, of_held_out = model(few), model(held_out)
+    basis = ot.OrthogonalProductPolynomialFactory(list(INPUTS.values()))
+    terms = ot.FixedStrategy(basis, basis.getEnumerateFunction().getBasisSizeFromTotalDegree(3))
+    sparse = ot.LeastSquaresStrategy(ot.LeastSquaresMetaModelSelectionFactory())
+    for k, output in enumerate(OUTPUTS):
+        indices = ot.MartinezSensitivityAlgorithm(x, y.getMarginal(k), 256)
+        first, total = indices.getFirstOrderIndicesInterval(), indices.getTotalOrderIndicesInterval()
+        chaos = ot.FunctionalChaosAlgorithm(few, of_few.getMarginal(k), joint, terms, sparse)
+        chaos.run()
+        polynomial = ot.FunctionalChaosSobolIndices(chaos.getResult())
+        quality = ot.MetaModelValidation(of_held_out.getMarginal(k), chaos.getResult().getMetaModel()(held_out)).computeR2Score()
+        for i, name in enumerate(INPUTS):
+            print(output, name, "first", indices.getFirstOrderIndices()[i], first.getLowerBound()[i], first.getUpperBound()[i],
+                  "total", indices.getTotalOrderIndices()[i], total.getLowerBound()[i], total.getUpperBound()[i],
+                  "polynomial", polynomial.getSobolTotalIndex(i), "R2", quality[0])
