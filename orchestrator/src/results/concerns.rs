@@ -88,15 +88,28 @@ pub fn repeated(repeated: u64, points: u64) -> Option<Concern> {
     })
 }
 
-/// Warns of a criterion whose value is the same at all points, given the least and the greatest: it only says again what
-/// one run says.
+/// Warns of a criterion whose value is the same at all points, given the least and the greatest, or nearly so for its tolerance:
+/// it only says again what one run says.
 pub fn unmoved(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Option<Concern> {
     const ROUNDING: f64 = 1e-12;
+    /// A smaller part of the tolerance is as good as nothing.
+    const LITTLE: f64 = 0.01;
     let same = high - low <= ROUNDING * low.abs().max(high.abs());
-    if points < FEWEST || low > high || !same {
+    let accepts_all = criterion.accepts(low) && criterion.accepts(high) && !criterion.limits.is_one_sided();
+    let is_wide = accepts_all && high - low <= LITTLE * criterion.room();
+    if points < FEWEST || low > high || !(same || is_wide) {
         return None;
     }
     let unit = criterion.unit_behind();
+    if !same {
+        let text = format!(
+            "{}: the values of all {points} points lie within {}{unit}, less than a hundredth of the tolerance, which can refuse none",
+            criterion.name,
+            short(high - low)
+        );
+        let remedy = "Check each `tolerance` that is so wide, and the ranges of the parameters.";
+        return Some(Concern::new(Code::WideTolerance, text).remedied(remedy));
+    }
     let text = format!(
         "{}: the value is {}{unit} at all {points} points, so it does not depend on the parameters that vary",
         criterion.name,
