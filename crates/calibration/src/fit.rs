@@ -115,14 +115,15 @@ impl IdentificationOutcome {
             )),
             Some(_) => None,
         };
-        let orders = self.orders.iter();
-        let orders = orders.filter(|order| order.is_doubtful(self.level()));
-        let orders = orders.map(|order| {
+        let orders = self.orders.iter().filter(|order| order.is_doubtful(self.level()));
+        let (names, correlations): (Vec<&str>, Vec<String>) =
+            orders.map(|order| (&*order.name, rounded(order.correlation, 2))).unzip();
+        let orders = (!names.is_empty()).then(|| {
             format!(
                 "The residuals of {} are no noise: each is like the one before (correlation {}). The model, or the stated noise, \
                  leaves something out, and the intervals are too narrow.",
-                order.name,
-                rounded(order.correlation, 2)
+                names.join(", "),
+                correlations.join(", ")
             )
         });
         let farthest = self.farthest.as_ref().filter(|_| self.is_farthest_doubtful());

@@ -170,7 +170,8 @@ pub(crate) fn reinit(document: &Document<'_>) -> Vec<Hit> {
         Version::Two => Some(scalar.position + 1),
         Version::Three => scalar.node.attribute("valueReference")?.trim().parse().ok(),
     };
-    let is_exchange = document.read.standard == Version::Three || named(document.root, "ModelExchange").next().is_some();
+    let is_exchange =
+        document.read.standard == Version::Three || named(document.root, "ModelExchange").next().is_some();
     document.of_each(|scalar| {
         let is_state = number(scalar).is_some_and(|number| states.contains(&number));
         (is_exchange && scalar.typed.has_attribute("reinit") && !is_state)

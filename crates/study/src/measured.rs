@@ -386,7 +386,7 @@ pub(super) fn doubt(name: &str, curve: &MeasuredCurve, (ideal, tolerance, _): (f
     let pair = Pair { reference: values, model: &zeros, band, normaliser: *normaliser };
     let accepts = *metric != Metric::Iso18571 && (metric.compare(&pair) - ideal).abs() <= tolerance;
     (accepts && !is_zero).then(|| {
-        let text = format!("{name}: its tolerance is as wide as the recording itself, so that 0 throughout is accepted, too");
+        let text = format!("{name}: with its tolerance even 0 throughout is accepted in place of the recording");
         Concern::new(Code::WideTolerance, text).remedied(format!("Correct the tolerance of {name}, or its unit."))
     })
 }

@@ -203,12 +203,13 @@ impl Judge {
             let measured = criterion.measured();
             let least = measured.error.map_or(0.0, |error| error.expanded);
             let value = measured.value.filter(|value| criterion.metric.is_none() && value.abs() > least);
-            let Some(value) = value.filter(|_| !criterion.limits.is_one_sided() && criterion.limits.accepts(0.0)) else {
+            let Some(value) = value.filter(|_| !criterion.limits.is_one_sided() && criterion.limits.accepts(0.0))
+            else {
                 continue;
             };
             let (name_text, unit) = (&criterion.name, criterion.unit_behind());
             let message = format!(
-                "{name_text}: the tolerance {} is as wide as the measured value {value}{unit}, so that 0 is accepted, too",
+                "{name_text}: with the tolerance {} even 0 is accepted in place of the measured value {value}{unit}",
                 criterion.stated_tolerance
             );
             let warning = study.error_at(name, message).to_string();
@@ -220,7 +221,8 @@ impl Judge {
     /// Where nothing may be fitted, `held-out` sets nothing apart.
     fn warn_of_held_out(&mut self, study: &Study) {
         let Some(first) = study.cases.first().filter(|_| study.cases.iter().all(|case| case.held_out)) else { return };
-        let message = "every case is held out, and none is left that `identify` may see, so `held-out` sets nothing apart";
+        let message =
+            "every case is held out, and none is left that `identify` may see, so `held-out` sets nothing apart";
         let warning = study.error_at(&first.name, message).to_string();
         let remedy = "Remove `held-out` from a case, or add the cases that the parameters were fitted to.";
         self.warnings.push(Concern::new(Code::AllHeldOut, warning).remedied(remedy));

@@ -13,8 +13,8 @@ use crate::results::choice;
 use crate::results::table;
 use crate::results::words::capitalised;
 use conformity::decision::Decision;
-use result_document::{Block, Document};
 use result_document::format::count;
+use result_document::{Block, Document};
 use std::path::Path;
 use study::Study;
 
@@ -54,7 +54,8 @@ fn documents(folder: &Path, summary: &Summary) -> Vec<Document> {
     let decision = summary.decision();
     let is_of_best = |document: &&mut Document| ["identification", "robustness"].contains(&&*document.id);
     for document in documents.iter_mut().filter(is_of_best).filter(|_| decision != Decision::Verified) {
-        let told = format!("The verdict stays \"{decision}\": it counts all points, this section looks for the best alone.");
+        let told =
+            format!("The verdict stays \"{decision}\": it counts all points, this section looks for the best alone.");
         document.blocks.insert(0, Block::Sentence(told));
     }
     documents

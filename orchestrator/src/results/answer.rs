@@ -99,7 +99,7 @@ impl Answer {
 
 /// Where to read which parameter decides.
 const SENSITIVE: &str =
-    "`orchestrator sensitivity --from` tells which parameter decides the verdict, without a further run.";
+    "`orchestrator sensitivity STUDY --from FOLDER` tells which parameter decides the verdict, without a further run.";
 
 fn required(summary: &Summary) -> Option<&Requirement> {
     summary.conclusion.as_ref()?.required.as_ref()
@@ -344,9 +344,11 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
         Decision::NotVerified => {
             let told = match summary.causes.is_empty() {
                 true => "finds the parameters that fit best, and what would explain that none does",
-                false => "tells the evidence, as report.html does: correct what is wrong, and verify again",
+                false => {
+                    "tells the evidence, as Identification on the page does: correct what is wrong, and verify again"
+                }
             };
-            list.push(format!("`orchestrator identify` {told}."));
+            list.push(format!("`orchestrator identify STUDY` {told}."));
             list.extend(nearest(summary));
         }
         Decision::Inconclusive if summary.surrogate.is_some() => {

@@ -136,11 +136,16 @@ fn every_broken_description_of_fmi_3_is_found() {
 fn faults_of_an_fmu_for_model_exchange_are_found() {
     let bench = Bench::empty();
     let found = [
-        ("Real start=\"0.7\"", &[][..], "reinit: restitution: it has the attribute reinit, but is no continuous-time state"),
+        (
+            "Real start=\"0.7\"",
+            &[][..],
+            "reinit: restitution: it has the attribute reinit, but is no continuous-time state",
+        ),
         ("", &["ONE_INDICATOR"], "warning warnings: counts 2 event indicators, of which the FMU computes 1"),
     ];
     let wrong = found.into_iter().filter_map(|(of, macros, found)| {
-        let description = if of.is_empty() { BALL.to_owned() } else { BALL.replace(of, &format!("{of} reinit=\"false\"")) };
+        let description =
+            if of.is_empty() { BALL.to_owned() } else { BALL.replace(of, &format!("{of} reinit=\"false\"")) };
         bench.ball("broken.fmu", macros, &description);
         amiss(&bench, found, found)
     });

@@ -175,7 +175,7 @@ uncertainty = 0.006
     let begin = "the communication step of 0.25 s is too coarse: with finer ones lag.rate would be about 0.12 ";
     assert!(text.starts_with(begin), "{text}");
     assert_eq!(concern["remedy"], "Choose a shorter `step` under [simulation].");
-    let first = format!("warning: {text}. Choose a shorter `step` under [simulation].\n");
+    let first = format!("warning: {text}. Choose a shorter `step` under [simulation]\n");
     assert!(said.out.starts_with(&first), "{}", said.out);
     let page = bench.read("out/report.html");
     assert!(page.contains(&format!("Warning: {begin}")), "{page}");
@@ -450,7 +450,7 @@ tolerance = 0.02
         let text = said.out.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(text.starts_with("\u{2717} Not verified") && text.contains(words), "{text}");
         assert!(bench.summary("no")["causes"][0].as_str().unwrap().contains(words));
-        assert!(text.contains("Next `orchestrator identify` tells the evidence"), "{text}");
+        assert!(text.contains("Next `orchestrator identify STUDY` tells the evidence"), "{text}");
         let page = bench.read("no/report.html");
         assert!(page.contains("id=\"identification\"") && page.contains("id=\"verdict\""), "{page}");
         let section = page.split_once("id=\"identification\"").unwrap().1;

@@ -597,7 +597,9 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
         bench.run(&["verify", "study.toml"]).is_mistake(&told);
     }
     bench.write("study.toml", STUDY);
-    bench.run(&["verify", "study.toml", "--dry-run", "--junit", "j.xml"]).is_mistake(&["--junit: --dry-run has no verdict"]);
+    bench
+        .run(&["verify", "study.toml", "--dry-run", "--junit", "j.xml"])
+        .is_mistake(&["--junit: --dry-run has no verdict"]);
     for text in ["", "\n\n"] {
         bench.write("empty.csv", text);
         let said = bench.run(&["init", "lag.fmu", "--measured", "empty.csv", "--output", "new.toml"]);
@@ -609,7 +611,8 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
     assert!(!bench.path("few/sensitivity.json").exists());
     // What it says, it keeps.
     bench.run(&["verify", "study.toml", "--output", "few", "--resume", "--points", "12"]);
-    let advises = || bench.read("few/report.html").contains("<code>orchestrator sensitivity --from</code>");
+    let advises =
+        || bench.read("few/report.html").contains("<code>orchestrator sensitivity STUDY --from FOLDER</code>");
     assert!(advises());
     assert_eq!(bench.run(&["sensitivity", "study.toml", "--from", "few"]).code, 0);
     // It needs no advice any more.

@@ -246,7 +246,8 @@ impl Exchange {
         let counted = march.indicators.len();
         let written = march.indicators.iter().filter(|indicator| !indicator.is_nan()).count();
         if is_first && written < counted {
-            let text = format!("the description counts {counted} event indicators, of which the FMU computes {written}");
+            let text =
+                format!("the description counts {counted} event indicators, of which the FMU computes {written}");
             self.plant.model.base_mut().caller.log.returned_warning(&text);
         }
         Ok(())

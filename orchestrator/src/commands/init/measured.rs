@@ -50,7 +50,8 @@ impl<'a> Measured<'a> {
         })?;
         let header = rows.names().to_vec();
         if header.iter().all(|name| name.trim().is_empty()) {
-            let message = "it is empty: its first line names the columns, such as `time,speed [rpm]`, and rows of numbers follow";
+            let message =
+                "it is empty: its first line names the columns, such as `time,speed [rpm]`, and rows of numbers follow";
             return Err(Error::content(path, message));
         }
         if rows.advance()?
