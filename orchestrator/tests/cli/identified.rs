@@ -455,7 +455,7 @@ tolerance = 0.02
         assert!(page.contains("id=\"identification\"") && page.contains("id=\"verdict\""), "{page}");
         let section = page.split_once("id=\"identification\"").unwrap().1;
         let [verdict, fit] = ["The verdict stays", "The model misses"].map(|words| section.find(words).unwrap());
-        assert!(verdict < fit && section.contains("95 % if the model were right"), "{section}");
+        assert!(verdict < fit && section.contains("95 %, too narrow"), "{section}");
     }
     // Whoever wants no runs but the points gets none.
     let said = bench.run(&["verify", "study.toml", "--points", "1000", "--output", "few", "--extra-runs", "0"]);

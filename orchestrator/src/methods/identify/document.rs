@@ -412,7 +412,9 @@ impl Page<'_> {
     fn next(&self) -> Option<Document> {
         let next = self.outcome.next.as_ref()?;
         let mut told = Document::new("next", "Measure next", "What to measure next");
-        told.say(format!("{} is known to {} (one standard deviation).", next.parameter, next.words(next.deviation)));
+        let small = if self.outcome.is_too_narrow() { ", too small" } else { "" };
+        let deviation = next.words(next.deviation);
+        told.say(format!("{} is known to {deviation} (one standard deviation{small}).", next.parameter));
         let rows: Vec<Vec<String>> = next
             .worthwhile()
             .map(|measurement| {
