@@ -10,6 +10,8 @@ from typing import Any
 
 # Shorter runs show nothing.
 QUIET = 0.5
+# So often a file or a log gets a line, s.
+SELDOM = 10.0
 WIDTH = 30
 # Words of the journal for a point that has an outcome.
 OUTCOMES = {b"ok", b"apart", b"forked", b"used", b"failed"}
@@ -102,7 +104,9 @@ def _chosen(show: Show | bool | None) -> Show | None:
         return None
     if _notebook() is not None:
         return Cell()
-    return Line() if sys.stderr is not None and (show or sys.stderr.isatty()) else None
+    if sys.stderr is None:
+        return None
+    return Line() if show or sys.stderr.isatty() else Log()
 
 
 def _notebook() -> Any:
@@ -129,6 +133,20 @@ class Text:
             if total is not None:
                 text += f", {max(0, total - done) / rate:.0f} s left"
         return text
+
+
+class Log(Text):
+    """Lines in a file."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._last = time.monotonic()
+
+    def __call__(self, done: int, total: int | None) -> None:
+        words, now = self.words(done, total), time.monotonic()
+        if now - self._last > SELDOM:
+            self._last = now
+            sys.stderr.write(f"{words}\n")
 
 
 class Line(Text):

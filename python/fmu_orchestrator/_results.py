@@ -7,6 +7,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -215,9 +216,13 @@ class Verification:
         best: dict[str, Any] | None = self.summary["best_point"]
         return best
 
-    def replay(self, point: int, case: str | None = None) -> Table:
-        """Simulates one point again: its trajectory, a row a communication point. Of a study with cases, that of one of
-        them."""
+    def replay(self, point: float | Mapping[str, Any], case: str | None = None) -> Table:
+        """Simulates one point again, by its number or as `best_point` has it: its trajectory, a row a communication point. Of a
+        study with cases, that of one of them."""
+        number = point.get("point") if isinstance(point, Mapping) else point
+        if not isinstance(number, Real) or number != int(number):
+            raise OrchestratorError(f"replay: {number} is no number of a point")
+        point = int(number)
         path = self.folder / f"point-{point}.csv"
         options = [f"--output={path}"] + ([f"--case={case}"] if case is not None else [])
         # 1 says that the point does not meet all criteria.

@@ -57,7 +57,7 @@ class Running(TypedDict, total=False):
     """Replaces results of another study file or FMU."""
     progress: Show | bool | None
     """A function of the points done and their number, which may be None; False shows nothing. Unless given, a terminal
-    and a notebook show a bar."""
+    and a notebook show a bar, and where neither is standard error gets a line every ten seconds."""
 
 
 class Study:
@@ -181,6 +181,7 @@ class Study:
 
     def sensitivity(
         self,
+        points_of: Points | None = None,
         *,
         base: int | None = None,
         morris: int | None = None,
@@ -192,16 +193,19 @@ class Study:
     ) -> Sensitivity:
         """Tells which parameter matters: Sobol indices of ``base`` points, screening by ``morris`` trajectories, or Shapley effects
         of ``shapley`` base points, which take correlated parameters, too. ``budget`` is the most runs, whose indices a surrogate
-        tells.
+        tells. ``points_of`` takes the points of a finished study instead, without a further run, or with ``budget`` as the first.
         """
-        folder = self._folder(output)
-        options: dict[str, Value] = {"base": base, "morris": morris, "shapley": shapley}
+        source, folder = self._folders(points_of, output)
+        # With a budget the program takes the points of the folder itself.
+        source = None if budget is not None and folder == source else source
+        options: dict[str, Value] = {"from": source, "base": base, "morris": morris, "shapley": shapley}
         options |= {"budget": budget, "seed": seed}
         done = self._run("sensitivity", folder, options, running, state="sensitivity")
         return Sensitivity(folder, done.text)
 
     def identify(
         self,
+        points_of: Points | None = None,
         *,
         starts: int | None = None,
         posterior: int | None = None,
@@ -216,11 +220,14 @@ class Study:
         """Finds the parameters that make the measured values most probable; the study needs a section ``[identify]``.
 
         ``posterior`` draws so many sets of parameters from the posterior into ``posterior.csv``. ``budget`` is the most runs,
-        of which a surrogate is made. ``narrow`` names the parameter for which the next measurement is chosen. ``against``
+        of which a surrogate is made, with the points of a finished study where ``points_of`` names one: the result stands in its
+        folder then. ``narrow`` names the parameter for which the next measurement is chosen. ``against``
         weighs the model against that of another result on the same data. ``time_limit``, s, ends the search and takes the
         best so far.
         """
-        folder = self._folder(output)
+        source, folder = self._folders(points_of, output)
+        if source is not None and (budget is None or folder != source):
+            raise OrchestratorError("points_of needs a budget, of whose surrogate they are a part, and no other output")
         options: dict[str, Value] = {"starts": starts, "posterior": posterior, "budget": budget}
         options |= {"narrow": narrow, "seed": seed, "time_limit": time_limit}
         options["against"] = None if against is None else os.path.abspath(against)

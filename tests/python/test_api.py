@@ -130,6 +130,16 @@ def test_sensitivity_is_the_command_lines(tmp_path):
         study.sensitivity(morris=4, output=tmp_path / "morris").indices("F_N")
 
 
+def test_analyses_take_points_of_a_study(verified, tmp_path):
+    study = Study.load(PAPER)
+    ours = study.sensitivity(points_of=verified, output=tmp_path / "ours")
+    command("sensitivity", PAPER, "--from", verified.folder, "--output", tmp_path / "theirs")
+    assert ours.data == json.loads((tmp_path / "theirs" / "sensitivity.json").read_text()) and ours.data["runs"] == 60
+    for options in [{}, {"budget": 20, "output": tmp_path / "other"}]:
+        with pytest.raises(OrchestratorError, match="points_of needs a budget"):
+            study.identify(points_of=verified, **options)
+
+
 @pytest.mark.parametrize("name, options", [
     ("robustness", {"level": 0.5, "confirm": 4, "seed": 3}), ("pareto", {})])
 def test_other_analyses_are_the_command_lines(name, options, verified, tmp_path):
@@ -220,6 +230,13 @@ def test_a_point_is_replayed(verified, tmp_path):
     ours = verified.replay(7)
     assert (verified.folder / "point-7.csv").read_bytes() == (tmp_path / "theirs.csv").read_bytes()
     assert ours["time"][-1] == 150.0
+    # What the package itself gives names a point, too.
+    best = verified.best_point
+    for point in [best, best["point"], float(best["point"]), np.int64(best["point"]), verified.points["point"][best["point"] - 1]]:
+        assert verified.replay(point)["time"][-1] == 150.0
+    for point in ["7", 7.5, {"parameters": {}}, None]:
+        with pytest.raises(OrchestratorError, match="no number of a point"):
+            verified.replay(point)
 
 
 # What Python has in other ways: files of its own, results that are read, functions. The search for rare shares has results of

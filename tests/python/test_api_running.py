@@ -109,6 +109,18 @@ def test_progress_is_told(fmu, tmp_path, monkeypatch):
     assert journal.look() and journal.done == 20
 
 
+def test_a_log_gets_a_line_now_and_then(fmu, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr("fmu_orchestrator._progress.QUIET", 0.0)
+    monkeypatch.setattr("fmu_orchestrator._program.GLANCE", 0.01)
+    study = tmp_path / "study.toml"
+    study.write_text(LONG.format(fmu=fmu, points=20))
+    for seldom, progress, told in [(0.0, None, True), (0.0, False, False), (10.0, None, False)]:
+        monkeypatch.setattr("fmu_orchestrator._progress.SELDOM", seldom)
+        Study.load(study).verify(output=tmp_path / "out", progress=progress)
+        lines = capsys.readouterr().err.splitlines()
+        assert any(" of 20 points" in line for line in lines) == told and not any("\r" in line for line in lines), lines
+
+
 def test_the_command_finds_the_packages_studies(tmp_path):
     call = [sys.executable, "-m", "fmu_orchestrator"]
     done = subprocess.run([*call, "verify", "paper-table3", "--points", "3", "--seed", "2"], cwd=tmp_path,

@@ -77,6 +77,20 @@ impl IdentificationOutcome {
         self.farthest.as_ref().is_some_and(|farthest| farthest.probability < self.level())
     }
 
+    /// Whether the residuals of a curve are in order, so that its rows tell less than the intervals presume.
+    pub fn is_too_narrow(&self) -> bool {
+        self.orders.iter().any(|order| order.is_doubtful(self.level()))
+    }
+
+    /// What the intervals of the parameters are, beside each.
+    pub fn interval(&self) -> &'static str {
+        match self.fit() {
+            _ if self.is_too_narrow() => "95 %, too narrow",
+            Fit::Misses => "95 % if the model were right",
+            Fit::Good | Fit::Untested => "95 %",
+        }
+    }
+
     /// What speaks against the model, or the stated uncertainties, a sentence each.
     pub fn doubts(&self) -> Vec<String> {
         let size = match self.probability {
@@ -101,14 +115,15 @@ impl IdentificationOutcome {
             )),
             Some(_) => None,
         };
-        let orders = self.orders.iter();
-        let orders = orders.filter(|order| order.is_doubtful(self.level()));
-        let orders = orders.map(|order| {
+        let orders = self.orders.iter().filter(|order| order.is_doubtful(self.level()));
+        let (names, correlations): (Vec<&str>, Vec<String>) =
+            orders.map(|order| (&*order.name, rounded(order.correlation, 2))).unzip();
+        let orders = (!names.is_empty()).then(|| {
             format!(
                 "The residuals of {} are no noise: each is like the one before (correlation {}). The model, or the stated noise, \
                  leaves something out, and the intervals are too narrow.",
-                order.name,
-                rounded(order.correlation, 2)
+                names.join(", "),
+                correlations.join(", ")
             )
         });
         let farthest = self.farthest.as_ref().filter(|_| self.is_farthest_doubtful());

@@ -71,8 +71,19 @@ pub fn remarks(outcome: &IdentificationOutcome) -> Vec<String> {
     let on_ridges = on_ridges(outcome);
     let alone = !outcome.has_several();
     let free = outcome.free.iter().filter(|_| alone);
-    free.filter_map(|free| Some(format!("{}: {}", free.name, remark(free, on_ridges.contains(&free.name.as_str()))?)))
-        .collect()
+    together(free.filter_map(|free| Some((free.name.clone(), remark(free, on_ridges.contains(&free.name.as_str()))?))))
+}
+
+/// The same remark on several names in a line.
+fn together(remarks: impl Iterator<Item = (String, String)>) -> Vec<String> {
+    let mut all: Vec<(String, String)> = Vec::new();
+    for (name, remark) in remarks {
+        match all.iter_mut().find(|(_, other)| *other == remark) {
+            Some((names, _)) => *names += &format!(", {name}"),
+            None => all.push((name, remark)),
+        }
+    }
+    all.into_iter().map(|(names, remark)| format!("{names}: {remark}")).collect()
 }
 
 fn remark(free: &FreeOutcome, on_ridge: bool) -> Option<String> {
@@ -102,20 +113,22 @@ pub fn open(outcome: &IdentificationOutcome) -> Vec<String> {
     }
     let which = if outcome.has_several() { " at optimum 1" } else { "" };
     let mut said = vec![format!("The data do not determine{which}:")];
-    for direction in open {
+    said.extend(together(open.into_iter().map(|direction| {
         let left = 100.0 * direction.left;
         let names: Vec<String> = strong(direction)
             .map(|(name, weight)| format!("{} {name}", if *weight < 0.0 { '-' } else { '+' }))
             .collect();
-        said.push(match &names[..] {
-            [name] => format!("{}: {left:.0} % of the prior's spread is left", &name[2..]),
-            names => format!(
-                "{}: the data tell these parameters only together; where they change by these signs at once, {left:.0} % of the \
-                 prior's spread is left",
-                names.join(" ")
-            ),
-        });
-    }
+        match &names[..] {
+            [name] => (name[2..].to_owned(), format!("{left:.0} % of the prior's spread is left")),
+            names => {
+                let remark = format!(
+                    "the data tell these parameters only together; where they change by these signs at once, {left:.0} % of the \
+                     prior's spread is left"
+                );
+                (names.join(" "), remark)
+            }
+        }
+    })));
     let approximate = match &outcome.posterior {
         None => Some(
             "the intervals above are normal approximations, which may hold less often than 95 % then; --posterior 1000 samples the \
@@ -133,7 +146,7 @@ pub fn open(outcome: &IdentificationOutcome) -> Vec<String> {
 /// Whether a sample of the posterior confirms the intervals of a search that has converged to a single optimum.
 fn confirmed(outcome: &IdentificationOutcome) -> Option<String> {
     let clear = outcome.optima.iter().all(|optimum| optimum.edge.is_clear());
-    if outcome.has_several() || !clear || outcome.end != End::Converged {
+    if outcome.has_several() || !clear || outcome.end != End::Converged || outcome.is_too_narrow() {
         return None;
     }
     let Some(sample) = &outcome.posterior else {
@@ -185,11 +198,11 @@ pub fn shared(outcome: &IdentificationOutcome) -> Vec<String> {
     // The sample's, where there is one to rely on.
     let sampled = outcome.posterior.as_ref().filter(|sample| sample.trusted);
     let all = sampled.map_or(&outcome.shared, |sample| &sample.shared);
-    all.iter().map(of_channel).collect()
+    all.iter().map(|error| of_channel(error, outcome.interval())).collect()
 }
 
 /// A shared error in a line.
-fn of_channel(error: &SharedOutcome) -> String {
+fn of_channel(error: &SharedOutcome, interval: &str) -> String {
     /// Where so much of the stated uncertainty is left, the data say nothing.
     const NOTHING: f64 = 0.9;
     let (factor, unit) = match error.kind {
@@ -217,7 +230,7 @@ fn of_channel(error: &SharedOutcome) -> String {
         false => "",
     };
     format!(
-        "The sensor of {} most likely reads {} too {}{} ({low} .. {high}, 95 %{}); {}{beyond}.",
+        "The sensor of {} most likely reads {} too {}{} ({low} .. {high}, {interval}{}); {}{beyond}.",
         error.name,
         value.trim_end(),
         if side < 0.0 { "low" } else { "high" },
@@ -356,5 +369,17 @@ fn ends(outcome: &IdentificationOutcome) -> String {
             let reached: Vec<String> = reached.collect();
             format!("of these {} to the optima above", reached.join(", "))
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_true_of_several_stands_once() {
+        let remarks = [("a", "90 % left"), ("b", "50 % left"), ("c", "90 % left")];
+        let told = together(remarks.into_iter().map(|(name, remark)| (name.to_owned(), remark.to_owned())));
+        assert_eq!(told, ["a, c: 90 % left", "b: 50 % left"]);
     }
 }

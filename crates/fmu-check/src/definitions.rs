@@ -162,6 +162,23 @@ pub(crate) fn exchange_only(document: &Document<'_>) -> Vec<Hit> {
     findings
 }
 
+/// `reinit` of something else than a state, which is what a derivative is one of: by its index, in FMI 3.0 by its reference.
+pub(crate) fn reinit(document: &Document<'_>) -> Vec<Hit> {
+    let of = |scalar: &Scalar<'_>| scalar.typed.attribute("derivative")?.trim().parse::<usize>().ok();
+    let states: HashSet<usize> = document.known().filter_map(of).collect();
+    let number = |scalar: &Scalar<'_>| match document.read.standard {
+        Version::Two => Some(scalar.position + 1),
+        Version::Three => scalar.node.attribute("valueReference")?.trim().parse().ok(),
+    };
+    let is_exchange =
+        document.read.standard == Version::Three || named(document.root, "ModelExchange").next().is_some();
+    document.of_each(|scalar| {
+        let is_state = number(scalar).is_some_and(|number| states.contains(&number));
+        (is_exchange && scalar.typed.has_attribute("reinit") && !is_state)
+            .then(|| "it has the attribute reinit, but is no continuous-time state: remove it".to_owned())
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -97,6 +97,7 @@ pub static RULES: &[Rule] = &[
     rule("source-file-unique", Warning, "FMI 2.0.5, 4.3.1", "source files have names of their own", Document(|d| alike(d, "CoSimulation/SourceFiles/File", &["name"]))),
     rule("serialize-needs-state", Error, "FMI 2.0.5, 4.3.1", "canSerializeFMUstate implies canGetAndSetFMUstate", Document(definitions::serialized_states)),
     rule("exchange-only", Error, "FMI 2.0.5, 2.2.7", "reinit and canHandleMultipleSetPerTimeInstant are for Model Exchange", Document(definitions::exchange_only)),
+    rule("reinit", Error, "FMI 2.0.5, 2.2.7", "reinit is for continuous-time states", Document(definitions::reinit)),
     // Variables.
     rule("variable-name-unique", Error, "FMI 2.0.5, 2.2.7", "variables have names of their own", Remark(About::Name)),
     rule("independent-single", Error, "FMI 2.0.5, 2.2.7", "one independent variable", Document(variables::independents)),
@@ -194,7 +195,7 @@ pub static RULES: &[Rule] = &[
     rule("three-initial", Error, "FMI 3.0.2, 2.4.7", "initial goes with causality and variability", Each(variables::initial)),
     rule("three-finite", Warning, "a study would be wrong", "start is a finite number", Each(three::not_finite)),
     rule("three-derivative", Error, "FMI 3.0.2, 2.4.8", "a derivative is one of a continuous float", Three(three::derivatives)),
-    rule("three-reinit", Error, "FMI 3.0.2, 2.4.7", "reinit is for continuous-time states", Three(three::reinit)),
+    rule("three-reinit", Error, "FMI 3.0.2, 2.4.7", "reinit is for continuous-time states", Three(definitions::reinit)),
     rule("three-internal-step", Error, "FMI 3.0.2, 4.4.1", "fixedInternalStepSize is greater than 0", Three(three::internal_step)),
     rule("three-clocks", Error, "FMI 3.0.2, 2.4.7", "clocks refers to Clocks", Three(three::clocks)),
     rule("three-clock", Error, "FMI 3.0.2, 2.2.9", "a clock is as its kind needs it, and Co-Simulation with clocks has event mode", Three(three::timing)),

@@ -4,7 +4,7 @@ mod variables;
 
 use std::collections::{HashMap, HashSet};
 pub(crate) use variables::{
-    clocks, derivatives, initial_unknowns, not_finite, reinit, structure as lists, timing, variabilities,
+    clocks, derivatives, initial_unknowns, not_finite, structure as lists, timing, variabilities,
 };
 
 use roxmltree::Node;

@@ -7,7 +7,8 @@ use toml::Spanned;
 
 use super::input::Input;
 use super::inputs::Recordings;
-use super::measured::Binder as CurveBinder;
+use super::limit::limit;
+use super::measured::{self, Binder as CurveBinder};
 use super::samples::{self, Together};
 use super::values::{find, size_of, slot_of, value_of};
 use super::{CaseText, CriterionText, Name, ParameterText, Study, inputs, ssv};
@@ -52,7 +53,13 @@ impl Binder<'_> {
         })?;
         let (outputs, observed) = self.criteria(&schedule)?;
         let observed = self.windows(&mut schedule, observed)?;
-        let Recordings { series: inputs, errors, concerns } = inputs::series(self.study, self.fmu, &schedule)?;
+        let Recordings { series: inputs, errors, mut concerns } = inputs::series(self.study, self.fmu, &schedule)?;
+        let curves = self.study.criteria.iter().zip(&observed);
+        concerns.extend(curves.filter_map(|((name, text), probe)| {
+            let curve = probe.curve.as_ref()?;
+            let scale = text.scale(Some((self.fmu, self.variable(&text.variable).ok()?))).ok()?;
+            measured::doubt(name.as_ref(), curve, limit(text, curve.metric, &scale).ok()?)
+        }));
         let fixed = self.fixed()?;
         let exchange = self.exchange(&fixed);
         let task = Task { schedule, sizes: self.fmu.sizes.clone(), fixed, exchange, varied, inputs, observed };

@@ -7,7 +7,7 @@ use indexmap::IndexMap;
 
 use toml::Spanned;
 
-use super::{CaseText, CriterionText, Name, Setting, Simulation, Study};
+use super::{CaseText, CriterionText, LagText, Name, Setting, Simulation, Study};
 use number_tables::files::FileError;
 
 /// Between the name of a case and that of a criterion.
@@ -56,6 +56,9 @@ impl Study {
             let before = &self.cases[..number];
             if before.iter().any(|other| other.name.as_ref() == name) {
                 return wrong(format!("two cases have the name `{name}`; rename one of them"));
+            }
+            if let Some(Err(message)) = case.lag.as_ref().map(LagText::ends) {
+                return wrong(format!("case {name}: {message}"));
             }
             let keys = case.fixed.keys().chain(case.inputs.keys());
             let sampled = |key: &&Name| self.parameters.contains_key(key.as_ref().as_str());

@@ -56,6 +56,12 @@ pub enum Code {
     UncertaintyAboveTolerance,
     /// A measured value is beyond the limit that it stands beside.
     MeasuredBeyondLimit,
+    /// A tolerance is so wide that it refuses next to nothing.
+    WideTolerance,
+    /// Every case is held out.
+    AllHeldOut,
+    /// A recording has too few rows for a curve.
+    FewRows,
     /// Two criteria judge the same value, and no value meets both.
     Contradictory,
     /// No point reaches a measured value.

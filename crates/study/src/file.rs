@@ -151,7 +151,12 @@ impl Study {
     /// When it cannot be used; with the place in the study that names it.
     pub fn open_fmu(&self, instead: Option<&Path>) -> Result<Package, OpenError> {
         if instead.is_none() && self.fmu.as_ref().as_os_str().is_empty() {
-            return Err(FileError::new(&self.path, "names no FMU: add fmu = \"my.fmu\" above all sections").into());
+            let message = "names no FMU: add fmu = \"my.fmu\" above all sections";
+            return Err(match self.fmu.span().is_empty() {
+                true => FileError::new(&self.path, message),
+                false => self.error_at(&self.fmu, "it is empty: name the FMU, such as fmu = \"my.fmu\""),
+            }
+            .into());
         }
         let named = self.fmu_path();
         let package = Package::open(instead.unwrap_or(&named));

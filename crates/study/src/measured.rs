@@ -6,9 +6,10 @@ use super::inputs::in_seconds;
 use super::limit::{gain, limit};
 use super::reference::{DelayRange, DelayText, Normalise, OwnNormaliser, ReferenceText};
 use super::window::seconds;
-use super::{CriterionText, Name, Pair, Study, first_wrong};
+use super::{CriterionText, Name, Study, first_wrong};
+use crate::concern::{Code, Concern};
 use conformity::uncertainty::{Distribution, Uncertainty};
-use curves::{Curve, Metric, iso18571};
+use curves::{Curve, Metric, Pair, iso18571};
 use fmu_import::digest;
 use fmu_import::quantity::{Quantity, Scale, Sense};
 use fmu_import::units::Conversion;
@@ -370,16 +371,36 @@ impl Binder<'_> {
     }
 }
 
+/// What makes a criterion on a measured curve hardly refuse anything.
+pub(super) fn doubt(name: &str, curve: &MeasuredCurve, (ideal, tolerance, _): (f64, f64, String)) -> Option<Concern> {
+    const COVERAGE: f64 = 2.0;
+    let MeasuredCurve { metric, times, values, band, errors, normaliser, .. } = curve;
+    if times.len() < 3 {
+        let text = format!("{name}: the recording has {} rows that count, and two rows are no curve", times.len());
+        let remedy = "Record more rows, widen `window`, or judge single values (`nominal`).";
+        return Some(Concern::new(Code::FewRows, text).remedied(remedy));
+    }
+    let accuracy = |row: usize| errors.as_ref().map_or(0.0, |errors| errors.shared[row].hypot(errors.own[row]));
+    let is_zero = values.iter().enumerate().all(|(row, value)| value.abs() <= COVERAGE * accuracy(row));
+    let zeros = vec![0.0; values.len()];
+    let pair = Pair { reference: values, model: &zeros, band, normaliser: *normaliser };
+    let accepts = *metric != Metric::Iso18571 && (metric.compare(&pair) - ideal).abs() <= tolerance;
+    (accepts && !is_zero).then(|| {
+        let text = format!("{name}: with its tolerance even 0 throughout is accepted in place of the recording");
+        Concern::new(Code::WideTolerance, text).remedied(format!("Correct the tolerance of {name}, or its unit."))
+    })
+}
+
 impl Study {
     /// The sensor whose errors a measured curve has, with a sign: the column of its recording, or the one that stands for all
     /// curves whose errors are fully correlated with its own. Their errors go with that sensor's (1) or against them (-1).
     pub fn sensor(&self, name: &Name, text: &CriterionText) -> (String, f64) {
         let pairs = self.uncertainty_correlations.iter().map(Spanned::as_ref);
-        let pairs: Vec<&Pair> = pairs.collect();
+        let pairs: Vec<&super::Pair> = pairs.collect();
         let mut tied: Vec<(&str, f64)> = vec![(name.as_ref(), 1.0)];
         let mut next = 0;
         while let Some(&(from, sign)) = tied.get(next) {
-            for Pair { between: [a, b], coefficient, .. } in &pairs {
+            for super::Pair { between: [a, b], coefficient, .. } in &pairs {
                 for [a, b] in [[a, b], [b, a]].map(|pair| pair.map(|name| name.as_ref().as_str())) {
                     if a == from && tied.iter().all(|(other, _)| *other != b) {
                         tied.push((b, sign * coefficient.signum()));

@@ -1,7 +1,8 @@
 //! A study that fits an FMU: its points in the FMU's units, their results in those of the study.
 
+use std::collections::BTreeSet;
 use std::ops::Range;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use super::bind::Binder;
 use super::inputs::{InputError, taken_as_exact};
@@ -264,8 +265,13 @@ impl Plan {
 
     /// Tells at once of recorded inputs that the FMU gets otherwise, or at a great cost: every analysis rests on them.
     pub fn tell_of_inputs(&self) {
+        // Who looks for causes reads the study once more.
+        static TOLD: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
         for doubt in &self.of_inputs {
-            fmu_points::tell::line!("note: {doubt}");
+            let text = format!("{}: {doubt}", doubt.severity.name());
+            if TOLD.lock().is_ok_and(|mut told| told.insert(text.clone())) {
+                fmu_points::tell::line!("{text}");
+            }
         }
     }
 

@@ -65,7 +65,7 @@ impl LagText {
         let ends = [window::seconds(&self.min)?, window::seconds(&self.max)?];
         match ends[0] < ends[1] && ends.iter().all(|end| end.is_finite()) {
             true => Ok(ends),
-            false => Err(format!("the lags from {} to {} are no range", self.min, self.max)),
+            false => Err(format!("the lags from {} to {} are no range: `min` is the smaller one", self.min, self.max)),
         }
     }
 }

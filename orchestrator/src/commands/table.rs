@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
+use crate::methods::{self, known::Finished};
 use crate::report::counted::risks;
 use crate::results::Summary;
 use crate::results::answer::{Answer, remarks};
@@ -12,7 +13,8 @@ use result_document::wrapped;
 
 /// The result for people: what fits a screen, or all of it. The page is in `folder`.
 pub(super) fn told(summary: &Summary, folder: Option<&Path>, verbose: bool) -> String {
-    let answer = Answer::new(summary);
+    let has_sensitivity = folder.is_some_and(|folder| methods::has_sensitivity(&Finished { folder, summary }));
+    let answer = Answer::new(summary).beside(has_sensitivity);
     let place = folder.map_or_else(String::new, |place| format!("results in {}", place.display()));
     let all = [answer.decides.len(), answer.next.len()];
     if verbose || folder.is_none() {

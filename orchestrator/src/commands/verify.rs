@@ -34,18 +34,20 @@ use study::{Name, Setting};
 /// With `--until`, a study has as many points as needed, but for a limit.
 const MOST_POINTS: u64 = 1_000_000;
 
-/// Refuses to write a verdict of a part of the points.
-fn refuse_verdict_of_part(options: &Verify) -> Result<(), Error> {
-    if options.gate.junit.is_some() && options.shards.chosen()?.is_some() {
-        let message = "a part of the points has no verdict; give this option to `merge`";
-        return Err(Error::option("junit", message));
-    }
-    Ok(())
+/// Refuses to write a verdict where there is none.
+fn refuse_no_verdict(options: &Verify) -> Result<(), Error> {
+    let message = match options.shards.chosen()? {
+        _ if options.gate.junit.is_none() => return Ok(()),
+        Some(_) => "a part of the points has no verdict; give this option to `merge`",
+        None if options.dry_run => "--dry-run has no verdict; remove one of the two",
+        None => return Ok(()),
+    };
+    Err(Error::option("junit", message))
 }
 
 pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
     let begun = Instant::now();
-    refuse_verdict_of_part(options)?;
+    refuse_no_verdict(options)?;
     let mut verification = Verification::open(request(options)?)?;
     asking::warn(&verification.session.judge);
     let means = &options.work.means;

@@ -38,6 +38,9 @@ pub(super) fn criterion(
     })?;
     check_keys(text, metric).map_err(at)?;
     text.detail().map_err(at)?;
+    if let Some(lag) = &text.lag {
+        lag.ends().map_err(at)?;
+    }
     if let (Some(_), Some(DelayText::Within(_))) = (&text.lag, &text.delay) {
         return Err(at("`lag` adds to a known `delay`; this one is found itself: remove one of them".to_owned()));
     }

@@ -50,6 +50,8 @@ impl Judge {
         if !self.is_guarded() {
             self.warn_of_uncertainties(study);
         }
+        self.warn_of_widths(study);
+        self.warn_of_held_out(study);
         self.warn_of_readings(study);
         self.warn_of_contradictions(study);
         self.warn_of_own_values(study);
@@ -193,6 +195,37 @@ impl Judge {
             ),
         };
         Err(study.error_at(at, message))
+    }
+
+    /// What accepts 0 in place of a measured value hardly refuses anything.
+    fn warn_of_widths(&mut self, study: &Study) {
+        for (criterion, name) in self.criteria.iter().zip(study.criteria.keys()) {
+            let measured = criterion.measured();
+            let least = measured.error.map_or(0.0, |error| error.expanded);
+            let value = measured.value.filter(|value| criterion.metric.is_none() && value.abs() > least);
+            let Some(value) = value.filter(|_| !criterion.limits.is_one_sided() && criterion.limits.accepts(0.0))
+            else {
+                continue;
+            };
+            let (name_text, unit) = (&criterion.name, criterion.unit_behind());
+            let message = format!(
+                "{name_text}: with the tolerance {} even 0 is accepted in place of the measured value {value}{unit}",
+                criterion.stated_tolerance
+            );
+            let warning = study.error_at(name, message).to_string();
+            let remedy = format!("Correct the tolerance of {name_text}, or its unit.");
+            self.warnings.push(Concern::new(Code::WideTolerance, warning).remedied(remedy));
+        }
+    }
+
+    /// Where nothing may be fitted, `held-out` sets nothing apart.
+    fn warn_of_held_out(&mut self, study: &Study) {
+        let Some(first) = study.cases.first().filter(|_| study.cases.iter().all(|case| case.held_out)) else { return };
+        let message =
+            "every case is held out, and none is left that `identify` may see, so `held-out` sets nothing apart";
+        let warning = study.error_at(&first.name, message).to_string();
+        let remedy = "Remove `held-out` from a case, or add the cases that the parameters were fitted to.";
+        self.warnings.push(Concern::new(Code::AllHeldOut, warning).remedied(remedy));
     }
 
     /// A measured value beyond the limit that it stands beside is a mistake, or a specimen that fails.

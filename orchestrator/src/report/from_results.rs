@@ -12,8 +12,9 @@ use crate::results::answer;
 use crate::results::choice;
 use crate::results::table;
 use crate::results::words::capitalised;
-use result_document::Document;
+use conformity::decision::Decision;
 use result_document::format::count;
+use result_document::{Block, Document};
 use std::path::Path;
 use study::Study;
 
@@ -48,7 +49,16 @@ impl Report {
 /// The study's documents beside its verdict.
 fn documents(folder: &Path, summary: &Summary) -> Vec<Document> {
     let study = Finished { folder, summary };
-    comparison(summary).into_iter().chain(methods::shown(&study)).collect()
+    let mut documents: Vec<Document> = comparison(summary).into_iter().chain(methods::shown(&study)).collect();
+    // What fits best does not change the verdict.
+    let decision = summary.decision();
+    let is_of_best = |document: &&mut Document| ["identification", "robustness"].contains(&&*document.id);
+    for document in documents.iter_mut().filter(is_of_best).filter(|_| decision != Decision::Verified) {
+        let told =
+            format!("The verdict stays \"{decision}\": it counts all points, this section looks for the best alone.");
+        document.blocks.insert(0, Block::Sentence(told));
+    }
+    documents
 }
 
 /// The command that computes the result again, in the folder of the study.

@@ -51,7 +51,7 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
     let data = script_safe(&serde_json::to_string(&data)?);
     let bytes = bytes.all();
     let packed = bytes.len() > MOST_PLAIN;
-    let answer = Answer::new(summary);
+    let answer = Answer::new(summary).beside(report.documents.iter().any(|document| document.id == "sensitivity"));
     let planes = planes(drawn, &columns, &points, counts);
     let mut plots: Plots =
         planes.iter().map(|p| (format!("plane-{}-{}", columns[p.x].name, columns[p.y].name), p.svg.clone())).collect();

@@ -88,7 +88,18 @@ impl Answer {
             next: next(summary, decision),
         }
     }
+
+    /// The same for a folder that may hold `sensitivity` already.
+    #[must_use]
+    pub fn beside(mut self, has_sensitivity: bool) -> Self {
+        self.next.retain(|sentence| !(has_sensitivity && sentence == SENSITIVE));
+        self
+    }
 }
+
+/// Where to read which parameter decides.
+const SENSITIVE: &str =
+    "`orchestrator sensitivity STUDY --from FOLDER` tells which parameter decides the verdict, without a further run.";
 
 fn required(summary: &Summary) -> Option<&Requirement> {
     summary.conclusion.as_ref()?.required.as_ref()
@@ -229,6 +240,7 @@ fn decides(summary: &Summary) -> Vec<String> {
     let conclusion = summary.conclusion.as_ref().filter(|_| compared);
     list.extend(summary.surrogate.as_ref().map(BySurrogate::sentence));
     list.extend(summary.causes.iter().cloned());
+    list.extend(conclusion.filter(|c| c.verdict == Decision::Inconclusive).and_then(|c| undecided(c, summary)));
     // Points near the limits miss criteria more often than others.
     let mut decisive = conclusion.filter(|_| summary.surrogate.is_none()).and_then(|_| decisive(summary));
     list.extend(decisive.take_if(|_| summary.decision() == Decision::NotVerified));
@@ -251,7 +263,11 @@ pub fn remarks(summary: &Summary) -> Vec<String> {
     let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
     let asides = summary.asides.iter().flat_map(Asides::remarks);
     let watched = summary.settled.iter().filter_map(Settled::remark);
-    let doubts = summary.concerns.iter().map(|concern| format!("{}: {concern}", concern.severity.name()));
+    // The first of each kind stands on the first screen.
+    let all = &summary.concerns;
+    let further_of_kind = |(k, concern): &(usize, &Concern)| all[..*k].iter().any(|first| first.code == concern.code);
+    let doubts = all.iter().enumerate().filter(further_of_kind);
+    let doubts = doubts.map(|(_, concern)| format!("{}: {concern}", concern.severity.name()));
     let computed = conduct.chain(asides).chain(summary.left_out_remark()).chain(watched);
     computed.chain(doubts).chain(further(summary)).collect()
 }
@@ -323,16 +339,17 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
             if conclusion.is_some_and(|conclusion| conclusion.risk.is_none()) {
                 list.push("State every measured value's `uncertainty`: then the risk is known.".to_owned());
             }
-            list.extend(sensitive(summary));
+            list.extend((!summary.parameters.is_empty()).then(|| SENSITIVE.to_owned()));
         }
         Decision::NotVerified => {
+            let told = match summary.causes.is_empty() {
+                true => "finds the parameters that fit best, and what would explain that none does",
+                false => {
+                    "tells the evidence, as Identification on the page does: correct what is wrong, and verify again"
+                }
+            };
+            list.push(format!("`orchestrator identify STUDY` {told}."));
             list.extend(nearest(summary));
-            if summary.causes.is_empty() {
-                list.push(
-                    "`orchestrator identify` finds the parameters that fit best, and what would explain that none does."
-                        .to_owned(),
-                );
-            }
         }
         Decision::Inconclusive if summary.surrogate.is_some() => {
             list.push("A larger --budget with --resume goes on from these runs.".to_owned());
@@ -340,13 +357,6 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
         Decision::Inconclusive => list.extend(conclusion.and_then(needed)),
     }
     list
-}
-
-/// Where to read which parameter decides.
-fn sensitive(summary: &Summary) -> Option<String> {
-    (!summary.parameters.is_empty()).then(|| {
-        "`orchestrator sensitivity --from` tells which parameter decides the verdict, without a further run.".to_owned()
-    })
 }
 
 /// How far the nearest point is from being accepted.
@@ -367,6 +377,14 @@ fn nearest(summary: &Summary) -> Option<String> {
             criterion.wanted()
         )
     })
+}
+
+/// What keeps the verdict open.
+fn undecided(conclusion: &Conclusion, summary: &Summary) -> Option<String> {
+    let Requirement { rule, interval, .. } = conclusion.required.as_ref()?;
+    let more = if summary.surrogate.is_some() { "runs" } else { "points" };
+    let (share, interval) = (percent(rule.share), range((*interval)?));
+    Some(format!("The required {share} % lie inside the interval {interval}: more {more} narrow it."))
 }
 
 /// How many points decide.

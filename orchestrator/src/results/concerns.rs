@@ -88,15 +88,33 @@ pub fn repeated(repeated: u64, points: u64) -> Option<Concern> {
     })
 }
 
-/// Warns of a criterion whose value is the same at all points, given the least and the greatest: it only says again what
-/// one run says.
+/// Warns of a criterion whose value is the same at all points, given the least and the greatest, or nearly so for its tolerance:
+/// it only says again what one run says.
 pub fn unmoved(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Option<Concern> {
     const ROUNDING: f64 = 1e-12;
+    /// A smaller part of the tolerance is as good as nothing.
+    const LITTLE: f64 = 0.01;
     let same = high - low <= ROUNDING * low.abs().max(high.abs());
-    if points < FEWEST || low > high || !same {
+    /// A tolerance of a smaller part of the measured value is none that nobody means.
+    const MUCH: f64 = 0.1;
+    let measured =
+        criterion.measured().value.filter(|_| criterion.metric.is_none() && !criterion.limits.is_one_sided());
+    let is_coarse = measured.is_some_and(|value| criterion.room() > MUCH * value.abs());
+    let accepts_all = criterion.accepts(low) && criterion.accepts(high);
+    let is_wide = is_coarse && accepts_all && high - low <= LITTLE * criterion.room();
+    if points < FEWEST || low > high || !(same || is_wide) {
         return None;
     }
     let unit = criterion.unit_behind();
+    if !same {
+        let text = format!(
+            "{}: the values of all {points} points lie within {}{unit}, less than a hundredth of the tolerance, which can refuse none",
+            criterion.name,
+            short(high - low)
+        );
+        let remedy = "Check each `tolerance` that is so wide, and the ranges of the parameters.";
+        return Some(Concern::new(Code::WideTolerance, text).remedied(remedy));
+    }
     let text = format!(
         "{}: the value is {}{unit} at all {points} points, so it does not depend on the parameters that vary",
         criterion.name,
@@ -229,6 +247,12 @@ mod tests {
         assert!(warning.starts_with("T: the value is 81.800 at all 10 points"));
         assert!(unmoved(&t, [0.0, 0.0], 10).is_some());
         assert_eq!(unmoved(&t, [81.8, 81.8], 9), None);
+        // Of a tolerance of half the value the points try less than a hundredth; a steady value with a sound one is none of these.
+        let wide = unmoved(&criterion(82.0, 40.0), [81.8, 82.1], 10).unwrap();
+        assert_eq!(wide.code, Code::WideTolerance);
+        for (tolerance, reached) in [(40.0, [81.8, 82.3]), (40.0, [30.0, 30.1]), (0.6, [81.8, 81.801])] {
+            assert_eq!(unmoved(&criterion(82.0, tolerance), reached, 10), None);
+        }
         assert_eq!(unmoved(&t, [81.8, 81.8 + 1e-9], 10), None);
         assert_eq!(unmoved(&t, [f64::INFINITY, f64::NEG_INFINITY], 10), None);
     }

@@ -4,7 +4,7 @@
 use std::sync::Mutex;
 use std::thread;
 
-use crate::support::{Bench, Said, THREE, model};
+use crate::support::{BALL, Bench, Said, THREE, model};
 
 /// A broken description: the change that breaks it, and the finding, as [`amiss`] has it.
 const DESCRIPTIONS: &str = include_str!("../fixtures/broken.txt");
@@ -129,6 +129,29 @@ fn every_broken_description_of_fmi_3_is_found() {
         bench.three("broken.fmu", &[], &THREE.replacen(from, to, 1));
         amiss(bench, name, words)
     });
+}
+
+/// What an FMU for Model Exchange writes beyond the event indicators that it counts, nobody sees.
+#[test]
+fn faults_of_an_fmu_for_model_exchange_are_found() {
+    let bench = Bench::empty();
+    let found = [
+        (
+            "Real start=\"0.7\"",
+            &[][..],
+            "reinit: restitution: it has the attribute reinit, but is no continuous-time state",
+        ),
+        ("", &["ONE_INDICATOR"], "warning warnings: counts 2 event indicators, of which the FMU computes 1"),
+    ];
+    let wrong = found.into_iter().filter_map(|(of, macros, found)| {
+        let description =
+            if of.is_empty() { BALL.to_owned() } else { BALL.replace(of, &format!("{of} reinit=\"false\"")) };
+        bench.ball("broken.fmu", macros, &description);
+        amiss(&bench, found, found)
+    });
+    none(&Vec::from_iter(wrong));
+    bench.ball("state.fmu", &[], &BALL.replace("Real derivative=\"1\"", "Real derivative=\"1\" reinit=\"true\""));
+    assert_eq!(bench.run(&["check", "state.fmu"]).code, 0);
 }
 
 #[test]

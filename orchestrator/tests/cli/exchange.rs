@@ -22,12 +22,10 @@ deviation = 0.001
 unit = "mm"
 [criteria.Y]
 variable = "lag.y"
-nominal = 1
-tolerance = 10
+at-most = 11
 [criteria.T]
 variable = "lag.temperature"
-nominal = 20
-tolerance = 100
+at-most = 120
 unit = "degC"
 "#;
 

@@ -24,8 +24,7 @@ tolerance = 0.1
 [criteria.mean]
 variable = "lag.y"
 statistic = "mean"
-nominal = 0.5
-tolerance = 10
+at-most = 10.5
 "#
     );
     bench.write("study.toml", &study);

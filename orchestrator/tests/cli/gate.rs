@@ -88,6 +88,60 @@ fn a_verdict_has_a_test_a_criterion_and_a_case() {
     bench.run(&["verify", "study.toml", "--shard", "1/2", "--junit", "junit.xml"]).is_mistake(&["--junit", "merge"]);
 }
 
+/// A verdict that nothing could have made another one is no pass of a strict gate: recordings and tolerances, with the kind of
+/// the doubt, or none.
+#[test]
+fn a_strict_gate_does_not_pass_what_decides_nothing() {
+    let bench = Bench::new();
+    bench.write("two.csv", "time,lag.y\n0.4,0.33\n2,0.86\n");
+    let rows = (1..=5).map(|k| 0.4 * f64::from(k)).map(|t| format!("{t},{}\n", 1.0 - (-t).exp())).collect::<String>();
+    bench.write("run.csv", &format!("time,lag.y\n{rows}"));
+    bench.write("zero.csv", "time,lag.y\n0.4,0.001\n1.2,-0.002\n2,0.001\n");
+    let curve = |more: &str, tolerance: &str| {
+        format!("variable = \"lag.y\"\nreference = {{ file = {more} }}\nmetric = \"rmse\"\ntolerance = {tolerance}\n")
+    };
+    let single = |tolerance: &str| format!("variable = \"lag.y\"\nnominal = 1\ntolerance = {tolerance}\n");
+    // The level has settled then; the points differ by some 0.008.
+    let head = STUDY.split("[[cases]]").next().unwrap().replace("stop = 2", "stop = 6");
+    for (criterion, doubt) in [
+        (curve("\"two.csv\"", "0.2"), Some("few-rows")),
+        (curve("\"run.csv\"", "0.2"), None),
+        (curve("\"run.csv\"", "2"), Some("wide-tolerance")),
+        // What is 0 within its uncertainty may be 0.
+        (curve("\"zero.csv\", uncertainty = 0.1", "2"), None),
+        (curve("\"zero.csv\"", "2"), Some("wide-tolerance")),
+        (single("0.3"), None),
+        (single("1"), Some("wide-tolerance")),
+        (single("0.9"), Some("wide-tolerance")),
+        ("variable = \"lag.temperature\"\nnominal = 300\ntolerance = 280\n".to_owned(), Some("unmoved")),
+    ] {
+        let study = format!("{head}[criteria.Y]\n{criterion}");
+        is_doubted(&bench, &study, doubt);
+    }
+    let cases = |first: &str| {
+        let case = |name: &str, more: &str| format!("[[cases]]\nname = \"{name}\"\n{more}\n");
+        let all = case("a", first) + &case("b", "held-out = true");
+        format!("{head}{all}[criteria.Y]\n{}", single("0.3"))
+    };
+    is_doubted(&bench, &cases(""), None);
+    is_doubted(&bench, &cases("held-out = true"), Some("all-held-out"));
+}
+
+/// A verified study passes; of such doubts alone, a strict gate fails.
+fn is_doubted(bench: &Bench, study: &str, doubt: Option<&str>) {
+    bench.write("study.toml", study);
+    let run = |more: &[&str]| {
+        bench.run(&[&["verify", "study.toml", "--output", "out", "--force", "--extra-runs", "0"], more].concat())
+    };
+    let said = run(&[]);
+    assert_eq!(said.code, 0, "{study}{}{}", said.out, said.err);
+    let summary = bench.summary("out");
+    let found = summary["concerns"].as_array().unwrap().iter().filter(|concern| concern["severity"] == "warning");
+    let found: Vec<&str> = found.map(|concern| concern["code"].as_str().unwrap()).collect();
+    assert_eq!(found, Vec::from_iter(doubt), "{study}{summary}");
+    assert_eq!(run(&["--strict"]).code, i32::from(doubt.is_some()), "{study}");
+}
+
 #[test]
 fn warnings_end_a_strict_run_with_1() {
     let bench = Bench::new();

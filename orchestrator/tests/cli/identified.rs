@@ -175,7 +175,7 @@ uncertainty = 0.006
     let begin = "the communication step of 0.25 s is too coarse: with finer ones lag.rate would be about 0.12 ";
     assert!(text.starts_with(begin), "{text}");
     assert_eq!(concern["remedy"], "Choose a shorter `step` under [simulation].");
-    let first = format!("warning: {text}. Choose a shorter `step` under [simulation].\n");
+    let first = format!("warning: {text}. Choose a shorter `step` under [simulation]\n");
     assert!(said.out.starts_with(&first), "{}", said.out);
     let page = bench.read("out/report.html");
     assert!(page.contains(&format!("Warning: {begin}")), "{page}");
@@ -433,6 +433,13 @@ tolerance = 0.02
     let (said, outcome) = identify(&bench, study, &[]);
     assert!(outcome["suspects"].is_null() && !said.out.contains("cause"), "{}", said.out);
 
+    // Of what moves nothing no value is told.
+    let idle = "[parameters.\"lag.length\"]\ndistribution = \"uniform\"\nmin = 1e-5\nmax = 2e-5\n[criteria";
+    let (said, _) = identify(&bench, &study.replacen("[criteria", idle, 1), &[]);
+    let lines: Vec<&str> = said.out.lines().filter(|line| line.contains("lag.length")).collect();
+    assert!(lines[0].contains("the data do not tell") && lines[0].ends_with("100 %"), "{}", said.out);
+    assert_eq!(lines[1].trim(), "lag.length: 100 % of the prior's spread is left", "{}", said.out);
+
     // A verdict of no names the cause, and one page has both. After a thousand points there is time for it at any load.
     bench.write("study.toml", study);
     for (rate, zero, words) in
@@ -443,8 +450,12 @@ tolerance = 0.02
         let text = said.out.split_whitespace().collect::<Vec<_>>().join(" ");
         assert!(text.starts_with("\u{2717} Not verified") && text.contains(words), "{text}");
         assert!(bench.summary("no")["causes"][0].as_str().unwrap().contains(words));
+        assert!(text.contains("Next `orchestrator identify STUDY` tells the evidence"), "{text}");
         let page = bench.read("no/report.html");
         assert!(page.contains("id=\"identification\"") && page.contains("id=\"verdict\""), "{page}");
+        let section = page.split_once("id=\"identification\"").unwrap().1;
+        let [verdict, fit] = ["The verdict stays", "The model misses"].map(|words| section.find(words).unwrap());
+        assert!(verdict < fit && section.contains("95 %, too narrow"), "{section}");
     }
     // Whoever wants no runs but the points gets none.
     let said = bench.run(&["verify", "study.toml", "--points", "1000", "--output", "few", "--extra-runs", "0"]);

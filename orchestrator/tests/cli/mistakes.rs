@@ -579,6 +579,46 @@ fn a_study_without_a_model() {
     assert_eq!(bench.run(&["verify", "study.toml", "--fmu", "lag.fmu"]).code, 0);
 }
 
+/// What a study and a command line say, and what nobody can mean by it.
+#[test]
+fn what_cannot_be_meant_is_refused_with_its_place() {
+    let bench = Bench::new();
+    bench.write("run.csv", "time,lag.y\n0,0\n1,0.63\n2,0.86\n");
+    let curve = "reference = { file = \"run.csv\" }\nmetric = \"rmse\"\ntolerance = 0.02\n";
+    let single = "nominal = 0.86\ntolerance = 0.02\n";
+    let late = format!("{curve}lag = {{ min = 1, max = 0 }}\n");
+    let case = "[[cases]]\nname = \"a\"\nlag = { min = 1, max = 0 }\n[criteria.Y]";
+    for (from, to, told) in [
+        ("\"lag.fmu\"", "\"\"", ["study.toml:2:7: it is empty", "fmu = \"my.fmu\""]),
+        (single, &late, ["study.toml:15:11: Y: the lags from 1 to 0", "`min` is the smaller one"]),
+        ("[criteria.Y]", case, ["study.toml:16:8: case a: the lags from 1 to 0", "`min` is the smaller one"]),
+    ] {
+        bench.write("study.toml", &STUDY.replace(from, to));
+        bench.run(&["verify", "study.toml"]).is_mistake(&told);
+    }
+    bench.write("study.toml", STUDY);
+    bench
+        .run(&["verify", "study.toml", "--dry-run", "--junit", "j.xml"])
+        .is_mistake(&["--junit: --dry-run has no verdict"]);
+    for text in ["", "\n\n"] {
+        bench.write("empty.csv", text);
+        let said = bench.run(&["init", "lag.fmu", "--measured", "empty.csv", "--output", "new.toml"]);
+        said.is_mistake(&["empty.csv: it is empty", "`time,speed [rpm]`"]);
+    }
+    bench.run(&["verify", "study.toml", "--output", "few"]);
+    let said = bench.run(&["sensitivity", "study.toml", "--from", "few"]);
+    said.is_mistake(&["--from: 8 points in few have values, and 12 are needed", "--resume --points 12"]);
+    assert!(!bench.path("few/sensitivity.json").exists());
+    // What it says, it keeps.
+    bench.run(&["verify", "study.toml", "--output", "few", "--resume", "--points", "12"]);
+    let advises =
+        || bench.read("few/report.html").contains("<code>orchestrator sensitivity STUDY --from FOLDER</code>");
+    assert!(advises());
+    assert_eq!(bench.run(&["sensitivity", "study.toml", "--from", "few"]).code, 0);
+    // It needs no advice any more.
+    assert!(!advises());
+}
+
 #[test]
 fn tables_of_other_programs() {
     let bench = Bench::new();

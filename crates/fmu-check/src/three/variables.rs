@@ -66,17 +66,6 @@ pub(crate) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
     of_variables.into_iter().chain(listed).collect()
 }
 
-/// `reinit` of something else than a state, which is what a derivative is one of.
-pub(crate) fn reinit(document: &Document<'_>) -> Vec<Hit> {
-    let of = |scalar: &Scalar<'_>| scalar.node.attribute("derivative")?.trim().parse::<u32>().ok();
-    let states: HashSet<u32> = document.known().filter_map(of).collect();
-    document.of_each(|scalar| {
-        let is_state = reference(scalar.node).is_some_and(|of| states.contains(&of));
-        (scalar.node.has_attribute("reinit") && !is_state)
-            .then(|| "it has the attribute reinit, but is no continuous-time state: remove it".to_owned())
-    })
-}
-
 pub(crate) fn clocks(document: &Document<'_>) -> Vec<Hit> {
     let known = by_reference(document);
     document.of_each(|scalar| {

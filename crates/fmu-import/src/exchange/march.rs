@@ -238,7 +238,19 @@ impl Exchange {
                 };
             }
         }
-        self.plant.indicators(&mut march.indicators)
+        if is_first {
+            // What is left of it the FMU never wrote.
+            march.indicators.fill(f64::NAN);
+        }
+        self.plant.indicators(&mut march.indicators)?;
+        let counted = march.indicators.len();
+        let written = march.indicators.iter().filter(|indicator| !indicator.is_nan()).count();
+        if is_first && written < counted {
+            let text =
+                format!("the description counts {counted} event indicators, of which the FMU computes {written}");
+            self.plant.model.base_mut().caller.log.returned_warning(&text);
+        }
+        Ok(())
     }
 
     /// Takes one step towards a time, s. Whether an event is to be handled at its end.

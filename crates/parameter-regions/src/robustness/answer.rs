@@ -125,7 +125,7 @@ impl Answer {
             )),
             Self::NoneSeen { places, highest, criterion, .. } => Some(format!(
                 "no box with a verification probability of {level} is seen: at none of {places} sampled places do the \
-                 surrogates give more than {highest:.2e}, and {criterion} is met least; what lies between the points, they \
+                 surrogates give more than {highest:.3}, and {criterion} is met least; what lies between the points, they \
                  cannot see"
             )),
             _ => None,

@@ -49,6 +49,11 @@ impl<'a> Measured<'a> {
             None => error.with(format!("; {}", convert(path))),
         })?;
         let header = rows.names().to_vec();
+        if header.iter().all(|name| name.trim().is_empty()) {
+            let message =
+                "it is empty: its first line names the columns, such as `time,speed [rpm]`, and rows of numbers follow";
+            return Err(Error::content(path, message));
+        }
         if rows.advance()?
             && (0..header.len()).all(|place| !rows.text(place).is_empty() && rows.number(place).is_none())
         {

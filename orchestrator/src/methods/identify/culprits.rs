@@ -248,21 +248,27 @@ fn found(bound: &Bound, fmu: &Description) -> Vec<Known> {
 pub(super) fn document(outcome: &IdentificationOutcome) -> Option<Document> {
     const SHOWN: usize = 4;
     let suspects = outcome.suspects.as_ref()?;
-    // That nothing was found stands in the headline.
     let first = suspects.first()?;
+    // What leaves far more than the first is no rival.
+    let rivals: Vec<&Suspect> = suspects.iter().filter(|other| other.explains() == first.explains()).collect();
+    // The only one stands in the headline, as does that nothing was found.
+    if rivals.len() < 2 && coarse(outcome).is_none() {
+        return None;
+    }
     let mut told = Document::new("causes", "Causes", "What would explain the misfit");
     told.say(match first.explains() {
         true => "Each of these alone, the likeliest first, with the parameters fitted again.",
         false => "Nothing that was tried explains all of it. Most of it goes with these, each alone.",
     });
-    // What leaves far more than the first is no rival.
-    let rivals = suspects.iter().filter(|suspect| suspect.explains() == suspects[0].explains());
-    let sentences = rivals.take(SHOWN).map(|suspect| {
-        let [before, after] = suspect.cost.map(|cost| number(cost, 3));
-        format!("{}: the sum of squares falls from {before} to {after}.", sentence(suspect))
-    });
+    let sentences = rivals.into_iter().take(SHOWN).map(|suspect| format!("{}: {}.", sentence(suspect), falls(suspect)));
     told.blocks.push(Block::List(sentences.collect()));
     Some(told)
+}
+
+/// What speaks for a cause.
+fn falls(suspect: &Suspect) -> String {
+    let [before, after] = suspect.cost.map(|cost| number(cost, 3));
+    format!("the sum of squares of the misfits falls from {before} to {after}")
 }
 
 const NOTHING: &str = "Nothing that was tried explains it: no parameter beyond its range, no other constant of the model, no zero \
@@ -297,7 +303,7 @@ pub(super) fn headline(outcome: &IdentificationOutcome) -> Option<String> {
         [] => String::new(),
         _ => format!(" The data do not tell it from other causes: {}.", equals.join(", ")),
     };
-    Some(format!("{part}: {}.{as_well}", sentence(first)))
+    Some(format!("{part}: {}; with it {}.{as_well}", sentence(first), falls(first)))
 }
 
 /// That the step is too coarse, where half of it changes the misfit as much as what is to be explained.

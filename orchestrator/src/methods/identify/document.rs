@@ -139,7 +139,7 @@ impl Page<'_> {
 
     fn warnings(&self) -> Vec<String> {
         let concerns = super::concerns(self.outcome).into_iter();
-        concerns.map(|concern| concern.to_string()).collect()
+        concerns.map(|concern| concern.to_string().trim_end_matches('.').to_owned()).collect()
     }
 
     fn residual(&self, case: usize, quantity: usize) -> &Residual {
@@ -173,7 +173,7 @@ impl Page<'_> {
         }
         let rows: Vec<_> = singles(self.bound).flat_map(|quantity| self.rows(quantity)).collect();
         let is_long = self.outcome.cases.len() >= MANY_CASES;
-        if rows.is_empty() || is_long {
+        if (rows.is_empty() || is_long) && !self.outcome.is_farthest_doubtful() {
             text::largest(self.outcome).into_iter().for_each(|sentence| told.say(sentence));
         }
         match is_long && !rows.is_empty() {
@@ -230,6 +230,8 @@ impl Page<'_> {
 
     fn parameters(&self) -> Document {
         let mut told = Document::new("parameters", "Parameters", "Parameters");
+        // Of a parameter of which so much is left the search tells its start or a bound.
+        const NOTHING: f64 = 0.9;
         let rows = self.outcome.optima.iter().enumerate().flat_map(|(place, optimum)| {
             optimum.free.iter().map(move |free| {
                 let name = match self.outcome.has_several() {
@@ -239,7 +241,10 @@ impl Page<'_> {
                 let [value, low, high] = self::told(free);
                 vec![
                     name,
-                    with_unit(value, free),
+                    match free.left > NOTHING {
+                        true => "the data do not tell".to_owned(),
+                        false => with_unit(value, free),
+                    },
                     match free.at_bound {
                         Some(side) => format!("{low} .. {high}, at its {side} bound"),
                         None => format!("{low} .. {high}"),
@@ -253,7 +258,7 @@ impl Page<'_> {
             columns: vec![
                 words("Parameter"),
                 numbers("Most probable"),
-                numbers("95 %"),
+                numbers(self.outcome.interval()),
                 numbers("Left of the prior's spread"),
             ],
             rows: rows.collect(),
@@ -407,7 +412,9 @@ impl Page<'_> {
     fn next(&self) -> Option<Document> {
         let next = self.outcome.next.as_ref()?;
         let mut told = Document::new("next", "Measure next", "What to measure next");
-        told.say(format!("{} is known to {} (one standard deviation).", next.parameter, next.words(next.deviation)));
+        let small = if self.outcome.is_too_narrow() { ", too small" } else { "" };
+        let deviation = next.words(next.deviation);
+        told.say(format!("{} is known to {deviation} (one standard deviation{small}).", next.parameter));
         let rows: Vec<Vec<String>> = next
             .worthwhile()
             .map(|measurement| {

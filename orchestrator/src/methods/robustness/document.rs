@@ -126,7 +126,11 @@ fn maps(result: &Robustness) -> Vec<Block> {
         let title = format!("{name} over all pairs of parameters");
         Block::Folded(title, false, vec![scale, figures])
     };
-    let mut groups = vec![group("Probability of verification", [0.0, 1.0], |map, _| &map.probability, 0)];
+    let mut groups = Vec::new();
+    // Where no place is verified, all of them look alike.
+    if result.maps.iter().flat_map(|map| &map.probability).any(|p| *p >= 0.01) {
+        groups.push(group("Probability of verification", [0.0, 1.0], |map, _| &map.probability, 0));
+    }
     for (k, (name, _)) in result.criteria.iter().enumerate() {
         let values = result.maps.iter().flat_map(|m| &m.criteria[k]);
         let range = range(values);
@@ -171,7 +175,7 @@ fn drawn(result: &Robustness, map: &Map, what: &str, values: &[f64], scale: [f64
     }
     let shades = paths.iter().enumerate().filter(|(_, d)| !d.is_empty());
     let shades: String = shades.map(|(s, d)| path(&format!("shade s{s}"), d)).collect();
-    let [low, high] = range(values.iter()).map(|end| number(end, 4));
+    let [low, high] = range(values.iter()).map(|end| number(if end.abs() < 1e-6 * span { 0.0 } else { end }, 4));
     let title = format!("{what} over {across} and {up}: {low} to {high}");
     Figure {
         file: format!("map-{what}-{}-{}", result.parameters[map.x], result.parameters[map.y]),

@@ -23,7 +23,7 @@ pub fn document(result: &Sensitivity) -> Document {
             Key::new("bar solid all", bar, "first order: alone"),
         ]));
     }
-    let figures = result.outputs.iter();
+    let figures = result.outputs.iter().filter(|output| !output.shown().is_empty());
     let figures = figures.map(|output| figure(&result.parameters, output));
     told.blocks.push(Block::Figures("planes".into(), figures.collect()));
     told

@@ -11,7 +11,7 @@ use ::sensitivity::Estimate;
 use ::sensitivity::sobol::Indices;
 use conformity::conclusion::grouped;
 use parameter_regions::table::PointTable;
-use run_budget::{Doubt, Index, Run, Surrogate, indices};
+use run_budget::{Doubt, Index, Run, Surrogate, Unfit, indices};
 use sampling::design;
 
 /// A fit takes the cube of the number of points; more of them tell little more.
@@ -57,6 +57,15 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
         Ok(surrogate) => {
             indices(&surrogate, &limits(judge, 0.0), &runs, [&a, &b], CONFIDENCE).into_iter().map(told).collect()
         }
+        Err(Unfit::TooFew { runs, needed }) => {
+            let study = study.path().display();
+            let message = format!(
+                "{runs} points in {} have values, and {needed} are needed for indices of {dimensions} parameters: `orchestrator verify \
+                 {study} --resume --points {needed}` adds the others, or `sensitivity {study} --base N` runs a design",
+                folder.display()
+            );
+            return Err(Error::option("from", message));
+        }
         Err(unfit) => vec![Err(unfit.to_string()); names.len()],
     };
     let mut outputs: Vec<Output> = Vec::new();
@@ -65,7 +74,9 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
     for (name, found) in names.into_iter().zip(found) {
         if let Err(why) = &found {
             warnings.push(format!(
-                "{name}: no indices from these points: {why}; `sensitivity STUDY --base N` runs a design"
+                "{name}: no indices from these points: {why}; verify twice as many (`--resume --points {}`), or run a design \
+                 (`sensitivity STUDY --base N`)",
+                2 * table.len()
             ));
         }
         outputs.push(from_indices(name, found.ok(), &parameters, seed));
