@@ -271,14 +271,14 @@ impl Stand {
     }
 
     /// Rates of the unknowns, and what the physical stand's sensors read, `tau` seconds into the step.
-    #[inline]
+    #[inline(always)]
     fn course_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby, seen: &mut Seen) -> (Unknowns, Sensed) {
         let viscosity = oil.viscosity(&self.fluid, temperatures(y).film);
         self.course_with(tau, y, viscosity, seen)
     }
 
     /// The same with the oil's viscosity, Pa.s, at the film's temperature.
-    #[inline]
+    #[inline(always)]
     fn course_with(&self, tau: f64, y: &Unknowns, viscosity: f64, seen: &mut Seen) -> (Unknowns, Sensed) {
         let temperatures = temperatures(y);
         seen.temperatures = temperatures;

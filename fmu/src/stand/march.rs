@@ -88,16 +88,15 @@ impl Stand {
         let mut last = (f64::NAN, <(Unknowns, Sensed)>::default());
         // The last stage of a step that is taken is at its end.
         let seen = &RefCell::new(Seen::default());
-        let course = |tau: f64, y: &Unknowns| {
-            let rates = match &known {
+        let course = |tau: f64, y: &Unknowns, rates: &mut Unknowns, sensed: &mut Sensed| {
+            (*rates, *sensed) = match &known {
                 Some(known) if tau == 0.0 => known.rates,
                 _ => self.course_at(tau, y, &mut oil, &mut seen.borrow_mut()),
             };
             last.0 = tau;
             if tau == span {
-                last.1 = rates;
+                last.1 = (*rates, *sensed);
             }
-            rates
         };
         let (mut means, mut passing) = (self.state.means, self.passing());
         let mut observe = self.observing(&mut means, &mut passing);
