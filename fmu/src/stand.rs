@@ -35,6 +35,7 @@ use crate::oil::{Nearby, Oil, Properties};
 use crate::sensors::{self, Readings, Sensed, TurnMeans};
 use crate::thermal::{Heat, Temperatures, Thermal};
 use fmu_export::model::{self, Exchange, Experiment, Fault, Info, Log, Model, Variable};
+use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 pub use inputs::{Input, Inputs};
@@ -67,6 +68,8 @@ struct State {
     angle: f64,
     /// Eccentricity-ratio vector in the load frame, 1.
     eccentricity: [f64; 2],
+    /// The same as a host that integrates it has set it.
+    stretched: Option<Vector2<f64>>,
     /// The nodes' temperatures, K.
     temperatures: Temperatures,
     /// Mean wear depth, m.
@@ -432,6 +435,7 @@ impl Model for Stand {
             time: experiment.start,
             angle: 0.0,
             eccentricity: [0.0, 0.0],
+            stretched: None,
             temperatures,
             worn: 0.0,
             next_step: FIRST_STEP,

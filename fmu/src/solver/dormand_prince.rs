@@ -28,19 +28,9 @@ const E: [f64; 7] =
 impl<const N: usize> DormandPrince<N> {
     /// Takes `y` from 0 to `span` seconds. `step` is the first step to try and, afterwards, the step
     /// that suits the solution's end, whatever `span` cut it to.
-    pub fn integrate(
-        &self,
-        mut f: impl FnMut(f64, &[f64; N]) -> [f64; N],
-        y: &mut [f64; N],
-        span: f64,
-        step: &mut f64,
-    ) -> Result<Work, Failure> {
-        let f = |t: f64, y: &[f64; N]| (f(t, y), []);
-        self.integrate_along(f, y, [], span, step).map(|(work, [])| work)
-    }
-
-    /// The same; `f` gives besides the rates what is to be integrated along the way, without feeding back into the solution, with
-    /// these errors `allowed` in the first integrals per step, and any in the others. Returns the integrals.
+    ///
+    /// `f` gives besides the rates what is to be integrated along the way, without feeding back into the solution, with these errors
+    /// `allowed` in the first integrals per step, and any in the others. Returns the integrals.
     pub fn integrate_along<const Q: usize, const CLOSE: usize>(
         &self,
         mut f: impl FnMut(f64, &[f64; N]) -> ([f64; N], [f64; Q]),
@@ -205,6 +195,20 @@ fn weighted<const M: usize>(weights: &[f64], slopes: &[[f64; M]; 7]) -> [f64; M]
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    impl<const N: usize> DormandPrince<N> {
+        /// Without anything along the way.
+        fn integrate(
+            &self,
+            mut f: impl FnMut(f64, &[f64; N]) -> [f64; N],
+            y: &mut [f64; N],
+            span: f64,
+            step: &mut f64,
+        ) -> Result<Work, Failure> {
+            let f = |t: f64, y: &[f64; N]| (f(t, y), []);
+            self.integrate_along(f, y, [], span, step).map(|(work, [])| work)
+        }
+    }
 
     const INTEGRATOR: DormandPrince<2> = DormandPrince { allowed: [1e-9; 2], budget: Budget::of(100_000) };
 

@@ -251,9 +251,9 @@ impl Stand {
         let rates = |tau: f64, t: &[f64; 4]| {
             let t = Temperatures::of(*t);
             let clearance = self.clearance(&t, worn);
-            self.thermal_rates(tau, &t, clearance, flows).array()
+            (self.thermal_rates(tau, &t, clearance, flows).array(), [])
         };
-        let done = integrator.integrate(rates, &mut t, span, &mut span.clone());
+        let done = integrator.integrate_along(rates, &mut t, [], span, &mut span.clone());
         let [ex, ey] = self.state.eccentricity;
         let y = [ex, ey, t[0], t[1], t[2], t[3], worn];
         done.map_err(|failure| self.explain(failure, &y, 2..6))?;
