@@ -226,6 +226,7 @@ impl Nearby {
         0.965_925_826_289_068_3,
     ];
 
+    #[cold]
     fn about(oil: &Properties, temperature: f64) -> Self {
         let centre = 2.0 * Self::REACH * (temperature / (2.0 * Self::REACH)).round();
         let mut coefficients = Self::PLACES.map(|place| oil.real(centre + Self::REACH * place));

@@ -35,6 +35,7 @@ use crate::oil::{Nearby, Oil, Properties};
 use crate::sensors::{self, Readings, Sensed, TurnMeans};
 use crate::thermal::{Heat, Temperatures, Thermal};
 use fmu_export::model::{self, Exchange, Experiment, Fault, Info, Log, Model, Variable};
+use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
 pub use inputs::{Input, Inputs};
@@ -67,6 +68,8 @@ struct State {
     angle: f64,
     /// Eccentricity-ratio vector in the load frame, 1.
     eccentricity: [f64; 2],
+    /// The same as a host that integrates it has set it.
+    stretched: Option<Vector2<f64>>,
     /// The nodes' temperatures, K.
     temperatures: Temperatures,
     /// Mean wear depth, m.
@@ -271,14 +274,14 @@ impl Stand {
     }
 
     /// Rates of the unknowns, and what the physical stand's sensors read, `tau` seconds into the step.
-    #[inline]
+    #[inline(always)]
     fn course_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby, seen: &mut Seen) -> (Unknowns, Sensed) {
         let viscosity = oil.viscosity(&self.fluid, temperatures(y).film);
         self.course_with(tau, y, viscosity, seen)
     }
 
     /// The same with the oil's viscosity, Pa.s, at the film's temperature.
-    #[inline]
+    #[inline(always)]
     fn course_with(&self, tau: f64, y: &Unknowns, viscosity: f64, seen: &mut Seen) -> (Unknowns, Sensed) {
         let temperatures = temperatures(y);
         seen.temperatures = temperatures;
@@ -432,6 +435,7 @@ impl Model for Stand {
             time: experiment.start,
             angle: 0.0,
             eccentricity: [0.0, 0.0],
+            stretched: None,
             temperatures,
             worn: 0.0,
             next_step: FIRST_STEP,

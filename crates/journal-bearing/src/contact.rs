@@ -244,7 +244,7 @@ impl Place {
     }
 
     /// Adds a share of the quantities between the nodes of a table's cell. Beyond the table, logarithms go on along their tangents.
-    #[inline]
+    #[inline(always)]
     fn add(&self, [left, right]: [&Node; 2], share: f64, sum: &mut [f64; QUANTITIES]) {
         let [a, b, c, d] = self.weights.map(|weight| share * weight);
         for (k, sum) in sum.iter_mut().enumerate() {

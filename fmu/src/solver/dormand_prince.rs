@@ -28,27 +28,18 @@ const E: [f64; 7] =
 impl<const N: usize> DormandPrince<N> {
     /// Takes `y` from 0 to `span` seconds. `step` is the first step to try and, afterwards, the step
     /// that suits the solution's end, whatever `span` cut it to.
-    pub fn integrate(
-        &self,
-        mut f: impl FnMut(f64, &[f64; N]) -> [f64; N],
-        y: &mut [f64; N],
-        span: f64,
-        step: &mut f64,
-    ) -> Result<Work, Failure> {
-        let f = |t: f64, y: &[f64; N]| (f(t, y), []);
-        self.integrate_along(f, y, [], span, step).map(|(work, [])| work)
-    }
-
-    /// The same; `f` gives besides the rates what is to be integrated along the way, without feeding back into the solution, with
-    /// these errors `allowed` in the first integrals per step, and any in the others. Returns the integrals.
+    ///
+    /// `f` gives besides the rates what is to be integrated along the way, without feeding back into the solution, with these errors
+    /// `allowed` in the first integrals per step, and any in the others. Returns the integrals.
     pub fn integrate_along<const Q: usize, const CLOSE: usize>(
         &self,
-        f: impl FnMut(f64, &[f64; N]) -> ([f64; N], [f64; Q]),
+        mut f: impl FnMut(f64, &[f64; N]) -> ([f64; N], [f64; Q]),
         y: &mut [f64; N],
         allowed: [f64; CLOSE],
         span: f64,
         step: &mut f64,
     ) -> Result<(Work, [f64; Q]), Failure> {
+        let f = |t: f64, y: &[f64; N], k: &mut [f64; N], q: &mut [f64; Q]| (*k, *q) = f(t, y);
         let mut integrals = [0.0; Q];
         let sum = |passage: &Passage<Q>| {
             for (integral, part) in integrals.iter_mut().zip(passage.integrals) {
@@ -59,10 +50,10 @@ impl<const N: usize> DormandPrince<N> {
         Ok((work, integrals))
     }
 
-    /// The same; `observe` sees the integrals of each step that is taken.
+    /// The same; `f` writes into its arguments, which saves copies, and `observe` sees the integrals of each step that is taken.
     pub fn integrate_observed<const Q: usize, const CLOSE: usize>(
         &self,
-        mut f: impl FnMut(f64, &[f64; N]) -> ([f64; N], [f64; Q]),
+        mut f: impl FnMut(f64, &[f64; N], &mut [f64; N], &mut [f64; Q]),
         y: &mut [f64; N],
         allowed: [f64; CLOSE],
         span: f64,
@@ -71,8 +62,8 @@ impl<const N: usize> DormandPrince<N> {
     ) -> Result<Work, Failure> {
         let mut work = Work::default();
         let mut t = 0.0;
-        let (slopes, integrands) = f(0.0, y);
-        let (mut k, mut q) = ([slopes; 7], [integrands; 7]);
+        let (mut k, mut q) = ([[0.0; N]; 7], [[0.0; Q]; 7]);
+        f(0.0, y, &mut k[0], &mut q[0]);
         let mut last_log_error = LEAST_ERROR.ln();
         while t < span {
             let left = span - t;
@@ -115,7 +106,7 @@ impl<const N: usize> DormandPrince<N> {
     }
 
     fn stages<const Q: usize>(
-        f: &mut impl FnMut(f64, &[f64; N]) -> ([f64; N], [f64; Q]),
+        f: &mut impl FnMut(f64, &[f64; N], &mut [f64; N], &mut [f64; Q]),
         t: f64,
         y: &[f64; N],
         h: f64,
@@ -132,7 +123,7 @@ impl<const N: usize> DormandPrince<N> {
                 }
             }
             end = at;
-            (k[stage + 1], q[stage + 1]) = f(t + c * h, &end);
+            f(t + c * h, &end, &mut k[stage + 1], &mut q[stage + 1]);
         }
         end
     }
@@ -205,6 +196,20 @@ fn weighted<const M: usize>(weights: &[f64], slopes: &[[f64; M]; 7]) -> [f64; M]
 mod tests {
     use super::*;
 
+    impl<const N: usize> DormandPrince<N> {
+        /// Without anything along the way.
+        fn integrate(
+            &self,
+            mut f: impl FnMut(f64, &[f64; N]) -> [f64; N],
+            y: &mut [f64; N],
+            span: f64,
+            step: &mut f64,
+        ) -> Result<Work, Failure> {
+            let f = |t: f64, y: &[f64; N]| (f(t, y), []);
+            self.integrate_along(f, y, [], span, step).map(|(work, [])| work)
+        }
+    }
+
     const INTEGRATOR: DormandPrince<2> = DormandPrince { allowed: [1e-9; 2], budget: Budget::of(100_000) };
 
     #[test]
@@ -235,7 +240,7 @@ mod tests {
             [to[0] - from[0], to[1] - from[1]]
         };
         let mut passages = Vec::new();
-        let rates = |t: f64, _: &[f64; 2]| ([0.0, 0.0], integrand(t));
+        let rates = |t: f64, _: &[f64; 2], k: &mut [f64; 2], q: &mut [f64; 2]| (*k, *q) = ([0.0, 0.0], integrand(t));
         let (mut y, mut step) = ([1.0, 0.0], 0.5);
         INTEGRATOR
             .integrate_observed(rates, &mut y, [], 3.0, &mut step, |p| {
@@ -273,9 +278,9 @@ mod tests {
         let run = |h: f64| {
             let mut k = [[0.0; 2]; 7];
             let mut y = [1.0, 0.0];
-            let mut f = |_: f64, y: &[f64; 2]| ([y[1], -y[0]], []);
+            let mut f = |_: f64, y: &[f64; 2], k: &mut [f64; 2], _: &mut [f64; 0]| *k = [y[1], -y[0]];
             for _ in 0..(1.0 / h).round() as usize {
-                k[0] = f(0.0, &y).0;
+                f(0.0, &y, &mut k[0], &mut []);
                 y = DormandPrince::<2>::stages(&mut f, 0.0, &y, h, &mut k, &mut [[]; 7]);
             }
             (y[0] - 1f64.cos()).abs()

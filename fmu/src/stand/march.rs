@@ -88,16 +88,15 @@ impl Stand {
         let mut last = (f64::NAN, <(Unknowns, Sensed)>::default());
         // The last stage of a step that is taken is at its end.
         let seen = &RefCell::new(Seen::default());
-        let course = |tau: f64, y: &Unknowns| {
-            let rates = match &known {
+        let course = |tau: f64, y: &Unknowns, rates: &mut Unknowns, sensed: &mut Sensed| {
+            (*rates, *sensed) = match &known {
                 Some(known) if tau == 0.0 => known.rates,
                 _ => self.course_at(tau, y, &mut oil, &mut seen.borrow_mut()),
             };
             last.0 = tau;
             if tau == span {
-                last.1 = rates;
+                last.1 = (*rates, *sensed);
             }
-            rates
         };
         let (mut means, mut passing) = (self.state.means, self.passing());
         let mut observe = self.observing(&mut means, &mut passing);
@@ -252,9 +251,9 @@ impl Stand {
         let rates = |tau: f64, t: &[f64; 4]| {
             let t = Temperatures::of(*t);
             let clearance = self.clearance(&t, worn);
-            self.thermal_rates(tau, &t, clearance, flows).array()
+            (self.thermal_rates(tau, &t, clearance, flows).array(), [])
         };
-        let done = integrator.integrate(rates, &mut t, span, &mut span.clone());
+        let done = integrator.integrate_along(rates, &mut t, [], span, &mut span.clone());
         let [ex, ey] = self.state.eccentricity;
         let y = [ex, ey, t[0], t[1], t[2], t[3], worn];
         done.map_err(|failure| self.explain(failure, &y, 2..6))?;

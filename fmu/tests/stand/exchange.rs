@@ -93,6 +93,18 @@ fn drift(stand: &mut Stand, x: f64, y: f64) -> [f64; 2] {
     [rates[1], rates[2]]
 }
 
+/// A host reads what it has set, and its length is `sinh(5 e)/5`.
+#[test]
+fn the_eccentricity_is_stretched() {
+    let mut stand = of_film(FILMS[0]);
+    drift(&mut stand, 0.9, -1.2);
+    let place = [1, 2].map(|k: usize| (Stand::states()[k].get)(&stand));
+    assert_eq!(place, [0.9, -1.2]);
+    stand.update().unwrap();
+    let length = (5.0 * read(&stand, "bearing.eccentricityRatio")).sinh() / 5.0;
+    assert!((length - 1.5).abs() < 1e-12, "{length}");
+}
+
 /// Roughness from none to contact all around, m; clearance, m; B/D.
 const FILMS: [[f64; 3]; 5] =
     [[0.0, 2e-5, 0.76], [1e-7, 2e-5, 0.76], [1e-6, 2e-5, 0.3], [5.13e-6, 2e-5, 0.76], [8e-6, 2e-5, 2.0]];

@@ -141,7 +141,7 @@ impl ContactFamily {
     }
 
     /// The tables about a clearance, m, with their weights.
-    #[inline]
+    #[inline(always)]
     fn about(&self, clearance: f64) -> [(&ContactTable, f64); THROUGH] {
         let x = (clearance / (NO_CONTACT * self.roughness)).ln() / SPACING;
         let below = below(x);

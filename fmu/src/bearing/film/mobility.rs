@@ -320,23 +320,26 @@ impl Prepared {
         if push.boundary.heat >= 0.0 {
             return push;
         }
-        Self::stick(friction.abs(), |friction| self.push(bearing, at, place, touch, friction))
+        let friction =
+            Self::stick(friction.abs(), |friction| self.push(bearing, at, place, touch, friction).boundary.sliding);
+        let mut push = self.push(bearing, at, place, touch, friction);
+        push.boundary.heat = push.boundary.heat.max(0.0);
+        push
     }
 
-    /// The motion at a friction coefficient of at most `most` in either direction. The sliding falls as friction grows; the
-    /// coefficient at which it vanishes is found by the Illinois method (Dowell & Jarratt 1971, BIT 11, 168-174).
+    /// The friction coefficient of at most `most` in either direction at which nothing slides, or the nearest to it. The sliding falls
+    /// as friction grows; where it vanishes is found by the Illinois method (Dowell & Jarratt 1971, BIT 11, 168-174).
     #[cold]
-    fn stick(most: f64, push: impl Fn(f64) -> Push) -> Push {
+    fn stick(most: f64, sliding: impl Fn(f64) -> f64) -> f64 {
         const TRIALS: usize = 50;
         const CLOSE: f64 = 1e-12;
-        let sliding = |friction: f64| push(friction).boundary.sliding;
         let (mut low, mut high) = (-most, most);
         let (mut ahead, mut back) = (sliding(low), sliding(high));
         if ahead <= 0.0 {
-            return push(low);
+            return low;
         }
         if back >= 0.0 {
-            return push(high);
+            return high;
         }
         let close = CLOSE * (ahead - back);
         let (mut friction, mut last) = (0.0, 0.0);
@@ -356,9 +359,7 @@ impl Prepared {
             }
             last = slides;
         }
-        let mut stuck = push(friction);
-        stuck.boundary.heat = stuck.boundary.heat.max(0.0);
-        stuck
+        friction
     }
 
     /// Booker's equation (1965, J. Basic Eng. 87, 537-546; eq. 2 of the paper). The film's share F of the load is what
@@ -387,11 +388,13 @@ impl Prepared {
             magnitude = force.norm();
             direction = force / magnitude;
         }
-        let slice = self.slice.as_ref().filter(|_| magnitude > 0.0);
-        let film = slice.map(|slice| match touch {
-            Some(Touching { touch, rough: Some(rough) }) => rough.look_up(e, length, touch, direction),
-            _ => slice.look_up(e, length, direction),
-        });
+        let film = match (&self.slice, touch) {
+            (Some(_), Some(Touching { touch, rough: Some(rough) })) if magnitude > 0.0 => {
+                Some(rough.look_up(e, length, touch, direction))
+            }
+            (Some(slice), _) if magnitude > 0.0 => Some(slice.look_up(e, length, direction)),
+            _ => None,
+        };
         let wider = at.clearance / bearing.radial_clearance;
         let driven = magnitude / at.viscosity * (self.factors.mobility * wider * wider);
         let squeeze = film.as_ref().map_or(Vector2::zeros(), |film| film.mobility() * driven);
