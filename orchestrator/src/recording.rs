@@ -361,6 +361,14 @@ impl Recorded<'_> {
                     number_tables::recorded::convert(table.path())
                 )));
             }
+            (None, None) if is_of_clock(&values) => {
+                return Err(settings.wrong(format!(
+                    "time `{name}` has no unit, and {} may be hours, minutes and seconds: {} with --format \"%H%M%S\"; where it is s, say time \
+                     = {{ unit = \"s\" }}",
+                    values[0],
+                    number_tables::recorded::convert(table.path())
+                )));
+            }
             (None, None) => "s".to_owned(),
             (unit, _) => table.unit(name, unit.as_deref())?,
         };
@@ -620,6 +628,15 @@ impl Recorded<'_> {
 }
 
 /// The way from one unit to another one.
+/// Whether the numbers are clocks such as 131507: never 60 to 99 seconds or minutes, though they pass them.
+fn is_of_clock(times: &[f64]) -> bool {
+    let passes = |pair: &&[f64]| (pair[0] / 100.0).floor() != (pair[1] / 100.0).floor();
+    let (beyond, within): (Vec<&[f64]>, Vec<&[f64]>) = times.windows(2).partition(passes);
+    let are_parts = |time: &f64| [1.0, 100.0].iter().all(|part| (time / part).rem_euclid(100.0) < 60.0);
+    let rise = |pair: &&[f64]| pair[1] - pair[0] < 40.0;
+    !beyond.is_empty() && !within.is_empty() && within.iter().all(rise) && times.iter().all(are_parts)
+}
+
 fn conversion(unit: &str, to: &str) -> Result<Conversion, String> {
     known::between(unit, to).ok_or_else(|| format!("unit `{unit}` does not fit; use {}", known::alike(to).join(", ")))
 }

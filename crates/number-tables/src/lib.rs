@@ -55,7 +55,7 @@ pub fn name_and_unit(name: &str) -> (&str, Option<String>) {
         enclosed('(', ')').filter(|(bare, inner)| {
             let is_plain = *inner != "min" && (bare.len() > 2 || inner.len() > 1);
             let apart = bare.ends_with(' ') || is_time_name(bare) || is_plain;
-            apart && known::usual(inner.trim()).is_some()
+            apart && known::is_like(inner.trim())
         })
     });
     match parts {

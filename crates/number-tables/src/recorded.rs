@@ -288,6 +288,11 @@ mod tests {
             ("V(A)", None),
             ("x[2]", None),
             ("Dev(x)", None),
+            ("tilt (mrad)", Some("mrad")),
+            ("F (KN)", Some("KN")),
+            ("P (MW)", Some("MW")),
+            ("T (mean)", None),
+            ("phase (a)", None),
         ] {
             assert_eq!(name_and_unit(name).1.as_deref(), unit, "{name}");
         }

@@ -37,7 +37,7 @@ const KNOWN: &[(Exponents, &[Named])] = &[
             ("rev/s", TURN),
         ],
     ),
-    ([0, 0, 0, 0, 0, 0, 0, 1], &[("rad", 1.0), ("deg degCA", DEGREE)]),
+    ([0, 0, 0, 0, 0, 0, 0, 1], &[("rad", 1.0), ("mrad", 1e-3), ("deg degCA", DEGREE)]),
     ([0, 1, -1, 0, 0, 0, 0, 0], &[("m/s", 1.0), ("mm/s", 1e-3), ("km/h kph KMPH", 1.0 / 3.6), ("mph MPH", 0.447_04)]),
     ([0, 1, -2, 0, 0, 0, 0, 0], &[("m/s2 m/s^2", 1.0)]),
     ([1, 0, 0, 0, 0, 0, 0, 0], &[("kg", 1.0), ("g", 1e-3)]),
@@ -81,6 +81,16 @@ fn first(names: &'static str) -> &'static str {
 /// The usual name of a unit, such as `N.m` for `Nm` and `rpm` for `1/min`; `None` of an unknown one.
 pub fn usual(name: &str) -> Option<&'static str> {
     named(name).last().map(|(_, (names, _))| first(names))
+}
+
+/// Whether a name is a known unit, or one in other letters or with another prefix: `KN`, `mW`.
+pub fn is_like(name: &str) -> bool {
+    let plain = plain(name);
+    let names = KNOWN.iter().flat_map(|(_, units)| *units).flat_map(|(names, _)| names.split(' '));
+    names.filter(|known| !["1", "-", "%", "h", "d"].contains(known)).any(|known| {
+        known.len() > 1 && plain.eq_ignore_ascii_case(known)
+            || plain.strip_suffix(known).is_some_and(|prefix| prefix.len() == 1 && "numckMG".contains(prefix))
+    }) || usual(name).is_some()
 }
 
 /// What a name means in SI base units: nothing, one thing, or several of different kinds.
