@@ -353,18 +353,10 @@ impl Recorded<'_> {
         let (values, _) = table.values(name, &[])?;
         let unit = match (&time.unit, &table.column(name)?.unit) {
             // Seconds since 1970 have ten digits.
-            (None, None) if values.iter().any(|time| time.abs() > 1e11) => {
+            (None, None) if values.iter().any(|time| time.abs() > 1e11) || is_of_clock(&values) => {
                 return Err(settings.wrong(format!(
-                    "time `{name}` has no unit and begins at {}, which is too much for s; say time = {{ unit = \"ms\" }}, or us or ns; of stamps \
-                     such as 20261103131507 {}",
-                    values[0],
-                    number_tables::recorded::convert(table.path())
-                )));
-            }
-            (None, None) if is_of_clock(&values) => {
-                return Err(settings.wrong(format!(
-                    "time `{name}` has no unit, and {} may be hours, minutes and seconds: {} with --format \"%H%M%S\"; where it is s, say time \
-                     = {{ unit = \"s\" }}",
+                    "time `{name}` has no unit and begins at {}, which is too much for s, or a clock such as 131507; say time = {{ unit = \"ms\" \
+                     }}, or s, us or ns; of stamps such as 20261103131507 {}, of clocks with --format \"%H%M%S\"",
                     values[0],
                     number_tables::recorded::convert(table.path())
                 )));
@@ -628,13 +620,13 @@ impl Recorded<'_> {
 }
 
 /// The way from one unit to another one.
-/// Whether the numbers are clocks such as 131507: never 60 to 99 seconds or minutes, though they pass them.
+/// Whether numbers are clocks such as 131507: never 60 to 99 seconds or minutes, though small steps pass them.
 fn is_of_clock(times: &[f64]) -> bool {
-    let passes = |pair: &&[f64]| (pair[0] / 100.0).floor() != (pair[1] / 100.0).floor();
-    let (beyond, within): (Vec<&[f64]>, Vec<&[f64]>) = times.windows(2).partition(passes);
-    let are_parts = |time: &f64| [1.0, 100.0].iter().all(|part| (time / part).rem_euclid(100.0) < 60.0);
-    let rise = |pair: &&[f64]| pair[1] - pair[0] < 40.0;
-    !beyond.is_empty() && !within.is_empty() && within.iter().all(rise) && times.iter().all(are_parts)
+    let far = |pair: &[f64]| pair[1] - pair[0] >= 40.0;
+    let mut steps = times.windows(2).map(far);
+    let is_first_far = steps.next();
+    times.iter().all(|time| time % 100.0 < 60.0 && time / 100.0 % 100.0 < 60.0)
+        && steps.any(|far| Some(far) != is_first_far)
 }
 
 fn conversion(unit: &str, to: &str) -> Result<Conversion, String> {

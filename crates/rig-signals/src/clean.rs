@@ -207,13 +207,12 @@ fn marks(ordered: &[f64]) -> Vec<(f64, usize)> {
         let [mark, next, last] = [those[count - 1][0], others[0][0], others[others.len() - 1][0]];
         let samples: usize = those.iter().map(|level| level.len()).sum();
         let [away, range] = [mark - next, next - last].map(f64::abs);
-        let is_rare = away > TIMES * range && RARE * samples < ordered.len();
         // A machine that rests stands nearer to 0 than one that runs.
-        let is_absurd =
-            away > ABSURD * range && mark.abs() > next.abs().max(last.abs()) && 2 * samples < ordered.len();
+        let is_absurd = mark.abs() > next.abs().max(last.abs()) && away > ABSURD * range;
+        let rare = if is_absurd { 2 } else { RARE };
         // Several samples each: a signal that begins is no row of marks.
         let stand = *count == 1 || those.iter().all(|level| level.len() > 1);
-        range > 0.0 && stand && (is_rare || is_absurd)
+        range > 0.0 && stand && away > TIMES * range && rare * samples < ordered.len()
     };
     let count = (1..levels.len().min(LEVELS + 1)).rfind(are_marks).unwrap_or(0);
     levels[..count].iter().map(|level| (level[0], level.len())).collect()

@@ -85,12 +85,11 @@ pub fn usual(name: &str) -> Option<&'static str> {
 
 /// Whether a name is a known unit, or one in other letters or with another prefix: `KN`, `mW`.
 pub fn is_like(name: &str) -> bool {
-    let plain = plain(name);
-    let names = KNOWN.iter().flat_map(|(_, units)| *units).flat_map(|(names, _)| names.split(' '));
-    names.filter(|known| !["1", "-", "%", "h", "d"].contains(known)).any(|known| {
-        known.len() > 1 && plain.eq_ignore_ascii_case(known)
-            || plain.strip_suffix(known).is_some_and(|prefix| prefix.len() == 1 && "numckMG".contains(prefix))
-    }) || usual(name).is_some()
+    let named = plain(name);
+    let bare = named.strip_prefix(['n', 'u', 'm', 'c', 'k', 'M', 'G']).filter(|bare| !["h", "d", "%"].contains(bare));
+    let mut names = KNOWN.iter().flat_map(|(_, units)| *units).flat_map(|(names, _)| names.split(' '));
+    [Some(name), bare].into_iter().flatten().any(|name| usual(name).is_some())
+        || name.len() > 1 && names.any(|known| named.eq_ignore_ascii_case(known))
 }
 
 /// What a name means in SI base units: nothing, one thing, or several of different kinds.
