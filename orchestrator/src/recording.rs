@@ -619,16 +619,16 @@ impl Recorded<'_> {
     }
 }
 
-/// The way from one unit to another one.
 /// Whether numbers are clocks such as 131507: never 60 to 99 seconds or minutes, though small steps pass them.
 fn is_of_clock(times: &[f64]) -> bool {
     let far = |pair: &[f64]| pair[1] - pair[0] >= 40.0;
     let mut steps = times.windows(2).map(far);
     let is_first_far = steps.next();
-    times.iter().all(|time| time % 100.0 < 60.0 && time / 100.0 % 100.0 < 60.0)
+    times.iter().all(|time| *time >= 1e4 && time % 100.0 < 60.0 && time / 100.0 % 100.0 < 60.0)
         && steps.any(|far| Some(far) != is_first_far)
 }
 
+/// The way from one unit to another one.
 fn conversion(unit: &str, to: &str) -> Result<Conversion, String> {
     known::between(unit, to).ok_or_else(|| format!("unit `{unit}` does not fit; use {}", known::alike(to).join(", ")))
 }
