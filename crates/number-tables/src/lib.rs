@@ -95,6 +95,9 @@ pub fn agreed<'a>(column: &str, in_file: Option<&'a str>, stated: Option<&'a str
                  file says how its numbers were written"
             ))
         }
+        (None, None) if column.ends_with(')') && column.contains(" (") => Err(format!(
+            "column `{column}`: what stands in brackets may be its unit, and is none that is known here; say `unit`"
+        )),
         _ => Ok(stated.or(in_file)),
     }
 }

@@ -299,6 +299,15 @@ mod tests {
     }
 
     #[test]
+    fn what_may_be_a_unit_is_asked_about() {
+        let agreed = |column, in_file, stated| crate::agreed(column, in_file, stated).map_err(|_| ());
+        assert_eq!(agreed("p (inHg)", None, None), Err(()));
+        assert_eq!(agreed("p (inHg)", None, Some("Pa")), Ok(Some("Pa")));
+        assert_eq!(agreed("F", Some("KN"), Some("N")), Err(()));
+        assert_eq!([agreed("p", None, None), agreed("der(x)", None, None)], [Ok(None); 2]);
+    }
+
+    #[test]
     fn studies_know_the_time_by_its_unit_too() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("m.csv");
