@@ -353,10 +353,10 @@ impl Recorded<'_> {
         let (values, _) = table.values(name, &[])?;
         let unit = match (&time.unit, &table.column(name)?.unit) {
             // Seconds since 1970 have ten digits.
-            (None, None) if values.iter().any(|time| time.abs() > 1e11) => {
+            (None, None) if values.iter().any(|time| time.abs() > 1e11) || is_of_clock(&values) => {
                 return Err(settings.wrong(format!(
-                    "time `{name}` has no unit and begins at {}, which is too much for s; say time = {{ unit = \"ms\" }}, or us or ns; of stamps \
-                     such as 20261103131507 {}",
+                    "time `{name}` has no unit and begins at {}, which is too much for s, or a clock such as 131507; say time = {{ unit = \"ms\" \
+                     }}, or s, us or ns; of stamps such as 20261103131507 {}, of clocks with --format \"%H%M%S\"",
                     values[0],
                     number_tables::recorded::convert(table.path())
                 )));
@@ -617,6 +617,15 @@ impl Recorded<'_> {
             },
         })
     }
+}
+
+/// Whether numbers are clocks such as 131507: never 60 to 99 seconds or minutes, though small steps pass them.
+fn is_of_clock(times: &[f64]) -> bool {
+    let far = |pair: &[f64]| pair[1] - pair[0] >= 40.0;
+    let mut steps = times.windows(2).map(far);
+    let is_first_far = steps.next();
+    times.iter().all(|time| *time >= 1e4 && time % 100.0 < 60.0 && time / 100.0 % 100.0 < 60.0)
+        && steps.any(|far| Some(far) != is_first_far)
 }
 
 /// The way from one unit to another one.

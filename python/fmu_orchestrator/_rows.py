@@ -50,7 +50,7 @@ PARTS = {"year": "year yr yy yyyy jahr", "month": "month mo mon mm monat", "day"
          "minute": "minute min mi minuten", "second": "second sec ss sekunde"}
 # Spellings that are right as they stand; only their case tells some of them apart (mN, MN; nm, Nm; us, uS).
 KNOWN = set("1 % s ms us ns min h d Hz kHz MHz GHz m cm mm um km N kN mN MN N.m Nm N.mm Nmm kNm Pa hPa mbar kPa bar MPa psi W kW MW "
-            "K degC degF deg rad rad/s deg/s rpm 1/min 1/s m/s mm/s km/h m/s2 g kg kg/s g/s kg/h m3/s m3/h l/min V mV kV A mA uA Ah mAh J kJ "
+            "K degC degF deg rad mrad rad/s deg/s rpm 1/min 1/s m/s mm/s km/h m/s2 g kg kg/s g/s kg/h m3/s m3/h l/min V mV kV A mA uA Ah mAh J kJ "
             "kWh MWh Wh Ohm - W/m2 W/m^2 mg/m3 ppm nm uS mS".split())
 # Others, in lower case.
 UNITS = {word.strip(): unit for unit, words in {
@@ -312,13 +312,17 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
         if again is not None:
             raise OrchestratorError(f"{path}: another table begins on line {again + 1} (`{' '.join(rows[again])[:60]}`); save each as a file of its own")
         shown = " ".join(rows[others[0]])[:60]
+        if len(others) > len(good):
+            raise OrchestratorError(
+                f"{path}: {len(others)} lines below line {first + 1} (`{' '.join(rows[first])[:40]}`) are no rows like it, line {others[0] + 1} first: `{shown}`; "
+                "say --delimiter or --header")
         told.append(f"{len(others)} lines hold no row of the recording and were left out, line {others[0] + 1} first: `{shown}`")
     blank = [k for k in range(good[0], good[-1]) if width == 1 and not any(rows[k])]
     if blank:
         told.append(f"{len(blank)} blank lines between the values were left out, line {blank[0] + 1} first: if a value is missing there, write nan")
     short = [k for k in good if len(rows[k]) < width]
     if short:
-        told.append(f"{len(short)} rows have fewer than {width} cells, line {short[0] + 1} first: their last columns are empty")
+        told.append(f"{len(short)} rows have fewer than {width} cells, line {short[0] + 1} first: their last columns are taken as empty; where other cells are missing, correct them")
     cells = [[rows[k][j] if j < len(rows[k]) else "" for k in good] for j in range(width)]
     number = _numbers(path, [cells[j] for j in typed if kinds[j] == "number"], decimal, told)
     return _columns(path, names, units, kinds, cells, number, options, told)

@@ -163,8 +163,8 @@ def test_two_readings_are_asked_about(tmp_path, lines, words, said):
 
 
 def test_units_that_their_case_tells_apart(tmp_path):
-    header, _ = converted(tmp_path, rows("t [s],h [nm],M [Nm],d [µm],k [µS],c [µM],p [bar(g)],q [PSI]", "0,1,2,3,4,5,6,7", "1,2,3,4,5,6,7,8"))
-    assert header == ["t [s]", "h [nm]", "M [Nm]", "d [um]", "k [uS]", "c [uM]", "p [bar(g)]", "q [psi]"]
+    header, _ = converted(tmp_path, rows("t [s],h [nm],M [Nm],d [µm],k [µS],c [µM],p [bar(g)],q [PSI],a (mrad)", "0,1,2,3,4,5,6,7,8", "1,2,3,4,5,6,7,8,9"))
+    assert header == ["t [s]", "h [nm]", "M [Nm]", "d [um]", "k [uS]", "c [uM]", "p [bar(g)]", "q [psi]", "a [mrad]"]
 
 
 def test_numbers_that_are_none(tmp_path):
@@ -177,6 +177,10 @@ def test_a_clock_that_falls_and_short_rows_are_told(tmp_path, capsys):
     converted(tmp_path, rows("Time,F,n", "12:59:59,1.5,1", "01:00:00,2.5", "01:00:01,2.5,3"))
     told = capsys.readouterr().out
     assert "-43199 .. 0 s; it falls 1 times" in told and "1 rows have fewer than 3 cells, line 3 first" in told
+    # Cells of remarks that separate better than those of the recording.
+    remarks = [*(f"# span {k} = {k}.5, {k}.75" for k in range(4)), "# interval = 5", *(f"  {k}.5   {k}.25  {k}.75" for k in range(9))]
+    with pytest.raises(OrchestratorError, match="9 lines below line 1 .* are no rows like it, line 5 first"):
+        converted(tmp_path, rows(*remarks), header=0)
     # A column of states beside a time that comes again is none of signals' names; `T` is no time; frames are no parts of a second.
     steps = rows("time [s],T,State", "0,1.5,R", "1,2.5,R", "1,2.6,C", "2,2.5,C", "3,2.5,C")
     assert len(converted(tmp_path, steps)[1]) == 5

@@ -55,7 +55,7 @@ pub fn name_and_unit(name: &str) -> (&str, Option<String>) {
         enclosed('(', ')').filter(|(bare, inner)| {
             let is_plain = *inner != "min" && (bare.len() > 2 || inner.len() > 1);
             let apart = bare.ends_with(' ') || is_time_name(bare) || is_plain;
-            apart && known::usual(inner.trim()).is_some()
+            apart && known::is_like(inner.trim())
         })
     });
     match parts {
@@ -95,6 +95,9 @@ pub fn agreed<'a>(column: &str, in_file: Option<&'a str>, stated: Option<&'a str
                  file says how its numbers were written"
             ))
         }
+        (None, None) if column.ends_with(')') && column.contains(" (") => Err(format!(
+            "column `{column}`: what stands in brackets may be its unit, and is none that is known here; say `unit`"
+        )),
         _ => Ok(stated.or(in_file)),
     }
 }

@@ -288,9 +288,23 @@ mod tests {
             ("V(A)", None),
             ("x[2]", None),
             ("Dev(x)", None),
+            ("tilt (mrad)", Some("mrad")),
+            ("F (KN)", Some("KN")),
+            ("P (MW)", Some("MW")),
+            ("T (mean)", None),
+            ("phase (a)", None),
         ] {
             assert_eq!(name_and_unit(name).1.as_deref(), unit, "{name}");
         }
+    }
+
+    #[test]
+    fn what_may_be_a_unit_is_asked_about() {
+        let agreed = |column, in_file, stated| crate::agreed(column, in_file, stated).map_err(|_| ());
+        assert_eq!(agreed("p (inHg)", None, None), Err(()));
+        assert_eq!(agreed("p (inHg)", None, Some("Pa")), Ok(Some("Pa")));
+        assert_eq!(agreed("F", Some("KN"), Some("N")), Err(()));
+        assert_eq!([agreed("p", None, None), agreed("der(x)", None, None)], [Ok(None); 2]);
     }
 
     #[test]

@@ -34,22 +34,20 @@ impl Cleaned {
         self.clipped.iter().filter(|&&clipped| clipped).count()
     }
 
-    /// Looks at the least and the largest value of those that are no spikes. A signal is clipped there where that level is taken
-    /// much more often than the one next to it, by samples side by side; a level far from all others is a mark.
+    /// Looks at the ends of those that are no spikes. A signal is clipped where the last level is taken much more often than the one
+    /// next to it, by samples side by side; levels far from all others are marks.
     fn look_at_ends(&mut self, is_spike: &[bool]) {
         let rest: Vec<f64> =
             self.values.iter().zip(is_spike).map(|(v, spike)| if *spike { f64::NAN } else { *v }).collect();
-        let ordered = sorted(rest.iter().copied().filter(|v| v.is_finite()).collect());
-        let (Some(least), Some(most)) = (ordered.first().copied(), ordered.last().copied()) else {
-            return;
-        };
-        let levels = [clipping_level(ordered.iter()), clipping_level(ordered.iter().rev())];
-        for (end, level) in [least, most].into_iter().zip(levels) {
-            let others: Vec<f64> = ordered.iter().copied().filter(|value| *value != end).collect();
-            if is_mark(end, &others, ordered.len()) {
-                self.marks.push((end, ordered.len() - others.len()));
-                continue;
-            }
+        let mut ordered = sorted(rest.iter().copied().filter(|v| v.is_finite()).collect());
+        // Marks at the other end may hide those at the first.
+        for _ in 0..3 {
+            let found = marks(&ordered);
+            ordered.drain(..found.iter().map(|(_, count)| count).sum::<usize>());
+            self.marks.extend(found);
+            ordered.reverse();
+        }
+        for level in [clipping_level(ordered.iter()), clipping_level(ordered.iter().rev())] {
             let there: Vec<bool> = rest.iter().map(|value| level == Some(*value)).collect();
             let pairs = there.windows(2).filter(|w| w[0] && w[1]).count();
             // A signal that repeats itself has equal peaks, but no two of them side by side.
@@ -196,16 +194,28 @@ impl Signal<'_> {
     }
 }
 
-/// Whether a level is a mark of missing values, such as -9999: farther from all others, growing, than these are from each
-/// other, and rare.
-fn is_mark(level: f64, others: &[f64], all: usize) -> bool {
+/// The first levels that are marks of missing values, such as -9999, and how many samples have each: farther from all others than these
+/// are from each other, and rare, or absurd.
+fn marks(ordered: &[f64]) -> Vec<(f64, usize)> {
+    const LEVELS: usize = 3;
     const TIMES: f64 = 3.0;
+    const ABSURD: f64 = 10.0;
     const RARE: usize = 10;
-    let [Some(low), Some(high)] = [others.first(), others.last()] else {
-        return false;
+    let levels: Vec<&[f64]> = ordered.chunk_by(|a, b| a == b).collect();
+    let are_marks = |count: &usize| {
+        let (those, others) = levels.split_at(*count);
+        let [mark, next, last] = [those[count - 1][0], others[0][0], others[others.len() - 1][0]];
+        let samples: usize = those.iter().map(|level| level.len()).sum();
+        let [away, range] = [mark - next, next - last].map(f64::abs);
+        // A machine that rests stands nearer to 0 than one that runs.
+        let is_absurd = mark.abs() > next.abs().max(last.abs()) && away > ABSURD * range;
+        let rare = if is_absurd { 2 } else { RARE };
+        // Several samples each: a signal that begins is no row of marks.
+        let stand = *count == 1 || those.iter().all(|level| level.len() > 1);
+        range > 0.0 && stand && away > TIMES * range && rare * samples < ordered.len()
     };
-    let away = (low - level).max(level - high);
-    high > low && away > TIMES * (high - low) && RARE * (all - others.len()) < all
+    let count = (1..levels.len().min(LEVELS + 1)).rfind(are_marks).unwrap_or(0);
+    levels[..count].iter().map(|level| (level[0], level.len())).collect()
 }
 
 fn at_part(sorted: &[f64], part: f64) -> f64 {

@@ -338,6 +338,17 @@ fn synchronise_takes_values_as_they_are_where_the_model_has_no_unit() {
     let criterion = &study["cases"][0]["criteria"]["y"];
     assert_eq!(criterion["unit"].as_str(), Some("1"));
     assert_eq!(criterion["tolerance"].as_str(), Some("1"));
+    // 13:15:50 and on, by a clock or in seconds.
+    let clock = |k: i32| format!("{},{}\n", if k < 10 { 131_550 + k } else { 131_590 + k }, 50.0 + noise(k));
+    bench.write("measured.csv", &format!("time,y [degC]\n{}", (0..20).map(clock).collect::<String>()));
+    let said = bench.run(&run);
+    assert!(
+        said.code == 2 && said.err.contains("begins at 131550, which is too much for s, or a clock"),
+        "{}",
+        said.err
+    );
+    bench.write("settings.toml", &format!("time = {{ unit = \"s\" }}\n{settings}"));
+    assert_eq!(bench.run(&run[..6]).code, 0);
 }
 
 /// A recording as a case: what drove the rig, and the signals as curves with their delay and uncertainty.

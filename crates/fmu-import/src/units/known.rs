@@ -37,7 +37,7 @@ const KNOWN: &[(Exponents, &[Named])] = &[
             ("rev/s", TURN),
         ],
     ),
-    ([0, 0, 0, 0, 0, 0, 0, 1], &[("rad", 1.0), ("deg degCA", DEGREE)]),
+    ([0, 0, 0, 0, 0, 0, 0, 1], &[("rad", 1.0), ("mrad", 1e-3), ("deg degCA", DEGREE)]),
     ([0, 1, -1, 0, 0, 0, 0, 0], &[("m/s", 1.0), ("mm/s", 1e-3), ("km/h kph KMPH", 1.0 / 3.6), ("mph MPH", 0.447_04)]),
     ([0, 1, -2, 0, 0, 0, 0, 0], &[("m/s2 m/s^2", 1.0)]),
     ([1, 0, 0, 0, 0, 0, 0, 0], &[("kg", 1.0), ("g", 1e-3)]),
@@ -81,6 +81,15 @@ fn first(names: &'static str) -> &'static str {
 /// The usual name of a unit, such as `N.m` for `Nm` and `rpm` for `1/min`; `None` of an unknown one.
 pub fn usual(name: &str) -> Option<&'static str> {
     named(name).last().map(|(_, (names, _))| first(names))
+}
+
+/// Whether a name is a known unit, or one in other letters or with another prefix: `KN`, `mW`.
+pub fn is_like(name: &str) -> bool {
+    let named = plain(name);
+    let bare = named.strip_prefix(['n', 'u', 'm', 'c', 'k', 'M', 'G']).filter(|bare| !["h", "d", "%"].contains(bare));
+    let mut names = KNOWN.iter().flat_map(|(_, units)| *units).flat_map(|(names, _)| names.split(' '));
+    [Some(name), bare].into_iter().flatten().any(|name| usual(name).is_some())
+        || name.len() > 1 && names.any(|known| named.eq_ignore_ascii_case(known))
 }
 
 /// What a name means in SI base units: nothing, one thing, or several of different kinds.

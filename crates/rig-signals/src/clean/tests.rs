@@ -89,9 +89,21 @@ fn a_run_of_marks_is_told() {
     assert_eq!((&cleaned.marks[..], cleaned.spikes, cleaned.clipped_count()), (&[(-9999.0, 40)][..], 0, 0));
     // It is told, and stays: `missing` says that it is none.
     assert_eq!(cleaned.values, values);
-    // What rests for long is a level of its own.
-    values[2000..2900].fill(-9999.0);
-    assert!(clean(&values, ALL).marks.is_empty());
+    // Two loggers, and an overflow.
+    values[100..120].fill(-7999.0);
+    values[3000..3010].fill(9.9e37);
+    assert_eq!(clean(&values, ALL).marks, [(9.9e37, 10), (-9999.0, 40), (-7999.0, 20)]);
+    // What rests for long is a level of its own; a value that cannot be meant is none.
+    let rests = |level| {
+        let mut values = signal(0.05);
+        values[2000..2900].fill(level);
+        clean(&values, ALL).marks
+    };
+    assert!(rests(-20.0).is_empty() && rests(0.0).is_empty());
+    assert_eq!(rests(-9999.0), [(-9999.0, 900)]);
+    // In a few rows, too.
+    let few = [20.1, 20.3, -127.0, 20.2, 20.4, 20.1, -127.0, 20.0, 20.2, 20.3, 20.1, 20.2];
+    assert_eq!(clean(&few, ALL).marks, [(-127.0, 2)]);
 }
 
 #[test]
