@@ -7,7 +7,7 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from numbers import Real
+from numbers import Integral
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -220,7 +220,7 @@ class Verification:
         """Simulates one point again, by its number or as `best_point` has it: its trajectory, a row a communication point. Of a
         study with cases, that of one of them."""
         number = point.get("point") if isinstance(point, Mapping) else point
-        if not isinstance(number, Real) or number != int(number):
+        if not isinstance(number, Integral) and not (isinstance(number, float) and number.is_integer()):
             raise OrchestratorError(f"replay: {number} is no number of a point")
         point = int(number)
         path = self.folder / f"point-{point}.csv"
