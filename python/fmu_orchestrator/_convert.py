@@ -367,7 +367,8 @@ def _hdf5(path: Path, _: object = None) -> Contents:
 def _unpacked(name: str, node: Any, contents: Contents) -> Any:
     """The numbers of a data set, which NetCDF may pack: https://cfconventions.org, chapter 8."""
     def stated(*keys: str) -> dict[str, float]:
-        return {key: float(node.attrs[key].item()) for key in keys if getattr(node.attrs.get(key), "size", 0) == 1}
+        known = {key: node.attrs[key] for key in keys if key in node.attrs}
+        return {key: float(value.item()) for key, value in known.items() if getattr(value, "size", 0) == 1 and value.dtype.kind in "iuf"}
 
     values, packing = node[()], stated("scale_factor", "add_offset")
     gaps = [values == mark for mark in stated("_FillValue", "missing_value").values()]

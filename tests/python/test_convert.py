@@ -257,6 +257,7 @@ def test_numbers_that_netcdf_packs(tmp_path, capsys):
         file["T"].attrs.update(units="degC", scale_factor=0.5, add_offset=20.0, _FillValue=np.int16(-999))
         file["n"] = np.array([7, 8, 9, 9], "i4")
         file["n"].attrs["missing_value"] = np.array([9], "i4")
+        file["n"].attrs["_FillValue"] = "none"
     [path] = convert(tmp_path / "x.nc")
     assert rows(path) == [["time", "T [degC]", "n"], ["0.0", "20.0", "7.0"], ["1.0", "22.5", "8.0"], ["2.0", "", ""], ["3.0", "25.0", ""]]
     told = capsys.readouterr()
