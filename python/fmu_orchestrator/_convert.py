@@ -10,8 +10,10 @@ import argparse
 import csv
 import datetime
 import filecmp
+import functools
 import importlib
 import json
+import operator
 import os
 import signal
 import subprocess
@@ -353,13 +355,33 @@ def _hdf5(path: Path, _: object = None) -> Contents:
         if node.dtype.names:
             items.extend((f"{name}/{part}", unit, node[part]) for part in node.dtype.names)
         elif h5py.check_ref_dtype(node.dtype) is None and not (node.ndim > 2 or node.dtype.kind not in "iufb"):
-            items.append((name, unit, node[()]))
+            items.append((name, unit, _unpacked(name, node, contents)))
         else:
             contents.left_out.append(name)
 
     with h5py.File(path) as file:
         file.visititems(visit)
     return _by_length(items, contents)
+
+
+def _unpacked(name: str, node: Any, contents: Contents) -> Any:
+    """The numbers of a data set, which NetCDF may pack: https://cfconventions.org, chapter 8."""
+    def stated(*keys: str) -> dict[str, float]:
+        known = {key: node.attrs[key] for key in keys if key in node.attrs}
+        return {key: float(value.item()) for key, value in known.items() if getattr(value, "size", 0) == 1 and value.dtype.kind in "iuf"}
+
+    values, packing = node[()], stated("scale_factor", "add_offset")
+    gaps = [values == mark for mark in stated("_FillValue", "missing_value").values()]
+    invalid = functools.reduce(operator.or_, gaps) if gaps else None
+    if packing:
+        factor, offset = packing.get("scale_factor", 1.0), packing.get("add_offset", 0.0)
+        contents.told.append(f"{name}: its numbers times {factor} plus {offset}, as the file says")
+        values = values * factor + offset
+    if invalid is not None and invalid.any():
+        contents.invalid[name] += int(invalid.sum())
+        values = values.astype(float)
+        values[invalid] = float("nan")
+    return values
 
 
 def _mat(path: Path, _: object = None) -> Contents:
@@ -445,6 +467,9 @@ def _cell(cell: Any) -> str:
     if isinstance(value, datetime.timedelta):
         seconds = value.total_seconds()
         return f"{int(seconds // 3600)}:{int(seconds % 3600 // 60):02}:{seconds % 60:09.6f}"
+    if isinstance(value, datetime.datetime) and value.time() == datetime.time() and not set(cell.number_format.lower()) & set("hs"):
+        # A day: its clock may stand in another column.
+        value = value.date()
     if isinstance(value, float):
         percent = "%" in cell.number_format
         shown = f"{100 * value:.15g}" if percent else repr(value)

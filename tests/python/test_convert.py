@@ -249,6 +249,31 @@ def test_a_file_that_wants_much_memory_is_one_line(tmp_path):
     assert len(str(error.value).splitlines()) == 1
 
 
+def test_numbers_that_netcdf_packs(tmp_path, capsys):
+    h5py = pytest.importorskip("h5py")
+    with h5py.File(tmp_path / "x.nc", "w") as file:
+        file["time"] = np.arange(4.0)
+        file["T"] = np.array([0, 5, -999, 10], "i2")
+        file["T"].attrs.update(units="degC", scale_factor=0.5, add_offset=20.0, _FillValue=np.int16(-999))
+        file["n"] = np.array([7, 8, 9, 9], "i4")
+        file["n"].attrs["missing_value"] = np.array([9], "i4")
+        file["n"].attrs["_FillValue"] = "none"
+    [path] = convert(tmp_path / "x.nc")
+    assert rows(path) == [["time", "T [degC]", "n"], ["0.0", "20.0", "7.0"], ["1.0", "22.5", "8.0"], ["2.0", "", ""], ["3.0", "25.0", ""]]
+    told = capsys.readouterr()
+    assert "T: its numbers times 0.5 plus 20.0" in told.out and "T: 1 samples are invalid" in told.err and "n: 2 samples" in told.err
+
+
+def test_a_day_and_its_clock_in_a_spreadsheet(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for row in [["Datum", "Zeit", "F [N]"], *([datetime.date(2026, 11, 3 + k // 2), datetime.time(23 * (1 - k // 2), 15 * (k % 2)), k] for k in range(4))]:
+        book.active.append(row)
+    book.save(tmp_path / "x.xlsx")
+    [path] = convert(tmp_path / "x.xlsx")
+    assert [row[0] for row in rows(path)] == ["time [s]", "0.0", "900.0", "3600.0", "4500.0"]
+
+
 def test_stamps_of_parquet_and_tdms(tmp_path):
     pyarrow = pytest.importorskip("pyarrow")
     from pyarrow import parquet
