@@ -4,6 +4,9 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
+/// The remedy of a tolerance that accepts 0.
+pub const ACCEPTS_ZERO: &str = "Correct each tolerance that accepts 0, or its unit.";
+
 /// A doubt about a verdict.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Concern {

@@ -7,7 +7,7 @@ use super::limit::{gain, limit};
 use super::reference::{DelayRange, DelayText, Normalise, OwnNormaliser, ReferenceText};
 use super::window::seconds;
 use super::{CriterionText, Name, Study, first_wrong};
-use crate::concern::{Code, Concern};
+use crate::concern::{ACCEPTS_ZERO, Code, Concern};
 use conformity::uncertainty::{Distribution, Uncertainty};
 use curves::{Curve, Metric, Pair, iso18571};
 use fmu_import::digest;
@@ -387,7 +387,7 @@ pub(super) fn doubt(name: &str, curve: &MeasuredCurve, (ideal, tolerance, _): (f
     let accepts = *metric != Metric::Iso18571 && (metric.compare(&pair) - ideal).abs() <= tolerance;
     (accepts && !is_zero).then(|| {
         let text = format!("{name}: with its tolerance even 0 throughout is accepted in place of the recording");
-        Concern::new(Code::WideTolerance, text).remedied(format!("Correct the tolerance of {name}, or its unit."))
+        Concern::new(Code::WideTolerance, text).remedied(ACCEPTS_ZERO)
     })
 }
 

@@ -11,7 +11,7 @@ use conformity::risk::Guard;
 use fmu_import::quantity::Quantity;
 use fmu_import::{Causality, Variable};
 use number_tables::files::FileError;
-use study::concern::{Code, Concern};
+use study::concern::{ACCEPTS_ZERO, Code, Concern};
 use study::points::{Pairs, pairs};
 use study::{CriterionText, Name, Required, Study};
 
@@ -213,8 +213,7 @@ impl Judge {
                 criterion.stated_tolerance
             );
             let warning = study.error_at(name, message).to_string();
-            let remedy = format!("Correct the tolerance of {name_text}, or its unit.");
-            self.warnings.push(Concern::new(Code::WideTolerance, warning).remedied(remedy));
+            self.warnings.push(Concern::new(Code::WideTolerance, warning).remedied(ACCEPTS_ZERO));
         }
     }
 

@@ -393,7 +393,7 @@ fn needed(conclusion: &Conclusion) -> Option<String> {
     let (once, going_on) = (required.points_needed?, required.points_needed_going_on?);
     Some(format!(
         "If the share stays what it is, about {} independent points decide in another study, {} in this one if it goes on \
-         (--resume, --points).",
+         (`--resume --points N`).",
         grouped(once),
         grouped(going_on)
     ))

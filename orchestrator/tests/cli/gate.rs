@@ -101,8 +101,8 @@ fn a_strict_gate_does_not_pass_what_decides_nothing() {
         format!("variable = \"lag.y\"\nreference = {{ file = {more} }}\nmetric = \"rmse\"\ntolerance = {tolerance}\n")
     };
     let single = |tolerance: &str| format!("variable = \"lag.y\"\nnominal = 1\ntolerance = {tolerance}\n");
-    // The level has settled then; the points differ by some 0.008.
-    let head = STUDY.split("[[cases]]").next().unwrap().replace("stop = 2", "stop = 6");
+    // The level has settled then; the points differ by some 0.006.
+    let head = STUDY.split("[[cases]]").next().unwrap().replace("stop = 2", "stop = 6.8");
     for (criterion, doubt) in [
         (curve("\"two.csv\"", "0.2"), Some("few-rows")),
         (curve("\"run.csv\"", "0.2"), None),
@@ -113,7 +113,6 @@ fn a_strict_gate_does_not_pass_what_decides_nothing() {
         (single("0.3"), None),
         (single("1"), Some("wide-tolerance")),
         (single("0.9"), Some("wide-tolerance")),
-        ("variable = \"lag.temperature\"\nnominal = 300\ntolerance = 280\n".to_owned(), Some("unmoved")),
     ] {
         let study = format!("{head}[criteria.Y]\n{criterion}");
         is_doubted(&bench, &study, doubt);
