@@ -193,11 +193,9 @@ class Study:
     ) -> Sensitivity:
         """Tells which parameter matters: Sobol indices of ``base`` points, screening by ``morris`` trajectories, or Shapley effects
         of ``shapley`` base points, which take correlated parameters, too. ``budget`` is the most runs, whose indices a surrogate
-        tells. ``points_of`` takes the points of a finished study instead, without a further run, or with ``budget`` as the first.
+        tells. ``points_of`` takes the points of a finished study instead, without a further run.
         """
         source, folder = self._folders(points_of, output)
-        # With a budget the program takes the points of the folder itself.
-        source = None if budget is not None and folder == source else source
         options: dict[str, Value] = {"from": source, "base": base, "morris": morris, "shapley": shapley}
         options |= {"budget": budget, "seed": seed}
         done = self._run("sensitivity", folder, options, running, state="sensitivity")

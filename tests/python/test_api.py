@@ -135,6 +135,8 @@ def test_analyses_take_points_of_a_study(verified, tmp_path):
     ours = study.sensitivity(points_of=verified, output=tmp_path / "ours")
     command("sensitivity", PAPER, "--from", verified.folder, "--output", tmp_path / "theirs")
     assert ours.data == json.loads((tmp_path / "theirs" / "sensitivity.json").read_text()) and ours.data["runs"] == 60
+    with pytest.raises(OrchestratorError, match="--budget"):
+        study.sensitivity(points_of=verified, budget=80)
     for options in [{}, {"budget": 20, "output": tmp_path / "other"}]:
         with pytest.raises(OrchestratorError, match="points_of needs a budget"):
             study.identify(points_of=verified, **options)
