@@ -87,8 +87,7 @@ impl Criterion {
     pub fn measured(&self) -> Measured {
         let limits = self.limits;
         let is_nominal = !limits.is_one_sided() && self.nominal_from.is_none();
-        let nominal = Some(limits.about).filter(|_| is_nominal);
-        let value = nominal.or(self.reading);
+        let value = Some(limits.about).filter(|_| is_nominal).or(self.reading);
         // Without a reading it is a gauge's error at the limit that counts.
         let at = value.unwrap_or(limits.about);
         let error = self.uncertainty.map(|u| u.law(at));
@@ -119,10 +118,7 @@ impl Criterion {
 
     /// The value with the [deviation](Self::deviation) 0: the measured one.
     fn target(&self) -> f64 {
-        let inwards = match self.limits.minus.is_infinite() {
-            true => -1.0,
-            false => 1.0,
-        };
+        let inwards = if self.limits.minus.is_infinite() { -1.0 } else { 1.0 };
         self.limits.about + inwards * self.distance_unit.unwrap_or(0.0)
     }
 
@@ -159,7 +155,7 @@ impl Criterion {
             (None, None) => self.statistic.label().to_owned(),
         };
         let level = self.level.as_deref();
-        let level = level.map_or_else(String::new, |level| format!(", {level}"));
+        let level = level.map(|level| format!(", {level}")).unwrap_or_default();
         format!("{label} of {}{level}", self.variable)
     }
 
@@ -252,9 +248,10 @@ impl Judge {
     /// With line and column, when a number or a unit does not fit, and when there are no criteria.
     pub fn new(study: &Study, fmu: Option<&Description>) -> Result<Self, FileError> {
         if study.criteria.is_empty() {
-            let message = "no criteria: add at least one [criteria.NAME] with variable, nominal \
-                           and tolerance";
-            return Err(study.error(message));
+            return Err(study.error(
+                "no criteria: add at least one [criteria.NAME] with variable, nominal \
+                           and tolerance",
+            ));
         }
         check_columns(study)?;
         let mut judge = Self {
@@ -271,8 +268,7 @@ impl Judge {
             let variable = fmu.map(|fmu| find(fmu, text.variable.as_ref())).transpose();
             let variable = variable.map_err(|message| study.error_at(&text.variable, message))?;
             requirements::check_variable(study, text, variable)?;
-            let scale = text.scale(fmu.zip(variable));
-            let scale = scale.map_err(|message| study.error_of(name, message))?;
+            let scale = text.scale(fmu.zip(variable)).map_err(|message| study.error_of(name, message))?;
             let mut criterion = match text.reference {
                 Some(_) => curve::criterion(study, name, text, &scale)?,
                 None => scalar::criterion(study, name, text, &scale)?,
@@ -312,8 +308,11 @@ impl Judge {
     /// Judges the values of one point; `None` is a point that failed.
     pub fn verdict(&self, values: Option<&[f64]>) -> PointVerdict {
         let value = |number: usize| values.and_then(|values| values.get(number));
-        let criteria = self.criteria.iter().enumerate();
-        let passed = criteria.map(|(number, criterion)| value(number).is_some_and(|&v| criterion.accepts(v)));
+        let passed = self
+            .criteria
+            .iter()
+            .enumerate()
+            .map(|(number, criterion)| value(number).is_some_and(|&v| criterion.accepts(v)));
         PointVerdict { passed: passed.collect(), together: None }
     }
 
@@ -365,11 +364,12 @@ impl Judge {
 /// The study's cases; their criteria follow one another.
 fn cases(study: &Study) -> Vec<JudgedCase> {
     let mut first = 0;
-    let cases = study.cases.iter().enumerate();
-    cases
+    study
+        .cases
+        .iter()
+        .enumerate()
         .map(|(number, case)| {
-            let criteria = study.criteria.values();
-            let count = criteria.filter(|text| text.case == Some(number)).count();
+            let count = study.criteria.values().filter(|text| text.case == Some(number)).count();
             let members = first..first + count;
             first = members.end;
             JudgedCase { name: case.name.as_ref().clone(), held_out: case.held_out, members }
@@ -385,13 +385,13 @@ fn check_columns(study: &Study) -> Result<(), FileError> {
     for name in study.criteria.keys() {
         let text = name.as_ref();
         if text.trim().is_empty() || text.contains(char::is_control) {
-            let message = "a criterion needs a name of printable characters";
-            return Err(study.error_at(name, message));
+            return Err(study.error_at(name, "a criterion needs a name of printable characters"));
         }
         for column in [text.clone(), format!("{text}.ok")] {
             if !columns.insert(column.clone()) {
-                let message = format!("points.csv would have two columns `{column}`; rename the criterion");
-                return Err(study.error_at(name, message));
+                return Err(
+                    study.error_at(name, format!("points.csv would have two columns `{column}`; rename the criterion"))
+                );
             }
         }
     }

@@ -58,10 +58,7 @@ impl Test {
 impl Outcome {
     /// Passed, or failed for a reason.
     pub fn of(passed: bool, why: impl FnOnce() -> String) -> Self {
-        match passed {
-            true => Self::Passed,
-            false => Self::Failed(why()),
-        }
+        if passed { Self::Passed } else { Self::Failed(why()) }
     }
 
     fn word(&self) -> &'static str {

@@ -143,8 +143,7 @@ impl Afar {
 impl Means {
     /// How many simulations at a time: as many as cores, unless the user says otherwise.
     pub fn jobs(&self) -> usize {
-        let cores = || available_parallelism().map_or(1, Into::into);
-        self.jobs.map_or_else(cores, NonZeroUsize::get)
+        self.jobs.map_or_else(|| available_parallelism().map_or(1, Into::into), NonZeroUsize::get)
     }
 
     /// How many simulations at a time in this machine.
@@ -196,8 +195,7 @@ impl Means {
         let time = time("point-timeout", self.point_timeout)?;
         let memory = match &self.memory_limit {
             Some(text) => size(text).ok_or_else(|| {
-                let message = format!("`{text}` is not a size of at least 1 MB, such as 500MB or 2GB");
-                Error::option("memory-limit", message)
+                Error::option("memory-limit", format!("`{text}` is not a size of at least 1 MB, such as 500MB or 2GB"))
             })?,
             None => system::share_of_memory(jobs),
         };
@@ -253,10 +251,8 @@ fn size(text: &str) -> Option<u64> {
 /// A time that an option gives, s.
 fn time(option: &'static str, seconds: f64) -> Result<Duration, Error> {
     let time = Duration::try_from_secs_f64(seconds).ok();
-    time.filter(|time| !time.is_zero()).ok_or_else(|| {
-        let message = format!("{seconds:?} s is not a positive time");
-        Error::option(option, message)
-    })
+    time.filter(|time| !time.is_zero())
+        .ok_or_else(|| Error::option(option, format!("{seconds:?} s is not a positive time")))
 }
 
 #[cfg(test)]

@@ -80,13 +80,16 @@ impl Excluded {
 impl Range {
     /// The sides of a box, given the places of its ends.
     pub fn all(problem: &Problem, ends: &[[f64; 2]]) -> Vec<Self> {
-        let pairs = problem.free.iter().zip(ends);
-        let ranges = pairs.map(|(free, ends)| Self {
-            name: free.name.clone(),
-            unit: free.unit.clone(),
-            range: ends.map(|place| free.value(place)),
-        });
-        ranges.collect()
+        problem
+            .free
+            .iter()
+            .zip(ends)
+            .map(|(free, ends)| Self {
+                name: free.name.clone(),
+                unit: free.unit.clone(),
+                range: ends.map(|place| free.value(place)),
+            })
+            .collect()
     }
 }
 
@@ -94,8 +97,7 @@ impl Range {
 pub fn words(within: &[Range]) -> String {
     let range = |side: &Range| {
         let [low, high] = side.range.map(|end| rounded(end, 4));
-        let words = format!("{} {low} .. {high} {}", side.name, shown(&side.unit));
-        words.trim_end().to_owned()
+        format!("{} {low} .. {high} {}", side.name, shown(&side.unit)).trim_end().to_owned()
     };
     within.iter().map(range).collect::<Vec<_>>().join(", ")
 }

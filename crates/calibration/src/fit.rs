@@ -30,8 +30,8 @@ impl IdentificationOutcome {
         let orders = curves.iter().filter_map(|curve| {
             let is_its = |e: &&Estimate| e.quantities.contains(&curve.values[0][1]);
             let residuals = curve.values.iter();
-            let residuals = residuals.map(|&[case, quantity]| self.cases[case].residuals[quantity].missed());
-            let residuals: Vec<f64> = residuals.collect();
+            let residuals: Vec<f64> =
+                residuals.map(|&[case, quantity]| self.cases[case].residuals[quantity].missed()).collect();
             Order::of(&curve.name, &residuals, estimates.iter().find(is_its))
         });
         self.orders = orders.collect();
@@ -101,9 +101,7 @@ impl IdentificationOutcome {
             )),
             Some(_) => None,
         };
-        let orders = self.orders.iter();
-        let orders = orders.filter(|order| order.is_doubtful(self.level()));
-        let orders = orders.map(|order| {
+        let orders = self.orders.iter().filter(|order| order.is_doubtful(self.level())).map(|order| {
             format!(
                 "The residuals of {} are no noise: each is like the one before (correlation {}). The model, or the stated noise, \
                  leaves something out, and the intervals are too narrow.",

@@ -119,9 +119,7 @@ fn goes_on(
 
 /// Places after a step, between the bounds.
 fn moved(places: &[f64], step: &DVector<f64>) -> Vec<f64> {
-    let pairs = places.iter().zip(step);
-    let moved = pairs.map(|(place, step)| (place + step).clamp(0.0, 1.0));
-    moved.collect()
+    places.iter().zip(step).map(|(place, step)| (place + step).clamp(0.0, 1.0)).collect()
 }
 
 /// Levenberg's damping after Nielsen: little where the linearised problem predicts well.
@@ -213,8 +211,8 @@ pub(crate) fn bounded_step(linear: &Linear, places: &[f64], held: &[usize]) -> D
             place if place <= 0.0 => -pull[index],
             _ => pull[index],
         };
-        let closed = (0..n).filter(|index| fixed[*index] && !held.contains(index));
-        match closed.filter(|index| inward(index) > 0.0).max_by(|a, b| inward(a).total_cmp(&inward(b))) {
+        let closed = (0..n).filter(|index| fixed[*index] && !held.contains(index) && inward(index) > 0.0);
+        match closed.max_by(|a, b| inward(a).total_cmp(&inward(b))) {
             Some(index) => fixed[index] = false,
             None => break,
         }

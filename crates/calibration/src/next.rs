@@ -72,9 +72,10 @@ impl NextOutcome {
         parameter: usize,
     ) -> Self {
         let posterior = &optimum.posterior;
-        let sampled = sample.map(|sample| covariance(sample, problem.unknowns()));
-        let sampled = sampled.and_then(|covariance| Some((Cholesky::new(covariance.clone())?.inverse(), covariance)));
-        let (precision, now) = sampled.unwrap_or_else(|| (posterior.precision.clone(), posterior.covariance.clone()));
+        let (precision, now) = sample
+            .map(|sample| covariance(sample, problem.unknowns()))
+            .and_then(|covariance| Some((Cholesky::new(covariance.clone())?.inverse(), covariance)))
+            .unwrap_or_else(|| (posterior.precision.clone(), posterior.covariance.clone()));
         let deviation = |unknown: usize| now[(unknown, unknown)].sqrt();
         let errors = Errors::new(problem);
         let [slopes, along] = &posterior.slopes;
@@ -102,9 +103,10 @@ impl NextOutcome {
                 more[(n + source, n + source)] = CALIBRATED.powi(-2) - 1.0;
             }
             let limit = rounded(100.0 * CALIBRATED, 2);
-            let work =
-                format!("calibrate {}: {} to {limit} % of its stated limits", channel.name, channel.kind.words());
-            measurement(work, more)
+            measurement(
+                format!("calibrate {}: {} to {limit} % of its stated limits", channel.name, channel.kind.words()),
+                more,
+            )
         });
         let mut measurements: Vec<Measurement> = again.chain(calibrated).collect();
         measurements.sort_by(|a, b| a.left[parameter].total_cmp(&b.left[parameter]));
@@ -129,10 +131,7 @@ impl NextOutcome {
     /// A standard deviation for people.
     pub fn words(&self, deviation: f64) -> String {
         match self.scale {
-            Spacing::Linear => {
-                let text = format!("{} {}", rounded(deviation, 2), shown(&self.unit));
-                text.trim_end().to_owned()
-            }
+            Spacing::Linear => format!("{} {}", rounded(deviation, 2), shown(&self.unit)).trim_end().to_owned(),
             Spacing::Log => format!("{} %", rounded(100.0 * (deviation - 1.0), 2)),
         }
     }
@@ -142,8 +141,7 @@ impl NextOutcome {
 fn covariance(sample: &Sample, unknowns: usize) -> DMatrix<f64> {
     let count = sample.particles.len() as f64;
     let column = |unknown: usize| {
-        let places = sample.particles.iter().map(|particle| particle.places[unknown]);
-        let places: Vec<f64> = places.collect();
+        let places: Vec<f64> = sample.particles.iter().map(|particle| particle.places[unknown]).collect();
         let mean = places.iter().sum::<f64>() / count;
         places.into_iter().map(|place| place - mean).collect::<Vec<f64>>()
     };

@@ -80,8 +80,7 @@ impl NumericalError {
                 part: (moved - place).abs() / (0.5 * (high - low)),
             }
         });
-        let most = (0..rows).max_by(|&a, &b| change[a].abs().total_cmp(&change[b].abs()));
-        let value = most.map(|row| {
+        let value = (0..rows).max_by(|&a, &b| change[a].abs().total_cmp(&change[b].abs())).map(|row| {
             let (case, k) = (row / problem.quantities.len(), row % problem.quantities.len());
             let several = problem.cases.len() > 1;
             Changed {
@@ -101,8 +100,7 @@ impl NumericalError {
 
     /// What speaks against the steps; none where the error is small.
     pub fn doubt(&self) -> Option<String> {
-        let moved = self.free.iter().filter(|moved| moved.part > PART);
-        let moved: Vec<String> = moved.map(Moved::words).collect();
+        let moved: Vec<String> = self.free.iter().filter(|moved| moved.part > PART).map(Moved::words).collect();
         let changed = self.value.as_ref().filter(|value| value.part > PART);
         let told = match (&moved[..], changed) {
             ([], None) => return None,
@@ -128,9 +126,8 @@ impl Changed {
     fn words(&self) -> String {
         let [from, to] = [self.predicted, self.finer].map(|v| rounded(v, 4));
         let case = self.case.as_ref();
-        let case = case.map_or_else(String::new, |case| format!(" of case {case}"));
-        let text = format!("{}{case} from {from} to {to} {}", self.quantity, shown(&self.unit));
-        text.trim_end().to_owned()
+        let case = case.map(|case| format!(" of case {case}")).unwrap_or_default();
+        format!("{}{case} from {from} to {to} {}", self.quantity, shown(&self.unit)).trim_end().to_owned()
     }
 }
 

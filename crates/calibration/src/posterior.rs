@@ -159,10 +159,7 @@ impl Posterior {
             min: Some(0.0),
             max: Some(1.0),
         };
-        move |part| match mirrored {
-            true => 1.0 - distribution.quantile(1.0 - part),
-            false => distribution.quantile(part),
-        }
+        move |part| if mirrored { 1.0 - distribution.quantile(1.0 - part) } else { distribution.quantile(part) }
     }
 
     /// By how much the sum of squares rises between two sets of places, by the normal approximation.
@@ -187,8 +184,7 @@ impl Posterior {
             }
             end
         };
-        let directions = self.directions.iter();
-        directions.flat_map(|direction| [-1.0, 1.0].map(|side| end(direction, side))).collect()
+        self.directions.iter().flat_map(|direction| [-1.0, 1.0].map(|side| end(direction, side))).collect()
     }
 
     /// The squared distance of two sets of places, in standard deviations of the posterior.
@@ -206,8 +202,7 @@ impl Posterior {
 /// Mean and variance, given the quantiles.
 fn moments(quantile: impl Fn(f64) -> f64) -> [f64; 2] {
     const PARTS: usize = 256;
-    let values = (0..PARTS).map(|k| quantile((k as f64 + 0.5) / PARTS as f64));
-    let values: Vec<f64> = values.collect();
+    let values: Vec<f64> = (0..PARTS).map(|k| quantile((k as f64 + 0.5) / PARTS as f64)).collect();
     [mean(&values), variance(&values, 0)]
 }
 
@@ -232,10 +227,12 @@ pub fn interval(bounds: [f64; 2], quantile: impl Fn(f64) -> f64) -> [f64; 2] {
         (power < VANISHES).then_some(ends)
     };
     let width = |ends: &[f64; 2]| ends[1] - ends[0];
-    let sides = [0, 1].into_iter().filter_map(from);
-    let shortest = sides.min_by(|a, b| width(a).total_cmp(&width(b)));
-    let shorter = |ends: &[f64; 2]| width(ends) < SHORTER * width(&central);
-    shortest.filter(shorter).unwrap_or(central)
+    [0, 1]
+        .into_iter()
+        .filter_map(from)
+        .min_by(|a, b| width(a).total_cmp(&width(b)))
+        .filter(|ends| width(ends) < SHORTER * width(&central))
+        .unwrap_or(central)
 }
 
 /// Mean and standard deviation of each channel's shared error, where the unknowns are as uncertain as their covariance says.
@@ -247,8 +244,7 @@ fn shared(
 ) -> Vec<[f64; 2]> {
     let (problem, errors) = (objective.problem, &objective.errors);
     let known = errors.channels(problem, minimum.misfit.sources(problem));
-    let channels = problem.channels.iter().zip(known);
-    let marginal = channels.map(|(channel, [mean, deviation])| {
+    let marginal = problem.channels.iter().zip(known).map(|(channel, [mean, deviation])| {
         // The sources' values for given unknowns are -M^-1 V'r, with the derivative -M^-1 V'J.
         let slope = along.tr_mul(&errors.solved(&channel.weights(errors.sources())));
         let more = (covariance * &slope).dot(&slope);
@@ -259,8 +255,7 @@ fn shared(
 
 fn directions(covariance: &DMatrix<f64>, prior: &[f64]) -> Vec<Direction> {
     let n = prior.len();
-    let scaled = DMatrix::from_fn(n, n, |i, j| covariance[(i, j)] * (prior[i] * prior[j]).sqrt());
-    let eigen = scaled.symmetric_eigen();
+    let eigen = DMatrix::from_fn(n, n, |i, j| covariance[(i, j)] * (prior[i] * prior[j]).sqrt()).symmetric_eigen();
     let direction = |index: usize| {
         let vector = eigen.eigenvectors.column(index);
         let sign = vector[vector.icamax()].signum();

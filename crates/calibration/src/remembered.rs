@@ -35,8 +35,7 @@ impl Simulate for Remembered<'_> {
         let mut answers = self.answers.borrow_mut();
         let mut open: Vec<usize> = Vec::new();
         for (index, key) in keys.iter().enumerate() {
-            let twice = |&earlier: &usize| keys[earlier] == *key;
-            if !answers.contains_key(key) && !open.iter().any(twice) {
+            if !answers.contains_key(key) && !open.iter().any(|&earlier| keys[earlier] == *key) {
                 open.push(index);
             }
         }

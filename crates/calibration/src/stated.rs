@@ -35,12 +35,8 @@ impl Stated {
         /// The ends of a rectangle are rounded by this part of its half-width: a sample cannot find its way to where the
         /// density is 0 almost everywhere.
         const ROUNDED: f64 = 0.02;
-        let alone = |value: &&NotNormal| {
-            let effects = errors.effects(value.case, value.quantity);
-            effects.iter().all(|effect| *effect == 0.0)
-        };
-        let means = problem.not_normal.iter();
-        let means = means.filter(|value| value.law.student > 0.0).count();
+        let alone = |value: &&NotNormal| errors.effects(value.case, value.quantity).iter().all(|effect| *effect == 0.0);
+        let means = problem.not_normal.iter().filter(|value| value.law.student > 0.0).count();
         let values = problem.not_normal.iter().filter(alone).map(|value| {
             let mut law = value.law.among(means);
             law.normal = law.normal.hypot(ROUNDED * law.half_width);
@@ -58,8 +54,7 @@ impl Stated {
             let normal = -0.5 * (error / accuracy).powi(2) - accuracy.ln();
             value.law.ln_density(error) - normal + 0.5 * std::f64::consts::TAU.ln()
         });
-        let rectangles = self.rectangles.iter();
-        let rectangles = rectangles.map(|rectangle| rectangle.ln_ratio(sources));
+        let rectangles = self.rectangles.iter().map(|rectangle| rectangle.ln_ratio(sources));
         values.chain(rectangles).sum()
     }
 
@@ -85,8 +80,7 @@ fn rectangles(problem: &Problem, errors: &Errors) -> Vec<Rectangle> {
     /// A smaller covariance is rounding.
     const NOTHING: f64 = 1e-9;
     let sources = problem.sources.iter().enumerate();
-    let rectangular = sources.filter(|(_, source)| source.rectangular);
-    let numbers: Vec<usize> = rectangular.map(|(number, _)| number).collect();
+    let numbers: Vec<usize> = sources.filter(|(_, source)| source.rectangular).map(|(number, _)| number).collect();
     let all = numbers.iter().map(|&source| {
         let mut unit = DVector::zeros(errors.sources());
         unit[source] = 1.0;

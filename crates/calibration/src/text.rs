@@ -54,16 +54,19 @@ pub fn several(outcome: &IdentificationOutcome) -> Option<String> {
 
 /// The parameters that the data do not tell from others: those of a combination that they leave open.
 fn on_ridges(outcome: &IdentificationOutcome) -> Vec<&str> {
-    let open = outcome.directions.iter().filter(|d| d.undetermined);
-    let together = open.filter(|direction| strong(direction).count() > 1);
-    let names = together.flat_map(strong);
-    names.map(|(name, _)| name.as_str()).collect()
+    outcome
+        .directions
+        .iter()
+        .filter(|d| d.undetermined)
+        .filter(|direction| strong(direction).count() > 1)
+        .flat_map(strong)
+        .map(|(name, _)| name.as_str())
+        .collect()
 }
 
 /// The parameters with a considerable part in a direction.
 fn strong(direction: &DirectionOutcome) -> impl Iterator<Item = &(String, f64)> {
-    let weights = direction.weights.iter();
-    weights.filter(|(_, weight)| weight.abs() > 0.3)
+    direction.weights.iter().filter(|(_, weight)| weight.abs() > 0.3)
 }
 
 /// What has to be known of the intervals of single parameters.
@@ -95,8 +98,7 @@ fn remark(free: &FreeOutcome, on_ridge: bool) -> Option<String> {
 
 /// What the data leave open, and whether a sample confirms the intervals.
 pub fn open(outcome: &IdentificationOutcome) -> Vec<String> {
-    let open = outcome.directions.iter().filter(|d| d.undetermined);
-    let open: Vec<_> = open.collect();
+    let open: Vec<_> = outcome.directions.iter().filter(|d| d.undetermined).collect();
     if open.is_empty() {
         return confirmed(outcome).into_iter().collect();
     }
@@ -137,18 +139,19 @@ fn confirmed(outcome: &IdentificationOutcome) -> Option<String> {
         return None;
     }
     let Some(sample) = &outcome.posterior else {
-        let text = "If the model is right, these intervals hold; they are normal approximations, which --posterior 1000 checks.";
-        return Some(text.to_owned());
+        return Some("If the model is right, these intervals hold; they are normal approximations, which --posterior 1000 checks.".to_owned());
     };
     if !sample.populations.is_empty() {
         // The sample is of another problem: one with a common mean and spread.
         return None;
     }
-    let pairs = outcome.free.iter().zip(&sample.free);
-    let apart = pairs.map(|(free, marginal)| (&free.name[..], apart(free, &marginal.intervals)));
-    let apart: Vec<(&str, f64)> = apart.collect();
-    let other = apart.iter().filter(|(_, apart)| *apart > OFF);
-    let other: Vec<&str> = other.map(|(name, _)| *name).collect();
+    let apart: Vec<(&str, f64)> = outcome
+        .free
+        .iter()
+        .zip(&sample.free)
+        .map(|(free, marginal)| (&free.name[..], apart(free, &marginal.intervals)))
+        .collect();
+    let other: Vec<&str> = apart.iter().filter(|(_, apart)| *apart > OFF).map(|(name, _)| *name).collect();
     match (sample.trusted, &other[..]) {
         (false, _) => None,
         (true, []) => Some(format!(
@@ -183,9 +186,14 @@ fn apart(free: &FreeOutcome, sampled: &[[f64; 2]]) -> f64 {
 /// What the shared errors of the measured channels are, by the data.
 pub fn shared(outcome: &IdentificationOutcome) -> Vec<String> {
     // The sample's, where there is one to rely on.
-    let sampled = outcome.posterior.as_ref().filter(|sample| sample.trusted);
-    let all = sampled.map_or(&outcome.shared, |sample| &sample.shared);
-    all.iter().map(of_channel).collect()
+    outcome
+        .posterior
+        .as_ref()
+        .filter(|sample| sample.trusted)
+        .map_or(&outcome.shared, |sample| &sample.shared)
+        .iter()
+        .map(of_channel)
+        .collect()
 }
 
 /// A shared error in a line.
@@ -212,10 +220,8 @@ fn of_channel(error: &SharedOutcome) -> String {
     let mut ends = error.interval.map(|end| side * end);
     ends.sort_by(f64::total_cmp);
     let [low, high] = ends.map(number);
-    let beyond = match error.value.abs() > error.limit {
-        true => ", which this is beyond: doubt the model or the sensor",
-        false => "",
-    };
+    let beyond =
+        if error.value.abs() > error.limit { ", which this is beyond: doubt the model or the sensor" } else { "" };
     format!(
         "The sensor of {} most likely reads {} too {}{} ({low} .. {high}, 95 %{}); {}{beyond}.",
         error.name,
@@ -247,10 +253,7 @@ pub fn excluded(outcome: &IdentificationOutcome) -> Vec<String> {
         excluded.message
     )];
     for (place, optimum) in outcome.optima.iter().enumerate() {
-        let name = match outcome.has_several() {
-            true => format!("optimum {}", place + 1),
-            false => "the optimum".to_owned(),
-        };
+        let name = if outcome.has_several() { format!("optimum {}", place + 1) } else { "the optimum".to_owned() };
         let edge = optimum.edge;
         if optimum.free.iter().any(|free| free.surrounded) {
             said.push(format!(
@@ -290,21 +293,29 @@ pub fn influence(outcome: &IdentificationOutcome) -> Vec<String> {
     const LITTLE: f64 = 0.5;
     /// A smaller part is not worth a word.
     const SMALL: f64 = 0.05;
-    let each = outcome.influence.iter().map(|Influence { parameter, values, budget }| {
-        let parts = budget.iter().filter(|part| part.share >= SMALL);
-        let parts: Vec<String> = parts.map(|part| format!("{:.0} % {}", 100.0 * part.share, part.from)).collect();
-        let moved = values.first().filter(|moved| moved.change.abs() >= LITTLE);
-        let moved = moved.map_or_else(String::new, |moved| {
-            format!(
-                "; without {}{} it would change by {} of its standard deviations",
-                moved.quantity,
-                if outcome.cases.len() > 1 { format!(" of case {}", moved.case) } else { String::new() },
-                rounded(moved.change.abs(), 2)
-            )
-        });
-        format!("variance of {parameter}: {}{moved}", parts.join(", "))
-    });
-    each.collect()
+    outcome
+        .influence
+        .iter()
+        .map(|Influence { parameter, values, budget }| {
+            let parts: Vec<String> = budget
+                .iter()
+                .filter(|part| part.share >= SMALL)
+                .map(|part| format!("{:.0} % {}", 100.0 * part.share, part.from))
+                .collect();
+            let moved = values.first().filter(|moved| moved.change.abs() >= LITTLE);
+            let moved = moved
+                .map(|moved| {
+                    format!(
+                        "; without {}{} it would change by {} of its standard deviations",
+                        moved.quantity,
+                        if outcome.cases.len() > 1 { format!(" of case {}", moved.case) } else { String::new() },
+                        rounded(moved.change.abs(), 2)
+                    )
+                })
+                .unwrap_or_default();
+            format!("variance of {parameter}: {}{moved}", parts.join(", "))
+        })
+        .collect()
 }
 
 /// What speaks against the fit, a sentence each, once the search has converged.
@@ -352,8 +363,7 @@ fn ends(outcome: &IdentificationOutcome) -> String {
     match &outcome.optima[..] {
         [only] => format!("{} of these to this minimum", only.reached),
         several => {
-            let reached = several.iter().map(|optimum| optimum.reached.to_string());
-            let reached: Vec<String> = reached.collect();
+            let reached: Vec<String> = several.iter().map(|optimum| optimum.reached.to_string()).collect();
             format!("of these {} to the optima above", reached.join(", "))
         }
     }

@@ -150,8 +150,7 @@ fn undecided(
     if looks.decide(rule, within, points) == verdict {
         let [_, high] = looks.interval(within, points, rule.confidence);
         required.interval = Some([0.0, high]);
-        let of_which = " within all tolerances, whatever the guard band";
-        let words = by_share(verdict, &required, of_which);
+        let words = by_share(verdict, &required, " within all tolerances, whatever the guard band");
         return (verdict, required, words);
     }
     let verdict = Decision::Inconclusive;

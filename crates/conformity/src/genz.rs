@@ -86,12 +86,15 @@ fn ordered(correlation: &[Vec<f64>], lower: &[f64], upper: &[f64]) -> (Vec<Vec<f
             let deviation = variance.max(SINGULAR * SINGULAR).sqrt();
             ([lower[i], upper[i]].map(|limit| (limit - known) / deviation), deviation)
         };
-        let chances = rest.iter().map(|&i| {
-            let [a, b] = given(i).0;
-            between(a, b)
-        });
-        let least = chances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
-        let (place, chance) = least.expect("a number is left for each place");
+        let (place, chance) = rest
+            .iter()
+            .map(|&i| {
+                let [a, b] = given(i).0;
+                between(a, b)
+            })
+            .enumerate()
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .expect("a number is left for each place");
         let next = rest.remove(place);
         let ([a, b], pivot) = given(next);
         means.push(mean_between(a, b, chance));
@@ -116,8 +119,7 @@ fn mean_between(lower: f64, upper: f64, chance: f64) -> f64 {
 
 /// The rules with so many nodes.
 static RULES: LazyLock<Vec<Vec<[f64; 2]>>> = LazyLock::new(|| {
-    let rule = |nodes: usize| GaussLegendre::new(nodes.max(2)).on_unit_interval().collect();
-    (0..=MOST_NODES).map(rule).collect()
+    (0..=MOST_NODES).map(|nodes| GaussLegendre::new(nodes.max(2)).on_unit_interval().collect()).collect()
 });
 
 /// The box as a unit cube.
@@ -131,11 +133,13 @@ impl Cube {
     fn scales(&self) -> Vec<f64> {
         let size = self.factor.len();
         let of = |k: usize| {
-            let later = self.factor[k + 1..].iter().map(|row| {
-                let left: f64 = row[k + 1..].iter().map(|part| part * part).sum();
-                left.sqrt() / row[k].abs()
-            });
-            later.fold(1.0, f64::min)
+            self.factor[k + 1..]
+                .iter()
+                .map(|row| {
+                    let left: f64 = row[k + 1..].iter().map(|part| part * part).sum();
+                    left.sqrt() / row[k].abs()
+                })
+                .fold(1.0, f64::min)
         };
         (0..size).map(of).collect()
     }

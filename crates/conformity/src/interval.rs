@@ -78,9 +78,10 @@ pub fn of_mean(parts: &[Moments], confidence: f64) -> [f64; 2] {
     let total = Moments::total(parts);
     if parts.len() > 1 {
         let nets = parts.len() as f64;
-        return match parts.iter().all(|part| part.count > 0) {
-            true => clopper_pearson(parts.iter().map(Moments::mean).sum(), nets, confidence),
-            false => [0.0, 1.0],
+        return if parts.iter().all(|part| part.count > 0) {
+            clopper_pearson(parts.iter().map(Moments::mean).sum(), nets, confidence)
+        } else {
+            [0.0, 1.0]
         };
     }
     if total.count < 2 {

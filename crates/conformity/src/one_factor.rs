@@ -73,8 +73,7 @@ impl OneFactor {
         };
         let piece = |[start, end]: [f64; 2]| {
             let width = (end - start).max(0.0);
-            let nodes = RULE.iter();
-            let sum: f64 = nodes.map(|[at, weight]| weight * given(start + at * width)).sum();
+            let sum: f64 = RULE.iter().map(|[at, weight]| weight * given(start + at * width)).sum();
             sum * width
         };
         let pieces = cuts.windows(2).map(|ends| piece([ends[0], ends[1]]));

@@ -147,8 +147,10 @@ impl Curve {
             part => first + (last - first) * (part as f64 / parts as f64),
         };
         let times: Vec<f64> = (0..=parts).map(place).collect();
-        let value = |&time: &f64| self.at(time).expect("the times are those of the span");
-        Self { values: times.iter().map(value).collect(), times }
+        Self {
+            values: times.iter().map(|&time| self.at(time).expect("the times are those of the span")).collect(),
+            times,
+        }
     }
 }
 

@@ -45,12 +45,15 @@ pub fn find(reference: &Curve, model: &Curve, [least, most]: [f64; 2]) -> Result
     };
     let mut valleys: Vec<usize> = (0..=parts).filter(is_valley).collect();
     valleys.sort_by(|&a, &b| rank(&tried[a], &tried[b]));
-    let refined = valleys.iter().take(REFINED).flat_map(|&part| {
-        let ends = [place(part.saturating_sub(1)), place((part + 1).min(parts))];
-        [tried[part], golden(ends, |delay| at(reference, model, delay))]
-    });
-    let best = refined.min_by(rank);
-    Ok(best.unwrap_or(tried[0]))
+    Ok(valleys
+        .iter()
+        .take(REFINED)
+        .flat_map(|&part| {
+            let ends = [place(part.saturating_sub(1)), place((part + 1).min(parts))];
+            [tried[part], golden(ends, |delay| at(reference, model, delay))]
+        })
+        .min_by(rank)
+        .unwrap_or(tried[0]))
 }
 
 /// The rmse for one delay. The model's times must reach far enough, but for rounding.

@@ -16,8 +16,7 @@ pub(crate) fn alike(document: &Document<'_>, path: &'static str, attributes: &[&
     let mut steps = path.split('/');
     let last = steps.next_back().unwrap_or_default();
     let parents = steps.fold(vec![document.root], |nodes, step| {
-        let inner = nodes.into_iter().flat_map(elements);
-        inner.filter(|node| is(node, step)).collect()
+        nodes.into_iter().flat_map(elements).filter(|node| is(node, step)).collect()
     });
     let clash = |parent: Node<'_, '_>| {
         let nodes = || elements(parent).filter(|node| is(node, last));
@@ -88,18 +87,15 @@ fn twice<'a>(nodes: impl Iterator<Item = Node<'a, 'a>>, attribute: &str) -> Opti
     let mut known = nodes.filter_map(|node| Some((node, node.attribute(attribute)?)));
     let (node, value) = known.find(|(_, value)| !seen.insert(*value))?;
     let element = node.tag_name().name();
-    let text = format!("a second `{element}` with {attribute}=\"{value}\": rename or remove it");
-    Some(at(node, text))
+    Some(at(node, format!("a second `{element}` with {attribute}=\"{value}\": rename or remove it")))
 }
 
 pub(crate) fn types_and_variables(document: &Document<'_>) -> Vec<Hit> {
     let names: HashSet<&str> = document.known().map(|scalar| scalar.name).collect();
     let mut types = document.all("TypeDefinitions", "SimpleType");
     let same = types.find_map(|node| Some((node, names.get(node.attribute("name")?)?)));
-    let hit = |(node, name)| {
-        let text = format!("SimpleType: \"{name}\" is the name of a variable, too: rename the type");
-        at(node, text)
-    };
+    let hit =
+        |(node, name)| at(node, format!("SimpleType: \"{name}\" is the name of a variable, too: rename the type"));
     Vec::from_iter(same.map(hit))
 }
 
@@ -148,16 +144,18 @@ pub(crate) fn exchange_only(document: &Document<'_>) -> Vec<Hit> {
             }
         }
     }
-    let findings = counts.into_iter().map(|(name, (scalar, count))| {
-        let more = match count {
-            1 => String::new(),
-            count => format!(" (so has each of {} more)", count - 1),
-        };
-        scalar.finding(format!(
-            "it has the attribute {name}{more}, which only an FMU for Model Exchange may have: remove it"
-        ))
-    });
-    let mut findings: Vec<Hit> = findings.collect();
+    let mut findings: Vec<Hit> = counts
+        .into_iter()
+        .map(|(name, (scalar, count))| {
+            let more = match count {
+                1 => String::new(),
+                count => format!(" (so has each of {} more)", count - 1),
+            };
+            scalar.finding(format!(
+                "it has the attribute {name}{more}, which only an FMU for Model Exchange may have: remove it"
+            ))
+        })
+        .collect();
     findings.sort_by_key(|hit| hit.position);
     findings
 }

@@ -8,8 +8,11 @@ pub(crate) fn columns(fmu: &Description) -> Vec<&Variable> {
     const LOCALS: usize = 100;
     let mut columns: Vec<&Variable> = fmu.with(Causality::Output).collect();
     if columns.is_empty() {
-        let varying = |variable: &&Variable| variable.variability != Variability::Constant;
-        columns = fmu.with(Causality::Local).filter(varying).take(LOCALS).collect();
+        columns = fmu
+            .with(Causality::Local)
+            .filter(|variable| variable.variability != Variability::Constant)
+            .take(LOCALS)
+            .collect();
     }
     let numbers = fmu.with(Causality::Parameter).filter(|variable| variable.number_handle().is_some());
     columns.extend(numbers);
@@ -36,10 +39,7 @@ pub(crate) fn schedule(fmu: &Description, step: Option<f64>) -> Schedule {
         schedule.step = (schedule.stop - schedule.start) / 500.0;
     }
     schedule.tolerance = schedule.tolerance.filter(|tolerance| *tolerance > 0.0);
-    match fmu.capabilities.can_handle_variable_communication_step_size {
-        true => schedule,
-        false => schedule.in_whole_steps(),
-    }
+    if fmu.capabilities.can_handle_variable_communication_step_size { schedule } else { schedule.in_whole_steps() }
 }
 
 /// When the last step of a schedule's size ends before the suggested stop time, s: a shorter one may be refused.

@@ -16,12 +16,15 @@ const MANY: usize = 20;
 impl Findings {
     /// A line per finding, the worst first. What is one rule's over and over is counted at the end.
     pub fn text(&self) -> String {
-        let counts = [Severity::Error, Severity::Warning, Severity::Note].map(|severity| {
-            let count = self.count(severity);
-            let plural = if count == 1 { "" } else { "s" };
-            (count > 0).then(|| format!("{count} {}{plural}", severity.word()))
-        });
-        let counts: Vec<String> = counts.into_iter().flatten().collect();
+        let counts: Vec<String> = [Severity::Error, Severity::Warning, Severity::Note]
+            .map(|severity| {
+                let count = self.count(severity);
+                let plural = if count == 1 { "" } else { "s" };
+                (count > 0).then(|| format!("{count} {}{plural}", severity.word()))
+            })
+            .into_iter()
+            .flatten()
+            .collect();
         let verdict = match &counts[..] {
             [] => "nothing found".to_owned(),
             some => some.join(", "),
@@ -91,8 +94,7 @@ impl Findings {
             known["suppressions"] = json!([{"kind": "external", "justification": reason}]);
             known
         });
-        let results = self.all.iter().map(|finding| result(&self.fmu, finding));
-        let results: Vec<Value> = results.chain(known).collect();
+        let results: Vec<Value> = self.all.iter().map(|finding| result(&self.fmu, finding)).chain(known).collect();
         pretty(&json!({
             "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
             "version": "2.1.0",

@@ -261,9 +261,8 @@ impl Probe<'_> {
                     run.ended = Some(at);
                     outcome = Ok(());
                 }
-                let outcome = outcome.and_then(|()| match is_kept || run.ended.is_some() {
-                    true => note(instance, self.setup, at, run),
-                    false => Ok(()),
+                let outcome = outcome.and_then(|()| {
+                    if is_kept || run.ended.is_some() { note(instance, self.setup, at, run) } else { Ok(()) }
                 });
                 run.refused = matches!(&outcome, Err(call) if call.status == Status::Discard);
                 run.failure = outcome.err().map(|call| call.to_string());

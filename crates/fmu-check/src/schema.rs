@@ -224,8 +224,7 @@ pub(crate) fn namespace(document: &Document<'_>) -> Vec<Hit> {
     let space = document.root.tag_name().namespace();
     let version = document.read.standard.number();
     let text = |space: &str| format!("the namespace \"{space}\": the elements of FMI {version} have none, remove it");
-    let hit = |space| at(document.root, text(space));
-    Vec::from_iter(space.map(hit))
+    Vec::from_iter(space.map(|space| at(document.root, text(space))))
 }
 
 /// The namespace of attributes that every document may have, to name its schema.
@@ -241,8 +240,10 @@ pub(crate) fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
             if foreign || known(attributes).all(|known| known != attribute) {
                 let meant = did_you_mean(nearest(attribute, known(attributes)));
                 let name = node.tag_name().name();
-                let text = format!("`{name}` has no attribute `{attribute}` in FMI {version}: remove it{meant}");
-                hits.push(at(node, text));
+                hits.push(at(
+                    node,
+                    format!("`{name}` has no attribute `{attribute}` in FMI {version}: remove it{meant}"),
+                ));
             }
         }
     })
@@ -268,11 +269,10 @@ pub(crate) fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
             let strange = foreign || known(children).all(|known| known != inner);
             if children != ANYTHING && strange {
                 let meant = did_you_mean(nearest(inner, known(children)));
-                let text = format!(
+                hits.push(at(child, format!(
                     "`{}` has no element `{inner}` in FMI {version}: remove it, or put it into an annotation{meant}",
                     node.tag_name().name()
-                );
-                hits.push(at(child, text));
+                )));
             }
         }
     })
@@ -281,11 +281,13 @@ pub(crate) fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
 /// Text between elements.
 pub(crate) fn text(document: &Document<'_>) -> Vec<Hit> {
     visit(document, |node, (_, _, children), hits| {
-        let texts = node.children().filter(Node::is_text);
-        let stray = texts.filter_map(|text| Some(text.text()?.trim())).find(|text| !text.is_empty());
+        let stray = node
+            .children()
+            .filter(Node::is_text)
+            .filter_map(|text| Some(text.text()?.trim()))
+            .find(|text| !text.is_empty());
         if let Some(stray) = stray.filter(|_| children != ANYTHING) {
-            let text = format!("the text `{}` in `{}`: remove it", start_of(stray), node.tag_name().name());
-            hits.push(at(node, text));
+            hits.push(at(node, format!("the text `{}` in `{}`: remove it", start_of(stray), node.tag_name().name())));
         }
     })
 }
@@ -339,9 +341,10 @@ pub(crate) fn empty_lists(document: &Document<'_>) -> Vec<Hit> {
 
 /// Type definitions without a type.
 pub(crate) fn typeless(document: &Document<'_>) -> Vec<Hit> {
-    let types = document.all("TypeDefinitions", "SimpleType");
-    let bare = types.filter(|node| elements(*node).next().is_none());
-    bare.map(|node| at(node, "`SimpleType` has no type in it: add Real, Integer, Boolean, String or Enumeration"))
+    document
+        .all("TypeDefinitions", "SimpleType")
+        .filter(|node| elements(*node).next().is_none())
+        .map(|node| at(node, "`SimpleType` has no type in it: add Real, Integer, Boolean, String or Enumeration"))
         .collect()
 }
 

@@ -186,8 +186,10 @@ impl Experiment<'_> {
     /// The path of a file that a parameter names: a relative name is looked up among the resources first, then in the
     /// working directory.
     pub fn file(&self, name: &str) -> PathBuf {
-        let shipped = self.resources.map(|folder| folder.join(name));
-        shipped.filter(|path| path.is_file()).unwrap_or_else(|| PathBuf::from(name))
+        self.resources
+            .map(|folder| folder.join(name))
+            .filter(|path| path.is_file())
+            .unwrap_or_else(|| PathBuf::from(name))
     }
 }
 

@@ -157,8 +157,7 @@ pub fn contents<M: Model>(
     }
     for Binary { platform, library } in binaries {
         let extension = library.extension().unwrap_or_default().to_string_lossy();
-        let place = format!("binaries/{platform}/{}.{extension}", M::INFO.identifier);
-        if files.insert(place, read(library)?).is_some() {
+        if files.insert(format!("binaries/{platform}/{}.{extension}", M::INFO.identifier), read(library)?).is_some() {
             return Err(PackageError::Usage(format!("there are two binaries for {platform}")));
         }
     }
@@ -207,13 +206,11 @@ fn collect(folder: &Path, place: &str, files: &mut BTreeMap<String, Vec<u8>>) ->
 
 fn list(folder: &Path) -> Result<Vec<PathBuf>, PackageError> {
     let entries = std::fs::read_dir(folder);
-    let paths = entries.and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect());
-    paths.map_err(|error| at(folder, error))
+    entries.and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect()).map_err(|error| at(folder, error))
 }
 
 fn name_of(path: &Path) -> String {
-    let name = path.file_name().unwrap_or_default();
-    name.to_string_lossy().into_owned()
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, PackageError> {

@@ -115,8 +115,7 @@ impl Base {
         let mut state = Saved(ptr::null_mut());
         let get = Some(self.common.get_state).filter(|_| self.common.saves)?;
         // SAFETY: the component is alive, and the state is a valid place to write to.
-        let saved = self.call(get, |get, of| unsafe { get(of, &raw mut state) });
-        saved.ok().map(|()| state)
+        self.call(get, |get, of| unsafe { get(of, &raw mut state) }).ok().map(|()| state)
     }
 
     pub(crate) fn restore(&mut self, state: Saved) -> Result<(), Call> {

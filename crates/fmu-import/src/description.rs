@@ -418,8 +418,7 @@ impl Kind {
 
     /// The start value as a number, where there is one.
     pub fn start(&self) -> Option<f64> {
-        let number = |value: Value| (value.content() != Content::Text).then(|| value.number());
-        self.start_value().and_then(number)
+        self.start_value().and_then(|value| (value.content() != Content::Text).then(|| value.number()))
     }
 
     /// The smallest and the largest value, where these are declared.

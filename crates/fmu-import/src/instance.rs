@@ -167,12 +167,11 @@ impl Instance {
             "each step needs a size, and a row of its own"
         );
         let same: Vec<f64>;
-        let sizes = match self.library.one_size {
-            true => {
-                same = sizes.iter().map(|&size| self.of_one_size(size)).collect();
-                &same
-            }
-            false => sizes,
+        let sizes = if self.library.one_size {
+            same = sizes.iter().map(|&size| self.of_one_size(size)).collect();
+            &same
+        } else {
+            sizes
         };
         let batch = Batch { times, sizes, references, rows };
         self.simulation.steps(batch)

@@ -199,9 +199,10 @@ impl Library {
 pub fn percent_encoded(path: &str, also: &str) -> String {
     let encode = |byte: u8| {
         let c = char::from(byte);
-        match c.is_ascii_alphanumeric() || "/-._~".contains(c) || also.contains(c) {
-            true => c.to_string(),
-            false => format!("%{byte:02X}"),
+        if c.is_ascii_alphanumeric() || "/-._~".contains(c) || also.contains(c) {
+            c.to_string()
+        } else {
+            format!("%{byte:02X}")
         }
     };
     path.bytes().map(encode).collect()
@@ -210,17 +211,15 @@ pub fn percent_encoded(path: &str, also: &str) -> String {
 /// The resources as FMI 2.0 passes them: `file:///...`, percent-encoded.
 fn uri(folder: &Path) -> Result<String, LibraryError> {
     let text = absolute(folder)?.replace('\\', "/");
-    let scheme = match text.starts_with('/') {
-        true => "file://",
-        false => "file:///",
-    };
+    let scheme = if text.starts_with('/') { "file://" } else { "file:///" };
     Ok(format!("{scheme}{}", percent_encoded(&text, ":")))
 }
 
 fn absolute(folder: &Path) -> Result<String, LibraryError> {
-    let absolute = std::path::absolute(folder).ok();
-    let text = absolute.and_then(|path| path.to_str().map(str::to_owned));
-    text.ok_or_else(|| LibraryError::Folder(folder.to_owned()))
+    std::path::absolute(folder)
+        .ok()
+        .and_then(|path| path.to_str().map(str::to_owned))
+        .ok_or_else(|| LibraryError::Folder(folder.to_owned()))
 }
 
 /// Loads a binary, for ever: see above.
@@ -253,8 +252,7 @@ fn inputs(description: &Description) -> HashMap<Handle, bool> {
     let is_continuous = |variable: &Variable| {
         variable.variability == Variability::Continuous && matches!(variable.kind, Kind::Real { .. })
     };
-    let inputs = description.with(Causality::Input);
-    inputs.map(|variable| (variable.handle(), is_continuous(variable))).collect()
+    description.with(Causality::Input).map(|variable| (variable.handle(), is_continuous(variable))).collect()
 }
 
 /// Why the loader refused: all libraries that are missing, of which it names the first only, or else its own words.
@@ -273,9 +271,11 @@ fn reason(path: &Path, error: &libloading::Error) -> String {
 
 /// The loader's own words, on one line.
 fn plain(error: &libloading::Error) -> String {
-    let source = std::error::Error::source(error);
-    let text = source.map_or_else(|| error.to_string(), ToString::to_string);
-    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let text = std::error::Error::source(error)
+        .map_or_else(|| error.to_string(), ToString::to_string)
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ");
     // FMUs of pythonfmu and the like expect to be loaded by a Python.
     if text.contains("undefined symbol: _Py") || text.contains("undefined symbol: Py") {
         return format!("{text}; the FMU runs Python: set LD_PRELOAD to the path of libpython3.so");

@@ -190,8 +190,10 @@ impl Log {
     pub(crate) fn last(&self) -> Option<String> {
         let heard = locked(&self.seat.heard);
         let mut newest_first = heard.messages.iter().rev();
-        let error = newest_first.find(|(status, _)| matches!(status, 3 | 4));
-        error.or_else(|| heard.messages.back()).map(|(_, message)| message.clone())
+        newest_first
+            .find(|(status, _)| matches!(status, 3 | 4))
+            .or_else(|| heard.messages.back())
+            .map(|(_, message)| message.clone())
     }
 
     /// How many messages came with an environment that nobody gave to the FMU.

@@ -62,8 +62,7 @@ pub(crate) fn description(bytes: &[u8], sizes: &[(u32, u64)]) -> Result<Descript
         return Err(DescriptionError::Root(root.tag_name().name().to_owned()));
     }
     let version = root.attribute("fmiVersion").unwrap_or("1.0").trim();
-    let standard = Version::of(version);
-    let standard = standard.ok_or_else(|| DescriptionError::Version(version.to_owned()))?;
+    let standard = Version::of(version).ok_or_else(|| DescriptionError::Version(version.to_owned()))?;
     let (interface, slave) = interface(root)?;
     let model_identifier = required(slave, "modelIdentifier")?.to_owned();
     if model_identifier.is_empty() || model_identifier.contains(['/', '\\', '\0']) {
@@ -126,8 +125,7 @@ fn interface<'a>(root: Node<'a, 'a>) -> Result<(Interface, Node<'a, 'a>), Descri
 
 /// A text of one line (`xs:normalizedString`), in which line ends and tabs are blanks.
 pub(crate) fn text(node: Node<'_, '_>, attribute: &str) -> Option<String> {
-    let text = node.attribute(attribute)?;
-    Some(text.replace(['\n', '\r', '\t'], " "))
+    Some(node.attribute(attribute)?.replace(['\n', '\r', '\t'], " "))
 }
 
 pub(crate) fn line(node: Node<'_, '_>) -> u32 {
@@ -144,16 +142,20 @@ fn required<'a>(node: Node<'a, 'a>, attribute: &'static str) -> Result<&'a str, 
 
 /// How many variables of FMI 2.0 are derivatives; aliases share a reference and count once.
 fn rates(root: Node<'_, '_>) -> usize {
-    let rates = within(root, "ModelVariables", "ScalarVariable")
-        .filter(|node| child(*node, "Real").is_some_and(|real| real.has_attribute("derivative")));
-    let references: HashSet<_> = rates.map(|node| node.attribute("valueReference")).collect();
+    let references: HashSet<_> = within(root, "ModelVariables", "ScalarVariable")
+        .filter(|node| child(*node, "Real").is_some_and(|real| real.has_attribute("derivative")))
+        .map(|node| node.attribute("valueReference"))
+        .collect();
     references.len()
 }
 
 fn log_categories(root: Node<'_, '_>) -> Vec<String> {
-    let categories = child(root, "LogCategories").into_iter();
-    let names = categories.flat_map(|list| list.children());
-    names.filter_map(|category| category.attribute("name")).map(str::to_owned).collect()
+    child(root, "LogCategories")
+        .into_iter()
+        .flat_map(|list| list.children())
+        .filter_map(|category| category.attribute("name"))
+        .map(str::to_owned)
+        .collect()
 }
 
 /// Attributes that a variable takes over from its declared type.
@@ -302,8 +304,11 @@ impl Reader {
                 .filter_map(|display| {
                     // FMI 3.0: the display unit of the reciprocal, which no factor and offset make.
                     if self.boolean(display, "inverse") == Some(true) {
-                        let text = "an inverse display unit, which is left out: give values in the unit";
-                        self.remark(display, About::Limit, text);
+                        self.remark(
+                            display,
+                            About::Limit,
+                            "an inverse display unit, which is left out: give values in the unit",
+                        );
                         return None;
                     }
                     Some(DisplayUnit { name: text(display, "name")?, from_unit: self.conversion(display) })
@@ -351,8 +356,7 @@ impl Reader {
             self.remark(node, About::Variable, &text);
             return None;
         };
-        let declared = element.attribute("declaredType");
-        let declared = declared.and_then(|name| types.get(name));
+        let declared = element.attribute("declaredType").and_then(|name| types.get(name));
         let mut kind = self.kind(element, declared.copied(), None);
         match &mut kind {
             Kind::Real { start, .. } => *start = self.number(element, "start"),
@@ -380,8 +384,7 @@ impl Reader {
     pub(crate) fn name(&mut self, node: Node<'_, '_>) -> Option<String> {
         let name = text(node, "name");
         if name.is_none() {
-            let text = "a variable without a name is left out";
-            self.remark(node, About::Variable, text);
+            self.remark(node, About::Variable, "a variable without a name is left out");
         }
         name
     }
@@ -423,8 +426,7 @@ impl Reader {
         storage: Option<Storage>,
     ) -> Kind {
         let source = |name: &str| {
-            let declared = declared.filter(|node| node.has_attribute(name));
-            declared.filter(|_| !node.has_attribute(name)).unwrap_or(node)
+            declared.filter(|node| node.has_attribute(name)).filter(|_| !node.has_attribute(name)).unwrap_or(node)
         };
         let text = |name: &str| text(source(name), name);
         let (min, max) = (source("min"), source("max"));
@@ -441,7 +443,7 @@ impl Reader {
             ("Boolean", _) => Kind::Boolean { start: None },
             ("String" | "Binary", _) => Kind::String { start: None },
             ("Enumeration", _) => {
-                Kind::Enumeration { start: None, items: declared.map_or_else(Vec::new, |node| self.items(node)) }
+                Kind::Enumeration { start: None, items: declared.map(|node| self.items(node)).unwrap_or_default() }
             }
             (_, None) => Kind::Integer {
                 start: None,

@@ -46,8 +46,7 @@ impl Birth {
         function: &'static str,
     ) -> Result<Base, Call> {
         if component.0.is_null() {
-            let message = caller.log.last();
-            let why = message.unwrap_or_else(|| self.likely_cause());
+            let why = caller.log.last().unwrap_or_else(|| self.likely_cause());
             return Err(Call::impossible(function, why));
         }
         Ok(Base { component, common, caller })

@@ -88,10 +88,7 @@ impl Symbols<'_> {
 
     /// The same of a function that only some FMUs must have.
     pub(crate) fn need_if<F: Copy>(&self, is_needed: bool, name: &str) -> Result<Function<F>, LibraryError> {
-        match is_needed {
-            true => self.need(name),
-            false => Ok(self.find(name)),
-        }
+        if is_needed { self.need(name) } else { Ok(self.find(name)) }
     }
 
     /// Looks for the functions that read and write variables of a type.

@@ -132,9 +132,10 @@ impl Units {
             fault,
             remedy,
             to: to.unwrap_or("no unit").to_owned(),
-            known: match ways.is_empty() {
-                true => vec!["a number alone".to_owned()],
-                false => ways.into_iter().map(|(name, _)| name).collect(),
+            known: if ways.is_empty() {
+                vec!["a number alone".to_owned()]
+            } else {
+                ways.into_iter().map(|(name, _)| name).collect()
             },
         })
     }
@@ -142,9 +143,11 @@ impl Units {
     /// Every unit in which a value of unit `to` may be given, and how it converts.
     fn ways(&self, to: Option<&str>) -> Vec<(String, Conversion)> {
         let Some(to) = to.filter(|_| !self.is_no_unit(to)) else {
-            let usual = [("1", 1.0, self.is_number("1")), ("%", 0.01, !self.defines("%"))].into_iter();
-            let usual = usual.filter(|(.., means_it)| *means_it);
-            return usual.map(|(name, factor, _)| (name.to_owned(), Conversion::scaled(factor))).collect();
+            return [("1", 1.0, self.is_number("1")), ("%", 0.01, !self.defines("%"))]
+                .into_iter()
+                .filter(|(.., means_it)| *means_it)
+                .map(|(name, factor, _)| (name.to_owned(), Conversion::scaled(factor)))
+                .collect();
         };
         let mut ways = vec![(to.to_owned(), Conversion::IDENTITY)];
         let Some(unit) = self.0.get(to) else {
@@ -153,8 +156,9 @@ impl Units {
         ways.extend(unit.displays());
         let Some(base) = unit.base.filter(BaseUnit::converts) else { return ways };
         for (name, other) in &self.0 {
-            let alike = |other: &BaseUnit| name != to && other.exponents == base.exponents && other.converts();
-            let Some(other_base) = other.base.filter(alike) else {
+            let Some(other_base) =
+                other.base.filter(|other| name != to && other.exponents == base.exponents && other.converts())
+            else {
                 continue;
             };
             let way = other_base.to_base.then(base.to_base.inverse());
@@ -171,8 +175,11 @@ impl Units {
             None => vec![BaseUnit::NUMBER],
         };
         let given = self.meanings(from);
-        let pairs = given.iter().flat_map(|from| wanted.iter().map(move |to| (from, to)));
-        let (one, other) = pairs.clone().find(|(from, to)| from.exponents == to.exponents)?;
+        let (one, other) = given
+            .iter()
+            .flat_map(|from| wanted.iter().map(move |to| (from, to)))
+            .clone()
+            .find(|(from, to)| from.exponents == to.exponents)?;
         // Many FMUs leave out rad. Where the name of the FMU's unit does not say whether it is a frequency or an angular
         // velocity, a turn a minute could be either.
         let but_for_rad = |a: &BaseUnit, b: &BaseUnit| a.exponents[..7] == b.exponents[..7];
@@ -258,8 +265,10 @@ impl BaseUnit {
 impl Unit {
     /// The display units, with the conversion to this unit. One with factor 0 converts nothing.
     fn displays(&self) -> impl Iterator<Item = (String, Conversion)> {
-        let usable = self.display.iter().filter(|display| display.from_unit.factor != 0.0);
-        usable.map(|display| (display.name.clone(), display.from_unit.inverse()))
+        self.display
+            .iter()
+            .filter(|display| display.from_unit.factor != 0.0)
+            .map(|display| (display.name.clone(), display.from_unit.inverse()))
     }
 }
 

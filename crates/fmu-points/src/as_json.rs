@@ -5,8 +5,7 @@ use serde::ser::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 pub(crate) fn serialize<T: Serialize, S: Serializer>(value: &T, to: S) -> Result<S::Ok, S::Error> {
-    let text = serde_json::to_string(value).map_err(S::Error::custom)?;
-    text.serialize(to)
+    serde_json::to_string(value).map_err(S::Error::custom)?.serialize(to)
 }
 
 pub(crate) fn deserialize<'de, T: DeserializeOwned, D: Deserializer<'de>>(from: D) -> Result<T, D::Error> {

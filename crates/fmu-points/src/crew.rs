@@ -99,8 +99,7 @@ impl Crew {
             }
             Ok::<_, RunError>(ControlFlow::Continue(()))
         })?;
-        let all = answers.into_iter().map(|answer| answer.expect("a run that was not stopped has answered all"));
-        Ok(all.collect())
+        Ok(answers.into_iter().map(|answer| answer.expect("a run that was not stopped has answered all")).collect())
     }
 
     /// How many points it runs at a time.
@@ -167,8 +166,7 @@ impl Crew {
         let Way::Processes { common, here, limits } = &self.way else {
             unreachable!("only asked where points run in processes here");
         };
-        let named = |case: &Case| working_directory::is_named_in(&case.task);
-        let here = *here || cases.iter().any(named);
+        let here = *here || cases.iter().any(|case| working_directory::is_named_in(&case.task));
         Box::new(Isolated::new(common, here, cases, *limits, again))
     }
 

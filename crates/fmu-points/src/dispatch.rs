@@ -42,8 +42,8 @@ impl Greeting {
     pub(crate) fn own() -> Self {
         let program = system::program().and_then(File::open);
         let digest = program.and_then(fmu_import::sha256);
-        let named = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
-        let named = named.or_else(|| std::env::var("COMPUTERNAME").ok());
+        let named =
+            std::fs::read_to_string("/proc/sys/kernel/hostname").ok().or_else(|| std::env::var("COMPUTERNAME").ok());
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             program: digest.map_or_else(|error| error.to_string(), |digest| fmu_import::hexadecimal(&digest)),

@@ -36,8 +36,10 @@ pub(crate) struct Part {
 
 /// The parts of all cases.
 pub(crate) fn parts(cases: &[Case]) -> Vec<Part> {
-    let part = |case: &Case| Part { name: case.name.clone().unwrap_or_default(), results: case.task.observed.len() };
-    cases.iter().map(part).collect()
+    cases
+        .iter()
+        .map(|case| Part { name: case.name.clone().unwrap_or_default(), results: case.task.observed.len() })
+        .collect()
 }
 
 /// The simulations of points that are not complete yet.
@@ -65,8 +67,7 @@ impl Join {
             return None;
         }
         let replies: Vec<Reply> = self.open.remove(&point)?.into_iter().flatten().collect();
-        let forkable = replies.iter().map(|reply| reply.forkable);
-        let forkable = forkable.reduce(|one, other| Some(one? && other?));
+        let forkable = replies.iter().map(|reply| reply.forkable).reduce(|one, other| Some(one? && other?));
         let answers = replies.into_iter().map(|reply| reply.answer).collect();
         Some(Reply { index: point, answer: joined(&self.cases, answers), forkable: forkable.flatten() })
     }
@@ -93,11 +94,9 @@ pub(crate) fn joined(cases: &[Part], mut outcomes: Vec<Outcome>) -> Outcome {
         let values = values.flat_map(|simulated| simulated.values);
         return Ok(Simulated { values: values.collect(), notices: (!notices.is_empty()).then(|| Box::new(notices)) });
     };
-    let values = cases.iter().zip(&outcomes);
-    let values = values.flat_map(|(case, outcome)| known(outcome, case.results));
-    let values: Vec<Option<f64>> = values.collect();
-    let trouble = outcomes.into_iter().nth(worst).and_then(Result::err);
-    let trouble = trouble.expect("the worst one failed");
+    let values: Vec<Option<f64>> =
+        cases.iter().zip(&outcomes).flat_map(|(case, outcome)| known(outcome, case.results)).collect();
+    let trouble = outcomes.into_iter().nth(worst).and_then(Result::err).expect("the worst one failed");
     let case = cases[worst].name.clone();
     let failure = match (trouble.from, trouble.failure) {
         (Origin::Loading, failure) => failure,

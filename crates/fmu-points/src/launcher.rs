@@ -71,17 +71,13 @@ impl Launcher {
             let mut words = line.split_whitespace();
             let Some(name) = words.next() else { continue };
             let slots = words.next().map_or(Some(1), |word| word.parse().ok());
-            let slots = slots.filter(|slots| *slots > 0 && words.next().is_none());
-            let slots = slots.ok_or_else(|| {
+            let slots = slots.filter(|slots| *slots > 0 && words.next().is_none()).ok_or_else(|| {
                 format!("line {number}: `{}` is not a host and its number of workers, such as `node7 16`", line.trim())
             })?;
             let name = Some(name.to_owned());
             all.push(Host { name, slots });
         }
-        match all.is_empty() {
-            true => Err("it names no host".to_owned()),
-            false => Ok(Self { hosts: all, ..self }),
-        }
+        if all.is_empty() { Err("it names no host".to_owned()) } else { Ok(Self { hosts: all, ..self }) }
     }
 
     /// Whether the command names a host.
@@ -97,17 +93,14 @@ impl Launcher {
     /// The places of all workers: of each host one first, so that few points are spread over many.
     pub(crate) fn places(&self) -> Vec<Place> {
         let most = self.hosts.iter().map(|host| host.slots).max().unwrap_or(0);
-        let rounds = (0..most).flat_map(|round| {
-            let hosts = self.hosts.iter().filter(move |host| host.slots > round);
-            hosts.map(|host| self.place(host))
-        });
-        rounds.collect()
+        (0..most)
+            .flat_map(|round| self.hosts.iter().filter(move |host| host.slots > round).map(|host| self.place(host)))
+            .collect()
     }
 
     fn place(&self, host: &Host) -> Place {
         let name = host.name.clone();
-        let words = self.words.iter();
-        let words = words.map(|word| match &name {
+        let words = self.words.iter().map(|word| match &name {
             Some(name) => word.replace(HOST, name),
             None => word.clone(),
         });

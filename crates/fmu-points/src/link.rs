@@ -73,8 +73,7 @@ impl Link {
             .map_err(|error| format!("{}: {error}", command.get_program().display()))?;
         process::launchers().insert(child.id());
         let thread = |work: Box<dyn FnOnce() + Send>| {
-            let spawned = thread::Builder::new().spawn(work);
-            spawned.map_err(|error| format!("no thread for the launcher's output: {error}"))
+            thread::Builder::new().spawn(work).map_err(|error| format!("no thread for the launcher's output: {error}"))
         };
         let streams = (child.stdin.take(), child.stdout.take(), child.stderr.take());
         let (Some(orders), Some(reports), Some(errors)) = streams else {
@@ -119,10 +118,7 @@ impl Link {
             String::from_utf8_lossy(&seen[..passed]).lines().for_each(|line| keep(&self.words, line));
             self.reports.skip(passed);
         }
-        match open {
-            true => Ok(None),
-            false => Err(self.ending()),
-        }
+        if open { Ok(None) } else { Err(self.ending()) }
     }
 
     /// What a launcher that has started no worker has printed so far.
@@ -131,7 +127,7 @@ impl Link {
         let text = String::from_utf8_lossy(self.reports.seen());
         let printed = text.lines().rev().find(|line| !line.trim().is_empty());
         let said = words.back().map(String::as_str).or(printed);
-        said.map_or_else(String::new, |said| format!(": {}", said.trim()))
+        said.map(|said| format!(": {}", said.trim())).unwrap_or_default()
     }
 
     /// Sends the first message; all further ones have this ticket.

@@ -32,12 +32,13 @@ impl Worker for Local {
         for job in jobs {
             let runs = (0..self.cases.len()).map(|case| {
                 runner.turn_to(case);
-                let answer = runner.run(&job.values).map(<[f64]>::to_vec);
-                let answer = answer.map(|values| Simulated::new(values, &runner.notices));
-                answer.map_err(|failure| Trouble::new(Origin::Fmu, failure))
+                runner
+                    .run(&job.values)
+                    .map(<[f64]>::to_vec)
+                    .map(|values| Simulated::new(values, &runner.notices))
+                    .map_err(|failure| Trouble::new(Origin::Fmu, failure))
             });
-            let answer = joined(&self.cases, runs.collect());
-            let answer = answer.map_err(|trouble| trouble.failure);
+            let answer = joined(&self.cases, runs.collect()).map_err(|trouble| trouble.failure);
             post.send(Event::Answer(job.index, answer));
             if post.is_over() {
                 break;

@@ -77,8 +77,7 @@ impl Notices {
         if self.first_warning.is_none() {
             self.first_warning = warnings.first;
         }
-        let limits = warnings.beyond.into_iter();
-        limits.for_each(|message| self.pass(None, message));
+        warnings.beyond.into_iter().for_each(|message| self.pass(None, message));
     }
 
     /// Adds a limit, unless another case has passed it, too.
@@ -96,8 +95,7 @@ impl Notices {
         self.warnings += other.warnings;
         let warning = self.first_warning.take();
         self.first_warning = warning.or_else(|| named(&other.first_warning));
-        let limits = other.beyond.iter().map(|limit| limit.message.clone());
-        limits.for_each(|message| self.pass(Some(case), message));
+        other.beyond.iter().map(|limit| limit.message.clone()).for_each(|message| self.pass(Some(case), message));
         self.ended = self.ended.or(other.ended);
         let unfinished = self.unfinished.take();
         self.unfinished = unfinished.or_else(|| named(&other.unfinished));

@@ -41,8 +41,8 @@ pub fn run<E: From<RunError>>(
                 }
             });
             if let Err(error) = spawned {
-                let none = format!("the system has no thread left: {error}; ask for fewer --jobs");
-                let _ = send.send(Err(RunError::Lost(none)));
+                let _ = send
+                    .send(Err(RunError::Lost(format!("the system has no thread left: {error}; ask for fewer --jobs"))));
             }
         }
         drop(send);

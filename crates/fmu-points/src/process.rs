@@ -137,8 +137,7 @@ impl Process {
             }
             if let Said::Replies(replies) = said {
                 left = left.saturating_sub(replies.len());
-                let whole = replies.into_iter().filter_map(|reply| join.add(reply));
-                whole.for_each(&mut *answer);
+                replies.into_iter().filter_map(|reply| join.add(reply)).for_each(&mut *answer);
             }
             left > 0
         });
@@ -237,8 +236,8 @@ impl Running {
             match self.replies.arrived() {
                 Ok(Some(payload)) => {
                     self.answered = true;
-                    let damaged = || Gone::Lost(Failure::Crashed("its answer is damaged".to_owned()));
-                    return read(&payload).ok_or_else(damaged);
+                    return read(&payload)
+                        .ok_or_else(|| Gone::Lost(Failure::Crashed("its answer is damaged".to_owned())));
                 }
                 Ok(None) => {}
                 Err(broken) => return Err(Gone::Lost(Failure::Crashed(broken.to_string()))),
@@ -253,8 +252,7 @@ impl Running {
             } else if begun.elapsed() > limits.time.saturating_mul(2).saturating_add(MARGIN) {
                 return Err(Gone::Lost(Failure::Timeout));
             } else if system::is_stopped(self.child.id()) {
-                let text = "the FMU stopped the process that watches it";
-                return Err(Gone::Lost(Failure::Crashed(text.to_owned())));
+                return Err(Gone::Lost(Failure::Crashed("the FMU stopped the process that watches it".to_owned())));
             }
         }
     }

@@ -258,12 +258,13 @@ impl Team {
         if there.version != here.version {
             return Err(format!("{program} is version {} there and {} here", there.version, here.version));
         }
-        match there.program == here.program {
-            true => Ok(()),
-            false => Err(format!(
+        if there.program == here.program {
+            Ok(())
+        } else {
+            Err(format!(
                 "{program} is another build of version {} there (SHA-256 {:.12}...) than here ({:.12}...)",
                 here.version, there.program, here.program
-            )),
+            ))
         }
     }
 
@@ -402,8 +403,8 @@ impl Team {
             let cost = *cost;
             drop(state);
             if cost >= COSTLY {
-                let text = format!("{cost} workers were lost at this point; the last one: {how}");
-                let answer = Err(Failure::Crashed(text));
+                let answer =
+                    Err(Failure::Crashed(format!("{cost} workers were lost at this point; the last one: {how}")));
                 post.send(Event::Answer(index, answer));
                 return Vec::new();
             }
@@ -415,8 +416,11 @@ impl Team {
 impl Drop for Team {
     fn drop(&mut self) {
         // All of them learn it before one of them is waited for.
-        let lanes = self.lanes.iter_mut().filter_map(|lane| lane.get_mut().ok());
-        lanes.filter_map(|lane| lane.link.as_mut()).for_each(Link::part);
+        self.lanes
+            .iter_mut()
+            .filter_map(|lane| lane.get_mut().ok())
+            .filter_map(|lane| lane.link.as_mut())
+            .for_each(Link::part);
     }
 }
 
@@ -506,9 +510,12 @@ impl Remote {
         while !open.is_empty() && !post.is_over() {
             let all = 0..team.lanes.len();
             let linked = all.clone().filter(|&number| team.lane(number).link.is_some());
-            let other = linked.clone().find(|&number| Some(&team.lane(number).host) != self.but.as_ref());
-            let possible = || all.clone().find(|&number| !team.lane(number).out);
-            let Some(number) = other.or_else(|| linked.clone().next()).or_else(possible) else {
+            let Some(number) = linked
+                .clone()
+                .find(|&number| Some(&team.lane(number).host) != self.but.as_ref())
+                .or_else(|| linked.clone().next())
+                .or_else(|| all.clone().find(|&number| !team.lane(number).out))
+            else {
                 return Err(RunError::NoWorker("all hosts are left out".to_owned()));
             };
             if team.connect(&mut team.lane(number), post.stopped)? {

@@ -303,10 +303,7 @@ impl Runner {
             return scene.finish(instance, 0.0, notices);
         }
         scene.forget();
-        let from = match scene.has_windows {
-            true => 0,
-            false => points.from(scene.task.schedule.window_start),
-        };
+        let from = if scene.has_windows { 0 } else { points.from(scene.task.schedule.window_start) };
         let before = scene.advance::<false>(instance, &points, 0..from);
         before.map_err(before_the_window)?;
         scene.watch(instance, [points.at(from); 2])?;

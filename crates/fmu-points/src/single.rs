@@ -75,8 +75,7 @@ impl Recorder<'_> {
             }
             // An FMU that breaks its process at the end costs no answer.
             (Some(answer), Ok(()) | Err(Gone::Lost(_))) => {
-                let answer = answer.map(|simulated| simulated.values);
-                Ok(answer.map_err(|trouble| trouble.failure))
+                Ok(answer.map(|simulated| simulated.values).map_err(|trouble| trouble.failure))
             }
             (None, Err(Gone::Lost(failure))) => Ok(Err(failure)),
             (None, Ok(())) => Err(RunError::Lost("it gave no answer".to_owned())),
@@ -192,9 +191,10 @@ impl Recording {
             match said {
                 Said::Rows(values) => {
                     let mut rows = values.chunks(1 + columns);
-                    let taken = rows.try_for_each(|values| row(values[0].number(), &values[1..]));
-                    let taken = taken.map_err(|error| outcome = Err(error));
-                    return taken.is_ok();
+                    return rows
+                        .try_for_each(|values| row(values[0].number(), &values[1..]))
+                        .map_err(|error| outcome = Err(error))
+                        .is_ok();
                 }
                 Said::Ended(None) => {
                     let ended = done.replace(Some(Instant::now())).is_some();

@@ -140,10 +140,7 @@ impl Output {
 
     fn hold(&mut self, news: News) -> io::Result<()> {
         self.held.push(news);
-        match self.sent.elapsed() < HOLD {
-            true => Ok(()),
-            false => self.send(),
-        }
+        if self.sent.elapsed() < HOLD { Ok(()) } else { self.send() }
     }
 
     fn send(&mut self) -> io::Result<()> {
@@ -207,30 +204,32 @@ impl Station {
     fn new(terms: &Terms, output: &Arc<Mutex<Output>>, source: Source<'_>) -> Result<Self, Unable> {
         let passing = |error: &dyn ToString| (error.to_string(), false);
         let lasting = |error: &dyn ToString| (error.to_string(), true);
-        let went = std::env::set_current_dir(&terms.folder);
-        let nowhere =
-            went.err().map(|error| format!("the study names a file relative to {}: {error}", terms.folder.display()));
+        let nowhere = std::env::set_current_dir(&terms.folder)
+            .err()
+            .map(|error| format!("the study names a file relative to {}: {error}", terms.folder.display()));
         if let (true, Some(nowhere)) = (terms.here, &nowhere) {
             return Err((nowhere.clone(), true));
         }
         let scratch = stop::scratch().map_err(|error| passing(&error))?;
-        let path = match terms.ship {
-            true => receive(scratch.path(), source).map_err(|error| passing(&error))?,
-            false => terms.fmu.clone(),
+        let path = if terms.ship {
+            receive(scratch.path(), source).map_err(|error| passing(&error))?
+        } else {
+            terms.fmu.clone()
         };
         let mut package = open(&path, terms)?;
         let place = Place::Processes(
             Limits {
                 time: terms.time,
                 memory: terms.memory.unwrap_or_else(|| {
-                    let cores = || thread::available_parallelism().map_or(1, NonZero::get);
-                    system::share_of_memory(terms.slots.unwrap_or_else(cores))
+                    system::share_of_memory(
+                        terms.slots.unwrap_or_else(|| thread::available_parallelism().map_or(1, NonZero::get)),
+                    )
                 }),
             },
             terms.isolation,
         );
-        let crew = Crew::new(&mut package, place, scratch.path(), 1 + usize::from(terms.company));
-        let crew = crew.map_err(|error| lasting(&error))?;
+        let crew = Crew::new(&mut package, place, scratch.path(), 1 + usize::from(terms.company))
+            .map_err(|error| lasting(&error))?;
         Ok(Self { crew, worker: None, output: Arc::clone(output), nowhere, _package: package, _scratch: scratch })
     }
 
@@ -306,15 +305,16 @@ fn open(path: &Path, terms: &Terms) -> Result<Package, Unable> {
         (format!("{error}{hint}"), true)
     })?;
     let digest = package.digest().map_err(|error| (error.to_string(), false))?;
-    match digest == terms.digest {
-        true => Ok(package),
-        false => Err((
+    if digest == terms.digest {
+        Ok(package)
+    } else {
+        Err((
             format!(
                 "{} is another file there (SHA-256 {digest:.12}...) than here ({:.12}...)",
                 path.display(),
                 terms.digest
             ),
             true,
-        )),
+        ))
     }
 }

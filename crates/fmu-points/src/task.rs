@@ -197,8 +197,7 @@ impl Probe {
 
     /// When it reads a row of a curve, on the model's clock, s.
     pub(crate) fn row(&self) -> Option<f64> {
-        let curve = self.curve.as_ref().filter(|curve| curve.reads)?;
-        curve.times.first().copied()
+        self.curve.as_ref().filter(|curve| curve.reads)?.times.first().copied()
     }
 
     /// Whether the other one reads a later row of the same curve.

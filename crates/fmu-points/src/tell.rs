@@ -32,9 +32,10 @@ fn written(text: &str, is_hidden: impl Fn(char) -> bool) -> Cow<'_, str> {
         return Cow::Borrowed(text);
     }
     let written = text.chars().fold(String::new(), |mut all, c| {
-        match is_hidden(c) {
-            true => all += &format!("\\u{:04x}", u32::from(c)),
-            false => all.push(c),
+        if is_hidden(c) {
+            all += &format!("\\u{:04x}", u32::from(c))
+        } else {
+            all.push(c)
         }
         all
     });
@@ -51,8 +52,7 @@ pub fn print(text: &str) {
 /// panic.
 #[doc(hidden)]
 pub fn write_line(text: &str) {
-    let line = format!("{}\n", one_line(text));
-    let _ = io::stderr().write_all(line.as_bytes());
+    let _ = io::stderr().write_all(format!("{}\n", one_line(text)).as_bytes());
 }
 
 /// Writes a line to standard error, as `eprintln!` would.

@@ -140,8 +140,7 @@ impl Service {
             simulated.notices = Some(Box::new(notices));
         }
         if let Some(why) = self.why_unfinished(parting)? {
-            let notices = simulated.notices.get_or_insert_default();
-            notices.unfinished.get_or_insert(why);
+            simulated.notices.get_or_insert_default().unfinished.get_or_insert(why);
         }
         Ok(())
     }
@@ -216,8 +215,7 @@ impl Service {
             None => match self.begin(&Order::Used(Vec::new()))? {
                 Ok((child, _)) => child,
                 Err(trouble) => {
-                    let same = |job: Job| Reply::new(job.index, Err(trouble.clone()));
-                    self.output.held.extend(jobs.drain(..).map(same));
+                    self.output.held.extend(jobs.drain(..).map(|job| Reply::new(job.index, Err(trouble.clone()))));
                     return Ok(true);
                 }
             },
@@ -265,8 +263,9 @@ impl Service {
             Ok(child) if matches!(order, Order::Forked(_)) => return Ok(Ok((child, None))),
             Ok(child) => child,
             Err(error) => {
-                let text = format!("the system starts no further process: {error}");
-                return Ok(Err(Trouble::lost(Failure::Crashed(text))));
+                return Ok(Err(Trouble::lost(Failure::Crashed(format!(
+                    "the system starts no further process: {error}"
+                )))));
             }
         };
         let loss = match self.hear(&mut child) {

@@ -45,8 +45,10 @@ const LISTS: [&str; 4] = ["LD_LIBRARY_PATH", "LD_PRELOAD", "PATH", "PYTHONPATH"]
 
 /// These lists for a process in another working directory: what they name relative to this one, it would not find.
 pub(crate) fn lists_for_elsewhere() -> impl Iterator<Item = (&'static str, OsString)> {
-    let named = LISTS.into_iter().filter_map(|name| Some((name, env::var_os(name)?)));
-    named.map(|(name, list)| (name, from_here(name, &list)))
+    LISTS
+        .into_iter()
+        .filter_map(|name| Some((name, env::var_os(name)?)))
+        .map(|(name, list)| (name, from_here(name, &list)))
 }
 
 /// A list with absolute paths.
@@ -63,8 +65,7 @@ fn from_here(name: &str, list: &OsStr) -> OsString {
         let named = if empty { Path::new(".") } else { &entry };
         path::absolute(named).unwrap_or(entry)
     };
-    let joined = env::join_paths(env::split_paths(list).map(absolute));
-    joined.unwrap_or_else(|_| list.to_owned())
+    env::join_paths(env::split_paths(list).map(absolute)).unwrap_or_else(|_| list.to_owned())
 }
 
 #[cfg(all(test, unix))]
@@ -73,8 +74,7 @@ mod tests {
 
     #[test]
     fn relative_paths_become_absolute() {
-        let here = env::current_dir().unwrap();
-        let here = here.to_str().unwrap();
+        let here = env::current_dir().unwrap().to_str().unwrap();
         let made = |name: &str, list: &str| from_here(name, list.as_ref()).into_string().unwrap();
         assert_eq!(made("PATH", "/bin:own::/x/../y"), format!("/bin:{here}/own:{here}:/x/../y"));
         assert_eq!(made("LD_PRELOAD", "libm.so.6:own/a.so"), format!("libm.so.6:{here}/own/a.so"));

@@ -151,8 +151,7 @@ fn tabulate() -> Box<Table> {
     let mut slopes = vec![0.0; NODES];
     let mut splined = |values: Vec<f64>| -> Vec<Width> {
         spline.slopes(&values, &mut slopes);
-        let both = values.iter().zip(&slopes);
-        both.map(|(value, slope)| [*value, slope * PER_UNIT]).collect()
+        values.iter().zip(&slopes).map(|(value, slope)| [*value, slope * PER_UNIT]).collect()
     };
     let means = nodes.iter().enumerate();
     let flows = splined(means.map(|(i, node)| flow_gap(ratio(i), node.mean[0])).collect());
@@ -160,8 +159,7 @@ fn tabulate() -> Box<Table> {
     for (node, (flow, resistance)) in nodes.iter_mut().zip(flows.into_iter().zip(resistances)) {
         (node.flow, node.resistance) = (flow, resistance);
     }
-    let cells = nodes.windows(2).map(|ends| Cell::between(&ends[0], &ends[1]));
-    let cells: Box<[Cell]> = cells.collect();
+    let cells: Box<[Cell]> = nodes.windows(2).map(|ends| Cell::between(&ends[0], &ends[1])).collect();
     cells.try_into().expect("a cell lies between two nodes")
 }
 

@@ -46,12 +46,17 @@ pub fn rows(path: &Path, _: How) -> Result<Box<dyn Rows>, FileError> {
             )
         )
     };
-    let moment = |field: &&parquet::schema::types::TypePtr| is_moment(field.get_basic_info().logical_type_ref());
-    let moments: Vec<&str> = schema.get_fields().iter().filter(moment).map(|field| field.name()).collect();
+    let moments: Vec<&str> = schema
+        .get_fields()
+        .iter()
+        .filter(|field| is_moment(field.get_basic_info().logical_type_ref()))
+        .map(|field| field.name())
+        .collect();
     if durations || !moments.is_empty() {
-        let what = match durations {
-            true => "durations".to_owned(),
-            false => format!("moments or decimals (`{}`)", moments.join("`, `")),
+        let what = if durations {
+            "durations".to_owned()
+        } else {
+            format!("moments or decimals (`{}`)", moments.join("`, `"))
         };
         return Err(FileError::new(path, format!("it has {what}, which are no plain numbers")));
     }
@@ -107,8 +112,7 @@ impl Rows for ParquetRows {
 
 /// The error's message on one line.
 fn one_line(error: &ParquetError) -> String {
-    let text = error.to_string();
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// A cell as a number.

@@ -67,10 +67,12 @@ impl RecordedTable {
         let columns: Vec<Column> = rows.names().iter().map(column).collect();
         let mut table = Self { path: path.to_owned(), columns, rows: 0 };
         while rows.advance().map_err(plain)? {
-            let is_text = |k: usize| rows.number(k).is_none() && !rows.text(k).is_empty();
-            if table.rows == 0 && (0..table.columns.len()).all(is_text) {
-                let message = format!("line {} below the names has no number; {}", rows.line(), convert(path));
-                return Err(FileError::new(path, message));
+            if table.rows == 0 && (0..table.columns.len()).all(|k| rows.number(k).is_none() && !rows.text(k).is_empty())
+            {
+                return Err(FileError::new(
+                    path,
+                    format!("line {} below the names has no number; {}", rows.line(), convert(path)),
+                ));
             }
             for (k, column) in table.columns.iter_mut().enumerate() {
                 let (text, number) = (rows.text(k), rows.number(k).filter(|number| !number.is_infinite()));
@@ -85,19 +87,23 @@ impl RecordedTable {
         }
         if let Some(cell) = rows.unclear() {
             let without = cell.replace(['.', ','], "");
-            let message = format!("`{cell}` may be {without} or {}; {}", cell.replace(',', "."), convert(path));
-            return Err(FileError::new(path, message));
+            return Err(FileError::new(
+                path,
+                format!("`{cell}` may be {without} or {}; {}", cell.replace(',', "."), convert(path)),
+            ));
         }
         if let Some(name) = table.names_signals() {
-            let message = format!(
-                "column `{name}` says in each row whose value it is; save a column for each, or a file for each"
-            );
-            return Err(FileError::new(path, message));
+            return Err(FileError::new(
+                path,
+                format!(
+                    "column `{name}` says in each row whose value it is; save a column for each, or a file for each"
+                ),
+            ));
         }
-        let has_numbers = |column: &Column| column.values.iter().any(|value| value.is_finite());
-        match table.columns.iter().any(has_numbers) {
-            true => Ok(table),
-            false => Err(FileError::new(path, format!("no row of numbers below one row of names; {}", convert(path)))),
+        if table.columns.iter().any(|column| column.values.iter().any(|value| value.is_finite())) {
+            Ok(table)
+        } else {
+            Err(FileError::new(path, format!("no row of numbers below one row of names; {}", convert(path))))
         }
     }
 
@@ -113,8 +119,10 @@ impl RecordedTable {
             let count = texts.chain(numbers).collect::<std::collections::BTreeSet<_>>().len();
             count > 1 && count <= self.rows / 2
         };
-        let signals = self.columns.iter().filter(|column| called(column, &SIGNALS)).find(again);
-        signals
+        self.columns
+            .iter()
+            .filter(|column| called(column, &SIGNALS))
+            .find(again)
             .filter(|_| self.columns.iter().any(|column| called(&column, &VALUES)))
             .map(|column| column.name.as_str())
     }
@@ -137,10 +145,8 @@ impl RecordedTable {
         let by_unit = |column: &&Column| column.unit.as_deref().is_some_and(is_of_time);
         let by_name = |column: &&Column| column.unit.is_none() && is_time_name(&column.bare);
         let with_unit: Vec<&Column> = self.columns.iter().filter(by_unit).filter(rises).collect();
-        let candidates = match with_unit.is_empty() {
-            true => self.columns.iter().filter(by_name).filter(rises).collect(),
-            false => with_unit,
-        };
+        let candidates =
+            if with_unit.is_empty() { self.columns.iter().filter(by_name).filter(rises).collect() } else { with_unit };
         match candidates.as_slice() {
             [one] => Ok(&one.name),
             [] => Err(self.wrong(format!(
@@ -171,8 +177,10 @@ impl RecordedTable {
 
     /// A column by its name, with or without the unit in it; none where there is none.
     pub fn get(&self, name: &str) -> Option<&Column> {
-        let exact = self.columns.iter().find(|column| column.name == name);
-        exact.or_else(|| self.columns.iter().find(|column| column.bare == name))
+        self.columns
+            .iter()
+            .find(|column| column.name == name)
+            .or_else(|| self.columns.iter().find(|column| column.bare == name))
     }
 
     /// A column by its name, with or without the unit in it.
@@ -191,8 +199,7 @@ impl RecordedTable {
 
     fn names(&self) -> String {
         const MANY: usize = 20;
-        let names = self.columns.iter().map(|column| shown(&column.name));
-        names.take(MANY).collect::<Vec<_>>().join(", ")
+        self.columns.iter().map(|column| shown(&column.name)).take(MANY).collect::<Vec<_>>().join(", ")
     }
 
     /// That none of some tables, of which there is at least one, has a column, with the names that they have.
@@ -241,8 +248,7 @@ impl RecordedTable {
         }
         let is_mark = |value: &f64| marks.contains(value);
         let count = column.texts.len() + column.values.iter().filter(|value| is_mark(value)).count();
-        let value = |value: &f64| if is_mark(value) { f64::NAN } else { *value };
-        Ok((column.values.iter().map(value).collect(), count))
+        Ok((column.values.iter().map(|value| if is_mark(value) { f64::NAN } else { *value }).collect(), count))
     }
 }
 
@@ -252,8 +258,7 @@ mod tests {
     use super::*;
 
     fn read(text: &[u8]) -> Result<RecordedTable, FileError> {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("m.csv");
+        let path = tempfile::tempdir().unwrap().path().join("m.csv");
         std::fs::write(&path, text).unwrap();
         RecordedTable::read(&path)
     }
@@ -295,8 +300,7 @@ mod tests {
 
     #[test]
     fn studies_know_the_time_by_its_unit_too() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("m.csv");
+        let path = tempfile::tempdir().unwrap().path().join("m.csv");
         for (names, times) in [
             ("u,t [s]", Some([1.0, 3.0])),
             ("u,Time(ms)", Some([1.0, 3.0])),
@@ -305,8 +309,8 @@ mod tests {
             ("u,v", None),
         ] {
             std::fs::write(&path, format!("{names}\n0,1\n2,3\n")).unwrap();
-            let read = crate::Table::read(&path, &[crate::time_column(None)]);
-            let found = read.map(|table| [table.rows[0][0], table.rows[1][0]]);
+            let found = crate::Table::read(&path, &[crate::time_column(None)])
+                .map(|table| [table.rows[0][0], table.rows[1][0]]);
             match times {
                 Some(times) => assert_eq!(found.unwrap(), times, "{names}"),
                 None => assert!(found.unwrap_err().to_string().contains("say time = "), "{names}"),

@@ -108,6 +108,5 @@ pub fn draft(folder: &Path) -> io::Result<NamedTempFile> {
 /// # Errors
 /// When the system says no.
 pub fn keep(file: NamedTempFile, path: &Path) -> Result<(), FileError> {
-    let kept = file.persist(path).map(drop);
-    kept.map_err(|error| FileError::read(path, error.error))
+    file.persist(path).map(drop).map_err(|error| FileError::read(path, error.error))
 }

@@ -45,10 +45,8 @@ const NOWHERE: u64 = u64::MAX;
 fn places(folder: &Path, points: u64) -> Result<Vec<u64>, Error> {
     let mut places = Vec::new();
     let count = usize::try_from(points).unwrap_or(usize::MAX);
-    let room = places.try_reserve_exact(count);
-    room.map_err(|_| {
-        let message = format!("{points} points do not fit into the memory; use --shard");
-        Error::content(&path_in(folder), message)
+    places.try_reserve_exact(count).map_err(|_| {
+        Error::content(&path_in(folder), format!("{points} points do not fit into the memory; use --shard"))
     })?;
     places.resize(count, NOWHERE);
     Ok(places)
@@ -117,8 +115,7 @@ impl Finished {
 
     /// How the points were computed.
     pub fn conduct(&self) -> Conduct {
-        let notes = self.parts.values().chain(&self.noted).cloned();
-        notes.reduce(Conduct::and).unwrap_or_default()
+        self.parts.values().chain(&self.noted).cloned().reduce(Conduct::and).unwrap_or_default()
     }
 
     /// The file that the FMU changes in its own folder, where that was found.
@@ -135,8 +132,7 @@ impl Finished {
 
     /// The finished points, in their order.
     pub fn points(&self) -> impl Iterator<Item = u64> + '_ {
-        let places = (0..).zip(&self.places);
-        places.filter(|(_, place)| **place != NOWHERE).map(|(index, _)| index)
+        (0..).zip(&self.places).filter(|(_, place)| **place != NOWHERE).map(|(index, _)| index)
     }
 
     /// Where the line of a finished point is.
@@ -211,8 +207,7 @@ impl Outcomes<'_> {
     /// # Errors
     /// When the journal cannot be read any more.
     pub fn get(&mut self, index: u64) -> Result<Option<Outcome>, Error> {
-        let noted = self.get_noted(index)?;
-        Ok(noted.map(|(outcome, _)| outcome))
+        Ok(self.get_noted(index)?.map(|(outcome, _)| outcome))
     }
 
     /// The outcome of a point, if it is finished, and what the FMU said beside its results.
@@ -231,11 +226,12 @@ impl Outcomes<'_> {
         };
         let damaged = || format!("the line of point {} is damaged", index + 1);
         // All points have as many values.
-        let noted = noted.filter(|(outcome, _)| {
-            let count = outcome.as_ref().ok().map(Vec::len);
-            count.is_none_or(|count| *self.width.get_or_insert(count) == count)
-        });
-        let noted = noted.ok_or_else(|| Error::content(path, damaged()))?;
+        let noted = noted
+            .filter(|(outcome, _)| {
+                let count = outcome.as_ref().ok().map(Vec::len);
+                count.is_none_or(|count| *self.width.get_or_insert(count) == count)
+            })
+            .ok_or_else(|| Error::content(path, damaged()))?;
         Ok(Some(noted))
     }
 }
@@ -247,8 +243,7 @@ fn parse(line: &str) -> Option<Noted> {
     match word {
         PASSED => {
             let (values, notices) = rest.split_at(rest.find('{').unwrap_or(rest.len()));
-            let values = values.split_ascii_whitespace();
-            let values = values.map(|text| text.parse().ok());
+            let values = values.split_ascii_whitespace().map(|text| text.parse().ok());
             let notices = match notices {
                 "" => None,
                 text => Some(serde_json::from_str(text).ok()?),

@@ -53,12 +53,13 @@ impl Header {
     /// # Errors
     /// Says so.
     pub fn check_form(&self, path: &Path) -> Result<(), Error> {
-        match self.form == Form::default() {
-            true => Ok(()),
-            false => Err(Error::Refused(format!(
+        if self.form == Form::default() {
+            Ok(())
+        } else {
+            Err(Error::Refused(format!(
                 "{} was written by another version of this program; run the study anew with --force, or choose another --output",
                 path.display()
-            ))),
+            )))
         }
     }
 

@@ -107,8 +107,7 @@ impl Journal {
             finished = Finished::read(folder)?;
         }
         let journal = Self::open(folder, &path, header)?;
-        let cut = journal.file.set_len(finished.end);
-        cut.map_err(Error::io(&path))?;
+        journal.file.set_len(finished.end).map_err(Error::io(&path))?;
         Ok((journal, finished))
     }
 
@@ -144,14 +143,12 @@ impl Journal {
                 values.iter().try_for_each(|value| write!(self.line, " {value:e}"))
             }
             Err(failure) => {
-                let text = serde_json::to_string(failure);
-                let text = text.expect("a failure is texts and numbers");
+                let text = serde_json::to_string(failure).expect("a failure is texts and numbers");
                 write!(self.line, "{index} failed {text}")
             }
         };
         if let Some(notices) = notices {
-            let text = serde_json::to_string(notices);
-            let text = text.expect("notices are texts and numbers");
+            let text = serde_json::to_string(notices).expect("notices are texts and numbers");
             let _ = write!(self.line, " {text}");
         }
         self.finish_line();
@@ -284,8 +281,7 @@ pub fn copy(folder: &Path, into: &mut Journal) -> Result<(), Error> {
         }
     }
     // A part may be joined again, such as one that has grown.
-    let name = finished.header.shard.clone();
-    let name = name.unwrap_or_else(|| folder.display().to_string());
+    let name = finished.header.shard.clone().unwrap_or_else(|| folder.display().to_string());
     into.note(&Note::Part(name, finished.conduct()))?;
     into.flush()
 }

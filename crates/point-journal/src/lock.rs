@@ -30,8 +30,7 @@ impl Lock {
         make_folder(folder)?;
         let path = folder.join(FILE);
         // A network file system locks only files that are open for writing.
-        let file = OpenOptions::new().write(true).create(true).truncate(false).open(&path);
-        let file = file.map_err(Error::io(&path))?;
+        let file = OpenOptions::new().write(true).create(true).truncate(false).open(&path).map_err(Error::io(&path))?;
         let begun = Instant::now();
         loop {
             match file.try_lock() {

@@ -74,8 +74,8 @@ impl<'a> Pipeline<'a> {
         part: Part,
     ) -> Self {
         let expected = part.count();
-        let known = |finished: &Finished| finished.points().filter(|index| part.has(*index)).count() as u64;
-        let before = finished.as_ref().map_or(0, known);
+        let before =
+            finished.as_ref().map_or(0, |finished| finished.points().filter(|index| part.has(*index)).count() as u64);
         let progress = Progress::new(expected, before);
         if let Some(file) = finished.as_ref().and_then(Finished::changed_file) {
             crew.part(file);
@@ -199,8 +199,7 @@ impl<'a> Pipeline<'a> {
                 self.computed += 1;
                 self.again.note(self.crew, index, &outcome, job);
                 let verified = self.model.is_verified(&outcome);
-                let answered = || self.crew.answered();
-                self.progress.step(verified, outcome.is_err(), answered);
+                self.progress.step(verified, outcome.is_err(), || self.crew.answered());
                 Some((index, outcome))
             }
             Event::Said(index, notices) => {
@@ -263,8 +262,7 @@ impl<'a> Pipeline<'a> {
     pub fn apart(&self, cases: &[Case], points: &[Vec<f64>]) -> Result<Vec<Outcome>, Error> {
         let size = self.crew.size().min(points.len());
         let mut workers: Vec<_> = (0..size).map(|_| self.crew.worker(cases)).collect();
-        let values = points.iter().map(|point| self.model.values(point));
-        let values: Vec<Vec<f64>> = values.collect();
+        let values: Vec<Vec<f64>> = points.iter().map(|point| self.model.values(point)).collect();
         let job = |index: u64| Job { index, values: values[index as usize].clone() };
         let mut outcomes = vec![None; points.len()];
         fmu_points::run(&mut workers, 0..points.len() as u64, &job, stop::flag(), |event| {
@@ -304,8 +302,7 @@ impl<'a> Pipeline<'a> {
             return Ok(vec![None; count]);
         };
         let mut outcomes = finished.outcomes()?;
-        let known = (0..count as u64).map(|k| outcomes.get(first + k));
-        known.collect()
+        (0..count as u64).map(|k| outcomes.get(first + k)).collect()
     }
 
     /// Notes which points a set has. Where the journal has answers for other points, these count no more: a search

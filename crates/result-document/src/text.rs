@@ -51,14 +51,13 @@ fn block(block: &Block) -> String {
 
 fn figure(figure: &Figure) -> String {
     let numbers = figure.numbers.as_ref();
-    numbers.map_or_else(String::new, |numbers| format!("\n{}\n{}{}\n", figure.caption, table(numbers), figure.note))
+    numbers.map(|numbers| format!("\n{}\n{}{}\n", figure.caption, table(numbers), figure.note)).unwrap_or_default()
 }
 
 /// Columns as wide as their widest cell; where that is wider than a screen and the rows are few, a line for each column.
 fn table(table: &Table) -> String {
     const WIDEST: usize = 132;
-    let heads = table.columns.iter();
-    let heads: Vec<String> = heads.map(|column| plain(&with_unit(&column.name, &column.unit))).collect();
+    let heads: Vec<String> = table.columns.iter().map(|column| plain(&with_unit(&column.name, &column.unit))).collect();
     let lines: Vec<&Vec<String>> = std::iter::once(&heads).chain(&table.rows).collect();
     let is_number = |k: usize| table.columns[k].is_number;
     let drawn = aligned(&lines, is_number);
@@ -76,10 +75,8 @@ fn aligned(lines: &[&Vec<String>], is_number: impl Fn(usize) -> bool) -> String 
     let width = |k: usize| lines.iter().map(|line| length(&line[k])).max().unwrap_or(0);
     let widths: Vec<usize> = (0..lines[0].len()).map(width).collect();
     let line = |line: &&Vec<String>| {
-        let cells = line.iter().zip(&widths).enumerate();
-        let padded = cells.map(|(k, (cell, &width))| match is_number(k) {
-            true => format!("  {cell:>width$}"),
-            false => format!("  {cell:<width$}"),
+        let padded = line.iter().zip(&widths).enumerate().map(|(k, (cell, &width))| {
+            if is_number(k) { format!("  {cell:>width$}") } else { format!("  {cell:<width$}") }
         });
         padded.collect::<String>().trim_end().to_owned() + "\n"
     };

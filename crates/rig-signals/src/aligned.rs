@@ -90,8 +90,7 @@ impl<'a> Aligned<'a> {
         let (start, end) = late.span();
         let shift = delay.shift();
         let times: Vec<f64> = load.times();
-        let is_common = |&k: &usize| (start..=end).contains(&(times[k] + shift));
-        let kept: Vec<usize> = (0..times.len()).filter(is_common).collect();
+        let kept: Vec<usize> = (0..times.len()).filter(|&k| (start..=end).contains(&(times[k] + shift))).collect();
         let time: Vec<f64> = kept.iter().map(|&k| times[k]).collect();
         let at_these = |signal: &Even| -> Vec<f64> {
             let last = signal.values.len() - 1;
@@ -125,12 +124,9 @@ impl<'a> Aligned<'a> {
     ) -> Result<Synchronised, SignalError> {
         let (bearing, known) = (self.bearing, &self.result);
         let half = bearing.diameter / 2.0;
-        let friction = |torque: &[f64]| -> Vec<f64> {
-            let pairs = torque.iter().zip(&known.load);
-            pairs.map(|(m, f)| m / (f * half)).collect()
-        };
-        let pairs = known.torque.iter().zip(&self.speed);
-        let power: Vec<f64> = pairs.map(|(m, w)| m * w).collect();
+        let friction =
+            |torque: &[f64]| -> Vec<f64> { torque.iter().zip(&known.load).map(|(m, f)| m / (f * half)).collect() };
+        let power: Vec<f64> = known.torque.iter().zip(&self.speed).map(|(m, w)| m * w).collect();
         let relative = |channel: &Channel, values: &[f64]| match mean(values) {
             0.0 => 0.0,
             centre => channel.accuracy.standard(centre) / centre.abs(),
@@ -156,10 +152,9 @@ impl<'a> Aligned<'a> {
                 group: derived.group.clone(),
                 ..bearing.torque.clone()
             };
-            let product = |v| of_product(v, &[of_torque, of_speed]);
             findings.push(DerivedCriterion {
                 from: Some([bearing.torque.name.clone(), bearing.speed.variable.clone()]),
-                ..self.grid.mean(&channel, &of_both(&power), product)
+                ..self.grid.mean(&channel, &of_both(&power), |v| of_product(v, &[of_torque, of_speed]))
             });
         }
         for channel in &self.recording.others {

@@ -43,8 +43,13 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
     let mut result = match &recording.bearing {
         Some(bearing) => aligned(recording, bearing)?,
         None => {
-            let others = recording.others.iter().map(|channel| other(recording, channel, None));
-            let (findings, concerns): (Vec<_>, Vec<_>) = others.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+            let (findings, concerns): (Vec<_>, Vec<_>) = recording
+                .others
+                .iter()
+                .map(|channel| other(recording, channel, None))
+                .collect::<Result<Vec<_>, _>>()?
+                .into_iter()
+                .unzip();
             let warnings = findings.iter().filter_map(unsteady).collect();
             let doubts = concerns.into_iter().flatten().collect();
             Synchronised { findings, warnings, doubts, ..Synchronised::default() }
@@ -55,9 +60,10 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
         let cleaned = channel.clean(&values);
         let told = concerns(channel, &cleaned);
         // What stays and may be none of the signal touches the verdict.
-        match channel.drop.is_stated {
-            true => result.warnings.extend(told),
-            false => result.doubts.extend(told),
+        if channel.drop.is_stated {
+            result.warnings.extend(told)
+        } else {
+            result.doubts.extend(told)
         }
         result.doubts.extend(frozen(channel, &time, &cleaned));
         let early = channel.before(recording.begin());
@@ -91,8 +97,7 @@ fn other(
         Some((comb, _)) => comb.noise(&even, None),
         None => Noise::by_rows(&cleaned.values),
     };
-    let grid = Grid::new(recording, [start, step], samples);
-    Ok(grid.mean_of(channel, &even.values, &holes, noise))
+    Ok(Grid::new(recording, [start, step], samples).mean_of(channel, &even.values, &holes, noise))
 }
 
 /// Load and torque, aligned, and all criteria.
@@ -111,8 +116,9 @@ fn aligned(recording: &RigRecording, bearing: &Bearing) -> Result<Synchronised, 
     let end = load.span().1.min(torque.span().1);
     let step = load.step();
     if end - start < 8.0 * step {
-        let message = "load and torque have no time in common: correct the `offset` of a file's time";
-        return Err(SignalError::Setting(message.into()));
+        return Err(SignalError::Setting(
+            "load and torque have no time in common: correct the `offset` of a file's time".into(),
+        ));
     }
     let even = |spline: &Spline| Even::from_spline(spline, start, end, step);
     let smooth = |raw: &Even| {
@@ -142,8 +148,8 @@ fn aligned(recording: &RigRecording, bearing: &Bearing) -> Result<Synchronised, 
     let [of_load, of_torque] = [(&raw.0, &raw.1, shift), (&raw.1, &raw.0, -shift)]
         .map(|(signal, other, late)| comb.noise(signal, shared.then_some((other, late))));
     let grid = raw.0.clone();
-    let aligned = Aligned::new((recording, bearing), raw, &load, &late, even(&speed), (delay, holes));
-    aligned.finish([of_load, of_torque], |channel| other(recording, channel, Some((&comb, &grid))))
+    Aligned::new((recording, bearing), raw, &load, &late, even(&speed), (delay, holes))
+        .finish([of_load, of_torque], |channel| other(recording, channel, Some((&comb, &grid))))
 }
 
 /// Which samples of an even signal lie next to none that is clipped.

@@ -135,10 +135,7 @@ impl Distribution {
         };
         let (first, last) = (min.ceil(), max.floor());
         // A narrowed one may hold none; the nearest stands for it then.
-        Some(match first <= last {
-            true => [first, last - first + 1.0],
-            false => [(0.5 * (min + max)).round(), 1.0],
-        })
+        Some(if first <= last { [first, last - first + 1.0] } else { [(0.5 * (min + max)).round(), 1.0] })
     }
 
     /// Says what is wrong with the numbers, if anything is.

@@ -27,8 +27,7 @@ impl RowErrors {
     pub fn new(seed: u64, rectangular: bool) -> Self {
         let sliced = |part: u32, quantile: fn(f64) -> f64| {
             let mut order: Vec<usize> = (0..Self::REPLICATES).collect();
-            let place = |replicate: &usize| bits(seed, Purpose::Common, *replicate as u64, part);
-            order.sort_by_cached_key(place);
+            order.sort_by_cached_key(|replicate| bits(seed, Purpose::Common, *replicate as u64, part));
             let middle = |slice: usize| (slice as f64 + 0.5) / Self::REPLICATES as f64;
             order.into_iter().map(|slice| quantile(middle(slice))).collect()
         };
@@ -60,8 +59,10 @@ impl RowErrors {
             let (sine, cosine) = (std::f64::consts::TAU * v).sin_cos();
             [(2 * number, radius * cosine), (2 * number + 1, radius * sine)]
         };
-        let drawn = (first / 2..last.div_ceil(2)).flat_map(draw);
-        drawn.filter(move |(row, _)| (first..last).contains(row)).map(|(_, error)| error)
+        (first / 2..last.div_ceil(2))
+            .flat_map(draw)
+            .filter(move |(row, _)| (first..last).contains(row))
+            .map(|(_, error)| error)
     }
 }
 

@@ -46,8 +46,7 @@ impl Binder<'_> {
             None => self.study.error(format!("[simulation] {message}")),
             Some(case) => {
                 let name = case.name.as_ref();
-                let message = format!("the simulation of the case `{name}`: {message}");
-                self.study.error_at(&case.name, message)
+                self.study.error_at(&case.name, format!("the simulation of the case `{name}`: {message}"))
             }
         })?;
         let (outputs, observed) = self.criteria(&schedule)?;
@@ -169,9 +168,10 @@ impl Binder<'_> {
         let is_whole = text.turns.is_some() || text.periods.is_some();
         let needs_lines = detail.is_some() || is_whole || text.statistic.is_some_and(Statistic::needs_lines);
         if needs_lines && variable.handle().content != Content::Real {
-            let message =
-                "this statistic follows straight lines, and the variable is not real; take final, mean, min or max";
-            return Err(named(message.to_owned()));
+            return Err(named(
+                "this statistic follows straight lines, and the variable is not real; take final, mean, min or max"
+                    .to_owned(),
+            ));
         }
         if let Some(angle) = &text.turns {
             return self.turns(angle, variable).map(Some);
@@ -186,8 +186,7 @@ impl Binder<'_> {
         match detail {
             Some(Detail::Level(number, direction)) => {
                 let unit = text.level.as_ref().and_then(|level| level.as_ref().unit.as_deref());
-                let scale = Scale::new(unit, self.fmu, variable).map_err(named)?;
-                let level = scale.conversion.value(number);
+                let level = Scale::new(unit, self.fmu, variable).map_err(named)?.conversion.value(number);
                 Ok(Some(Detail::Level(level, direction)))
             }
             Some(Detail::At(time)) if !(schedule.start..=schedule.stop).contains(&time) => Err(named(format!(
@@ -203,11 +202,13 @@ impl Binder<'_> {
         let at = |message: String| self.study.error_at(name, message);
         let angle = self.variable(name)?;
         let handle = angle.number_handle();
-        let handle = handle.filter(|handle| handle.content == Content::Real && angle.name != of.name);
-        let handle = handle.ok_or_else(|| at("turns must name another real variable, an angle".to_owned()))?;
-        let scale = Scale::new(Some("rad"), self.fmu, angle);
-        let scale = scale.map_err(|message| at(format!("turns must name an angle: {message}")))?;
-        let turn = scale.conversion.difference(std::f64::consts::TAU);
+        let handle = handle
+            .filter(|handle| handle.content == Content::Real && angle.name != of.name)
+            .ok_or_else(|| at("turns must name another real variable, an angle".to_owned()))?;
+        let turn = Scale::new(Some("rad"), self.fmu, angle)
+            .map_err(|message| at(format!("turns must name an angle: {message}")))?
+            .conversion
+            .difference(std::f64::consts::TAU);
         Ok(Detail::Turns(handle, turn.abs()))
     }
 
@@ -224,8 +225,7 @@ impl Binder<'_> {
             return Ok(None);
         };
         if handle.content != Content::Real {
-            let message = "only real variables can be compared with a curve";
-            return Err(self.study.error_at(&text.variable, message));
+            return Err(self.study.error_at(&text.variable, "only real variables can be compared with a curve"));
         }
         let run = [schedule.start, schedule.stop];
         let general = [schedule.window_start, schedule.stop];
@@ -248,8 +248,7 @@ impl Binder<'_> {
         let Some(window) = &text.window else {
             return Ok(None);
         };
-        let times = window.as_ref().times(run);
-        times.map(Some).map_err(|message| self.study.error_at(window, message))
+        window.as_ref().times(run).map(Some).map_err(|message| self.study.error_at(window, message))
     }
 
     /// The probes with their windows; what lies before the first window may be leapt over.
@@ -280,11 +279,10 @@ impl Binder<'_> {
             };
             let rounding = 1e-9 * (from.abs() + to.abs());
             if points.at(points.from(from - rounding)) > to + rounding {
-                let message = format!(
+                return Err(self.study.error_at(stated, format!(
                     "no communication point lies in the window from {from} s to {to} s; make `step` under [simulation] \
                      smaller"
-                );
-                return Err(self.study.error_at(stated, message));
+                )));
             }
         }
         Ok(observed)
@@ -294,8 +292,8 @@ impl Binder<'_> {
     fn exchange(&self, fixed: &[(u32, Value)]) -> Option<(u32, i128)> {
         let variable = self.fmu.variables.get("container.ts_multiplier")?;
         let reference = variable.handle().reference;
-        let given = fixed.iter().find(|(fixed, _)| *fixed == reference).map(|(_, value)| value.clone());
-        match given.or_else(|| variable.kind.start_value())? {
+        let stated = fixed.iter().find(|(fixed, _)| *fixed == reference).map(|(_, value)| value.clone());
+        match stated.or_else(|| variable.kind.start_value())? {
             Value::Integer(steps) => Some((reference, steps)),
             _ => None,
         }
@@ -328,11 +326,13 @@ impl Binder<'_> {
             return Ok(Vec::new());
         };
         let path = self.study.path_of(file.as_ref());
-        let named = ssv::read(&path, self.fmu);
-        let named = named.map_err(|error| self.study.error_at(file, error.to_string()))?;
+        let named = ssv::read(&path, self.fmu).map_err(|error| self.study.error_at(file, error.to_string()))?;
         let set: HashSet<&str> = self.study.set().map(|(name, _)| &**name.as_ref()).collect();
-        let free = named.into_iter().filter(|(name, ..)| !set.contains(&**name));
-        Ok(free.map(|(_, reference, value)| (reference, value)).collect())
+        Ok(named
+            .into_iter()
+            .filter(|(name, ..)| !set.contains(&**name))
+            .map(|(_, reference, value)| (reference, value))
+            .collect())
     }
 
     fn schedule(&self) -> Result<Schedule, String> {

@@ -35,7 +35,7 @@ pub struct Dossier {
 impl Dossier {
     /// The statements, by their keys.
     pub fn stated(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        let all = [
+        [
             ("responsible", &self.responsible),
             ("organisation", &self.organisation),
             ("rig", &self.rig),
@@ -43,8 +43,9 @@ impl Dossier {
             ("test", &self.test),
             ("tested", &self.tested),
             ("document", &self.document),
-        ];
-        all.into_iter().filter_map(|(key, text)| Some((key, text.as_deref()?)))
+        ]
+        .into_iter()
+        .filter_map(|(key, text)| Some((key, text.as_deref()?)))
     }
 }
 

@@ -141,8 +141,7 @@ impl Study {
 
     /// The FMU's path, as seen from here.
     pub fn fmu_path(&self) -> PathBuf {
-        let folder = self.path.parent().unwrap_or(Path::new(""));
-        folder.join(self.fmu.as_ref())
+        self.path.parent().unwrap_or(Path::new("")).join(self.fmu.as_ref())
     }
 
     /// Opens its FMU, or another one instead, with the sizes of arrays that it fixes.
@@ -154,8 +153,7 @@ impl Study {
             return Err(FileError::new(&self.path, "names no FMU: add fmu = \"my.fmu\" above all sections").into());
         }
         let named = self.fmu_path();
-        let package = Package::open(instead.unwrap_or(&named));
-        let mut package = package.map_err(|error| match instead {
+        let mut package = Package::open(instead.unwrap_or(&named)).map_err(|error| match instead {
             None => self.error_at(&self.fmu, unusable(&error)).into(),
             Some(_) => OpenError::from(error),
         })?;
@@ -190,8 +188,8 @@ impl Study {
 
     /// Whether a sample gives several parameters, which are drawn together.
     pub fn binds_by_samples(&self) -> bool {
-        let files = self.parameters.values().filter_map(|p| p.file.as_ref());
-        let mut files: Vec<PathBuf> = files.map(|file| self.one_path(file.as_ref())).collect();
+        let mut files: Vec<PathBuf> =
+            self.parameters.values().filter_map(|p| p.file.as_ref()).map(|file| self.one_path(file.as_ref())).collect();
         files.sort_unstable();
         files.windows(2).any(|pair| pair[0] == pair[1])
     }
@@ -218,15 +216,10 @@ impl Study {
     /// The files that a verdict depends on.
     fn named(&self) -> impl Iterator<Item = &Path> {
         let of_cases = self.cases.iter().flat_map(|case| case.inputs.values());
-        let inputs = self.inputs.values().chain(of_cases);
-        let inputs = inputs.map(|input| &input.file);
-        let criteria = self.criteria.values();
-        let curves = criteria.filter_map(|text| Some(&text.reference.as_ref()?.file));
-        let samples = self.parameters.values();
-        let samples = samples.filter_map(|parameter| parameter.file.as_ref());
-        let named = inputs.chain(curves).chain(samples);
-        let named = named.chain(&self.fixed_from);
-        named.map(|file| file.as_ref().as_path())
+        let inputs = self.inputs.values().chain(of_cases).map(|input| &input.file);
+        let curves = self.criteria.values().filter_map(|text| Some(&text.reference.as_ref()?.file));
+        let samples = self.parameters.values().filter_map(|parameter| parameter.file.as_ref());
+        inputs.chain(curves).chain(samples).chain(&self.fixed_from).map(|file| file.as_ref().as_path())
     }
 
     /// The study's text.

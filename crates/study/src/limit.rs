@@ -44,9 +44,10 @@ pub fn error(stated: &Quantity, scale: &Scale<'_>) -> Result<f64, String> {
         ));
     }
     let tolerance = scale.number(stated, Sense::Difference)?;
-    match tolerance > 0.0 && tolerance.is_finite() {
-        true => Ok(tolerance),
-        false => Err(format!("the tolerance {stated} must be a positive, finite number")),
+    if tolerance > 0.0 && tolerance.is_finite() {
+        Ok(tolerance)
+    } else {
+        Err(format!("the tolerance {stated} must be a positive, finite number"))
     }
 }
 

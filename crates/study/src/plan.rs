@@ -52,9 +52,10 @@ impl Plan {
         points::check(study)?;
         let mut from_case_to_case = study.parameters.values().filter_map(|text| text.varies.as_ref());
         if let Some(varies) = from_case_to_case.next() {
-            let message =
-                "only identify gives each case its own value; remove `varies`, and the cases have one value in common";
-            return Err(study.error_at(varies, message));
+            return Err(study.error_at(
+                varies,
+                "only identify gives each case its own value; remove `varies`, and the cases have one value in common",
+            ));
         }
         let binder = Binder { study, fmu };
         let (mut inputs, varied) = binder.parameters()?;
@@ -158,30 +159,23 @@ impl Plan {
     /// The parameters at a point of the unit cube. Its axes are the parameters that vary; the others have their medians.
     pub fn from_cube(&self, cube: &[f64]) -> Vec<f64> {
         // Away from the ends of the unit interval where a distribution reaches to infinity.
-        let varied = self.varied().into_iter().zip(cube);
-        let given = varied.map(|(k, &u)| match self.inputs[k].distribution.is_bounded() {
+        let given = self.varied().into_iter().zip(cube).map(|(k, &u)| match self.inputs[k].distribution.is_bounded() {
             [true, true] => u,
             _ => u.clamp(1e-6, 1.0 - 1e-6),
         });
         let places = self.with_fixed(given, 0.5);
-        let pairs = self.inputs.iter().zip(&places);
-        let point = pairs.map(|(input, &u)| input.distribution.quantile(u));
+        let point = self.inputs.iter().zip(&places).map(|(input, &u)| input.distribution.quantile(u));
         self.with_samples(&places, point.collect())
     }
 
     /// A number for each parameter: those that are given for the ones that vary, and `otherwise`.
     fn with_fixed(&self, mut given: impl Iterator<Item = f64>, otherwise: f64) -> Vec<f64> {
         let mut next = || given.next().expect("a number for each that varies");
-        let number = |input: &Input| match input.distribution.varies() {
-            true => next(),
-            false => otherwise,
-        };
-        self.inputs.iter().map(number).collect()
+        self.inputs.iter().map(|input| if input.distribution.varies() { next() } else { otherwise }).collect()
     }
 
     fn distributions(&self) -> Vec<Distribution> {
-        let distributions = self.inputs.iter().map(|input| input.distribution.clone());
-        distributions.collect()
+        self.inputs.iter().map(|input| input.distribution.clone()).collect()
     }
 
     /// Puts the rows of the samples into a point.
@@ -198,10 +192,7 @@ impl Plan {
         let inputs = self.distributions();
         let point: Vec<f64> = match &self.correlation {
             Some(correlation) => correlation.at_scores(&all, &inputs),
-            None => {
-                let pairs = inputs.iter().zip(&all);
-                pairs.map(|(input, &z)| input.at_score(z)).collect()
-            }
+            None => inputs.iter().zip(&all).map(|(input, &z)| input.at_score(z)).collect(),
         };
         let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
         let places: Vec<f64> = all.iter().map(|&z| unit.at_score(z)).collect();
@@ -224,42 +215,42 @@ impl Plan {
 
     /// The names of parameters that are drawn together with others from a sample.
     pub fn together(&self) -> Vec<&str> {
-        let bound = self.joints.iter().filter(|joint| joint.binds());
-        bound.flat_map(Joint::inputs).map(|&k| self.inputs[k].name.as_str()).collect()
+        self.joints
+            .iter()
+            .filter(|joint| joint.binds())
+            .flat_map(Joint::inputs)
+            .map(|&k| self.inputs[k].name.as_str())
+            .collect()
     }
 
     /// Doubts about the study's numbers: parameters of which the FMU refuses a large part of the
     /// distribution, recorded inputs that it cannot follow.
     pub fn concerns(&self) -> Vec<Concern> {
         const LARGE: f64 = 0.05;
-        let concern = |(input, slot): (&Input, &Slot)| {
-            let inverse = input.conversion.inverse();
-            let below = |limit: f64| match limit {
-                f64::INFINITY => 1.0,
-                f64::NEG_INFINITY => 0.0,
-                limit => input.distribution.below(inverse.value(limit)),
-            };
-            let allowed = slot.allowed().into_iter();
-            let inside: f64 = allowed.map(|[low, high]| below(high) - below(low)).sum();
-            let unit = behind(input.unit.as_deref());
-            (1.0 - inside >= LARGE && input.distribution.varies()).then(|| {
-                let text = format!(
+        let concern =
+            |(input, slot): (&Input, &Slot)| {
+                let inverse = input.conversion.inverse();
+                let below = |limit: f64| match limit {
+                    f64::INFINITY => 1.0,
+                    f64::NEG_INFINITY => 0.0,
+                    limit => input.distribution.below(inverse.value(limit)),
+                };
+                let inside: f64 = slot.allowed().into_iter().map(|[low, high]| below(high) - below(low)).sum();
+                let unit = behind(input.unit.as_deref());
+                (1.0 - inside >= LARGE && input.distribution.varies()).then(|| {
+                    Concern::new(Code::RefusedDistribution, format!(
                     "{}: {:.0} % of the distribution lies outside of what the FMU allows ({}{unit}); such points \
                      fail and count as not verified",
                     input.name,
                     100.0 * (1.0 - inside),
                     slot.allowed_text(|limit| inverse.value(limit)),
-                );
-                let remedy = format!(
+                )).remedied(format!(
                     "Cut the distribution of {} to what the FMU allows (`truncated-normal`), or correct it.",
                     input.name
-                );
-                Concern::new(Code::RefusedDistribution, text).remedied(remedy)
-            })
-        };
-        let pairs = self.inputs.iter().zip(&self.slots);
-        let refused = pairs.filter_map(concern);
-        refused.chain(self.of_inputs.iter().cloned()).collect()
+                ))
+                })
+            };
+        self.inputs.iter().zip(&self.slots).filter_map(concern).chain(self.of_inputs.iter().cloned()).collect()
     }
 
     /// Tells at once of recorded inputs that the FMU gets otherwise, or at a great cost: every analysis rests on them.
@@ -273,14 +264,11 @@ impl Plan {
     pub fn concerns_of_samples(&self, points: u64) -> Vec<Concern> {
         let few = self.joints.iter().filter(|joint| (joint.count() as u64) < points);
         let concern = |joint: &Joint| {
-            let names = joint.inputs().iter().map(|&k| self.inputs[k].name.as_str());
-            let names = names.collect::<Vec<_>>().join(", ");
-            let text = format!(
+            let names = joint.inputs().iter().map(|&k| self.inputs[k].name.as_str()).collect::<Vec<_>>().join(", ");
+            Concern::new(Code::RepeatedSample, format!(
                 "{names}: {points} points repeat the {} rows of the sample, so the interval of the verified share is too narrow",
                 joint.count()
-            );
-            let remedy = format!("Give {names} a sample of {points} rows or more.");
-            Concern::new(Code::RepeatedSample, text).remedied(remedy)
+            )).remedied(format!("Give {names} a sample of {points} rows or more."))
         };
         few.map(concern).collect()
     }
@@ -292,14 +280,15 @@ impl Plan {
 
     /// The same, each with the number of its case.
     pub fn placed_probes(&self) -> impl Iterator<Item = (usize, &Probe)> {
-        let cases = self.cases.iter().enumerate();
-        cases.flat_map(|(number, case)| case.task.observed.iter().map(move |probe| (number, probe)))
+        self.cases
+            .iter()
+            .enumerate()
+            .flat_map(|(number, case)| case.task.observed.iter().map(move |probe| (number, probe)))
     }
 
     /// Which of the study's criteria a case has.
     pub fn criteria_of(&self, case: usize) -> Range<usize> {
-        let before = self.cases.iter().take(case);
-        let first = before.map(|case| case.task.observed.len()).sum();
+        let first = self.cases.iter().take(case).map(|case| case.task.observed.len()).sum();
         first..first + self.cases[case].task.observed.len()
     }
 

@@ -22,13 +22,14 @@ pub(super) fn check(study: &Study) -> Result<(), FileError> {
     if !study.design.method.is_by_levels()
         && let Some(levels) = study.parameters.values().find_map(|p| p.levels.as_ref())
     {
-        let message = "only a full factorial has levels; remove this, or set method = \"full-factorial\" in [design]";
-        return Err(study.error_at(levels, message));
+        return Err(study.error_at(
+            levels,
+            "only a full factorial has levels; remove this, or set method = \"full-factorial\" in [design]",
+        ));
     }
     match study.section::<Text>()?.design.points {
         Some(points) if study.design.method.is_by_levels() => {
-            let message = "the design has as many points as the levels make; remove `points`";
-            Err(study.error_at(&points, message))
+            Err(study.error_at(&points, "the design has as many points as the levels make; remove `points`"))
         }
         _ => Ok(()),
     }
@@ -73,12 +74,11 @@ pub fn pairs(
     for entry in entries {
         let Pair { between: [a, b], coefficient, .. } = entry.as_ref();
         let (a, b) = (place(a)?, place(b)?);
-        let known = |&(x, y, _): &(usize, usize, f64)| (x, y) == (a, b) || (y, x) == (a, b);
         let wrong = if a == b {
             alone
         } else if !limits.0(*coefficient) {
             limits.1
-        } else if pairs.iter().any(known) {
+        } else if pairs.iter().any(|&(x, y, _)| (x, y) == (a, b) || (y, x) == (a, b)) {
             "the correlation of these two stands above already; keep one"
         } else {
             pairs.push((a, b, *coefficient));
@@ -96,8 +96,7 @@ pub(super) fn correlation(study: &Study, count: usize) -> Result<Option<Correlat
         let (index, _, parameter) = parameter.ok_or_else(|| {
             let names = study.parameters.keys().map(|key| key.as_ref().as_str());
             let suggestion = did_you_mean(nearest(name.as_ref(), names));
-            let message = format!("no parameter `{}`{suggestion}", name.as_ref());
-            study.error_at(name, message)
+            study.error_at(name, format!("no parameter `{}`{suggestion}", name.as_ref()))
         })?;
         let wrong = match parameter.distribution {
             Shape::Fixed => "does not vary",
@@ -116,6 +115,5 @@ pub(super) fn correlation(study: &Study, count: usize) -> Result<Option<Correlat
     let Some(first) = study.correlations.first() else {
         return Ok(None);
     };
-    let correlation = Correlation::new(count, &pairs);
-    correlation.map(Some).map_err(|message| study.error_at(first, message))
+    Correlation::new(count, &pairs).map(Some).map_err(|message| study.error_at(first, message))
 }

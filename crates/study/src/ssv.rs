@@ -40,8 +40,7 @@ fn parse<T>(path: &Path, text: &str, take: impl Fn(&str, Setting) -> Result<T, S
     let root = document.root_element();
     let name = root.tag_name().name();
     if name != "ParameterSet" {
-        let message = format!("`{name}` is no SSP parameter set (`ParameterSet`)");
-        return Err(at(root, message));
+        return Err(at(root, format!("`{name}` is no SSP parameter set (`ParameterSet`)")));
     }
     let parameters = root.descendants().filter(|node| node.has_tag_name((NAMESPACE, "Parameter")));
     let entry = |node: Node<'_, '_>| {
@@ -59,8 +58,7 @@ fn parse<T>(path: &Path, text: &str, take: impl Fn(&str, Setting) -> Result<T, S
         };
         take(name, Setting::Text(text))
     };
-    let entry = |node| entry(node).map_err(|message| at(node, message));
-    parameters.map(entry).collect()
+    parameters.map(|node| entry(node).map_err(|message| at(node, message))).collect()
 }
 
 #[cfg(test)]

@@ -27,8 +27,7 @@ pub fn find<'a>(fmu: &'a Description, name: &str) -> Result<&'a Variable, String
 /// When it cannot be set, or is a text.
 pub fn slot_of(variable: &Variable) -> Result<Slot, String> {
     settable(variable)?;
-    let slot = Slot::of(variable);
-    slot.ok_or_else(|| "a text cannot vary; set it under [fixed]".to_owned())
+    Slot::of(variable).ok_or_else(|| "a text cannot vary; set it under [fixed]".to_owned())
 }
 
 /// How a number without a unit was read, where people see its variable in another unit.
@@ -100,8 +99,7 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
     match &variable.kind {
         Kind::Real { .. } => {
             let quantity: Quantity = text.parse()?;
-            let scale = Scale::new(None, fmu, variable)?;
-            let number = scale.number(&quantity, Sense::Value)?;
+            let number = Scale::new(None, fmu, variable)?.number(&quantity, Sense::Value)?;
             check_limits(variable, number)?;
             Ok(Value::Real(number))
         }
@@ -126,11 +124,13 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
                 return Ok(Value::Integer(*number));
             }
             let number = whole().ok();
-            let known = |number: &i128| items.is_empty() || items.iter().any(|(_, value)| value == number);
-            number.filter(known).map(Value::Integer).ok_or_else(|| {
-                let names: Vec<&str> = items.iter().map(|(name, _)| name.as_str()).collect();
-                format!("`{text}` is none of {}", names.join(", "))
-            })
+            number
+                .filter(|number| items.is_empty() || items.iter().any(|(_, value)| value == number))
+                .map(Value::Integer)
+                .ok_or_else(|| {
+                    let names: Vec<&str> = items.iter().map(|(name, _)| name.as_str()).collect();
+                    format!("`{text}` is none of {}", names.join(", "))
+                })
         }
     }
 }

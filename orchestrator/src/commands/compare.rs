@@ -18,8 +18,5 @@ pub(super) fn run(options: &cli::Compare) -> Result<ExitCode, Error> {
     }
     output::print(&format!("{}\n{}", comparison.headline(), comparison.document().as_text()));
     let fails = !comparison.same || (options.gate.strict && !comparison.warnings.is_empty());
-    Ok(match fails {
-        true => ExitCode::FAILURE,
-        false => ExitCode::SUCCESS,
-    })
+    Ok(if fails { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }

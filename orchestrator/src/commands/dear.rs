@@ -76,13 +76,14 @@ fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> 
     let session = &verification.session;
     asking::warn(&session.judge);
     if !session.judge.guard.leaves_something(&session.judge.measurement) {
-        let message = "the guard band is as wide as a tolerance, so that no point can be accepted; change [verdict]";
-        return Err(session.study.error(message).into());
+        return Err(session
+            .study
+            .error("the guard band is as wide as a tolerance, so that no point can be accepted; change [verdict]")
+            .into());
     }
     budget::guard(&session.judge).map_err(|message| session.study.error(message))?;
     if let (Some(Until::Verdict), None) = (options.until, session.judge.rule) {
-        let message = "there is no verdict to wait for: add [verdict] with the required share";
-        return Err(Error::option("until", message));
+        return Err(Error::option("until", "there is no verdict to wait for: add [verdict] with the required share"));
     }
     let spent = session.request.budget.clone().unwrap_or_default();
     let jobs = means.jobs_of(spent.points())?;
@@ -91,9 +92,10 @@ fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> 
     let (header, summary) = (verification.header.clone(), folder.join("summary.json"));
     let taken = place.take(verification.parts(), &header, || {
         // What was complete is so no more.
-        match options.work.resuming.resume && spent.places.is_empty() && summary.exists() {
-            true => fs::remove_file(&summary).map_err(Error::io(&summary)),
-            false => Ok(()),
+        if options.work.resuming.resume && spent.places.is_empty() && summary.exists() {
+            fs::remove_file(&summary).map_err(Error::io(&summary))
+        } else {
+            Ok(())
         }
     })?;
     let work = Work { means, jobs, ends: false };

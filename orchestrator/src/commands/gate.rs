@@ -34,14 +34,13 @@ pub(super) fn verdict(summary: &Summary, gate: &Gate) -> Result<ExitCode, Error>
 }
 
 fn warnings(summary: &Summary) -> impl Iterator<Item = &Concern> {
-    let concerns = summary.concerns.iter();
-    concerns.filter(|concern| concern.severity == Severity::Warning)
+    summary.concerns.iter().filter(|concern| concern.severity == Severity::Warning)
 }
 
 /// The study's name.
 pub(super) fn name(summary: &Summary) -> String {
     let stem = Path::new(&summary.provenance.study).file_stem();
-    stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+    stem.map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 /// The verdict, each criterion, each case, and each warning as a test. A criterion that no point meets, or fewer than the
@@ -78,8 +77,7 @@ pub(super) fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
             None => Test::new(&study, name, outcome),
         }
     });
-    let cases = summary.cases.iter();
-    let cases = cases.map(|(name, case)| {
+    let cases = summary.cases.iter().map(|(name, case)| {
         let outcome = counted("all criteria of the case", &case.count);
         Test::new(&format!("{study}.{name}"), "all criteria", outcome)
     });
@@ -92,10 +90,7 @@ pub(super) fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
             1 => concern.code.name(),
             number => format!("{} {number}", concern.code.name()),
         };
-        let outcome = match strict {
-            true => Outcome::Failed(text),
-            false => Outcome::Skipped(format!("warning: {text}")),
-        };
+        let outcome = if strict { Outcome::Failed(text) } else { Outcome::Skipped(format!("warning: {text}")) };
         Test::new(&format!("{study}.warnings"), &name, outcome)
     });
     let verdict = Test::new(&study, "verdict", whole);

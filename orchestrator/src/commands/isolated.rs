@@ -49,11 +49,14 @@ impl Columns {
 
     /// The values of a row, for people.
     pub(super) fn summary(&self, row: &[String]) -> String {
-        let lines = self.variables.iter().zip(row).map(|(variable, value)| {
-            let unit = variable.unit().unwrap_or("");
-            format!("{} = {value} {unit}", variable.name).trim_end().to_owned() + "\n"
-        });
-        lines.collect()
+        self.variables
+            .iter()
+            .zip(row)
+            .map(|(variable, value)| {
+                let unit = variable.unit().unwrap_or("");
+                format!("{} = {value} {unit}", variable.name).trim_end().to_owned() + "\n"
+            })
+            .collect()
     }
 }
 

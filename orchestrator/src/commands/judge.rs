@@ -55,10 +55,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
         let outcome = match missing {
             None => Ok(std::mem::take(row)),
             Some(k) => Err(Failure::NotFinite(Partial::new(
-                match judge.cases.is_empty() {
-                    true => &judge.criteria[k].variable,
-                    false => &judge.criteria[k].name,
-                },
+                if judge.cases.is_empty() { &judge.criteria[k].variable } else { &judge.criteria[k].name },
                 row,
             ))),
         };
@@ -91,10 +88,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
 fn take(options: &cli::Judge, study: &Study, folder: &Path) -> Result<Lock, Error> {
     let request =
         Request { study: options.study.clone(), points_from: Some(options.table.clone()), ..Request::default() };
-    let earlier = match options.force {
-        true => Earlier::Replaced,
-        false => Earlier::Complete,
-    };
+    let earlier = if options.force { Earlier::Replaced } else { Earlier::Complete };
     request.check(folder, None, None, earlier)?;
     request.check_files(folder, earlier)?;
     let lock = Lock::take(folder)?;
@@ -113,8 +107,7 @@ fn columns(study: &Study) -> Vec<(Vec<String>, String)> {
     };
     let names = study.criteria.iter().map(|(name, criterion)| {
         let in_case = criterion.case.is_some();
-        let mapped = criterion.column.clone();
-        let mapped = mapped.filter(|column| !(in_case && is_shared(column)));
+        let mapped = criterion.column.clone().filter(|column| !(in_case && is_shared(column)));
         let usual = [name.as_ref().clone(), criterion.variable.as_ref().clone()];
         // A table has no room for curves: its column holds the metric's value, not the variable's.
         let only_named = criterion.reference.is_some() || in_case;
@@ -138,11 +131,12 @@ fn conversions(study: &Study, judge: &Judge, fmu: Option<&Description>) -> Resul
             _ => Ok(Scale::alone(unit)),
         };
         let conversion = scale.and_then(|scale| scale.from(column_unit));
-        let conversion = conversion.map(|conversion| match text.reference {
-            Some(_) => conversion.of_differences(),
-            None => conversion,
-        });
-        conversion.map_err(|message| study.error_at(name, message).into())
+        conversion
+            .map(|conversion| match text.reference {
+                Some(_) => conversion.of_differences(),
+                None => conversion,
+            })
+            .map_err(|message| study.error_at(name, message).into())
     };
     pairs.map(|(entry, criterion)| conversion(entry, criterion.unit.as_deref())).collect()
 }

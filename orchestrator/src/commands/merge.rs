@@ -42,8 +42,7 @@ pub(super) fn run(options: &Merge) -> Result<ExitCode, Error> {
     }
     taken.journal.sync()?;
     let run = Run::since(start, 0, 0);
-    let summary = verification.conclude(output, Some(run), None, &mut looked, None);
-    let summary = summary.map_err(|error| match error {
+    let summary = verification.conclude(output, Some(run), None, &mut looked, None).map_err(|error| match error {
         Error::Incomplete { missing, points, .. } => Error::Refused(format!(
             "{missing} of {points} points are in none of the shards {}; merge all of them, or compute what is missing with \
              `verify STUDY --output {} --resume`",

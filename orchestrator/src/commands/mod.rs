@@ -63,8 +63,8 @@ pub fn run(cli: Cli) -> Result<ExitCode, Error> {
 /// Writes a mistake into the file of the tests, as that of an earlier run must not stand for this one.
 fn note_mistake(file: &Path, mistake: String) {
     let test = Test::new("orchestrator", "run", Outcome::Broken(mistake));
-    let written = junit::write(file, "orchestrator", &[test], 0.0);
-    written.unwrap_or_else(|error| left_out("the tests are in no file", &error));
+    junit::write(file, "orchestrator", &[test], 0.0)
+        .unwrap_or_else(|error| left_out("the tests are in no file", &error));
 }
 
 /// The same for a command line that cannot be read: the word after `--junit` is the file.

@@ -33,8 +33,7 @@ pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
             own.work.output = Some(folder.clone());
             own.work.means.fmu.clone_from(&options.fmu);
             verify::run(&own).map_err(|error| {
-                let text = error.to_string();
-                match text.split_once(';') {
+                match error.to_string().split_once(';') {
                     // Its options are those of `verify`.
                     Some((what, remedy)) if remedy.contains("--force") => {
                         Error::Refused(format!("{what}; verify the study into another folder, and name that by --from"))
@@ -47,13 +46,16 @@ pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
     };
     let summary = table::summary(&results)?;
     let mut package = study.open_fmu(options.fmu.as_deref())?;
-    let fits = |digest: Option<&String>, wanted: &str, what: &str| match digest.map(String::as_str) == Some(wanted) {
-        true => Ok(()),
-        false => Err(Error::Refused(format!(
-            "{} holds results of another {what}; verify {} again, or leave out --from",
-            results.display(),
-            options.study.display()
-        ))),
+    let fits = |digest: Option<&String>, wanted: &str, what: &str| {
+        if digest.map(String::as_str) == Some(wanted) {
+            Ok(())
+        } else {
+            Err(Error::Refused(format!(
+                "{} holds results of another {what}; verify {} again, or leave out --from",
+                results.display(),
+                options.study.display()
+            )))
+        }
     };
     let from = &summary.provenance;
     fits(Some(&from.study_sha256), &study.digest(), "study, or of its earlier text")?;
@@ -99,8 +101,11 @@ pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
     let (carried, others) = choose(&mut package, options.carried.as_deref())?;
     let name = &carried.name;
     // Two FMUs may carry studies of one name, and `pack` has the study's own results in a folder of this name.
-    let usual = || Path::new("results").join(fmu.file_name().unwrap_or_default()).join(name);
-    let folder = options.work.output.clone().unwrap_or_else(usual);
+    let folder = options
+        .work
+        .output
+        .clone()
+        .unwrap_or_else(|| Path::new("results").join(fmu.file_name().unwrap_or_default()).join(name));
     let place = folder.join(CARRIED);
     let earlier = options.work.resuming.earlier();
     let aside = settle(&mut package, &carried, &place, |study| {
@@ -164,10 +169,7 @@ pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
         junit::write(&file, &gate::name(&summary), &tests, seconds)?;
     }
     let strict = options.gate.strict && !(changed.is_empty() && altered.is_empty());
-    Ok(match met && !strict {
-        true => code,
-        false => ExitCode::FAILURE,
-    })
+    Ok(if met && !strict { code } else { ExitCode::FAILURE })
 }
 
 /// Whether files are those that were packed.

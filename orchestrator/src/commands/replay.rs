@@ -39,8 +39,7 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
         let again = Isolated::new(&mut session.package)?;
         let case = std::slice::from_ref(&session.plan.cases[case]);
         // One in the folder is replaced when it is complete; where the user wants it may be a pipe.
-        let kept = options.output.is_none().then(|| draft(&options.folder));
-        let kept = kept.transpose().map_err(Error::io(&path))?;
+        let kept = options.output.is_none().then(|| draft(&options.folder)).transpose().map_err(Error::io(&path))?;
         let file = match &kept {
             Some(file) => file.reopen(),
             None => File::create(&path),
@@ -55,7 +54,7 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
             keep(file, &path)?;
         }
         let of = case[0].name.as_ref();
-        let of = of.map_or_else(String::new, |name| format!(" of the case {name}"));
+        let of = of.map(|name| format!(" of the case {name}")).unwrap_or_default();
         files += &format!("trajectory{of} in {}\n", path.display());
     }
     let mut text = format!("point {}\n", options.point);
@@ -115,18 +114,15 @@ fn wanted(options: &Replay, cases: &[Case]) -> Result<Vec<(usize, PathBuf)>, Err
             Some(case) => Some(case),
             None => {
                 let suggestion = did_you_mean(nearest(name, names.iter().copied()));
-                let message = format!("the study has no case `{name}`{suggestion}");
-                return wrong("case", message);
+                return wrong("case", format!("the study has no case `{name}`{suggestion}"));
             }
         },
     };
     if options.output.is_some() && chosen.is_none() && cases.len() > 1 {
-        let message = "one file holds the trajectory of one case; choose it with --case NAME";
-        return wrong("output", message.to_owned());
+        return wrong("output", "one file holds the trajectory of one case; choose it with --case NAME".to_owned());
     }
-    let usual = |case: usize| match names.is_empty() {
-        true => format!("point-{point}.csv"),
-        false => format!("point-{point}-case-{}.csv", case + 1),
+    let usual = |case: usize| {
+        if names.is_empty() { format!("point-{point}.csv") } else { format!("point-{point}-case-{}.csv", case + 1) }
     };
     let numbers = chosen.map_or(0..cases.len(), |case| case..case + 1);
     let file = |case| {

@@ -22,10 +22,7 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode, Error> {
     let set = settings(&options.set, &mut package)?;
     let fmu = package.description();
     let from = match &options.set_from {
-        Some(path) => {
-            let named = ssv::read(path, fmu)?.into_iter();
-            named.map(|(_, reference, value)| (reference, value)).collect()
-        }
+        Some(path) => ssv::read(path, fmu)?.into_iter().map(|(_, reference, value)| (reference, value)).collect(),
         None => Vec::new(),
     };
     // The command line overrides the file.
@@ -87,8 +84,7 @@ pub(super) fn schedule(
         leap: false,
         tolerance: suggested.tolerance,
     };
-    let checked = schedule.check();
-    checked.map_err(|message| Error::option("stop/--step", message))?;
+    schedule.check().map_err(|message| Error::option("stop/--step", message))?;
     if step.is_none() {
         schedule.check_suggested().map_err(|message| Error::option("step", message))?;
     }

@@ -37,8 +37,7 @@ const MOST_POINTS: u64 = 1_000_000;
 /// Refuses to write a verdict of a part of the points.
 fn refuse_verdict_of_part(options: &Verify) -> Result<(), Error> {
     if options.gate.junit.is_some() && options.shards.chosen()?.is_some() {
-        let message = "a part of the points has no verdict; give this option to `merge`";
-        return Err(Error::option("junit", message));
+        return Err(Error::option("junit", "a part of the points has no verdict; give this option to `merge`"));
     }
     Ok(())
 }
@@ -65,9 +64,8 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
     }
     let place = Place { output: &folder, analysis: None, earlier: options.work.resuming.earlier() };
     let header = verification.header.clone();
-    let taken = place.take(verification.parts(), &header, || match place.earlier == Earlier::Resumed {
-        true => extend(&verification, &folder),
-        false => Ok(()),
+    let taken = place.take(verification.parts(), &header, || {
+        if place.earlier == Earlier::Resumed { extend(&verification, &folder) } else { Ok(()) }
     })?;
     let work = Work {
         means,
@@ -127,20 +125,21 @@ fn explain(options: &Verify, folder: &Path, summary: &mut Summary) {
         Ok(causes) => summary.causes = causes,
         Err(error) => left_out("what would explain the verdict was not sought", &error),
     }
-    let written = write_json(&folder.join("summary.json"), summary);
-    written.unwrap_or_else(|error| left_out("the causes are in no summary", &error));
+    write_json(&folder.join("summary.json"), summary)
+        .unwrap_or_else(|error| left_out("the causes are in no summary", &error));
 }
 
 /// When the study may end before its last point. Refuses options that the study's design cannot follow.
 fn check(options: &Verify, verification: &Verification, looked: &Looked) -> Result<Option<Ending>, Error> {
     let method = verification.session.study.design.method;
     if options.points.is_some() && method.is_by_levels() {
-        let message = "the design has as many points as the levels make; change `levels`";
-        return Err(Error::option("points", message));
+        return Err(Error::option("points", "the design has as many points as the levels make; change `levels`"));
     }
     let ending = options.until;
-    let ending = ending.map(|until| verification.ending(until, &looked.history));
-    ending.transpose().map_err(|message| Error::option("until", message))
+    ending
+        .map(|until| verification.ending(until, &looked.history))
+        .transpose()
+        .map_err(|message| Error::option("until", message))
 }
 
 /// Lets a run with fewer points go on with more, where these are the first ones of the longer run.
@@ -162,11 +161,13 @@ fn extend(verification: &Verification, folder: &Path) -> Result<(), Error> {
     let method = verification.session.study.design.method.name();
     let with = Method::named(Method::is_extensible);
     let points = then.points.unwrap_or(0);
-    let message = format!(
-        "the points of a {method} depend on how many they are, so the {points} that are done are none of a longer one; \
+    Err(Error::option(
+        "points",
+        format!(
+            "the points of a {method} depend on how many they are, so the {points} that are done are none of a longer one; \
          choose another --output, or method = {with}"
-    );
-    Err(Error::option("points", message))
+        ),
+    ))
 }
 
 /// Completes the folder and says what came out. The verdict is known and written: what fails here costs itself alone.
@@ -190,8 +191,8 @@ pub(super) fn finish(verification: &mut Verification, folder: &Path, summary: &m
 
 /// Runs some points once more, and writes the files of the best one.
 fn run_again(verification: &mut Verification, folder: &Path, summary: &mut Summary, wish: &Wish) {
-    let again = reruns::run(verification, folder, summary, wish);
-    again.unwrap_or_else(|error| left_out("no point was run once more", &error));
+    reruns::run(verification, folder, summary, wish)
+        .unwrap_or_else(|error| left_out("no point was run once more", &error));
     let Session { plan, package, .. } = &verification.session;
     let best = best::write(folder, plan, package.description(), summary);
     best.unwrap_or_else(|error| left_out("the best point is in no file", &error));
@@ -306,8 +307,7 @@ fn compute(
     // The workers share out what is left, so they have to know how much that is.
     let left = verification.expected().saturating_sub(pipeline.done());
     let left = usize::try_from(left).unwrap_or(usize::MAX);
-    let is_open = |index: &u64| !finished.as_ref().is_some_and(|f| f.has(*index));
-    let open = verification.indexes().filter(is_open).take(left);
+    let open = verification.indexes().filter(|index| !finished.as_ref().is_some_and(|f| f.has(*index))).take(left);
     let (begun, mut done) = (Instant::now(), 0);
     pipeline.compute(open, &job, |index, outcome| {
         done += 1;

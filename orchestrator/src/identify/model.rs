@@ -17,8 +17,7 @@ impl Model for Bound {
 
     fn outcome(&self, answer: Answer) -> Outcome {
         answer.map(|results| {
-            let predicted = results.iter().zip(&self.outputs);
-            predicted.map(|(&value, conversion)| conversion.value(value)).collect()
+            results.iter().zip(&self.outputs).map(|(&value, conversion)| conversion.value(value)).collect()
         })
     }
 
@@ -47,8 +46,7 @@ impl<'a, 'b> FmuModel<'a, 'b> {
 
     /// The communication steps of its simulations, s: each size once.
     pub fn steps(&self) -> Vec<f64> {
-        let simulations = self.bound.simulations.iter();
-        let mut steps: Vec<f64> = simulations.map(|case| case.task.schedule.step).collect();
+        let mut steps: Vec<f64> = self.bound.simulations.iter().map(|case| case.task.schedule.step).collect();
         steps.sort_by(f64::total_cmp);
         steps.dedup();
         steps
@@ -63,11 +61,12 @@ impl<'a, 'b> FmuModel<'a, 'b> {
     fn point(&self, query: &Query) -> Vec<f64> {
         // Lags stand last, and the FMU knows nothing of them.
         let free = &query.free[..query.free.len() - self.bound.lags.len()];
-        let sought = free.iter().chain(&query.latents);
-        let sought = sought.zip(&self.bound.inputs);
-        let sought = sought.map(|(&value, conversion)| conversion.value(value));
-        let known = self.bound.known[query.case].iter().copied();
-        known.chain(sought).collect()
+        let sought = free
+            .iter()
+            .chain(&query.latents)
+            .zip(&self.bound.inputs)
+            .map(|(&value, conversion)| conversion.value(value));
+        self.bound.known[query.case].iter().copied().chain(sought).collect()
     }
 
     /// The predictions of queries, given the outcomes of their points.
@@ -82,8 +81,7 @@ impl<'a, 'b> FmuModel<'a, 'b> {
         })?;
         let predicted = |(query, outcome): (&Query, Outcome)| {
             let readings = outcome.map_err(|failure| failure.to_string())?;
-            let values = self.bound.readings.iter();
-            Ok(values.map(|reading| reading.value(&readings, &query.free)).collect())
+            Ok(self.bound.readings.iter().map(|reading| reading.value(&readings, &query.free)).collect())
         };
         Ok(queries.iter().zip(outcomes).map(predicted).collect())
     }
@@ -139,8 +137,8 @@ impl Simulate for Extended<'_, '_, '_> {
             (Query { free: free.to_vec(), ..query.clone() }, further.to_vec())
         };
         let (queries, further): (Vec<Query>, Vec<Vec<f64>>) = queries.iter().map(split).unzip();
-        let points = self.model.points(&queries).into_iter().zip(further);
-        let points = points.map(|(point, further)| [point, further].concat());
+        let points =
+            self.model.points(&queries).into_iter().zip(further).map(|(point, further)| [point, further].concat());
         let change = |task: &mut Task| {
             let is_further = |reference: u32| self.slots.iter().any(|slot| slot.handle.reference == reference);
             task.fixed.retain(|(reference, _)| !is_further(*reference));

@@ -10,18 +10,17 @@ use study::{CriterionText, DelayText, Name, ReferenceText, Study, first_wrong};
 
 /// Refuses keys of curves on a criterion that has no `reference`.
 pub(super) fn refuse_keys(text: &CriterionText) -> Result<(), String> {
-    let keys = [
+    [
         ("metric", text.metric.is_some()),
         ("normalise", text.normalise.is_some()),
         ("band", text.band.is_some()),
         ("least", text.least.is_some()),
         ("delay", text.delay.is_some()),
         ("lag", text.lag.is_some()),
-    ];
-    let stray = keys.iter().find(|(_, there)| *there);
-    stray.map_or(Ok(()), |(key, _)| {
-        Err(format!("`{key}` belongs to a measured curve; add `reference`, or remove `{key}`"))
-    })
+    ]
+    .iter()
+    .find(|(_, there)| *there)
+    .map_or(Ok(()), |(key, _)| Err(format!("`{key}` belongs to a measured curve; add `reference`, or remove `{key}`")))
 }
 
 /// The criterion on a curve: the metric's value has the ideal value 0 or 1, and may be so far away from it.

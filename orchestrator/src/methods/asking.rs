@@ -117,8 +117,13 @@ impl AnalysisResult {
 
     /// Sentences that were added under a name.
     pub fn sentences(&self, name: &str) -> Vec<String> {
-        let all = self.content.get(name).and_then(|all| all.as_array());
-        all.into_iter().flatten().filter_map(|one| one.as_str().map(str::to_owned)).collect()
+        self.content
+            .get(name)
+            .and_then(|all| all.as_array())
+            .into_iter()
+            .flatten()
+            .filter_map(|one| one.as_str().map(str::to_owned))
+            .collect()
     }
 
     /// Writes the file.
@@ -179,18 +184,24 @@ impl Takes {
 pub(super) fn session(request: Request, takes: Takes) -> Result<Session, Error> {
     let session = Session::open(request)?;
     if session.plan.correlation.is_some() && !takes.correlations {
-        let message = "this analysis takes every parameter on its own, and correlated ones cannot be changed alone; remove \
-                       [[correlations]], or use `sensitivity STUDY --shapley N`, which keeps them together";
-        return Err(session.study.error(message).into());
+        return Err(session
+            .study
+            .error(
+                "this analysis takes every parameter on its own, and correlated ones cannot be changed alone; remove \
+                       [[correlations]], or use `sensitivity STUDY --shapley N`, which keeps them together",
+            )
+            .into());
     }
     let together = session.plan.together();
     if !together.is_empty() && !takes.samples {
-        let message = format!(
-            "{} are drawn together from a sample, and this analysis changes every parameter alone; give them other \
+        return Err(session
+            .study
+            .error(format!(
+                "{} are drawn together from a sample, and this analysis changes every parameter alone; give them other \
              distributions, or use verify, robustness or tolerances, which draw whole rows",
-            together.join(", ")
-        );
-        return Err(session.study.error(message).into());
+                together.join(", ")
+            ))
+            .into());
     }
     Ok(session)
 }

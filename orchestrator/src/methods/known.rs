@@ -28,19 +28,23 @@ pub(super) fn absolute(path: &Path) -> PathBuf {
 pub(super) fn points_of(folder: &Path, study: &Study) -> Result<(Summary, PointTable), Error> {
     let (summary, table) = table::read(folder)?;
     if study.digest() != summary.provenance.study_sha256 {
-        let message = format!(
-            "the points in {} are not of {} as it is now; verify it again, or name the folder of its points",
-            folder.display(),
-            study.path().display()
-        );
-        return Err(Error::option("from", message));
+        return Err(Error::option(
+            "from",
+            format!(
+                "the points in {} are not of {} as it is now; verify it again, or name the folder of its points",
+                folder.display(),
+                study.path().display()
+            ),
+        ));
     }
     if table.parameters.is_empty() {
-        let message = format!(
-            "the points in {} have no parameters, so nothing can be said of these; `judge` writes none, `verify` does",
-            folder.display()
-        );
-        return Err(Error::option("from", message));
+        return Err(Error::option(
+            "from",
+            format!(
+                "the points in {} have no parameters, so nothing can be said of these; `judge` writes none, `verify` does",
+                folder.display()
+            ),
+        ));
     }
     Ok((summary, table))
 }
@@ -52,8 +56,10 @@ pub(super) fn sample_of(folder: &Path, summary: &Summary, rows: usize) -> Result
     }
     let budget = Request::read(folder)?.budget.unwrap_or_default();
     if budget.places.len() != rows {
-        let message = format!("{} rows, and request.json tells {} points", rows, budget.places.len());
-        return Err(Error::content(&folder.join("points.csv"), message));
+        return Err(Error::content(
+            &folder.join("points.csv"),
+            format!("{} rows, and request.json tells {} points", rows, budget.places.len()),
+        ));
     }
     Ok(budget.plain().enumerate().filter_map(|(row, plain)| plain.then_some(row)).collect())
 }

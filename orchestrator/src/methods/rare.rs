@@ -14,7 +14,7 @@ use crate::options::Work;
 use crate::results::surrogate::limits;
 use crate::session::budget::Budget;
 use crate::session::{Request, Session};
-use conformity::decision::{Decision, Rule};
+use conformity::decision::Decision;
 use point_journal::pipeline::Pipeline;
 use result_document::Document;
 use result_document::format::number;
@@ -74,23 +74,32 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
 /// Refuses studies of which a rare share says nothing.
 fn refuse(session: &Session, event: RareEvent) -> Result<(), Error> {
     if event != RareEvent::Failed && session.judge.has_own_values() {
-        let message =
-            "a share of verified points needs measured values; write them as `nominal` and remove `nominal-from`";
-        return Err(session.study.error(message).into());
+        return Err(session
+            .study
+            .error(
+                "a share of verified points needs measured values; write them as `nominal` and remove `nominal-from`",
+            )
+            .into());
     }
     if let Some(joint) = session.plan.joints.first() {
         let name = &session.plan.inputs[joint.lead()].name;
-        let message = format!(
-            "{name} is drawn from a sample of {} rows, which knows nothing as rare as --rare looks for; give the \
+        return Err(session
+            .study
+            .error(format!(
+                "{name} is drawn from a sample of {} rows, which knows nothing as rare as --rare looks for; give the \
              parameters of the sample other distributions, or leave out --rare",
-            joint.count()
-        );
-        return Err(session.study.error(message).into());
+                joint.count()
+            ))
+            .into());
     }
     if session.judge.is_guarded() {
-        let message = "--rare counts points by their tolerances alone, and a guard band decides otherwise; remove `risk` \
-                       and `guard-band` under [verdict]";
-        return Err(session.study.error(message).into());
+        return Err(session
+            .study
+            .error(
+                "--rare counts points by their tolerances alone, and a guard band decides otherwise; remove `risk` \
+                       and `guard-band` under [verdict]",
+            )
+            .into());
     }
     Ok(())
 }
@@ -200,7 +209,6 @@ impl Statement {
         };
         let share = answer.share.as_ref().ok();
         let interval = share.map(|share| share.interval(confidence));
-        let decided = |rule: Rule| rule.decide(verified(event, interval.unwrap_or([0.0, 1.0])));
         Self {
             event,
             surrogate: BySurrogate {
@@ -212,7 +220,7 @@ impl Statement {
             confidence,
             inside: answer.inside.iter().map(point).collect(),
             required: judge.rule.map(|rule| rule.share),
-            verdict: judge.rule.map(decided),
+            verdict: judge.rule.map(|rule| rule.decide(verified(event, interval.unwrap_or([0.0, 1.0])))),
         }
     }
 

@@ -76,8 +76,7 @@ pub struct Place<'a> {
 impl Place<'_> {
     /// The folder of the journal.
     pub fn state(&self) -> PathBuf {
-        let inner = self.analysis.map(|name| self.output.join(name));
-        inner.unwrap_or_else(|| self.output.to_owned())
+        self.analysis.map(|name| self.output.join(name)).unwrap_or_else(|| self.output.to_owned())
     }
 
     /// Takes the folder for a run, and keeps there what was asked for. `prepare` may change what an earlier run left, when
@@ -132,12 +131,13 @@ pub fn run<S: Source, T>(
 ) -> Result<(T, Kept), Error> {
     let place = folder.journal.folder().to_owned();
     let told = run_in(source, header, folder, work, ask);
-    match lines::path_in(&place).exists() {
-        true => told,
-        false => Err(Error::Refused(format!(
+    if lines::path_in(&place).exists() {
+        told
+    } else {
+        Err(Error::Refused(format!(
             "{}: this folder, or the journal in it, was removed or moved while points ran; run the command again",
             place.display()
-        ))),
+        )))
     }
 }
 
@@ -156,9 +156,10 @@ fn run_in<S: Source, T>(
     let part = Part::of(parts.request.shard, header);
     let mut pipeline = Pipeline::new(parts.model, (&crew, parts.cases), folder.journal, folder.finished, part);
     let told = ask(source, &mut pipeline);
-    match told.is_ok() && work.ends {
-        true => pipeline.end()?,
-        false => pipeline.pause()?,
+    if told.is_ok() && work.ends {
+        pipeline.end()?
+    } else {
+        pipeline.pause()?
     }
     Ok((told?, kept))
 }

@@ -44,8 +44,7 @@ pub(super) fn with(before: Option<&str>, own: &str, files: &[&Related]) -> Resul
     let mut text = before.to_owned();
     // From the end on, so that what comes before keeps its place.
     let range = root.range();
-    let annotations = root.children().find(|node| node.has_tag_name("Annotations"));
-    let end = annotations.map(|node| node.range().start);
+    let end = root.children().find(|node| node.has_tag_name("Annotations")).map(|node| node.range().start);
     let close = before[range.clone()].rfind("</").map(|at| range.start + at);
     match (end, close) {
         (Some(end), _) => text.insert_str(end, new.trim_start()),

@@ -29,8 +29,7 @@ fn share(count: &Count, with_interval: bool) -> Vec<String> {
 }
 
 fn share_columns(with_interval: bool) -> Vec<Column> {
-    let columns = [numbers("Share %"), words("95 % interval")].into_iter();
-    columns.take(1 + usize::from(with_interval)).collect()
+    [numbers("Share %"), words("95 % interval")].into_iter().take(1 + usize::from(with_interval)).collect()
 }
 
 /// The risk of accepting, of every criterion and of all; nothing where none is known.
@@ -44,10 +43,8 @@ pub fn risks(summary: &Summary) -> Vec<Block> {
         return Vec::new();
     }
     let all = summary.conclusion.as_ref().and_then(|c| c.risk.as_ref());
-    let rows = criteria().zip(measurement.criteria());
-    let rows = rows.map(|((name, entry), measured)| risk(name, entry, measured));
-    let total = ["all criteria", "", "", ""].map(str::to_owned).into_iter();
-    let total = total.chain(shares(all)).collect();
+    let rows = criteria().zip(measurement.criteria()).map(|((name, entry), measured)| risk(name, entry, measured));
+    let total = ["all criteria", "", "", ""].map(str::to_owned).into_iter().chain(shares(all)).collect();
     let table = Table {
         name: "Risks".into(),
         class: "risks stack".into(),
@@ -84,14 +81,12 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
     let uncertainty = match (measured.error.zip(entry.criterion.uncertainty), &entry.risk) {
         (Some((error, stated)), _) => {
             let expanded = number(error.expanded, 4);
-            match error.is_normal() {
-                true => format!("{expanded}{unit} (k = {})", number(stated.coverage, 3)),
-                false => {
-                    let freedom = error.freedom_within(error.standard());
-                    let freedom =
-                        freedom.map_or_else(String::new, |f| format!(", {} degrees of freedom", of_freedom(f)));
-                    format!("{expanded}{unit} (95.45 %: k = {}{freedom})", number(error.expanded / error.standard(), 3))
-                }
+            if error.is_normal() {
+                format!("{expanded}{unit} (k = {})", number(stated.coverage, 3))
+            } else {
+                let freedom = error.freedom_within(error.standard());
+                let freedom = freedom.map(|f| format!(", {} degrees of freedom", of_freedom(f))).unwrap_or_default();
+                format!("{expanded}{unit} (95.45 %: k = {}{freedom})", number(error.expanded / error.standard(), 3))
             }
         }
         (None, Some(_)) => "that of the rows".to_owned(),
@@ -100,7 +95,7 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
     let Limits { minus, plus, .. } = measured.limits;
     let capability = measured.capability().map(|c| number(c, 3));
     let is_one_sided = entry.criterion.metric.is_some() || measured.limits.is_one_sided();
-    let stated = [
+    [
         name.to_owned(),
         match (is_one_sided, minus == plus) {
             (true, _) => entry.criterion.stated_tolerance.clone(),
@@ -109,9 +104,10 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
         },
         uncertainty,
         capability.unwrap_or_default(),
-    ];
-    let stated = stated.into_iter();
-    stated.chain(shares(entry.risk.as_ref())).collect()
+    ]
+    .into_iter()
+    .chain(shares(entry.risk.as_ref()))
+    .collect()
 }
 
 /// Per cent, with their intervals: the consumer's risk, the producer's, and that of an accepted point.

@@ -26,10 +26,10 @@ impl Report {
         let (summary, table) = table::read_some(folder, choice::MOST)?;
         let study_text = std::fs::read_to_string(folder.join("study.toml")).unwrap_or_default();
         let study = Study::parse(&folder.join("study.toml"), study_text.clone()).ok();
-        let damaged = |message| Error::content(&folder.join("summary.json"), message);
         let mut report = Self {
             command: command(&summary),
-            judgement: Judgement::new(&summary).map_err(damaged)?,
+            judgement: Judgement::new(&summary)
+                .map_err(|message| Error::content(&folder.join("summary.json"), message))?,
             history: history::read(folder, &table, study.as_ref()),
             documents: documents(folder, &summary),
             study_text,
@@ -59,7 +59,7 @@ fn command(summary: &Summary) -> String {
         (None, _) => format!("orchestrator judge {study} TABLE.csv"),
         (_, "table") => format!("orchestrator verify {study} --points-from TABLE.csv"),
         _ => {
-            let seed = p.seed.map_or_else(String::new, |seed| format!(" --seed {seed}"));
+            let seed = p.seed.map(|seed| format!(" --seed {seed}")).unwrap_or_default();
             format!("orchestrator verify {study} --points {}{seed}", summary.points)
         }
     }
@@ -120,10 +120,14 @@ pub(super) fn provenance(summary: &Summary) -> Vec<(String, String)> {
                 .filter(|run| run.computed > 0)
                 .map(|run| format!("{:.1} s with {} at a time", run.wall_seconds, run.jobs)),
         ),
-    ];
-    let rows = rows.into_iter();
-    let rows = rows.filter_map(|(name, value)| Some((name.to_owned(), value?)));
-    let stated = summary.dossier.iter().flat_map(|dossier| dossier.stated());
-    let stated = stated.map(|(key, text)| (capitalised(key), text.to_owned()));
-    stated.chain(rows).collect()
+    ]
+    .into_iter()
+    .filter_map(|(name, value)| Some((name.to_owned(), value?)));
+    summary
+        .dossier
+        .iter()
+        .flat_map(|dossier| dossier.stated())
+        .map(|(key, text)| (capitalised(key), text.to_owned()))
+        .chain(rows)
+        .collect()
 }

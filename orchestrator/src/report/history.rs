@@ -106,8 +106,7 @@ pub fn trajectories(folder: &Path) -> Vec<Trajectory> {
 
 fn trajectory(path: &Path) -> Option<Trajectory> {
     let (header, columns) = columns(path).ok()?;
-    let names = header.iter().map(|name| csv_file::text(name).into_owned());
-    let mut columns = names.zip(columns);
+    let mut columns = header.iter().map(|name| csv_file::text(name).into_owned()).zip(columns);
     let (_, time) = columns.next()?;
     Some((time, columns.collect()))
 }

@@ -67,8 +67,7 @@ impl Report {
 
     /// The criteria that have pictures, where they are too many for all to have some.
     fn pictured(&self) -> Option<Vec<usize>> {
-        let pictured = Some(self.summary.pictured());
-        pictured.filter(|shown| shown.len() < self.summary.criteria.len())
+        Some(self.summary.pictured()).filter(|shown| shown.len() < self.summary.criteria.len())
     }
 
     /// Writes `report.html` and `plots/*.svg` into a folder, and returns the page's path.
@@ -81,10 +80,11 @@ impl Report {
         }
         std::fs::create_dir_all(&plots).map_err(Error::io(&plots))?;
         // A picture that cannot be written costs itself: the page has it all the same.
-        let written = pictures
+        let failed: Vec<Error> = pictures
             .into_iter()
-            .map(|(name, plot)| write_file(&plots.join(format!("{name}.svg")), &svg::standalone(&plot)));
-        let failed: Vec<Error> = written.filter_map(Result::err).collect();
+            .map(|(name, plot)| write_file(&plots.join(format!("{name}.svg")), &svg::standalone(&plot)))
+            .filter_map(Result::err)
+            .collect();
         if let Some(first) = failed.first() {
             fmu_points::tell::line!("note: {} plots have no file; the first: {first}", failed.len());
         }

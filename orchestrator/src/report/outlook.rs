@@ -33,9 +33,10 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
         rows: summary.validation.iter().map(row).collect(),
     });
     let note = |(name, comparison): (&String, &Comparison)| {
-        let bound = match comparison.complete {
-            true => "",
-            false => "; since not all uncertainties are known, E ± k u_{val} is wider than stated",
+        let bound = if comparison.complete {
+            ""
+        } else {
+            "; since not all uncertainties are known, E ± k u_{val} is wider than stated"
         };
         format!(
             " {name}: the {} uncertainty dominates; numerical uncertainty {}{bound}.",

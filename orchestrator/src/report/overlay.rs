@@ -32,8 +32,7 @@ impl Measured {
     fn edges(&self) -> Option<[Vec<f64>; 2]> {
         (self.uncertainty.len() == self.values.len()).then(|| {
             [-1.0, 1.0].map(|side| {
-                let pairs = self.values.iter().zip(&self.uncertainty);
-                pairs.map(|(value, width)| value + side * width).collect()
+                self.values.iter().zip(&self.uncertainty).map(|(value, width)| value + side * width).collect()
             })
         })
     }
@@ -63,8 +62,12 @@ impl Measured {
     pub(super) fn residuals(&self, name: &str, unit: &str, time: &[f64], model: &[f64]) -> Option<String> {
         let curve = Curve::new(time.to_vec(), model.to_vec()).ok()?;
         let [start, end] = curve.span();
-        let at = |(t, value): (&f64, &f64)| Some(curve.at(t.clamp(start, end))? - value);
-        let deviations: Vec<f64> = self.time.iter().zip(&self.values).map(at).collect::<Option<_>>()?;
+        let deviations: Vec<f64> = self
+            .time
+            .iter()
+            .zip(&self.values)
+            .map(|(t, value)| Some(curve.at(t.clamp(start, end))? - value))
+            .collect::<Option<_>>()?;
         let around = Self {
             time: self.time.clone(),
             values: vec![0.0; self.values.len()],

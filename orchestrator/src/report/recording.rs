@@ -61,7 +61,6 @@ pub fn write(
             Key::new("line", "M0,7h14", "smoothed, aligned; the last second of the window"),
         ]));
     }
-    let shown = |f: &&DerivedCriterion| amplitudes || f.statistic != "amplitude";
     measured.table(Table {
         name: "Measured values".into(),
         columns: [
@@ -76,7 +75,7 @@ pub fn write(
         ]
         .map(numbers)
         .into(),
-        rows: result.findings.iter().filter(shown).map(row).collect(),
+        rows: result.findings.iter().filter(|f| amplitudes || f.statistic != "amplitude").map(row).collect(),
         ..Table::default()
     });
     measured.hint(
@@ -92,8 +91,11 @@ pub fn write(
             None => recording.others.iter().filter_map(recorded).collect(),
         },
     ));
-    let steadiness = format!("Was it steady? Tested with {} % confidence", number(100.0 * recording.confidence, 4));
-    let mut steady = Document::new("steady", "Stationarity", steadiness);
+    let mut steady = Document::new(
+        "steady",
+        "Stationarity",
+        format!("Was it steady? Tested with {} % confidence", number(100.0 * recording.confidence, 4)),
+    );
     let blocks = result.findings.iter().filter(|f| !f.blocks.is_empty());
     steady.blocks.push(Block::Figures("planes".into(), blocks.filter_map(wander).collect()));
     let documents = [measured, signals, steady];
@@ -156,7 +158,7 @@ fn figures(result: &Synchronised) -> Vec<Figure> {
     let from = result.time.partition_point(|t| *t < end - SHOWN);
     let time = &result.time[from..];
     let trace = |class, values| Trace::new(class, time, values);
-    let signals = [
+    [
         of_time(
             "Load: recorded and smoothed",
             "load",
@@ -181,8 +183,10 @@ fn figures(result: &Synchronised) -> Vec<Figure> {
         ),
         of_time("Friction power after the shift", "power", "W", &[trace("line", &result.power)]),
         search(result),
-    ];
-    signals.into_iter().flatten().collect()
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// How much of the torque the load does not explain by the delay, with the least and its interval.
@@ -212,8 +216,7 @@ fn search(result: &Synchronised) -> Option<Figure> {
 /// The means of blocks with the straight line through them.
 fn wander(finding: &DerivedCriterion) -> Option<Figure> {
     let [start, block] = finding.block;
-    let middle = |k: usize| start + (k as f64 + 0.5) * block;
-    let time: Vec<f64> = (0..finding.blocks.len()).map(middle).collect();
+    let time: Vec<f64> = (0..finding.blocks.len()).map(|k| start + (k as f64 + 0.5) * block).collect();
     let trace = Trace::new("blocks", &time, &finding.blocks);
     let line = |frame: &Frame| {
         let Some(s) = &finding.stationarity else {

@@ -18,9 +18,10 @@ const MOST_NUMBERS: u64 = 1_000_000;
 pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Vec<String> {
     let plan = reruns.plan();
     // An earlier run may have left files, which are of another point or of another case.
-    let old = [history::file(None), history::file(Some(0))];
-    let old = old.into_iter().chain((1..plan.cases.len()).map(|case| history::file(Some(case))));
-    old.for_each(|file| drop(fs::remove_file(folder.join(file))));
+    [history::file(None), history::file(Some(0))]
+        .into_iter()
+        .chain((1..plan.cases.len()).map(|case| history::file(Some(case))))
+        .for_each(|file| drop(fs::remove_file(folder.join(file))));
     let Some(best) = &summary.best_point else {
         return Vec::new();
     };
@@ -106,10 +107,7 @@ fn write_case(
                 let value = plan.outputs[k].value(value);
                 // Seven digits are plenty for a plot, but for a number that so short a one cannot hold.
                 let short = value as f32;
-                let text = match short.is_finite() {
-                    true => number.format(short),
-                    false => number.format(value),
-                };
+                let text = if short.is_finite() { number.format(short) } else { number.format(value) };
                 table.write_field(text).map_err(csv)?;
             }
             table.write_record(None::<&[u8]>).map_err(csv)

@@ -17,15 +17,16 @@ pub(super) fn write(plan: &Plan, folder: &Path, summary: &Summary) -> Option<Str
         let _ = fs::remove_file(&path);
         return None;
     }
-    let written = write_table(&path, history::MEASURED_COLUMNS, |table| {
+    write_table(&path, history::MEASURED_COLUMNS, |table| {
         for (probe, name) in plan.probes().zip(summary.criteria.keys()) {
             let Some(curve) = &probe.curve else { continue };
             for (row, (time, value)) in curve.shown_times().zip(&curve.values).enumerate() {
-                let uncertainty = curve.expanded(row).map_or_else(String::new, |width| width.to_string());
+                let uncertainty = curve.expanded(row).map(|width| width.to_string()).unwrap_or_default();
                 table.write_record([&*csv_file::cell(name), &time.to_string(), &value.to_string(), &uncertainty])?;
             }
         }
         Ok(())
-    });
-    written.err().map(|error| error.to_string())
+    })
+    .err()
+    .map(|error| error.to_string())
 }

@@ -184,8 +184,9 @@ impl<'a> Reruns<'a> {
             return run(&self.fmu);
         }
         let again = Package::open(self.verification.session.package.path());
-        let copy = again.and_then(|mut again| again.unpack_anew(self.scratch.path()));
-        let copy = copy.map_err(|error| Failure::Unloadable(error.to_string()))?;
+        let copy = again
+            .and_then(|mut again| again.unpack_anew(self.scratch.path()))
+            .map_err(|error| Failure::Unloadable(error.to_string()))?;
         run(copy.path())
     }
 
@@ -199,9 +200,12 @@ impl<'a> Reruns<'a> {
     fn signals(&self, case: usize, is_wanted: impl Fn(usize) -> bool) -> Signals {
         let plan = self.plan();
         let observed = &plan.cases[case].task.observed;
-        let real = plan.criteria_of(case).zip(observed);
-        let real = real.filter(|(criterion, probe)| probe.handle.content == Content::Real && is_wanted(*criterion));
-        let (criteria, handles) = real.map(|(k, probe)| (k, probe.handle)).unzip();
+        let (criteria, handles) = plan
+            .criteria_of(case)
+            .zip(observed)
+            .filter(|(criterion, probe)| probe.handle.content == Content::Real && is_wanted(*criterion))
+            .map(|(k, probe)| (k, probe.handle))
+            .unzip();
         Signals { criteria, handles }
     }
 

@@ -80,8 +80,7 @@ impl Asides {
         }
         if notices.warnings > 0 {
             self.warnings.count += notices.warnings;
-            let first = || notices.first_warning.clone().unwrap_or_default();
-            self.warnings.at.add(point, first);
+            self.warnings.at.add(point, || notices.first_warning.clone().unwrap_or_default());
         }
         if let Some(time) = notices.ended {
             self.ended_early.add(point, || format!("ended at {time} s"));

@@ -10,8 +10,11 @@ use fmu_points::notices::Replicates;
 /// of them. Draws of the same number belong together: curves of one recording share their errors, those of others are drawn
 /// independently.
 pub(super) fn told(judge: &Judge, conforming: &[Replicates]) -> Option<Told> {
-    let curves = (0..judge.criteria.len()).filter(|&k| judge.criteria[k].row_correlation.is_some());
-    let known: Vec<(usize, &Replicates)> = curves.zip(conforming).filter(|(_, bits)| !bits.is_empty()).collect();
+    let known: Vec<(usize, &Replicates)> = (0..judge.criteria.len())
+        .filter(|&k| judge.criteria[k].row_correlation.is_some())
+        .zip(conforming)
+        .filter(|(_, bits)| !bits.is_empty())
+        .collect();
     let (_, first) = known.first()?;
     let mut all = vec![u64::MAX; first.len()];
     for (_, bits) in &known {

@@ -165,10 +165,7 @@ impl Summary {
 
     /// What a point is that meets all criteria.
     pub fn met(&self) -> &'static str {
-        match self.has_own_values() {
-            true => "accepted",
-            false => "verified",
-        }
+        if self.has_own_values() { "accepted" } else { "verified" }
     }
 
     /// The measured values with the joint distribution of their errors.
@@ -176,18 +173,15 @@ impl Summary {
     /// # Errors
     /// When the correlations contradict each other or name criteria that are not there.
     pub fn measurement(&self) -> Result<Measurement, String> {
-        let number = |name: &String| {
-            let place = self.criteria.get_index_of(name);
-            place.ok_or_else(|| format!("there is no criterion `{name}`"))
-        };
+        let number =
+            |name: &String| self.criteria.get_index_of(name).ok_or_else(|| format!("there is no criterion `{name}`"));
         let pair = |entry: &Correlated| {
             let [a, b] = &entry.between;
             Ok::<_, String>((number(a)?, number(b)?, entry.coefficient))
         };
-        let pairs = self.uncertainty_correlations.iter().map(pair);
-        let pairs: Vec<(usize, usize, f64)> = pairs.collect::<Result<_, _>>()?;
-        let criteria = self.criteria.values();
-        let criteria = criteria.map(|count| count.criterion.measured()).collect();
+        let pairs: Vec<(usize, usize, f64)> =
+            self.uncertainty_correlations.iter().map(pair).collect::<Result<_, _>>()?;
+        let criteria = self.criteria.values().map(|count| count.criterion.measured()).collect();
         Measurement::new(criteria, &pairs)
     }
 }

@@ -66,8 +66,14 @@ impl<'a> Survey<'a> {
     fn place(&self, is_marked: impl Fn(&(Vec<f64>, bool, bool)) -> bool) -> Option<String> {
         let rows: Vec<(&[f64], bool)> = self.first.iter().map(|point| (&*point.0, is_marked(point))).collect();
         let plan = self.plan?;
-        let named = |&k: &usize| (k, &*plan.inputs[k].name, plan.inputs[k].unit.as_deref());
-        failed::place(&plan.varied().iter().map(named).collect::<Vec<_>>(), &rows)
+        failed::place(
+            &plan
+                .varied()
+                .iter()
+                .map(|&k| (k, &*plan.inputs[k].name, plan.inputs[k].unit.as_deref()))
+                .collect::<Vec<_>>(),
+            &rows,
+        )
     }
 
     /// Warns of points beyond what the model is valid for.
@@ -79,9 +85,8 @@ impl<'a> Survey<'a> {
         };
         let told = validity.told(summary.points, &which)?;
         let place = self.place(|(_, _, beyond)| *beyond);
-        let place = place.map_or_else(String::new, |place| format!(". They lie mostly where {place}"));
-        let remedy = "Cut the distributions to where the model is valid, or show that it holds beyond (validity.csv lists the points).";
-        Some(Concern::new(Code::BeyondValidity, format!("{told}{place}")).remedied(remedy))
+        let place = place.map(|place| format!(". They lie mostly where {place}")).unwrap_or_default();
+        Some(Concern::new(Code::BeyondValidity, format!("{told}{place}")).remedied("Cut the distributions to where the model is valid, or show that it holds beyond (validity.csv lists the points)."))
     }
 
     /// Adds to the summary what was seen.
@@ -115,11 +120,10 @@ impl<'a> Survey<'a> {
                     summary.validation.insert(criterion.name.clone(), comparison);
                 }
                 None => {
-                    let text = format!(
+                    summary.concerns.push(Concern::new(Code::NotCompared, format!(
                         "{}: its values are too large to compute their spread, so model and measurement are not compared",
                         criterion.name
-                    );
-                    summary.concerns.push(Concern::new(Code::NotCompared, text));
+                    )));
                 }
             }
         }

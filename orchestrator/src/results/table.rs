@@ -68,10 +68,10 @@ pub fn summary(folder: &Path) -> Result<Summary, Error> {
         Some(version) if version != env!("CARGO_PKG_VERSION") => {
             Error::content(&path, format!("written by version {version}; verify the study again"))
         }
-        _ => {
-            let message = format!("damaged ({error}): `verify STUDY --resume` writes it again from the journal");
-            Error::content(&path, message)
-        }
+        _ => Error::content(
+            &path,
+            format!("damaged ({error}): `verify STUDY --resume` writes it again from the journal"),
+        ),
     })
 }
 

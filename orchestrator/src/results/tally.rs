@@ -197,8 +197,8 @@ impl<'a> Tally<'a> {
 
     /// Notes which criterion decides at a point.
     fn blame(&mut self, values: &[f64], verdict: &PointVerdict) {
-        let pairs = self.judge.criteria.iter().zip(values);
-        let deviations: Vec<f64> = pairs.map(|(c, &value)| c.deviation(value)).collect();
+        let deviations: Vec<f64> =
+            self.judge.criteria.iter().zip(values).map(|(c, &value)| c.deviation(value)).collect();
         let worst = (0..deviations.len()).reduce(|most, k| {
             let larger = deviations[k] > deviations[most];
             if larger { k } else { most }
@@ -239,18 +239,21 @@ impl<'a> Tally<'a> {
 
     fn by_case(&self) -> IndexMap<String, CaseCount> {
         let counts = self.held.iter().zip(&self.lost);
-        let cases = self.judge.cases.iter().zip(counts);
-        let count = cases.map(|(case, (held, lost))| {
-            let members = self.judge.criteria[case.members.clone()].iter();
-            let count = CaseCount {
-                count: self.count(held),
-                failed: *lost,
-                held_out: case.held_out,
-                criteria: members.map(|criterion| criterion.name.clone()).collect(),
-            };
-            (case.name.clone(), count)
-        });
-        count.collect()
+        self.judge
+            .cases
+            .iter()
+            .zip(counts)
+            .map(|(case, (held, lost))| {
+                let members = self.judge.criteria[case.members.clone()].iter();
+                let count = CaseCount {
+                    count: self.count(held),
+                    failed: *lost,
+                    held_out: case.held_out,
+                    criteria: members.map(|criterion| criterion.name.clone()).collect(),
+                };
+                (case.name.clone(), count)
+            })
+            .collect()
     }
 
     /// The summary of what was counted.
@@ -298,8 +301,7 @@ impl<'a> Tally<'a> {
             *failures.entry((*class).to_owned()).or_default() += kind.points;
         }
         failures.sort_unstable_keys();
-        let kinds = self.failures.values().map(|(_, kind)| kind.clone());
-        let mut failure_kinds: Vec<FailureKind> = kinds.collect();
+        let mut failure_kinds: Vec<FailureKind> = self.failures.values().map(|(_, kind)| kind.clone()).collect();
         // Ties between reasons go to the one that occurred first.
         failure_kinds.sort_by_key(|kind| Reverse(kind.points));
         let best = self.best.as_ref();
@@ -372,6 +374,10 @@ fn unmeasured(conclusion: &mut Conclusion, points: u64) {
 /// Which measured values' errors are correlated.
 fn correlations(judge: &Judge) -> Vec<Correlated> {
     let name = |number: usize| judge.criteria[number].name.clone();
-    let pairs = judge.measurement.correlations().iter();
-    pairs.map(|&(a, b, coefficient)| Correlated { between: [name(a), name(b)], coefficient }).collect()
+    judge
+        .measurement
+        .correlations()
+        .iter()
+        .map(|&(a, b, coefficient)| Correlated { between: [name(a), name(b)], coefficient })
+        .collect()
 }

@@ -107,10 +107,13 @@ pub(super) fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String 
             some => format!("Of all points {some} are expected to agree with the true values."),
         };
     };
-    let interval = risk.intervals.map_or_else(String::new, |intervals| {
-        let [low, high] = intervals.not_conforming_given_accepted.map(|limit| short(100.0 * limit));
-        format!("95 % interval {low} .. {high} %")
-    });
+    let interval = risk
+        .intervals
+        .map(|intervals| {
+            let [low, high] = intervals.not_conforming_given_accepted.map(|limit| short(100.0 * limit));
+            format!("95 % interval {low} .. {high} %")
+        })
+        .unwrap_or_default();
     let share_of = short(100.0 * share);
     let behind = |before: &str| match (before, &*interval) {
         ("", "") => String::new(),
@@ -138,11 +141,12 @@ pub(super) fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String 
 
 pub(super) fn unknown(summary: &Summary) -> String {
     let mut reasons = Vec::new();
-    let without = summary
+    let names: Vec<&str> = summary
         .criteria
         .iter()
-        .filter(|(_, entry)| entry.criterion.uncertainty.is_none() && entry.criterion.row_correlation.is_none());
-    let names: Vec<&str> = without.map(|(name, _)| name.as_str()).collect();
+        .filter(|(_, entry)| entry.criterion.uncertainty.is_none() && entry.criterion.row_correlation.is_none())
+        .map(|(name, _)| name.as_str())
+        .collect();
     if !names.is_empty() {
         reasons.push(format!("the study states no uncertainty of {}, and nothing is assumed", names.join(", ")));
     }

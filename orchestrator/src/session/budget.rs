@@ -232,8 +232,12 @@ fn is_enough(until: Until, rule: Option<Rule>, share: &Share, history: &History,
 /// The confidence of a look's interval, so that all looks together decide wrongly no more often than `confidence` lets them
 /// (Bonferroni's inequality, as [`conformity::looks`]): the first verdict without `--until` has it all.
 pub fn confidence(confidence: f64, history: &History, points: u64, awaited: bool, own: u32) -> f64 {
-    let before = history.looks.iter().take_while(|look| look.points != points);
-    let before: u32 = before.map(|then| if then.awaited { 1 + look(then.points as usize) } else { 1 }).sum();
+    let before: u32 = history
+        .looks
+        .iter()
+        .take_while(|look| look.points != points)
+        .map(|then| if then.awaited { 1 + look(then.points as usize) } else { 1 })
+        .sum();
     match (before, awaited) {
         (0, false) => confidence,
         (before, false) => 1.0 - (1.0 - confidence) * spent(before),

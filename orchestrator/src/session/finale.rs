@@ -95,8 +95,7 @@ impl Verification {
             // Nobody may see the verdict before it is noted.
             looked.write(folder)?;
         }
-        let tally = tally.looked_at(looks, look);
-        let mut summary = tally.summary(session.study.title.clone(), provenance, parameters);
+        let mut summary = tally.looked_at(looks, look).summary(session.study.title.clone(), provenance, parameters);
         summary.asides = Some(asides);
         survey.complete(&mut summary);
         if let Some(told) = told {
@@ -196,8 +195,7 @@ impl FileSet {
         outcome: &Outcome,
         verdict: &PointVerdict,
     ) -> Result<(), Error> {
-        let written = self.points.write(label, parameters, outcome, verdict);
-        written.map_err(Error::io(&self.folder))
+        self.points.write(label, parameters, outcome, verdict).map_err(Error::io(&self.folder))
     }
 
     /// Notes the limits of the model that a point passed.
@@ -205,8 +203,7 @@ impl FileSet {
     /// # Errors
     /// When the system says no.
     pub fn write_limits(&mut self, label: u64, limits: &[Limit]) -> Result<(), Error> {
-        let written = self.limits.write(&self.folder, label, limits);
-        written.map_err(Error::io(&self.folder))
+        self.limits.write(&self.folder, label, limits).map_err(Error::io(&self.folder))
     }
 
     /// Puts the files in place; each one is either as before or complete.

@@ -102,8 +102,7 @@ impl Request {
         }
         let files = [STUDY, "points.csv", "summary.json", "report.html"].map(|file| folder.join(file));
         let is_file = |file: &PathBuf| file.symlink_metadata().is_ok_and(|entry| !entry.is_dir());
-        let is_precious = |file: &PathBuf| is_file(file) && !is_same(file, self.own_study());
-        match files.into_iter().find(is_precious) {
+        match files.into_iter().find(|file| is_file(file) && !is_same(file, self.own_study())) {
             Some(file) => Err(Error::Refused(format!(
                 "{} was there before any run wrote into this folder, and would be replaced; choose another --output, or \
                  replace it with --force",

@@ -116,12 +116,10 @@ impl Evidence {
         let problem = objective.problem;
         let count = sample.weights.len() as f64;
         let log = ln_sum(&sample.weights) - count.ln();
-        let error = (effective_draws(&sample.weights).recip() - count.recip()).max(0.0);
-        let error = error.sqrt();
+        let error = (effective_draws(&sample.weights).recip() - count.recip()).max(0.0).sqrt();
         let target = Target::new(objective);
         let fits = optima.iter().map(|optimum| target.log_likelihood(&optimum.minimum));
-        let particles = sample.particles.iter();
-        let best = particles.map(|particle| particle.log_likelihood).chain(fits);
+        let best = sample.particles.iter().map(|particle| particle.log_likelihood).chain(fits);
         let bounds = [log - TIMES.ln(), best.fold(f64::NEG_INFINITY, f64::max)];
         let is_told = !optima.is_empty() && bounds.iter().all(|bound| bound.is_finite());
         Self {
@@ -141,12 +139,13 @@ impl Evidence {
     /// # Errors
     /// Says that they are others.
     pub fn is_of(&self, problem: &Problem) -> Result<(), String> {
-        match self.data == problem.digest() {
-            true => Ok(()),
-            false => Err(
+        if self.data == problem.digest() {
+            Ok(())
+        } else {
+            Err(
                 "its evidence is that of other measured values, or of the same in another order or unit, and cannot be compared"
                     .to_owned(),
-            ),
+            )
         }
     }
 
@@ -162,13 +161,14 @@ impl Evidence {
             self.against = Some(Ratio { log, interval });
             return Ok(());
         }
-        let bounds = self.bounds.zip(other.bounds);
-        let bounds = bounds.map(|(this, other)| [this[0] - other[1], this[1] - other[0]]);
-        let plain = bounds.and_then(|[least, most]| match (least > 0.0, most < 0.0) {
-            (true, _) => Some(least),
-            (_, true) => Some(most),
-            _ => None,
-        });
+        let plain =
+            self.bounds.zip(other.bounds).map(|(this, other)| [this[0] - other[1], this[1] - other[0]]).and_then(
+                |[least, most]| match (least > 0.0, most < 0.0) {
+                    (true, _) => Some(least),
+                    (_, true) => Some(most),
+                    _ => None,
+                },
+            );
         let which = if self.trusted { "its" } else { "this" };
         let log = plain.ok_or_else(|| {
             format!(
@@ -183,8 +183,7 @@ impl Evidence {
 /// As many equal weights would tell as much as these, given their logarithms.
 pub(super) fn effective_draws(logs: &[f64]) -> f64 {
     let all = ln_sum(logs);
-    let squares = logs.iter().map(|log| (2.0 * (log - all)).exp());
-    squares.sum::<f64>().recip()
+    logs.iter().map(|log| (2.0 * (log - all)).exp()).sum::<f64>().recip()
 }
 
 /// The interval that holds a number of this standard error with 95 % probability.
@@ -260,11 +259,9 @@ impl<'a> Groups<'a> {
     fn estimate(&self, f: &dyn Fn(&Particle) -> f64) -> Estimate {
         let mean = |group: &&[Particle]| group.iter().map(f).sum::<f64>() / group.len() as f64;
         let means: Vec<f64> = self.groups.iter().map(mean).collect();
-        let pairs = self.parts.iter().zip(&means);
-        let pairs = pairs.filter(|(part, _)| **part > 0.0);
+        let pairs = self.parts.iter().zip(&means).filter(|(part, _)| **part > 0.0);
         let mean: f64 = pairs.clone().map(|(part, of_group)| part * of_group).sum();
-        let squares = pairs.map(|(part, of_group)| (part * (of_group - mean)).powi(2));
-        let squares: f64 = squares.sum();
+        let squares: f64 = pairs.map(|(part, of_group)| (part * (of_group - mean)).powi(2)).sum();
         let count = GROUPS as f64;
         Estimate { mean, error: (squares * count / (count - 1.0)).sqrt() }
     }
@@ -306,8 +303,7 @@ impl PosteriorOutcome {
     }
 
     fn doubts(&self, sample: &Sample) -> Vec<String> {
-        let dead = sample.groups.iter().filter(|(log, _)| !log.is_finite());
-        let dead = dead.count();
+        let dead = sample.groups.iter().filter(|(log, _)| !log.is_finite()).count();
         let (effective, error) = (self.effective, disagreement(sample));
         let last = sample.stages.last();
         let doubts = [
@@ -334,8 +330,7 @@ impl PosteriorOutcome {
             }),
         ];
         let optima = self.optima.iter();
-        let missed = optima.filter(|share| share.within == 0.0 && share.approximation > SEEN);
-        let missed = missed.map(|share| {
+        let missed = optima.filter(|share| share.within == 0.0 && share.approximation > SEEN).map(|share| {
             format!(
                 "no particle is near optimum {}, which has {:.0} % by the optima's normal approximations",
                 share.optimum,
@@ -378,10 +373,8 @@ impl PosteriorOutcome {
         // A place of so much higher density is no place that the search was at.
         const HIGHER: f64 = 0.5;
         let target = Target::new(objective);
-        let known = optima.iter().map(|optimum| target.log_density(&optimum.minimum));
-        let known = known.fold(f64::NEG_INFINITY, f64::max);
-        let particles = sample.particles.iter();
-        let sampled = particles.map(|particle| particle.log_prior + particle.log_likelihood);
+        let known = optima.iter().map(|optimum| target.log_density(&optimum.minimum)).fold(f64::NEG_INFINITY, f64::max);
+        let sampled = sample.particles.iter().map(|particle| particle.log_prior + particle.log_likelihood);
         let higher = sampled.fold(f64::NEG_INFINITY, f64::max) - known;
         if known.is_finite() && higher > HIGHER {
             notes.push(format!(
@@ -445,8 +438,7 @@ struct Near<'a> {
 
 impl<'a> Near<'a> {
     fn new(optima: &'a [Optimum], unknowns: usize) -> Self {
-        let chi_squared = ChiSquared::new(unknowns.max(1) as f64);
-        let limit = chi_squared.expect("there is an unknown").inverse_cdf(0.99);
+        let limit = ChiSquared::new(unknowns.max(1) as f64).expect("there is an unknown").inverse_cdf(0.99);
         Self { optima, limit }
     }
 
@@ -457,9 +449,12 @@ impl<'a> Near<'a> {
 
     /// The optimum that is nearest to a particle.
     fn nearest(&self, particle: &Particle) -> Option<usize> {
-        let distances = self.optima.iter().map(|optimum| Self::distance(optimum, particle));
-        let least = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
-        least.map(|(index, _)| index)
+        self.optima
+            .iter()
+            .map(|optimum| Self::distance(optimum, particle))
+            .enumerate()
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(index, _)| index)
     }
 
     fn shares(&self, groups: &Groups<'_>) -> Vec<Share> {
@@ -481,8 +476,7 @@ impl<'a> Near<'a> {
 
     fn approximated(&self, groups: &Groups<'_>) -> f64 {
         let any = |particle: &Particle| {
-            let within = |optimum: &Optimum| Self::distance(optimum, particle) <= self.limit;
-            f64::from(u8::from(self.optima.iter().any(within)))
+            f64::from(u8::from(self.optima.iter().any(|optimum| Self::distance(optimum, particle) <= self.limit)))
         };
         groups.estimate(&any).mean
     }
@@ -513,20 +507,23 @@ fn marginal(
 /// Mean and spread of each population stand behind all other unknowns.
 fn populations(problem: &Problem, sample: &Sample) -> Vec<PopulationOutcome> {
     let first = sample.unknowns() - 2 * problem.populations.len();
-    let populations = problem.populations.iter().enumerate();
-    let outcomes = populations.map(|(number, population)| {
-        let (name, at) = (&population.name, first + 2 * number);
-        let free = &problem.free[population.members[0]];
-        let named = (&name[..], &free.unit, free.scale);
-        let unit = free.unit.clone().filter(|_| free.scale == Spacing::Linear);
-        let of_spread = (&name[..], &unit, Spacing::Linear);
-        PopulationOutcome {
-            name: name.clone(),
-            mean: marginal(sample, at, [0.0, 1.0], named, &|place| free.value(place)),
-            spread: marginal(sample, at + 1, [0.0, f64::INFINITY], of_spread, &|place| free.spread(place)),
-        }
-    });
-    outcomes.collect()
+    problem
+        .populations
+        .iter()
+        .enumerate()
+        .map(|(number, population)| {
+            let (name, at) = (&population.name, first + 2 * number);
+            let free = &problem.free[population.members[0]];
+            let named = (&name[..], &free.unit, free.scale);
+            let unit = free.unit.clone().filter(|_| free.scale == Spacing::Linear);
+            let of_spread = (&name[..], &unit, Spacing::Linear);
+            PopulationOutcome {
+                name: name.clone(),
+                mean: marginal(sample, at, [0.0, 1.0], named, &|place| free.value(place)),
+                spread: marginal(sample, at + 1, [0.0, f64::INFINITY], of_spread, &|place| free.spread(place)),
+            }
+        })
+        .collect()
 }
 
 fn free(problem: &Problem, sample: &Sample) -> Vec<Marginal> {
@@ -540,33 +537,37 @@ fn free(problem: &Problem, sample: &Sample) -> Vec<Marginal> {
 fn latents(problem: &Problem, sample: &Sample) -> Vec<Vec<Marginal>> {
     let of_case = |case: usize| {
         let pairs = problem.latents.iter().zip(&problem.cases[case].latents);
-        let latents = problem.latents_of(case).zip(pairs);
-        let marginals = latents.map(|(unknown, (latent, interval))| {
-            let named = (&latent.name[..], &latent.unit, Spacing::Linear);
-            marginal(sample, unknown, [0.0, 1.0], named, &|place| interval.value(place))
-        });
-        marginals.collect()
+        problem
+            .latents_of(case)
+            .zip(pairs)
+            .map(|(unknown, (latent, interval))| {
+                let named = (&latent.name[..], &latent.unit, Spacing::Linear);
+                marginal(sample, unknown, [0.0, 1.0], named, &|place| interval.value(place))
+            })
+            .collect()
     };
     (0..problem.cases.len()).map(of_case).collect()
 }
 
 /// The shared errors: each particle has a normal distribution of theirs.
 fn shared(problem: &Problem, sample: &Sample) -> Vec<SharedOutcome> {
-    let channels = problem.channels.iter().enumerate();
-    let outcomes = channels.map(|(number, channel)| {
-        let parts = sample.particles.iter().map(|particle| particle.shared[number]);
-        let parts: Vec<[f64; 2]> = parts.collect();
-        let means: Vec<f64> = parts.iter().map(|[mean, _]| *mean).collect();
-        let squares: Vec<f64> = parts.iter().map(|[_, deviation]| deviation * deviation).collect();
-        let [centre, spread] = [mean(&means), (mean(&squares) + deviation(&means, 1).powi(2)).sqrt()];
-        let mut interval = [0.025, 0.975].map(|part| of_mixture(&parts, part, [centre, spread]));
-        let mut sources = channel.sources.iter();
-        if sources.all(|(source, _)| problem.sources[*source].rectangular) {
-            interval = interval.map(|end| end.clamp(-channel.limit, channel.limit));
-        }
-        SharedOutcome::new(channel, [centre, spread], interval)
-    });
-    outcomes.collect()
+    problem
+        .channels
+        .iter()
+        .enumerate()
+        .map(|(number, channel)| {
+            let parts: Vec<[f64; 2]> = sample.particles.iter().map(|particle| particle.shared[number]).collect();
+            let means: Vec<f64> = parts.iter().map(|[mean, _]| *mean).collect();
+            let squares: Vec<f64> = parts.iter().map(|[_, deviation]| deviation * deviation).collect();
+            let [centre, spread] = [mean(&means), (mean(&squares) + deviation(&means, 1).powi(2)).sqrt()];
+            let mut interval = [0.025, 0.975].map(|part| of_mixture(&parts, part, [centre, spread]));
+            let mut sources = channel.sources.iter();
+            if sources.all(|(source, _)| problem.sources[*source].rectangular) {
+                interval = interval.map(|end| end.clamp(-channel.limit, channel.limit));
+            }
+            SharedOutcome::new(channel, [centre, spread], interval)
+        })
+        .collect()
 }
 
 /// A quantile of a mixture of normal distributions with this mean and standard deviation, by bisection.
@@ -582,21 +583,14 @@ fn of_mixture(parts: &[[f64; 2]], part: f64, [centre, spread]: [f64; 2]) -> f64 
     let (mut low, mut high) = (centre - REACH * spread, centre + REACH * spread);
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        match below(middle) < part {
-            true => low = middle,
-            false => high = middle,
-        }
+        if below(middle) < part { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }
 
 /// The correlations of the free parameters' values.
 fn correlations(problem: &Problem, sample: &Sample) -> Vec<Vec<f64>> {
-    let particles = sample.particles.iter();
-    let rows = particles.map(|particle| problem.free_values(&particle.places));
-    let rows: Vec<Vec<f64>> = rows.collect();
-    let column = |k: usize| rows.iter().map(|row| row[k]).collect();
-    let columns: Vec<Vec<f64>> = (0..problem.free.len()).map(column).collect();
-    let with_all = |a: &Vec<f64>| columns.iter().map(|b| pearson(a, b)).collect();
-    columns.iter().map(with_all).collect()
+    let rows: Vec<Vec<f64>> = sample.particles.iter().map(|particle| problem.free_values(&particle.places)).collect();
+    let columns: Vec<Vec<f64>> = (0..problem.free.len()).map(|k| rows.iter().map(|row| row[k]).collect()).collect();
+    columns.iter().map(|a| columns.iter().map(|b| pearson(a, b)).collect()).collect()
 }

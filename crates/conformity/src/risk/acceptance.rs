@@ -81,8 +81,7 @@ impl Acceptance {
         }
         let of_all = |of: fn(&Moments, &Moments) -> Moments| -> Vec<Moments> {
             // Zeros for the points that do not count.
-            let numbers = pairs().map(|(a, r)| Moments { count: a.count + r.count, ..of(a, r) });
-            numbers.collect()
+            pairs().map(|(a, r)| Moments { count: a.count + r.count, ..of(a, r) }).collect()
         };
         let consumer = of_all(|accepted, _| *accepted);
         let producer = of_all(|_, rejected| rejected.complement());

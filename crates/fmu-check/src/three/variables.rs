@@ -43,8 +43,7 @@ pub(crate) fn not_finite(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String
 
 /// The variables by their value references.
 fn by_reference<'d, 'a>(document: &'d Document<'a>) -> HashMap<u32, &'d Scalar<'a>> {
-    let known = document.known();
-    known.filter_map(|scalar| Some((reference(scalar.node)?, scalar))).collect()
+    document.known().filter_map(|scalar| Some((reference(scalar.node)?, scalar))).collect()
 }
 
 pub(crate) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
@@ -122,8 +121,8 @@ pub(crate) fn timing(document: &Document<'_>) -> Vec<Hit> {
 pub(crate) fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
     let known = by_reference(document);
     let rates: HashSet<u32> = listed(document, "ContinuousStateDerivative").filter_map(reference).collect();
-    let state_of = |rate: &u32| known.get(rate)?.node.attribute("derivative")?.trim().parse().ok();
-    let states: HashSet<u32> = rates.iter().filter_map(state_of).collect();
+    let states: HashSet<u32> =
+        rates.iter().filter_map(|rate| known.get(rate)?.node.attribute("derivative")?.trim().parse().ok()).collect();
     let list: HashSet<u32> = listed(document, "InitialUnknown").filter_map(reference).collect();
     let is_wanted = |scalar: &Scalar<'_>, of: u32| {
         let is_computed = matches!(scalar.initial, "approx" | "calculated");
@@ -151,8 +150,7 @@ fn is_clocked(scalar: &Scalar<'_>) -> bool {
 
 /// An element that `ModelStructure` has twice, and kinds of dependencies that are not as many as these.
 pub(crate) fn structure(document: &Document<'_>) -> Vec<Hit> {
-    let lists = named(document.root, "ModelStructure");
-    let all: Vec<Node<'_, '_>> = lists.flat_map(elements).collect();
+    let all: Vec<Node<'_, '_>> = named(document.root, "ModelStructure").flat_map(elements).collect();
     let mut seen = HashSet::new();
     let second = all.iter().find(|node| {
         let of = reference(**node);

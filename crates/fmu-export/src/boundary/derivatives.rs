@@ -28,17 +28,19 @@ struct Known<M: 'static> {
 impl<M: Model> Instance<M> {
     /// Sets the rates of inputs. The slopes hold for the next step.
     pub fn set_input_derivatives(&mut self, references: &[ValueReference], orders: &[i32], values: &[Real]) -> Outcome {
-        let wanted = references.iter().zip(orders).zip(values);
-        let slopes = wanted.map(|((reference, order), value)| {
-            let variable = variable::<M>(*reference)?;
-            let set = input_slope(variable, *order)?;
-            if !value.is_finite() {
-                let why = format!("its derivative, {value}, must be finite");
-                return Err(unfit(variable, why));
-            }
-            Ok((set, *value))
-        });
-        let slopes = slopes.collect::<Outcome<Vec<_>>>()?;
+        let slopes = references
+            .iter()
+            .zip(orders)
+            .zip(values)
+            .map(|((reference, order), value)| {
+                let variable = variable::<M>(*reference)?;
+                let set = input_slope(variable, *order)?;
+                if !value.is_finite() {
+                    return Err(unfit(variable, format!("its derivative, {value}, must be finite")));
+                }
+                Ok((set, *value))
+            })
+            .collect::<Outcome<Vec<_>>>()?;
         let model = self.run.seed.as_mut().unwrap_or(&mut self.run.model);
         for (set, value) in slopes {
             set(model, value);

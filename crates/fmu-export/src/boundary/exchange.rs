@@ -15,8 +15,7 @@ pub const RATE: ValueReference = 1_100_000_000;
 
 impl<M: Model> Instance<M> {
     fn exchange(&self) -> Outcome<&'static Exchange<M>> {
-        let ours = offered::<M>().filter(|_| self.run.exchange);
-        ours.ok_or(Refusal::Absent("this instance is for Co-Simulation"))
+        offered::<M>().filter(|_| self.run.exchange).ok_or(Refusal::Absent("this instance is for Co-Simulation"))
     }
 
     /// The states, of which the host passes so many values.
@@ -65,8 +64,7 @@ impl<M: Model> Instance<M> {
         let before = self.run.model.clone();
         let (time, rounds) = self.run.at_once;
         let rounds = if time == self.run.time { rounds } else { 0 };
-        let handled = check_end(rounds, time).and_then(|()| (events.handle)(&mut self.run.model));
-        let any = handled.map_err(|fault| {
+        let any = check_end(rounds, time).and_then(|()| (events.handle)(&mut self.run.model)).map_err(|fault| {
             self.run.model = before;
             Refusal::Step(fault)
         })?;
@@ -194,8 +192,7 @@ pub fn existing(name: &str, value: Real) -> Outcome<Real> {
     if value.is_finite() {
         return Ok(value);
     }
-    let why = format!("{name} is {value} at these states");
-    Err(Refusal::Step(Fault::Failed(why)))
+    Err(Refusal::Step(Fault::Failed(format!("{name} is {value} at these states"))))
 }
 
 /// Checks a number that the host passes.

@@ -137,11 +137,13 @@ pub unsafe fn instantiate_by<M: Model>(
         let [name, token, resources] = texts.map(|text| unsafe { lossy(text) });
         let name = name.as_deref().unwrap_or_default();
         let logger = logger(name)?;
-        let checked = check().and_then(|known| {
-            check_host(version, name, &token.unwrap_or_default(), known.fingerprint)?;
-            Ok(known)
-        });
-        let known = checked.map_err(|refusal| logger.refuse(function, &refusal)).ok()?;
+        let known = check()
+            .and_then(|known| {
+                check_host(version, name, &token.unwrap_or_default(), known.fingerprint)?;
+                Ok(known)
+            })
+            .map_err(|refusal| logger.refuse(function, &refusal))
+            .ok()?;
         let (form, resources) = ((version, exchange), resources.as_deref());
         let mut instance = Instance::new(function, form, known.fingerprint, resources, logger);
         (instance.watch, instance.event_mode) = (known.watch, known.event_mode);

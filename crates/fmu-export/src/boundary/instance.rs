@@ -76,12 +76,10 @@ impl<M: Model> Instance<M> {
         // Some hosts, Simulink for one, pass infinity when a simulation has no end.
         let stop = stop.filter(|stop| *stop != f64::INFINITY);
         if let Some(stop) = stop {
-            let why = "it must not be earlier than startTime";
-            require(stop >= start, "stopTime", stop, why)?;
+            require(stop >= start, "stopTime", stop, "it must not be earlier than startTime")?;
         }
         if let Some(tolerance) = tolerance {
-            let why = "it must be greater than 0";
-            require(tolerance > 0.0 && tolerance.is_finite(), "tolerance", tolerance, why)?;
+            require(tolerance > 0.0 && tolerance.is_finite(), "tolerance", tolerance, "it must be greater than 0")?;
         }
         self.run.start = start;
         self.run.time = start;
@@ -131,8 +129,7 @@ impl<M: Model> Instance<M> {
     /// Checks a communication step before anything is done.
     pub fn check_step(&self, from: f64, step: f64) -> Outcome<()> {
         finite("currentCommunicationPoint", from)?;
-        let why = "a step must be greater than 0";
-        require(step > 0.0 && step.is_finite(), "communicationStepSize", step, why)?;
+        require(step > 0.0 && step.is_finite(), "communicationStepSize", step, "a step must be greater than 0")?;
         self.check_times(from, step)
     }
 

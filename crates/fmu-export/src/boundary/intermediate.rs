@@ -137,8 +137,11 @@ impl<M: Model> Instance<M> {
     /// Advances by one inner step and pauses.
     fn advance_by_part(&mut self, pause: &mut Option<Update>) -> Outcome {
         let time = self.run.time;
-        let at_work = self.watch.as_ref().and_then(|watch| Some((watch, watch.underway.as_ref()?)));
-        let (watch, underway) = at_work.ok_or(Refusal::Phase(self.run.phase))?;
+        let (watch, underway) = self
+            .watch
+            .as_ref()
+            .and_then(|watch| Some((watch, watch.underway.as_ref()?)))
+            .ok_or(Refusal::Phase(self.run.phase))?;
         let inner = (watch.inner_step)(&self.run.model, underway.left).max(underway.least);
         // No tiny rest, and none that does not move the time.
         let part = if inner < 0.999 * underway.left && time + inner > time { inner } else { underway.left };

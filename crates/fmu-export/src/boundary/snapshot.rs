@@ -94,8 +94,7 @@ impl<M: Model> Instance<M> {
             return Ok(Status::Ok);
         }
         // SAFETY: the caller promises that `place` holds NULL or a living state of this FMU.
-        let saved = unsafe { Saved::<M>::find(*place, self.version) }?;
-        saved.magic.store(0, Ordering::Relaxed);
+        unsafe { Saved::<M>::find(*place, self.version) }?.magic.store(0, Ordering::Relaxed);
         // SAFETY: made by `give`, freed only here.
         drop(unsafe { Box::from_raw(place.cast::<Saved<M>>()) });
         *place = std::ptr::null_mut();

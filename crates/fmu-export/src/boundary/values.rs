@@ -31,8 +31,7 @@ pub fn all_elements<M: Model>(references: &[ValueReference]) -> Cow<'_, [ValueRe
     if references.iter().all(|first| size::<M>(*first) == 1) {
         return Cow::Borrowed(references);
     }
-    let elements = |first: &ValueReference| (*first..).take(size::<M>(*first));
-    Cow::Owned(references.iter().flat_map(elements).collect())
+    Cow::Owned(references.iter().flat_map(|first| (*first..).take(size::<M>(*first))).collect())
 }
 
 /// The refusal for a variable of another type than the function's.
@@ -245,11 +244,12 @@ impl<M: Model> Instance<M> {
                     }
                 }
                 Kind::Enumeration { access, of: known } if of.items => {
-                    let item = known.items.iter().find(|item| i64::from(item.value) == value);
-                    let item = item.ok_or_else(|| Refusal::Value {
-                        name: variable.name,
-                        value: value.to_string(),
-                        allowed: format!("one of {}", known.listed()),
+                    let item = known.items.iter().find(|item| i64::from(item.value) == value).ok_or_else(|| {
+                        Refusal::Value {
+                            name: variable.name,
+                            value: value.to_string(),
+                            allowed: format!("one of {}", known.listed()),
+                        }
                     })?;
                     write(variable, access, &item.value, model)
                 }

@@ -34,8 +34,7 @@ impl<M: Model> Events<M> {
     /// is as before then.
     pub fn pass(&self, model: &mut M, time: f64, step: f64, log: &mut dyn Log) -> Result<(), Fault> {
         let before = model.clone();
-        let passed = self.pass_all(model, time, step, log);
-        passed.inspect_err(|_| *model = before)
+        self.pass_all(model, time, step, log).inspect_err(|_| *model = before)
     }
 
     fn pass_all(&self, model: &mut M, time: f64, step: f64, log: &mut dyn Log) -> Result<(), Fault> {

@@ -45,8 +45,8 @@ pub fn faults<M: Model>() -> Vec<String> {
 
 fn check_info(info: &Info, faults: &mut Vec<String>) {
     let mut characters = info.identifier.chars();
-    let first = |c: char| c.is_ascii_alphabetic() || c == '_';
-    let valid = characters.next().is_some_and(first) && characters.all(|c| c.is_ascii_alphanumeric() || c == '_');
+    let valid = characters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_')
+        && characters.all(|c| c.is_ascii_alphanumeric() || c == '_');
     if !valid {
         let identifier = info.identifier;
         faults.push(format!("the identifier {identifier:?} is not a C identifier"));

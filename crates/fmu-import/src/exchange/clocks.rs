@@ -52,8 +52,10 @@ impl Functions {
         })?;
         let is_time = interval >= 0.0;
         if qualifier != NOT_YET_KNOWN && !is_time {
-            let why = format!("the interval {interval} s of the clock {clock} is no time");
-            return Err(Call::impossible(self.get_interval.name, why));
+            return Err(Call::impossible(
+                self.get_interval.name,
+                format!("the interval {interval} s of the clock {clock} is no time"),
+            ));
         }
         Ok((interval, qualifier))
     }
@@ -121,8 +123,10 @@ impl Clock {
         }
         let is_period = interval > 0.0;
         if !is_period {
-            let why = format!("the clock {} has a period of {interval} s", self.reference);
-            return Err(Call::impossible(functions.get_interval.name, why));
+            return Err(Call::impossible(
+                functions.get_interval.name,
+                format!("the clock {} has a period of {interval} s", self.reference),
+            ));
         }
         let shift = match (self.timing.shift, self.timing.interval) {
             (Some(shift), _) => shift,
@@ -197,8 +201,7 @@ impl Clocks {
             if all.iter().any(|clock| clock.handle == handle) {
                 continue;
             }
-            let clocked = description.variables.values();
-            let clocked = clocked.filter(|other| other.clocks.contains(&reference));
+            let clocked = description.variables.values().filter(|other| other.clocks.contains(&reference));
             all.push(Clock {
                 reference,
                 handle,
@@ -216,8 +219,8 @@ impl Clocks {
         if all.is_empty() {
             return Self::default();
         }
-        let inputs = description.variables.values();
-        let inputs = inputs.filter(|one| one.causality == Causality::Input && !one.clocks.is_empty());
+        let inputs =
+            description.variables.values().filter(|one| one.causality == Causality::Input && !one.clocks.is_empty());
         let start = |one: &Variable| one.kind.start_value().unwrap_or_else(|| blank(one.handle().content));
         Self {
             inputs: inputs.map(|one| (one.handle(), start(one))).collect(),
@@ -239,8 +242,7 @@ impl Clocks {
     /// The present value of a clock, or of a variable of one.
     pub(super) fn value(&self, handle: Handle) -> Option<Value> {
         let clock = self.all.iter().find(|clock| clock.handle == handle);
-        let value = clock.map(|clock| Value::Boolean(clock.has_ticked));
-        value.or_else(|| self.values.get(&handle).cloned())
+        clock.map(|clock| Value::Boolean(clock.has_ticked)).or_else(|| self.values.get(&handle).cloned())
     }
 
     /// Keeps the value of a clocked input for the next tick; whether it is one.
@@ -300,8 +302,7 @@ impl Clocks {
             }
         }
         let references = |wanted: fn(&&Clock) -> bool| -> Vec<u32> {
-            let wanted = self.all.iter().filter(wanted);
-            wanted.map(|clock| clock.reference).collect()
+            self.all.iter().filter(wanted).map(|clock| clock.reference).collect()
         };
         let due = references(|clock| clock.is_active);
         let own = references(|clock| !clock.is_input);
@@ -310,12 +311,11 @@ impl Clocks {
         }
         for (handle, value) in std::mem::take(&mut self.held) {
             let mut clocks = self.all.iter();
-            match clocks.any(|clock| clock.is_active && clock.clocked.contains(&handle)) {
-                true => {
-                    model.set(handle.reference, &value)?;
-                    self.values.insert(handle, value);
-                }
-                false => self.held.push((handle, value)),
+            if clocks.any(|clock| clock.is_active && clock.clocked.contains(&handle)) {
+                model.set(handle.reference, &value)?;
+                self.values.insert(handle, value);
+            } else {
+                self.held.push((handle, value))
             }
         }
         if !own.is_empty() {
@@ -349,8 +349,7 @@ impl Clocks {
 
     /// When the next tick is, s.
     pub(super) fn next(&self) -> Option<f64> {
-        let next = self.all.iter().filter_map(|clock| clock.next);
-        next.min_by(f64::total_cmp)
+        self.all.iter().filter_map(|clock| clock.next).min_by(f64::total_cmp)
     }
 
     /// Forgets what has ticked up to a communication point.

@@ -167,15 +167,13 @@ impl Plant {
     fn read(&mut self, function: Function<Read>, into: &mut [f64]) -> Result<(), Call> {
         let (place, count) = (into.as_mut_ptr(), into.len());
         // SAFETY: the component is alive, and there is room for as many numbers as stated.
-        let read = |read: Read, of| unsafe { read(of, place, count) };
-        self.model.base_mut().call(function, read)
+        self.model.base_mut().call(function, |read, of| unsafe { read(of, place, count) })
     }
 
     fn count(&mut self, function: Function<Count>) -> Result<usize, Call> {
         let mut count = 0;
         // SAFETY: the component is alive, and the count is a valid place to write to.
-        let get = |get: Count, of| unsafe { get(of, &raw mut count) };
-        self.model.base_mut().call(function, get)?;
+        self.model.base_mut().call(function, |get, of| unsafe { get(of, &raw mut count) })?;
         Ok(count)
     }
 
@@ -210,8 +208,7 @@ impl Plant {
     fn set_time(&mut self, time: f64) -> Result<(), Call> {
         let function = self.functions.set_time;
         // SAFETY: the component is alive.
-        let set = |set: SetTime, of| unsafe { set(of, time) };
-        self.model.base_mut().call(function, set)
+        self.model.base_mut().call(function, |set, of| unsafe { set(of, time) })
     }
 
     #[inline(never)]
@@ -219,8 +216,7 @@ impl Plant {
         let (place, count) = (states.as_ptr(), states.len());
         let function = self.functions.set_continuous_states;
         // SAFETY: the component is alive, and there are as many states as stated.
-        let set = |set: Write, of| unsafe { set(of, place, count) };
-        self.model.base_mut().call(function, set)
+        self.model.base_mut().call(function, |set, of| unsafe { set(of, place, count) })
     }
 
     /// Reads the states.
@@ -240,8 +236,7 @@ impl Plant {
 
     /// The rates at a time and states; whether the FMU computes them there.
     pub(super) fn rates_at(&mut self, time: f64, states: &[f64], into: &mut [f64]) -> Result<bool, Call> {
-        let placed = self.place(time, states);
-        match placed.and_then(|()| self.read(self.functions.get_derivatives, into)) {
+        match self.place(time, states).and_then(|()| self.read(self.functions.get_derivatives, into)) {
             Ok(()) => Ok(true),
             Err(call) if call.status == Status::Discard => Ok(false),
             Err(call) => Err(call),

@@ -122,8 +122,7 @@ impl Jacobian {
             }
         }
         self.at.copy_from_slice(place.states);
-        let rates = place.rates.iter().zip(&self.rates);
-        Ok(rates.zip(expected).all(|((before, after), (sum, size))| {
+        Ok(place.rates.iter().zip(&self.rates).zip(expected).all(|((before, after), (sum, size))| {
             (after - before - sum).abs() <= UNEXPLAINED * size + ROUNDING * before.abs()
         }))
     }
@@ -157,12 +156,12 @@ impl Jacobian {
         self.groups.clear();
         let mut taken: Vec<Vec<bool>> = Vec::new();
         for (state, column) in self.columns.iter().enumerate() {
-            let is_free = |taken: &Vec<bool>| column.iter().all(|(rate, _)| !taken[*rate]);
-            let group = taken.iter().position(is_free).unwrap_or_else(|| {
-                taken.push(vec![false; self.columns.len()]);
-                self.groups.push(Vec::new());
-                taken.len() - 1
-            });
+            let group =
+                taken.iter().position(|taken| column.iter().all(|(rate, _)| !taken[*rate])).unwrap_or_else(|| {
+                    taken.push(vec![false; self.columns.len()]);
+                    self.groups.push(Vec::new());
+                    taken.len() - 1
+                });
             self.groups[group].push(state);
             for (rate, _) in column {
                 taken[group][*rate] = true;

@@ -101,8 +101,7 @@ impl March {
     /// The error allowed in each state.
     fn allowed(&self) -> Vec<f64> {
         let tolerance = self.experiment.tolerance.unwrap_or(TOLERANCE);
-        let states = self.states.iter().zip(&self.nominals);
-        states.map(|(state, nominal)| tolerance * state.abs().max(*nominal)).collect()
+        self.states.iter().zip(&self.nominals).map(|(state, nominal)| tolerance * state.abs().max(*nominal)).collect()
     }
 }
 
@@ -140,8 +139,7 @@ impl Exchange {
         while self.march.time < self.goal(to) && !self.march.ended {
             let to = self.goal(to);
             let (time, cuts) = (self.march.time, !self.plant.declared.even_steps);
-            let soon = |next: &f64| *next < to && (cuts || *next <= time);
-            let next = self.march.next.filter(soon);
+            let next = self.march.next.filter(|next| *next < to && (cuts || *next <= time));
             let is_due = |time: f64| next.is_some_and(|next| next <= time);
             let mut event = is_due(self.march.time);
             if !event {
@@ -175,8 +173,7 @@ impl Exchange {
     /// The end of a step to a time, s: the next event or the stop where the two differ by rounding only.
     fn goal(&self, to: f64) -> f64 {
         let stop = self.march.experiment.stop;
-        let near = |next: &f64| are_near(*next, to) && *next <= stop;
-        match self.march.next.filter(near) {
+        match self.march.next.filter(|next| are_near(*next, to) && *next <= stop) {
             Some(next) => next,
             None if are_near(to, stop) => to.min(stop),
             None => to,

@@ -82,8 +82,8 @@ impl Rosenbrock {
             return Ok(false);
         }
         let root = f64::EPSILON.sqrt();
-        let sizes = states.iter().zip(nominals).map(|(state, nominal)| root * state.abs().max(*nominal));
-        let sizes: Vec<f64> = sizes.collect();
+        let sizes: Vec<f64> =
+            states.iter().zip(nominals).map(|(state, nominal)| root * state.abs().max(*nominal)).collect();
         let Some(more) = self.jacobian.compute(f, Place { time, states, rates: &self.first, sizes: &sizes })? else {
             return Ok(false);
         };

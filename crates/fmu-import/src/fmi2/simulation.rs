@@ -132,8 +132,7 @@ impl Simulation for Model {
             Value::Real(value) => self.put(reference, functions.real, *value),
             Value::Integer(value) => {
                 let value = c_int::try_from(*value).map_err(|_| {
-                    let why = format!("{value} is no whole number of 32 bits");
-                    Call::impossible(functions.integer.set.name, why)
+                    Call::impossible(functions.integer.set.name, format!("{value} is no whole number of 32 bits"))
                 })?;
                 self.put(reference, functions.integer, value)
             }

@@ -29,8 +29,7 @@ impl Model {
                 Ok(None) => return (done, Ok(())),
                 Ok(Some(Halt::Step(status))) => {
                     let (time, size) = (batch.times[done], batch.sizes[done]);
-                    let step = self.slow_step(status, time, size);
-                    step.and_then(|()| match batch.references {
+                    self.slow_step(status, time, size).and_then(|()| match batch.references {
                         [] => Ok(()),
                         references => self.reals(references, batch.row(done)),
                     })
@@ -85,8 +84,7 @@ impl Model {
             std::thread::sleep(Duration::from_micros(100));
             status = self.pending_step()?;
         }
-        let result = self.base.caller.check("fmi2DoStep", status);
-        result.map_err(|mut call| {
+        self.base.caller.check("fmi2DoStep", status).map_err(|mut call| {
             let stopped = self.functions.get_boolean_status;
             if call.status == Status::Discard && self.told(stopped, TERMINATED, 0).is_some_and(|is| is != 0) {
                 let at = self.told(self.functions.get_real_status, LAST_SUCCESSFUL_TIME, time);

@@ -46,10 +46,9 @@ impl Element {
 
     /// The element of a number.
     pub(super) fn of(elements: &[Self], number: u32) -> Result<&Self, Call> {
-        elements.get(number as usize).ok_or_else(|| {
-            let why = format!("there is no element {number}");
-            Call::impossible("fmi3Get", why)
-        })
+        elements
+            .get(number as usize)
+            .ok_or_else(|| Call::impossible("fmi3Get", format!("there is no element {number}")))
     }
 
     /// Whether it is a number of 64 bits by itself, of which one call reads several.

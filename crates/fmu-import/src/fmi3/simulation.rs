@@ -141,8 +141,7 @@ impl Simulation for Model {
             Ok(()) if early == 0 || reached == time + step => Ok((time + step, event)),
             Ok(()) if known && (reached > time || event) => Ok((reached, event)),
             Ok(()) => {
-                let why = format!("it returned early, at {reached} s of a step from {time} s");
-                Err(Call::impossible(DO_STEP, why))
+                Err(Call::impossible(DO_STEP, format!("it returned early, at {reached} s of a step from {time} s")))
             }
         }
     }

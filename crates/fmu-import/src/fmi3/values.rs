@@ -36,10 +36,11 @@ impl Model {
     fn read_array(&mut self, element: &Element) -> Result<Vec<Value>, Call> {
         let functions = self.functions;
         Ok(match element.storage {
-            Storage::Float32 => {
-                let values = self.all(functions.float32, element, 0.0)?;
-                values.into_iter().map(|value: f32| Value::Real(value.into())).collect()
-            }
+            Storage::Float32 => self
+                .all(functions.float32, element, 0.0)?
+                .into_iter()
+                .map(|value: f32| Value::Real(value.into()))
+                .collect(),
             Storage::Float64 => self.all(functions.float64, element, 0.0)?.into_iter().map(Value::Real).collect(),
             Storage::Int8 => self.integers(functions.int8, element)?,
             Storage::UInt8 => self.integers(functions.uint8, element)?,
@@ -50,14 +51,12 @@ impl Model {
             Storage::Int64 | Storage::Enumeration => self.integers(functions.int64, element)?,
             Storage::UInt64 => self.integers(functions.uint64, element)?,
             Storage::Boolean => {
-                let values = self.all(functions.boolean, element, 0)?;
-                values.into_iter().map(|value| Value::Boolean(value != 0)).collect()
+                self.all(functions.boolean, element, 0)?.into_iter().map(|value| Value::Boolean(value != 0)).collect()
             }
             Storage::Binary => self.binaries(element)?.iter().map(|bytes| Value::String(hexadecimal(bytes))).collect(),
             Storage::Clock => return Err(without_events()),
             Storage::String => {
-                let texts = self.texts(element)?;
-                texts.iter().map(|text| Value::String(text.to_string_lossy().into_owned())).collect()
+                self.texts(element)?.iter().map(|text| Value::String(text.to_string_lossy().into_owned())).collect()
             }
         })
     }
@@ -135,8 +134,7 @@ impl Model {
         new: New<'_>,
         fit: impl Fn(&Value) -> Option<T>,
     ) -> Result<(), Call> {
-        let told = |model: &mut Self| model.all(access, new.element, T::default());
-        let values = self.merged(new, access.set.name, fit, told)?;
+        let values = self.merged(new, access.set.name, fit, |model| model.all(access, new.element, T::default()))?;
         self.put_all(access, new.element, &values)
     }
 
@@ -181,8 +179,7 @@ impl Model {
         T: Copy + Default,
         i128: From<T>,
     {
-        let values = self.all(access, element, T::default())?;
-        Ok(values.into_iter().map(|value| Value::Integer(value.into())).collect())
+        Ok(self.all(access, element, T::default())?.into_iter().map(|value| Value::Integer(value.into())).collect())
     }
 
     /// The texts of a variable, copied: the FMU's own ones are valid until the next call only.
@@ -221,8 +218,7 @@ impl Model {
             Value::String(digits) => bytes_of(digits),
             _ => None,
         };
-        let told = |model: &mut Self| model.binaries(element);
-        let all = self.merged(new, set.name, fit, told)?;
+        let all = self.merged(new, set.name, fit, |model| model.binaries(element))?;
         let sizes: Vec<usize> = all.iter().map(Vec::len).collect();
         let places: Vec<*const u8> = all.iter().map(|bytes| bytes.as_ptr()).collect();
         let (reference, sizes, places) = (&raw const element.reference, sizes.as_ptr(), places.as_ptr());
@@ -236,9 +232,11 @@ impl Model {
             Value::String(text) => Some(c_string(text)),
             _ => None,
         };
-        let told = |model: &mut Self| model.texts(element);
-        let texts = self.merged(new, access.set.name, fit, told)?;
-        let pointers: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
+        let pointers: Vec<*const c_char> = self
+            .merged(new, access.set.name, fit, |model| model.texts(element))?
+            .iter()
+            .map(|text| text.as_ptr())
+            .collect();
         self.put_all(access, element, &pointers)
     }
 }
@@ -286,6 +284,5 @@ fn unfit(value: &Value, element: &Element, function: &'static str) -> Call {
         Value::Integer(value) => value.to_string(),
         other => format!("{other:?}"),
     };
-    let why = format!("{value} does not fit into {:?}", element.storage);
-    Call::impossible(function, why)
+    Call::impossible(function, format!("{value} does not fit into {:?}", element.storage))
 }

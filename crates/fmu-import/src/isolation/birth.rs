@@ -119,8 +119,7 @@ fn hidden(orders: OwnedFd, answers: OwnedFd) -> (File, File) {
 /// The same file under a high number, where the system has one; programs that the FMU starts do not get it.
 fn raised(fd: OwnedFd) -> File {
     const HIGH: [RawFd; 2] = [1016, 248];
-    let raised = HIGH.into_iter().find_map(|least| fcntl_dupfd_cloexec(&fd, least).ok());
-    raised.unwrap_or(fd).into()
+    HIGH.into_iter().find_map(|least| fcntl_dupfd_cloexec(&fd, least).ok()).unwrap_or(fd).into()
 }
 
 /// Closes the descriptors of a range.

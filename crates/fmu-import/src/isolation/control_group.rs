@@ -43,8 +43,11 @@ impl ControlGroup {
 
     /// The processes in it.
     pub fn processes(&self) -> Vec<u32> {
-        let text = fs::read_to_string(self.folder.join("cgroup.procs")).unwrap_or_default();
-        text.lines().filter_map(|line| line.parse().ok()).collect()
+        fs::read_to_string(self.folder.join("cgroup.procs"))
+            .unwrap_or_default()
+            .lines()
+            .filter_map(|line| line.parse().ok())
+            .collect()
     }
 
     /// Ends all processes in it at once, whatever signals they block, and those that they are just starting.

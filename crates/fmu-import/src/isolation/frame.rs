@@ -66,8 +66,8 @@ pub fn take(arrived: &mut Vec<u8>, ticket: u64) -> Result<Option<Vec<u8>>, Broke
     let Some(head) = arrived.first_chunk::<HEAD>() else {
         return Ok(None);
     };
-    let word = |at: usize| u32::from_le_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]);
-    let [low, high, length, checksum_then] = [4, 8, 12, 16].map(word);
+    let [low, high, length, checksum_then] =
+        [4, 8, 12, 16].map(|at| u32::from_le_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]));
     if u64::from(low) | u64::from(high) << 32 != ticket {
         return Err(Broken::Ticket);
     }

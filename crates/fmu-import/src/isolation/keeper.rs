@@ -149,8 +149,7 @@ impl Process {
     }
 
     fn pid(&self) -> Pid {
-        let pid = Pid::from_raw(self.0 as i32);
-        pid.expect("a process that was forked has a number")
+        Pid::from_raw(self.0 as i32).expect("a process that was forked has a number")
     }
 }
 

@@ -26,8 +26,7 @@ fn times(entry: &fs::Metadata) -> [i64; 4] {
 #[cfg(windows)]
 fn times(entry: &fs::Metadata) -> [i64; 4] {
     use std::os::windows::fs::MetadataExt;
-    let counted = [entry.last_write_time(), entry.creation_time()];
-    let [changed, made] = counted.map(u64::cast_signed);
+    let [changed, made] = [entry.last_write_time(), entry.creation_time()].map(u64::cast_signed);
     [changed, made, i64::from(entry.file_attributes()), 0]
 }
 
@@ -53,10 +52,7 @@ impl Snapshot {
 
     /// The first file that another snapshot has otherwise, or a folder where no file differs.
     pub fn difference(&self, other: &Self) -> Option<PathBuf> {
-        let missing = |one: &Self, two: &Self| {
-            let paths = one.0.keys().filter(|path| !two.0.contains_key(*path));
-            paths.min().cloned()
-        };
+        let missing = |one: &Self, two: &Self| one.0.keys().filter(|path| !two.0.contains_key(*path)).min().cloned();
         let changed = |(path, state): (&PathBuf, &State)| {
             let then = other.0.get(path).filter(|then| *then != state)?;
             // A folder changes with each entry that comes or goes, and then the entry tells more.
@@ -104,10 +100,7 @@ impl Watch {
             return None;
         }
         let place = self.before.difference(&Snapshot::of(&self.folder));
-        let within = |place: PathBuf| {
-            let within = place.strip_prefix(&self.folder).map(Path::to_owned);
-            within.unwrap_or_default()
-        };
+        let within = |place: PathBuf| place.strip_prefix(&self.folder).map(Path::to_owned).unwrap_or_default();
         match (place.map(within), seen) {
             (None, Seen::Changed) => Some(PathBuf::new()),
             (place, _) => place,

@@ -100,8 +100,8 @@ impl Reader {
             dimensions.push(size);
         }
         let count = dimensions.iter().try_fold(1_usize, |all, size| all.checked_mul(*size));
-        let within = |count: &usize| *count <= MOST_ELEMENTS && first.checked_add(MOST_ELEMENTS as u32).is_some();
-        if count.filter(within).is_none() {
+        if count.filter(|count| *count <= MOST_ELEMENTS && first.checked_add(MOST_ELEMENTS as u32).is_some()).is_none()
+        {
             return refuse(format!("an array of more than {MOST_ELEMENTS} elements is not read"));
         }
         Some(Written { node, storage, first, sizes: dimensions })
@@ -114,8 +114,7 @@ impl Reader {
         let Some(value_reference) = self.reference(node, &name) else {
             return;
         };
-        let declared = node.attribute("declaredType");
-        let declared = declared.and_then(|name| types.get(name)).copied();
+        let declared = node.attribute("declaredType").and_then(|name| types.get(name)).copied();
         let mut starts = starts(node);
         let resized = into.sizes.iter().find(|(of, _)| *of == value_reference);
         if let Some((_, size)) = resized {
@@ -201,8 +200,7 @@ impl Reader {
         let resolution: Option<f64> = self.number(source("resolution"), "resolution");
         let mut time = |counter: &str, decimal: &str| {
             let counter: Option<f64> = self.number(source(counter), counter);
-            let fraction = counter.zip(resolution).map(|(counter, of)| counter / of);
-            fraction.or_else(|| self.number(source(decimal), decimal))
+            counter.zip(resolution).map(|(counter, of)| counter / of).or_else(|| self.number(source(decimal), decimal))
         };
         let interval = time("intervalCounter", "intervalDecimal");
         let shift = time("shiftCounter", "shiftDecimal");
@@ -233,14 +231,16 @@ impl Reader {
 
 /// A list of value references.
 fn references(list: Option<&str>) -> Vec<u32> {
-    let words = list.unwrap_or_default().split_whitespace();
-    words.filter_map(|word| word.parse().ok()).collect()
+    list.unwrap_or_default().split_whitespace().filter_map(|word| word.parse().ok()).collect()
 }
 
 /// Attributes of the types, by their names.
 fn types<'a>(root: Node<'a, 'a>) -> Types<'a> {
-    let types = child(root, "TypeDefinitions").into_iter().flat_map(elements);
-    types.filter_map(|node| Some((node.attribute("name")?, node))).collect()
+    child(root, "TypeDefinitions")
+        .into_iter()
+        .flat_map(elements)
+        .filter_map(|node| Some((node.attribute("name")?, node)))
+        .collect()
 }
 
 /// The size that a structural parameter stands for, by its value reference.
@@ -258,8 +258,7 @@ fn starts(node: Node<'_, '_>) -> Vec<String> {
     if matches!(node.tag_name().name(), "String" | "Binary") {
         return children(node, "Start").filter_map(|start| start.attribute("value")).map(str::to_owned).collect();
     }
-    let list = node.attribute("start").unwrap_or_default();
-    list.split_whitespace().map(str::to_owned).collect()
+    node.attribute("start").unwrap_or_default().split_whitespace().map(str::to_owned).collect()
 }
 
 #[cfg(test)]

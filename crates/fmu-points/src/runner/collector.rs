@@ -209,8 +209,7 @@ fn aligned(measured: &MeasuredCurve, times: &[f64], values: Vec<f64>) -> Option<
     let reference = Curve::new(measured.times.clone(), measured.values.clone()).ok()?;
     let shift = delay::find(&reference, &model, range).ok()?;
     let [first, last] = model.span();
-    let place = |time: &f64| model.at((time - shift.delay).clamp(first, last));
-    measured.times.iter().map(place).collect()
+    measured.times.iter().map(|time| model.at((time - shift.delay).clamp(first, last))).collect()
 }
 
 #[cfg(test)]

@@ -23,8 +23,8 @@ impl Draws {
     /// To which of the curves a model conforms; none where they are not known.
     pub(super) fn conforming(&mut self, metric: Metric, pair: &Pair<'_>) -> Replicates {
         let rows = pair.reference.len();
-        let known = self.resampling.errors.as_ref();
-        let known = known.filter(|errors| errors.shared.len() == rows && errors.own.len() == rows);
+        let known =
+            self.resampling.errors.as_ref().filter(|errors| errors.shared.len() == rows && errors.own.len() == rows);
         let Some(errors) = known else {
             return Replicates::new();
         };

@@ -87,12 +87,13 @@ impl Scene {
         let noisy: Vec<f64> = task.varied.iter().map(|slot| f64::from(has_noise(slot))).collect();
         correct(&mut task, &mut recorded, &noisy);
         let stops = place(&mut task.inputs, &task.schedule);
-        let special = |probe: &Probe| probe.window.is_some() || probe.companion().is_some();
-        let has_windows = task.observed.iter().any(special);
-        let over_time = task.observed.iter().enumerate();
-        let over_time = over_time.filter(|(_, probe)| has_windows || !probe.is_final());
-        let (probes, others): (Vec<_>, Vec<_>) =
-            over_time.partition(|(_, probe)| !has_windows && probe.handle.content == Content::Real);
+        let has_windows = task.observed.iter().any(|probe| probe.window.is_some() || probe.companion().is_some());
+        let (probes, others): (Vec<_>, Vec<_>) = task
+            .observed
+            .iter()
+            .enumerate()
+            .filter(|(_, probe)| has_windows || !probe.is_final())
+            .partition(|(_, probe)| !has_windows && probe.handle.content == Content::Real);
         let [probes, others] =
             [probes, others].map(|of| together(&task.observed, of.iter().map(|(number, _)| *number)));
         let usual = [task.schedule.window_start, task.schedule.stop];
@@ -176,8 +177,7 @@ impl Scene {
     pub(super) fn why_none(&self, result: usize) -> Option<String> {
         let watched = &self.watched;
         let watched = watched.probes.iter().zip(&watched.collectors);
-        let gauges = self.gauges.iter();
-        let gauges = gauges.map(|gauge| (&gauge.probes, &gauge.collector));
+        let gauges = self.gauges.iter().map(|gauge| (&gauge.probes, &gauge.collector));
         let (_, collector) = watched.chain(gauges).find(|(probes, _)| probes.contains(&result))?;
         let probe = &self.task.observed[result];
         let (Some(Detail::Level(level, direction)), [low, high]) = (probe.detail, collector.uncrossed()?) else {

@@ -56,10 +56,8 @@ impl Scene {
         while first < steps.end {
             let count = watched.steps.fill(points, first..steps.end, most);
             let (begins, sizes) = watched.steps.first(count);
-            let (references, values) = match WATCH {
-                true => (&watched.references[..], &mut watched.values[..]),
-                false => (&[][..], &mut [][..]),
-            };
+            let (references, values) =
+                if WATCH { (&watched.references[..], &mut watched.values[..]) } else { (&[][..], &mut [][..]) };
             let (done, outcome) = instance.steps(begins, sizes, references, values);
             if WATCH {
                 // Where the FMU ends the simulation by itself, the steps before count.

@@ -65,8 +65,7 @@ pub(crate) fn is_ready(replies: &mut Inbox<Source>, time: Duration) -> bool {
 
 /// How a process ended.
 pub(crate) fn loss(status: ExitStatus) -> Loss {
-    let code = || Loss::Exit(status.code().unwrap_or(-1));
-    status.signal().map_or_else(code, Loss::Signal)
+    status.signal().map_or_else(|| Loss::Exit(status.code().unwrap_or(-1)), Loss::Signal)
 }
 
 /// Ends the group of a process at once. The process itself may have ended, and its number may be another's.
@@ -98,8 +97,7 @@ pub(crate) fn make_private(folder: &Path) -> io::Result<()> {
 /// Whether a path is that of an open file.
 pub(crate) fn is_that_file(file: &File, path: &Path) -> bool {
     let place = |of: fs::Metadata| (of.dev(), of.ino());
-    let pair = file.metadata().ok().zip(fs::metadata(path).ok());
-    pair.is_some_and(|(open, named)| place(open) == place(named))
+    file.metadata().ok().zip(fs::metadata(path).ok()).is_some_and(|(open, named)| place(open) == place(named))
 }
 
 /// Sets a handler of signals, and leaves a hangup ignored where it was before, as by `nohup`.
@@ -119,9 +117,14 @@ pub(crate) fn without_hangup(set: impl FnOnce()) {
 
 /// The memory of this machine, bytes; `None` where that is not known.
 pub fn memory_of_machine() -> Option<u64> {
-    let text = fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|l| l.strip_prefix("MemTotal:"))?;
-    let kibibytes = line.trim().strip_suffix("kB")?.trim().parse::<u64>();
+    let kibibytes = fs::read_to_string("/proc/meminfo")
+        .ok()?
+        .lines()
+        .find_map(|l| l.strip_prefix("MemTotal:"))?
+        .trim()
+        .strip_suffix("kB")?
+        .trim()
+        .parse::<u64>();
     kibibytes.ok().map(|kibibytes| kibibytes * 1024)
 }
 

@@ -116,8 +116,7 @@ impl Streams {
 
     /// The keeper of the worker's children; with `echo`, what they print is shown on standard error.
     pub(crate) fn keeper(self, echo: bool, seed: u64) -> io::Result<Keeper> {
-        let error = echo.then(|| io::stderr().as_handle().try_clone_to_owned());
-        let error: Option<OwnedHandle> = error.transpose()?;
+        let error: Option<OwnedHandle> = echo.then(|| io::stderr().as_handle().try_clone_to_owned()).transpose()?;
         Ok(Keeper::new(error.map(File::from), seed))
     }
 }

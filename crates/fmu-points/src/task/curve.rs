@@ -113,8 +113,8 @@ impl MeasuredCurve {
             Delay::Known(delay) => [delay; 2],
             Delay::Within(range) => range,
         };
-        let ends = [self.times.first(), self.times.last()];
-        let [first, last] = ends.map(|time| *time.expect("a measured curve has samples"));
+        let [first, last] =
+            [self.times.first(), self.times.last()].map(|time| *time.expect("a measured curve has samples"));
         [first - most, last - least]
     }
 }

@@ -58,8 +58,7 @@ impl Series {
         let Schedule { start, stop, .. } = *schedule;
         let [first, last] = self.span();
         let interval = (last - first) / (self.times.len() as f64 - 1.0).max(1.0);
-        let may_miss = interval.min(MOST_BEYOND * (stop - start));
-        let may_miss = may_miss.max(NEAR * schedule.step);
+        let may_miss = interval.min(MOST_BEYOND * (stop - start)).max(NEAR * schedule.step);
         if first > start + may_miss {
             Some([start, first.min(stop)])
         } else if last < stop - may_miss {
@@ -95,8 +94,7 @@ impl Series {
             let around = [index.saturating_sub(1), index].map(|index| points.at(index));
             let place = stops.partition_point(|stop| stop < time);
             let known = stops[place.saturating_sub(1)..].iter().take(2).copied();
-            let close = |other: &f64| (other - *time).abs() <= near;
-            let settled = around.into_iter().chain(known).find(close);
+            let settled = around.into_iter().chain(known).find(|other| (other - *time).abs() <= near);
             before = settled.unwrap_or(*time).max(before);
             *time = before;
         }

@@ -73,9 +73,10 @@ impl Slot {
         }
         if self.error.is_some() {
             let is_gain = matches!(self.error, Some(SensorError::Gain { .. }));
-            return match is_gain && value <= -1.0 {
-                true => Err(format!("a gain error of {value} leaves nothing of the recording of {name}")),
-                false => Ok(()),
+            return if is_gain && value <= -1.0 {
+                Err(format!("a gain error of {value} leaves nothing of the recording of {name}"))
+            } else {
+                Ok(())
             };
         }
         let stored = self.stored(value);
@@ -137,8 +138,11 @@ impl Slot {
         if self.handle.content == Content::Integer {
             return value.round();
         }
-        let is_same = |limit: &f64| (value - limit).abs() <= ROUNDING * limit.abs();
-        [self.min, self.max].into_iter().flatten().find(is_same).unwrap_or(value)
+        [self.min, self.max]
+            .into_iter()
+            .flatten()
+            .find(|limit| (value - limit).abs() <= ROUNDING * limit.abs())
+            .unwrap_or(value)
     }
 }
 

@@ -147,8 +147,7 @@ impl ContactFamily {
         let below = below(x);
         let lowest = if below >= 0 { (below - 1).max(0) } else { (below - 1).min(1 - THROUGH as i32) };
         let weights = weights(x - f64::from(lowest));
-        let index = usize::try_from(lowest - self.first).unwrap_or(0);
-        let index = index.min(self.tables.len() - THROUGH);
+        let index = usize::try_from(lowest - self.first).unwrap_or(0).min(self.tables.len() - THROUGH);
         let tables = &self.tables[index..index + THROUGH];
         std::array::from_fn(|k| {
             let number = self.first + (index + k) as i32;

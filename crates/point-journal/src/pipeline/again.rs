@@ -133,9 +133,10 @@ impl Again {
         let mut workers = BTreeMap::new();
         for (point, is_first) in first.into_iter().chain(drawn).zip(is_first) {
             let spent = begun.elapsed();
-            let room = match is_first || count < FEWEST {
-                true => LITTLE.max(whole / PART),
-                false => LITTLE_OF_DRAWN.min(whole / PART_OF_SHORT).max(whole / PART_OF_DRAWN),
+            let room = if is_first || count < FEWEST {
+                LITTLE.max(whole / PART)
+            } else {
+                LITTLE_OF_DRAWN.min(whole / PART_OF_SHORT).max(whole / PART_OF_DRAWN)
             };
             if stopped() || count > 0 && spent > room || count >= self.most {
                 break;
@@ -166,8 +167,12 @@ impl Again {
                     (Some(here), _) => format!(" ({here})"),
                     _ => String::new(),
                 };
-                let involved = [host, there].into_iter().flatten().collect::<std::collections::BTreeSet<_>>();
-                involved.into_iter().for_each(|host| *others.entry(host).or_default() += 1);
+                [host, there]
+                    .into_iter()
+                    .flatten()
+                    .collect::<std::collections::BTreeSet<_>>()
+                    .into_iter()
+                    .for_each(|host| *others.entry(host).or_default() += 1);
                 differences.push(format!("point {}{hosts}: {text}", job.index + 1));
             }
         }

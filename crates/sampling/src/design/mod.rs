@@ -117,10 +117,7 @@ impl Design {
         };
         let places: Vec<f64> = self.inputs.iter().map(place).collect();
         let mut point: Vec<f64> = match &self.correlation {
-            None => {
-                let pairs = places.iter().zip(&self.inputs);
-                pairs.map(|(&u, input)| input.quantile(u)).collect()
-            }
+            None => places.iter().zip(&self.inputs).map(|(&u, input)| input.quantile(u)).collect(),
             Some(correlation) => correlation.values(&places, &self.inputs),
         };
         for joint in &self.joints {

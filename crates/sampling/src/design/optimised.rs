@@ -80,8 +80,7 @@ struct Search {
 impl Search {
     fn new(seed: u64, points: usize, columns: Vec<Vec<u32>>) -> Self {
         let place = |dimension, slices: &Vec<u32>| {
-            let slices = slices.iter();
-            slices.map(|&slice| Slices::place(seed, points, slice, dimension)).collect()
+            slices.iter().map(|&slice| Slices::place(seed, points, slice, dimension)).collect()
         };
         let coordinates: Vec<Vec<f64>> =
             (0..).zip(&columns).map(|(dimension, slices)| place(dimension, slices)).collect();

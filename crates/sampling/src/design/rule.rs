@@ -68,8 +68,7 @@ pub struct Inputs {
 impl Inputs {
     /// How many of them vary.
     pub fn dimensions(&self) -> usize {
-        let varies = |input: &&Distribution| input.varies();
-        self.distributions.iter().filter(varies).count()
+        self.distributions.iter().filter(|input| input.varies()).count()
     }
 }
 

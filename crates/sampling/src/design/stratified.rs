@@ -31,8 +31,10 @@ pub(super) fn correlated(
     let points = in_a_table(points)?;
     let varying: Vec<usize> =
         (0..inputs.distributions.len()).filter(|&input| inputs.distributions[input].varies()).collect();
-    let wanted = correlation.among(&varying).cholesky();
-    let wanted = wanted.ok_or("the correlations of the parameters that vary contradict each other")?;
+    let wanted = correlation
+        .among(&varying)
+        .cholesky()
+        .ok_or("the correlations of the parameters that vary contradict each other")?;
     // Indices are below lengths.
     let start = DMatrix::from_fn(points, varying.len(), |index, dimension| {
         normal_quantile(rule.uniform(index as u64, dimension as u32))
@@ -46,8 +48,7 @@ pub(super) fn correlated(
 
 /// So many points, where a table may have them.
 fn in_a_table(points: u64) -> Result<usize, String> {
-    let few = usize::try_from(points).ok().filter(|_| points <= MOST);
-    few.ok_or_else(|| {
+    usize::try_from(points).ok().filter(|_| points <= MOST).ok_or_else(|| {
         format!(
             "a Latin hypercube of correlated parameters has at most {MOST} points; for more use method = \"sobol\" or \
              \"monte-carlo\""

@@ -186,9 +186,9 @@ impl Recording {
 fn peak(spectrum: &[f64], spacing: f64, span: f64) -> Option<usize> {
     let last = spectrum.len() - 1;
     let lines = |number: f64| (number / (span * spacing)).round() as usize;
-    let is_peak = |&k: &usize| spectrum[k] > spectrum[k - 1] && spectrum[k] >= spectrum[k + 1];
-    let peaks = (lines(PERIODS).max(1)..last).filter(is_peak);
-    let highest = peaks.max_by(|&a, &b| spectrum[a].total_cmp(&spectrum[b]))?;
+    let highest = (lines(PERIODS).max(1)..last)
+        .filter(|&k| spectrum[k] > spectrum[k - 1] && spectrum[k] >= spectrum[k + 1])
+        .max_by(|&a, &b| spectrum[a].total_cmp(&spectrum[b]))?;
     let sides = [highest.abs_diff(lines(2.0)), highest + lines(2.0)];
     // Beyond half the rate the spectrum goes on as in a mirror.
     let heights = sides.map(|k| spectrum[k.min(2 * last - k)]);

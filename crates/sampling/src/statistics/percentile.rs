@@ -26,19 +26,20 @@ impl Percentile {
 
     /// The time for which the signal is at most `level`, or below it.
     fn time_below(&self, level: f64, or_equal: bool) -> f64 {
-        let pairs = self.values.windows(2);
-        let times = pairs.map(|pair| {
-            let ((_, begin), (elapsed, end)) = (pair[0], pair[1]);
-            let (low, high) = (begin.min(end), begin.max(end));
-            if high < level || or_equal && high == level {
-                elapsed
-            } else if low >= level {
-                0.0
-            } else {
-                elapsed * ((level - low) / (high - low))
-            }
-        });
-        times.sum()
+        self.values
+            .windows(2)
+            .map(|pair| {
+                let ((_, begin), (elapsed, end)) = (pair[0], pair[1]);
+                let (low, high) = (begin.min(end), begin.max(end));
+                if high < level || or_equal && high == level {
+                    elapsed
+                } else if low >= level {
+                    0.0
+                } else {
+                    elapsed * ((level - low) / (high - low))
+                }
+            })
+            .sum()
     }
 }
 
@@ -65,8 +66,7 @@ impl Collect for Percentile {
             return f64::NAN;
         };
         if (greatest - least).is_infinite() && least.is_finite() && greatest.is_finite() {
-            let quarter = self.values.iter().map(|(elapsed, value)| (*elapsed, 0.25 * value));
-            let values = quarter.collect();
+            let values = self.values.iter().map(|(elapsed, value)| (*elapsed, 0.25 * value)).collect();
             return 4.0 * Self { values, ..*self }.result(0.0);
         }
         let wanted = self.share * self.time_below(greatest, true);

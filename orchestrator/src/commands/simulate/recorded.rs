@@ -16,19 +16,24 @@ use study::plan::find;
 /// The variables of `--record`.
 pub(super) fn columns(lists: &[String], fmu: &Description) -> Result<Columns, Error> {
     let names = lists.iter().flat_map(|list| names(list, |name| fmu.variables.contains_key(name)));
-    let variable = |name: &str| find(fmu, name).cloned().map_err(|message| Error::option("record", message));
-    Ok(Columns::of(names.map(variable).collect::<Result<_, _>>()?))
+    Ok(Columns::of(
+        names
+            .map(|name| find(fmu, name).cloned().map_err(|message| Error::option("record", message)))
+            .collect::<Result<_, _>>()?,
+    ))
 }
 
 /// The names of a list. A comma belongs to a name where a variable is called so, or within brackets: `a[1,2]`, `der(x,2)`.
 fn names(mut list: &str, is_variable: impl Fn(&str) -> bool) -> Vec<&str> {
     let mut names = Vec::new();
     while !list.trim().is_empty() {
-        let commas = list.match_indices(',').map(|(place, _)| place);
-        let ends: Vec<usize> = commas.chain([list.len()]).collect();
-        let is_known = |end: &&usize| is_variable(list[..**end].trim());
-        let known = ends.iter().rev().find(is_known).copied();
-        let end = known.unwrap_or_else(|| end_of_name(list));
+        let ends: Vec<usize> = list.match_indices(',').map(|(place, _)| place).chain([list.len()]).collect();
+        let end = ends
+            .iter()
+            .rev()
+            .find(|end| is_variable(list[..**end].trim()))
+            .copied()
+            .unwrap_or_else(|| end_of_name(list));
         names.push(list[..end].trim());
         list = list.get(end + 1..).unwrap_or_default();
     }
@@ -39,15 +44,15 @@ fn names(mut list: &str, is_variable: impl Fn(&str) -> bool) -> Vec<&str> {
 /// Where the first comma outside of brackets is, or the end.
 fn end_of_name(list: &str) -> usize {
     let mut depth = 0_usize;
-    let comma = list.find(|c: char| {
+    list.find(|c: char| {
         match c {
             '[' | '(' => depth += 1,
             ']' | ')' => depth = depth.saturating_sub(1),
             _ => {}
         }
         c == ',' && depth == 0
-    });
-    comma.unwrap_or(list.len())
+    })
+    .unwrap_or(list.len())
 }
 
 /// The inputs of `--input`: each column beside the time is one, as under `[inputs]` in a study.
@@ -83,11 +88,12 @@ pub(super) fn inputs(
         }
         Ok(series)
     };
-    let inputs = header.iter().filter(|name| *name != TIME);
-    let inputs = inputs.map(series).collect::<Result<Vec<Series>, Error>>()?;
+    let inputs = header.iter().filter(|name| *name != TIME).map(series).collect::<Result<Vec<Series>, Error>>()?;
     if inputs.is_empty() {
-        let message = format!("{}: no column beside `{TIME}`: add one for each input", path.display());
-        return Err(Error::option("input", message));
+        return Err(Error::option(
+            "input",
+            format!("{}: no column beside `{TIME}`: add one for each input", path.display()),
+        ));
     }
     if let Some(concern) = many_steps(&inputs, schedule) {
         fmu_points::tell::line!("note: {concern}");
@@ -97,10 +103,7 @@ pub(super) fn inputs(
 
 /// A column's variable and unit: `NAME`, or `NAME [UNIT]` as in every table.
 pub(in crate::commands) fn split<'a>(column: &'a str, fmu: &Description) -> (&'a str, Option<String>) {
-    match fmu.variables.contains_key(column) {
-        true => (column, None),
-        false => number_tables::name_and_unit(column),
-    }
+    if fmu.variables.contains_key(column) { (column, None) } else { number_tables::name_and_unit(column) }
 }
 
 #[cfg(test)]

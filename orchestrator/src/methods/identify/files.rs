@@ -146,8 +146,7 @@ fn write_cases(
         if !table.row(&mut row)? {
             break;
         }
-        let texts = row.iter().map(|cell| csv_file::text(cell).into_owned());
-        let mut cells: Vec<String> = texts.collect();
+        let mut cells: Vec<String> = row.iter().map(|cell| csv_file::text(cell).into_owned()).collect();
         for (place, latent) in places.iter().zip(case) {
             if let Some(cell) = place.and_then(|place| cells.get_mut(place)) {
                 *cell = text::digits(latent.value).to_string();

@@ -176,10 +176,7 @@ impl Analysis for Asked {
         let fmu = package.description();
         // The unknowns and the data are those of the section `[identify]`, or of the study's criteria.
         let is_stated = study.criteria.is_empty() || !settings.measured.is_empty();
-        let bound = match study.cases.is_empty() && is_stated {
-            true => Bound::new(&study, &settings, fmu)?,
-            false => from_study::bind(&study, &settings, fmu)?,
-        };
+        let bound = if study.cases.is_empty() && is_stated { Bound::new(&study, &settings, fmu)? } else { from_study::bind(&study, &settings, fmu)? };
         Ok(Fit { request: Request { seed, ..request }, study, settings, package, bound, known: Known::default() })
     }
 
@@ -203,8 +200,7 @@ impl Analysis for Asked {
             let free = bound.problem.free.iter().map(|free| free.name.as_str());
             if !free.clone().any(|free| free == name) {
                 let suggestion = did_you_mean(nearest(name, free));
-                let message = format!("`{name}` is none of the parameters that are sought{suggestion}");
-                return Err(Error::option("narrow", message));
+                return Err(Error::option("narrow", format!("`{name}` is none of the parameters that are sought{suggestion}")));
             }
         }
         posterior::check(study, settings, bound, self.posterior.is_some())?;
@@ -215,8 +211,7 @@ impl Analysis for Asked {
     fn find(&self, fit: &Fit, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult, Error> {
         let (mut outcome, sample) = find(self, fit, pipeline)?;
         if let (Some(other), Some(evidence)) = (self.other(&fit.settings, &fit.bound)?, &mut outcome.evidence) {
-            let compared = evidence.compare(&other);
-            compared.unwrap_or_else(|message| {
+            evidence.compare(&other).unwrap_or_else(|message| {
                 outcome.posterior.iter_mut().for_each(|sample| {
                     sample.notes.push(format!("--against: {message}"));
                 })
@@ -267,8 +262,7 @@ impl Asked {
 
     /// The study's settings, overridden by the command line. A study with criteria need not have any.
     fn settings(&self, study: &Study, seed: Option<u64>) -> Result<Identification, Error> {
-        let usual = || (!study.criteria.is_empty()).then(Identification::default);
-        let mut settings = study.identify.clone().or_else(usual).ok_or_else(|| {
+        let mut settings = study.identify.clone().or_else(|| (!study.criteria.is_empty()).then(Identification::default)).ok_or_else(|| {
             study.error(
                 "identify needs to know what is measured: add [criteria], or a section [identify] (`orchestrator identify --help`)",
             )
@@ -278,8 +272,7 @@ impl Asked {
         let unplaced = |number| toml::Spanned::new(0..0, number);
         settings.posterior = self.posterior.map(unplaced).or(settings.posterior);
         // By surrogate a sample takes no run.
-        let free = || self.budget.map(|_| unplaced(PARTICLES));
-        settings.posterior = settings.posterior.or_else(free);
+        settings.posterior = settings.posterior.or_else(|| self.budget.map(|_| unplaced(PARTICLES)));
         Ok(settings)
     }
 }
@@ -328,8 +321,7 @@ fn find(
         let again = by.map(|by| {
             let objective = Objective::new(&searched.problem, &remembered, settings.difference);
             surrogate::run_again(&objective, by, (&mut searched.optima, capped.left()))
-        });
-        let again = again.transpose()?.or_else(|| rough.map(|rough| rough.told.clone()));
+        }).transpose()?.or_else(|| rough.map(|rough| rough.told.clone()));
         let optima = &searched.optima;
         let mut outcome = IdentificationOutcome { surrogate: again, notes: bound.notes.clone(), ..searched.outcome() };
         if rough.is_some() && capped.has_refused() {
@@ -376,8 +368,7 @@ fn find(
         });
         Ok((outcome, sample))
     };
-    let fitted = search();
-    fitted.map_err(|error: SearchError| match model.halted() {
+    search().map_err(|error: SearchError| match model.halted() {
         Some(halt) => halt,
         None => Error::Search(error.to_string()),
     })
@@ -409,19 +400,16 @@ fn look_closer(
 
 /// The doubts about a result, for programs.
 fn concerns(outcome: &IdentificationOutcome) -> Vec<Concern> {
-    let coarse = outcome.numerical_error.as_ref().and_then(NumericalError::doubt);
-    let coarse = coarse.map(|text| Concern::new(Code::CoarseStep, text).remedied(NumericalError::REMEDY));
-    coarse.into_iter().collect()
+    outcome.numerical_error.as_ref().and_then(NumericalError::doubt).map(|text| Concern::new(Code::CoarseStep, text).remedied(NumericalError::REMEDY)).into_iter().collect()
 }
 
 /// How far a search has got, for people.
 fn so_far(progress: &Progress) -> String {
-    let best = progress.best().map_or_else(String::new, |best| format!(", sum of squares {:.4}", best.misfit.cost()));
+    let best = progress.best().map(|best| format!(", sum of squares {:.4}", best.misfit.cost())).unwrap_or_default();
     format!("{} starts screened, {} followed down{best}", progress.screened.len(), progress.descents.len())
 }
 
 /// Starts from a scrambled Sobol net between the bounds.
 fn starts(study: &Study, settings: &Identification, unknowns: usize) -> Result<Vec<Vec<f64>>, Error> {
-    let starts = cube(unknowns, settings.starts, settings.seed, 1);
-    Ok(starts.map_err(|message| study.error(format!("[identify] {message}")))?)
+    Ok(cube(unknowns, settings.starts, settings.seed, 1).map_err(|message| study.error(format!("[identify] {message}")))?)
 }

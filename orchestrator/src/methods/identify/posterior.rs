@@ -44,10 +44,7 @@ pub(super) fn check(study: &Study, settings: &Identification, bound: &Bound, by_
         return Ok(());
     }
     let message = format!("{number} particles: with {unknowns} unknowns, give {fewest} or more, and at most {MOST}");
-    Err(match by_option {
-        true => Error::option("posterior", message),
-        false => study.error_at(particles, message).into(),
-    })
+    Err(if by_option { Error::option("posterior", message) } else { study.error_at(particles, message).into() })
 }
 
 /// The evidence of another result, given its file or its folder.
@@ -56,17 +53,11 @@ pub(super) fn other(path: &Path, problem: &Problem) -> Result<Evidence, Error> {
     struct Other {
         evidence: Option<Evidence>,
     }
-    let path = match path.is_dir() {
-        true => path.join(super::FILE),
-        false => path.to_owned(),
-    };
-    let other = serde_json::from_str::<Other>(&files::text(&path)?);
-    let other = other.map_err(|error| Error::content(&path, error))?;
-    let evidence = other
+    let path = if path.is_dir() { path.join(super::FILE) } else { path.to_owned() };
+    let evidence = serde_json::from_str::<Other>(&files::text(&path)?).map_err(|error| Error::content(&path, error))?
         .evidence
         .ok_or_else(|| Error::content(&path, "there is no evidence in it; run that identify with --posterior N"))?;
-    let same = evidence.is_of(problem);
-    same.map_err(|message| Error::content(&path, message))?;
+    evidence.is_of(problem).map_err(|message| Error::content(&path, message))?;
     Ok(evidence)
 }
 

@@ -13,8 +13,7 @@ const CROWD: usize = 300;
 
 /// The document of a result.
 pub fn document(result: &Pareto) -> Document {
-    let title = "What the criteria cost each other";
-    let mut told = Document::new("pareto", "Trade-offs", title);
+    let mut told = Document::new("pareto", "Trade-offs", "What the criteria cost each other");
     let Some(best) = result.front.first() else {
         told.say("No point has values.");
         return told;
@@ -50,8 +49,7 @@ fn members(result: &Pareto, best: &Member) -> Table {
     if result.nearest > 0 {
         rows.push(row("Nearest", &result.front[result.nearest]));
     }
-    let parameters = result.parameters.iter().zip(&result.units);
-    let parameters = parameters.map(|(name, unit)| Column { unit: unit.clone(), ..numbers(name) });
+    let parameters = result.parameters.iter().zip(&result.units).map(|(name, unit)| Column { unit: unit.clone(), ..numbers(name) });
     let columns = [words(""), numbers("largest"), numbers("distance")].into_iter();
     Table {
         name: "Best compromise".into(),
@@ -107,13 +105,9 @@ fn plot(result: &Pareto, a: usize, b: usize) -> Figure {
         (x <= right && y <= top).then(|| [frame.x.at(x), frame.y.at(y)])
     };
     // In a crowd edges would hide each other.
-    let (r, class) = match result.front.len() > CROWD {
-        true => (1.5, "plot crowd"),
-        false => (3.0, "plot"),
-    };
+    let (r, class) = if result.front.len() > CROWD { (1.5, "plot crowd") } else { (3.0, "plot") };
     let marks = |verified: bool| -> String {
-        let members = result.front.iter().filter(|m| m.verified() == verified);
-        members.filter_map(place).map(|at| circle(at, r)).collect()
+        result.front.iter().filter(|m| m.verified() == verified).filter_map(place).map(|at| circle(at, r)).collect()
     };
     let (others, verified) = (path("pt part", marks(false)), path("pt in", marks(true)));
     out += &format!("<g class=\"{class}\">{others}{verified}</g>");

@@ -30,8 +30,7 @@ impl Confirmation<'_, '_> {
     pub(super) fn of(&mut self, mut result: Robustness) -> Result<Robustness, Error> {
         let inputs = self.session.plan.inputs.iter().map(|input| &input.name);
         if !inputs.eq(self.known.all.parameters.iter().map(|p| &p.name)) {
-            let message = "the study's parameters are not those of the points";
-            return Err(Error::option("confirm", message));
+            return Err(Error::option("confirm", "the study's parameters are not those of the points"));
         }
         let mut known = self.known.all.clone();
         for round in 0..self.rounds {
@@ -72,10 +71,8 @@ impl Confirmation<'_, '_> {
         let plan = &self.session.plan;
         // Far from the seeds that people give to studies.
         let seed = !self.seed.wrapping_mul(ROUNDS).wrapping_add(round);
-        let points = joint(plan, MOST_DRAWS, seed);
-        let points = points.map_err(|message| Error::option("confirm", message))?;
-        let draws = (0..MOST_DRAWS).map(|index| points.point(index));
-        Ok(draws.filter(|x| inside(x)).take(self.points).collect())
+        let points = joint(plan, MOST_DRAWS, seed).map_err(|message| Error::option("confirm", message))?;
+        Ok((0..MOST_DRAWS).map(|index| points.point(index)).filter(|x| inside(x)).take(self.points).collect())
     }
 
     fn run(&mut self, points: Vec<Vec<f64>>) -> Result<PointTable, Error> {

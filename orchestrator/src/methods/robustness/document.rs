@@ -48,8 +48,7 @@ fn margins(result: &Robustness) -> Table {
         let margin = result.margins.iter().find(|m| m.parameter == *name);
         let of_margin = |of: &dyn Fn(&Margin) -> String| margin.map_or_else(|| "–".into(), of);
         let of_box = |side: usize| {
-            let region = result.region.as_ref();
-            region.map_or_else(|| "–".into(), |r| number(r.limits[k][side], 5))
+            result.region.as_ref().map_or_else(|| "–".into(), |r| number(r.limits[k][side], 5))
         };
         vec![
             with_unit(name, &result.units[k]),
@@ -123,8 +122,7 @@ fn maps(result: &Robustness) -> Vec<Block> {
         let [low, high] = range.map(|end| number(end, 4));
         let scale = Block::Legend(vec![Key { svg: String::new(), words: low }, Key { svg: shades(), words: high }]);
         let figures = Block::Figures("maps".into(), result.maps.iter().map(figure).collect());
-        let title = format!("{name} over all pairs of parameters");
-        Block::Folded(title, false, vec![scale, figures])
+        Block::Folded(format!("{name} over all pairs of parameters"), false, vec![scale, figures])
     };
     let mut groups = vec![group("Probability of verification", [0.0, 1.0], |map, _| &map.probability, 0)];
     for (k, (name, _)) in result.criteria.iter().enumerate() {
@@ -169,8 +167,7 @@ fn drawn(result: &Robustness, map: &Map, what: &str, values: &[f64], scale: [f64
         let [w, h] = [width + 0.3, height + 0.3];
         let _ = write!(paths[shade], "M{x:.1},{y:.1}h{w:.1}v{h:.1}h-{w:.1}z");
     }
-    let shades = paths.iter().enumerate().filter(|(_, d)| !d.is_empty());
-    let shades: String = shades.map(|(s, d)| path(&format!("shade s{s}"), d)).collect();
+    let shades: String = paths.iter().enumerate().filter(|(_, d)| !d.is_empty()).map(|(s, d)| path(&format!("shade s{s}"), d)).collect();
     let [low, high] = range(values.iter()).map(|end| number(end, 4));
     let title = format!("{what} over {across} and {up}: {low} to {high}");
     Figure {

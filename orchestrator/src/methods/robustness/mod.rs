@@ -88,8 +88,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
         return asking::run(session?, &analysis, work, folder);
     }
     if work.resuming.resume {
-        let message = "without new runs there is nothing to resume; add --confirm N";
-        return Err(Error::option("confirm", message));
+        return Err(Error::option("confirm", "without new runs there is nothing to resume; add --confirm N"));
     }
     // Without the FMU there are no new runs, but all else can be told, unless it takes what binds the study's parameters.
     let session = match session {
@@ -149,8 +148,7 @@ impl Asked {
 
     fn stated(&self, points: &Points, cloud: &[Vec<f64>]) -> Result<Robustness, Error> {
         points.stated(&points.all, cloud, self.level).ok_or_else(|| {
-            let message = "the points are too few for a surrogate, or no parameter varies: verify more points";
-            Error::option("from", message)
+            Error::option("from", "the points are too few for a surrogate, or no parameter varies: verify more points")
         })
     }
 }
@@ -216,8 +214,7 @@ fn cloud(plan: Option<&Plan>, table: &PointTable, seed: u64) -> Result<Vec<Vec<f
             Ok((0..SIZE).map(|index| points.point(index)).collect())
         }
         Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(names()) => {
-            let cube = cube(plan.varied().len(), SIZE, seed, 1).map_err(|message| Error::option("seed", message))?;
-            Ok(cube.iter().map(|u| plan.from_cube(u)).collect())
+            Ok(cube(plan.varied().len(), SIZE, seed, 1).map_err(|message| Error::option("seed", message))?.iter().map(|u| plan.from_cube(u)).collect())
         }
         _ => Ok(region::cloud(&rows(table), seed)),
     }

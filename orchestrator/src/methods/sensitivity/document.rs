@@ -10,8 +10,7 @@ use sensitivity::method::Measure;
 
 /// The document of a result.
 pub fn document(result: &Sensitivity) -> Document {
-    let title = "Which parameter matters";
-    let mut told = Document::new("sensitivity", "Sensitivity", title);
+    let mut told = Document::new("sensitivity", "Sensitivity", "Which parameter matters");
     told.say(format!("{}.", result.method));
     told.warn(&result.warnings);
     told.hint("Whiskers are 95 % intervals.");
@@ -23,8 +22,7 @@ pub fn document(result: &Sensitivity) -> Document {
             Key::new("bar solid all", bar, "first order: alone"),
         ]));
     }
-    let figures = result.outputs.iter();
-    let figures = figures.map(|output| figure(&result.parameters, output));
+    let figures = result.outputs.iter().map(|output| figure(&result.parameters, output));
     told.blocks.push(Block::Figures("planes".into(), figures.collect()));
     told
 }

@@ -111,8 +111,7 @@ impl Asked {
     fn new(options: &Options, study: &Study) -> Result<Self, Error> {
         let said = &study.sensitivity;
         let method = said.method.as_ref().map(|name| {
-            let known = named(name.as_ref());
-            known.map_err(|message| study.error_at(name, message))
+            named(name.as_ref()).map_err(|message| study.error_at(name, message))
         });
         let usual = method.transpose()?.unwrap_or(RUNS[0]);
         let sizes = [options.base, options.morris, options.shapley];
@@ -181,10 +180,7 @@ impl Analysis for Asked {
 
 /// One base point or trajectory tells nothing of how sure it is.
 fn enough(size: u64) -> Result<(), String> {
-    match size < 2 {
-        true => Err(format!("{size} is too few; at least 2 are needed")),
-        false => Ok(()),
-    }
+    if size < 2 { Err(format!("{size} is too few; at least 2 are needed")) } else { Ok(()) }
 }
 
 /// The parameters that vary, with their correlations.
@@ -211,8 +207,7 @@ fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), Error> {
     let parameters = rows.parameters.iter().map(|p| (&*p.name, &*p.values));
     let criteria = rows.criteria.iter().map(|c| (&*c.name, &*c.values));
     let columns: Vec<(&str, &[f64])> = parameters.chain(criteria).collect();
-    let names = columns.iter().map(|(name, _)| *name);
-    let head = names.chain(["verified", "status"]);
+    let head = columns.iter().map(|(name, _)| *name).chain(["verified", "status"]);
     let path = folder.join("sensitivity-runs.csv");
     Ok(write_table(&path, head, |table| {
         for row in 0..rows.len() {

@@ -15,9 +15,9 @@ pub fn document(result: &Tolerances) -> Document {
         return told;
     }
     if let Some(widest) = result.widest {
-        let by = result.surrogate.map_or_else(String::new, |runs| {
+        let by = result.surrogate.map(|runs| {
             format!(", which a surrogate of {runs} runs judged; beyond the study's tolerances it extrapolates")
-        });
+        }).unwrap_or_default();
         told.say(format!(
             "At the widest tolerances it is {} % by {} weighted points, an effective sample size of {}{by}.",
             percent(widest.share),

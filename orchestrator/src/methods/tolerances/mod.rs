@@ -72,8 +72,7 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 /// When the options, the study or its points cannot be used.
 pub fn run(options: &Options) -> Result<Delivery, Error> {
     let path = &options.work.study;
-    let study = Study::read(path)?;
-    let said = &study.tolerances;
+    let said = &Study::read(path)?.tolerances;
     if let Some(runs) = options.budget.filter(|runs| *runs <= BESIDE) {
         return Err(Error::option("budget", format!("{runs} runs: give {} or more", BESIDE + 1)));
     }
@@ -216,8 +215,7 @@ impl Asked {
         let Session { study, plan, .. } = session;
         let with_tolerances = plan.with_tolerances();
         if with_tolerances.is_empty() {
-            let message = "no parameter has a tolerance: those that vary come from samples, which stay as they are";
-            return Err(study.error(message).into());
+            return Err(study.error("no parameter has a tolerance: those that vary come from samples, which stay as they are").into());
         }
         let inputs = || with_tolerances.iter().map(|&k| &plan.inputs[k]);
         let problem = Problem {
@@ -260,18 +258,16 @@ fn costs(study: &Study, plan: &Plan) -> Result<Vec<f64>, FileError> {
     let varied: Vec<&str> = plan.with_tolerances().iter().map(|&k| plan.inputs[k].name.as_str()).collect();
     for (name, cost) in &study.tolerances.costs {
         if !varied.contains(&name.as_ref().as_str()) {
-            let message = format!(
+            return Err(study.error_at(name, format!(
                 "no parameter `{}` has a tolerance; name one under [parameters] that varies and comes from no sample",
                 name.as_ref()
-            );
-            return Err(study.error_at(name, message));
+            )));
         }
         if !(*cost.as_ref() > 0.0 && cost.as_ref().is_finite()) {
             return Err(study.error_at(cost, "a cost must be a positive, finite number"));
         }
     }
-    let cost = |name: &&str| study.tolerances.costs.get(*name).map_or(1.0, |cost| *cost.as_ref());
-    Ok(varied.iter().map(cost).collect())
+    Ok(varied.iter().map(|name| study.tolerances.costs.get(*name).map_or(1.0, |cost| *cost.as_ref())).collect())
 }
 
 fn limit(study: &Study) -> Result<f64, FileError> {
@@ -319,8 +315,7 @@ fn words(parameter: &ParameterSummary) -> String {
     let words = rounded.distribution.iter().filter_map(|(key, value)| {
         let value = value.as_str()?;
         Some(if key == "distribution" { value.to_owned() } else { format!("{key} {value}") })
-    });
-    let words = words.collect::<Vec<_>>().join(", ");
+    }).collect::<Vec<_>>().join(", ");
     match &parameter.unit {
         Some(unit) => format!("{words} {unit}"),
         None => words,

@@ -11,8 +11,7 @@ const SIDE: usize = 4;
 /// slopes, as a part of the sum of the reference's.
 pub(super) fn rating(reference: &[f64], model: &[f64]) -> f64 {
     let (reference, model) = (smoothed(&slopes(reference)), smoothed(&slopes(model)));
-    let pairs = reference.iter().zip(&model);
-    let differences: f64 = pairs.map(|(r, m)| (m - r).abs()).sum();
+    let differences: f64 = reference.iter().zip(&model).map(|(r, m)| (m - r).abs()).sum();
     let all: f64 = reference.iter().map(|slope| slope.abs()).sum();
     ((WORST - part(differences, all)) / WORST).max(0.0)
 }
