@@ -326,9 +326,7 @@ impl Judge {
         let mut passed = vec![false; self.criteria.len()];
         for case in &self.cases {
             let values = case.members.clone().map(|k| failure.value(k));
-            let Some(values) = values.collect::<Option<Vec<f64>>>() else {
-                continue;
-            };
+            let Some(values) = values.collect::<Option<Vec<f64>>>() else { continue };
             for (k, value) in case.members.clone().zip(values) {
                 passed[k] = self.criteria[k].accepts(value);
             }

@@ -116,9 +116,7 @@ pub struct Afar {
 impl Afar {
     /// How workers are started elsewhere, if they are, `jobs` of them unless hosts say otherwise.
     fn launcher(&self, jobs: usize) -> Result<Option<Launcher>, Error> {
-        let Some(command) = &self.launcher else {
-            return Ok(None);
-        };
+        let Some(command) = &self.launcher else { return Ok(None) };
         let launcher = Launcher::new(command, jobs);
         let mut launcher = launcher.map_err(|message| Error::option("launcher", message))?;
         if self.hosts.is_none() && launcher.wants_hosts() {
@@ -180,9 +178,7 @@ impl Means {
                 )),
             };
         }
-        let Some(mut launcher) = launcher else {
-            return Ok(Place::Processes(limits, self.isolation));
-        };
+        let Some(mut launcher) = launcher else { return Ok(Place::Processes(limits, self.isolation)) };
         launcher.memory = self.memory_limit.as_ref().map(|_| limits.memory);
         Ok(Place::Elsewhere(limits, self.isolation, launcher))
     }

@@ -323,7 +323,7 @@ impl Recorded<'_> {
             .into_iter()
             .filter_map(|(name, signal)| Some((name, signal.as_ref()?)));
         let signals = settings.signals.iter().map(|(name, signal)| (name.as_str(), signal));
-        let note = |(name, signal): (&str, &Signal)| {
+        both.chain(signals).filter_map(|(name, signal)| {
             let name = signal.name.as_deref().unwrap_or(name);
             let channel = recorded.signals().find(|channel| channel.name == name)?;
             let mut means = result.findings.iter().filter(|f| f.name == name && f.statistic == "mean");
@@ -335,8 +335,7 @@ impl Recorded<'_> {
                 number(row, 3),
                 unit = behind(Some(channel.unit.as_str()).filter(|unit| *unit != "1"))
             ))
-        };
-        both.chain(signals).filter_map(note).collect()
+        }).collect()
     }
 
     /// The name of the column of a file's times.

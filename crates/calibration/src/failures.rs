@@ -95,11 +95,14 @@ impl Range {
 
 /// A box in words.
 pub fn words(within: &[Range]) -> String {
-    let range = |side: &Range| {
-        let [low, high] = side.range.map(|end| rounded(end, 4));
-        format!("{} {low} .. {high} {}", side.name, shown(&side.unit)).trim_end().to_owned()
-    };
-    within.iter().map(range).collect::<Vec<_>>().join(", ")
+    within
+        .iter()
+        .map(|side| {
+            let [low, high] = side.range.map(|end| rounded(end, 4));
+            format!("{} {low} .. {high} {}", side.name, shown(&side.unit)).trim_end().to_owned()
+        })
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// Failed runs around an optimum: it may lie beyond them.

@@ -193,12 +193,15 @@ pub(crate) fn bounded_step(linear: &Linear, places: &[f64], held: &[usize]) -> D
         let Some(further) = Cholesky::new(matrix).map(|factor| factor.solve(&-pull.select_rows(&open))) else {
             return step;
         };
-        let room = |(&index, &change): (&usize, &f64)| {
-            let end = if change > 0.0 { 1.0 } else { 0.0 };
-            let part = (end - places[index] - step[index]) / change;
-            (change != 0.0 && part < 1.0).then_some((part.max(0.0), index, end))
-        };
-        let first = open.iter().zip(&further).filter_map(room).min_by(|a, b| a.0.total_cmp(&b.0));
+        let first = open
+            .iter()
+            .zip(&further)
+            .filter_map(|(&index, &change)| {
+                let end = if change > 0.0 { 1.0 } else { 0.0 };
+                let part = (end - places[index] - step[index]) / change;
+                (change != 0.0 && part < 1.0).then_some((part.max(0.0), index, end))
+            })
+            .min_by(|a, b| a.0.total_cmp(&b.0));
         for (&index, &change) in open.iter().zip(&further) {
             step[index] += first.map_or(1.0, |(part, ..)| part) * change;
         }

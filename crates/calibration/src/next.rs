@@ -121,11 +121,13 @@ impl NextOutcome {
 
     /// The measurements that narrow the parameter noticeably.
     pub fn worthwhile(&self) -> impl Iterator<Item = &Measurement> {
-        let narrower = |measurement: &&Measurement| match self.scale {
-            Spacing::Linear => measurement.deviation < WORTH * self.deviation,
-            Spacing::Log => measurement.deviation.ln() < WORTH * self.deviation.ln(),
-        };
-        self.measurements.iter().filter(narrower).take(SHOWN)
+        self.measurements
+            .iter()
+            .filter(|measurement| match self.scale {
+                Spacing::Linear => measurement.deviation < WORTH * self.deviation,
+                Spacing::Log => measurement.deviation.ln() < WORTH * self.deviation.ln(),
+            })
+            .take(SHOWN)
     }
 
     /// A standard deviation for people.
@@ -140,12 +142,13 @@ impl NextOutcome {
 /// The covariance of the first unknowns' places in a sample.
 fn covariance(sample: &Sample, unknowns: usize) -> DMatrix<f64> {
     let count = sample.particles.len() as f64;
-    let column = |unknown: usize| {
-        let places: Vec<f64> = sample.particles.iter().map(|particle| particle.places[unknown]).collect();
-        let mean = places.iter().sum::<f64>() / count;
-        places.into_iter().map(|place| place - mean).collect::<Vec<f64>>()
-    };
-    let columns: Vec<Vec<f64>> = (0..unknowns).map(column).collect();
+    let columns: Vec<Vec<f64>> = (0..unknowns)
+        .map(|unknown| {
+            let places: Vec<f64> = sample.particles.iter().map(|particle| particle.places[unknown]).collect();
+            let mean = places.iter().sum::<f64>() / count;
+            places.into_iter().map(|place| place - mean).collect::<Vec<f64>>()
+        })
+        .collect();
     DMatrix::from_fn(unknowns, unknowns, |a, b| {
         let products = columns[a].iter().zip(&columns[b]).map(|(a, b)| a * b);
         products.sum::<f64>() / (count - 1.0)

@@ -235,14 +235,15 @@ impl<'a> Objective<'a> {
     /// All simulations for derivatives, case by case. Towards the middle, where there is room.
     fn displacements(&self, places: &[f64]) -> Vec<Displaced> {
         let sign = |place: f64| if place > 0.5 { -1.0 } else { 1.0 };
-        let displaced = |case| {
-            (0..self.problem.free.len()).chain(self.problem.latents_of(case)).map(move |unknown| Displaced {
-                case,
-                unknown,
-                place: places[unknown] + sign(places[unknown]) * self.difference,
+        (0..self.problem.cases.len())
+            .flat_map(|case| {
+                (0..self.problem.free.len()).chain(self.problem.latents_of(case)).map(move |unknown| Displaced {
+                    case,
+                    unknown,
+                    place: places[unknown] + sign(places[unknown]) * self.difference,
+                })
             })
-        };
-        (0..self.problem.cases.len()).flat_map(displaced).collect()
+            .collect()
     }
 
     /// Derivatives of the cases' weighted misfits, each over the place of one unknown; `None` where runs fail on both sides.

@@ -313,9 +313,15 @@ fn between(a: &[f64], middle: &[f64], b: &[f64]) -> bool {
 /// The logarithm of the part of a Gaussian posterior that lies between the bounds, one unknown after the other.
 fn log_inside(optimum: &Optimum) -> f64 {
     let normal = Normal::standard();
-    let part = |(unknown, place): (usize, &f64)| {
-        let deviation = optimum.posterior.deviation(unknown);
-        normal.cdf((1.0 - place) / deviation) - normal.cdf(-place / deviation)
-    };
-    optimum.minimum.places.iter().enumerate().map(part).map(f64::ln).sum()
+    optimum
+        .minimum
+        .places
+        .iter()
+        .enumerate()
+        .map(|(unknown, place)| {
+            let deviation = optimum.posterior.deviation(unknown);
+            normal.cdf((1.0 - place) / deviation) - normal.cdf(-place / deviation)
+        })
+        .map(f64::ln)
+        .sum()
 }

@@ -131,12 +131,12 @@ impl Posterior {
     /// The unknowns that only a bound keeps where they are.
     fn at_bounds(&self) -> Vec<usize> {
         let all = 0..self.places.len();
-        let is_beyond = |k: &usize| match self.places[*k] {
+        all.filter(|k| match self.places[*k] {
             0.0 => self.centre[*k] < 0.0,
             1.0 => self.centre[*k] > 1.0,
             _ => false,
-        };
-        all.filter(is_beyond).collect()
+        })
+        .collect()
     }
 
     /// The quantiles of an unknown's place between its bounds, given mean and variance with its bounds as a variance.
@@ -256,15 +256,16 @@ fn shared(
 fn directions(covariance: &DMatrix<f64>, prior: &[f64]) -> Vec<Direction> {
     let n = prior.len();
     let eigen = DMatrix::from_fn(n, n, |i, j| covariance[(i, j)] * (prior[i] * prior[j]).sqrt()).symmetric_eigen();
-    let direction = |index: usize| {
-        let vector = eigen.eigenvectors.column(index);
-        let sign = vector[vector.icamax()].signum();
-        Direction {
-            left: eigen.eigenvalues[index].max(0.0).sqrt(),
-            weights: vector.iter().map(|weight| weight * sign).collect(),
-        }
-    };
-    let mut directions: Vec<Direction> = (0..n).map(direction).collect();
+    let mut directions: Vec<Direction> = (0..n)
+        .map(|index| {
+            let vector = eigen.eigenvectors.column(index);
+            let sign = vector[vector.icamax()].signum();
+            Direction {
+                left: eigen.eigenvalues[index].max(0.0).sqrt(),
+                weights: vector.iter().map(|weight| weight * sign).collect(),
+            }
+        })
+        .collect();
     directions.sort_by(|a, b| b.left.total_cmp(&a.left));
     directions
 }

@@ -106,9 +106,7 @@ impl Free {
         if self.scale == Spacing::Log && min <= 0.0 {
             return Err(format!("a logarithmic scale needs a lower bound above 0, not {min}"));
         }
-        let Some(Prior { centre, spread }) = self.prior else {
-            return Ok(());
-        };
+        let Some(Prior { centre, spread }) = self.prior else { return Ok(()) };
         let above = |limit: f64, number: f64| number.is_finite() && number > limit;
         match self.scale {
             Spacing::Linear if !above(0.0, spread) => Err(format!("the deviation {spread} must be positive")),

@@ -109,9 +109,7 @@ pub fn search(
         return Err(SearchError::NoTime);
     }
     let order = order(starts, &progress.screened);
-    let Some(&first) = order.first() else {
-        return Err(SearchError::NoStart(progress.screened.len(), last_error));
-    };
+    let Some(&first) = order.first() else { return Err(SearchError::NoStart(progress.screened.len(), last_error)) };
     let deepest = Limits { iterations: 2 * settings.iterations, decrease: 1e-7, deadline: settings.deadline };
     let mut optima = Optima::new(objective, deepest);
     let mut queue = order.into_iter();

@@ -86,11 +86,11 @@ fn rectangles(problem: &Problem, errors: &Errors) -> Vec<Rectangle> {
         unit[source] = 1.0;
         Rectangle { source, covariances: errors.solved(&unit) }
     });
-    let apart = |rectangle: &Rectangle| {
+    all.filter(|rectangle| {
         let mut others = numbers.iter().filter(|&&other| other != rectangle.source);
         others.all(|&other| rectangle.covariances[other].abs() <= NOTHING)
-    };
-    all.filter(apart).collect()
+    })
+    .collect()
 }
 
 impl Rectangle {
@@ -112,9 +112,7 @@ impl Rectangle {
 
     /// The logarithm of the mean of the rectangular prior over the normal one.
     fn ln_ratio(&self, sources: &[f64]) -> f64 {
-        let Some(([low, high], [mean, _])) = self.cut(sources) else {
-            return 0.0;
-        };
+        let Some(([low, high], [mean, _])) = self.cut(sources) else { return 0.0 };
         let taken = 1.0 - self.variance();
         let priors = 0.5 * std::f64::consts::TAU.ln() - (2.0 * LIMIT).ln();
         priors - 0.5 * taken.ln() + 0.5 * mean * mean * taken + ln_between(low, high)
@@ -122,9 +120,7 @@ impl Rectangle {
 
     /// Mean and variance between the limits.
     fn moments(&self, sources: &[f64]) -> [f64; 2] {
-        let Some(([low, high], [mean, deviation])) = self.cut(sources) else {
-            return [0.0, 1.0];
-        };
+        let Some(([low, high], [mean, deviation])) = self.cut(sources) else { return [0.0, 1.0] };
         let inside = ln_between(low, high);
         let density = |z: f64| (-0.5 * (z * z + std::f64::consts::TAU.ln()) - inside).exp();
         let shift = density(low) - density(high);

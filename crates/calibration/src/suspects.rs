@@ -266,11 +266,15 @@ impl Inquiry<'_> {
     /// Frees an error of a sensor that moves its values along a column. Its prior is so wide that it costs nothing.
     fn free(&self, problem: &mut Problem, sensor: &Sensor, column: &DVector<f64>, scale: f64) {
         let quantities = self.problem.quantities.len();
-        let effect = |&[case, quantity]: &[usize; 2]| {
-            let change = scale * column[case * quantities + quantity];
-            Effect { case, quantity, change, part: None }
-        };
-        let effects = sensor.group.values.iter().map(effect).collect();
+        let effects = sensor
+            .group
+            .values
+            .iter()
+            .map(|&[case, quantity]| {
+                let change = scale * column[case * quantities + quantity];
+                Effect { case, quantity, change, part: None }
+            })
+            .collect();
         problem.sources.push(Source { effects, rectangular: false });
     }
 

@@ -175,9 +175,7 @@ fn apart(free: &FreeOutcome, sampled: &[[f64; 2]]) -> f64 {
         Spacing::Linear => value,
         Spacing::Log => value.ln(),
     };
-    let [interval] = sampled else {
-        return f64::INFINITY;
-    };
+    let [interval] = sampled else { return f64::INFINITY };
     let [low, high] = interval.map(place);
     let ends = free.interval.map(place);
     (ends[0] - low).abs().max((ends[1] - high).abs()) / (high - low)
@@ -238,9 +236,7 @@ fn of_channel(error: &SharedOutcome) -> String {
 
 /// Places where runs failed, and what that leaves open at the optima.
 pub fn excluded(outcome: &IdentificationOutcome) -> Vec<String> {
-    let Some(excluded) = &outcome.excluded else {
-        return Vec::new();
-    };
+    let Some(excluded) = &outcome.excluded else { return Vec::new() };
     let [starts, lost] = excluded.starts;
     let mut said = vec![format!(
         "Runs failed at {} of {} places, among them {lost} of {starts} starts, which are spread evenly between the bounds: \

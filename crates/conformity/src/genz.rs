@@ -132,16 +132,17 @@ impl Cube {
     /// Over which length of each number the conditional probability of those after it changes.
     fn scales(&self) -> Vec<f64> {
         let size = self.factor.len();
-        let of = |k: usize| {
-            self.factor[k + 1..]
-                .iter()
-                .map(|row| {
-                    let left: f64 = row[k + 1..].iter().map(|part| part * part).sum();
-                    left.sqrt() / row[k].abs()
-                })
-                .fold(1.0, f64::min)
-        };
-        (0..size).map(of).collect()
+        (0..size)
+            .map(|k| {
+                self.factor[k + 1..]
+                    .iter()
+                    .map(|row| {
+                        let left: f64 = row[k + 1..].iter().map(|part| part * part).sum();
+                        left.sqrt() / row[k].abs()
+                    })
+                    .fold(1.0, f64::min)
+            })
+            .collect()
     }
 
     /// The conditional probability of the remaining numbers by nested quadrature, given the first ones, which have this

@@ -119,18 +119,21 @@ pub(super) struct GaussLegendre(Vec<[f64; 2]>);
 impl GaussLegendre {
     /// The rule with this number of nodes: the zeros of the Legendre polynomial, by Newton's method.
     pub(super) fn new(nodes: usize) -> Self {
-        let node = |i: usize| {
-            let guess = std::f64::consts::PI * (i as f64 + 0.75) / (nodes as f64 + 0.5);
-            let mut node = guess.cos();
-            let mut slope = 0.0;
-            for _ in 0..8 {
-                let value;
-                [value, slope] = legendre(nodes, node);
-                node -= value / slope;
-            }
-            [node, 2.0 / ((1.0 - node * node) * slope * slope)]
-        };
-        Self((0..nodes).map(node).collect())
+        Self(
+            (0..nodes)
+                .map(|i| {
+                    let guess = std::f64::consts::PI * (i as f64 + 0.75) / (nodes as f64 + 0.5);
+                    let mut node = guess.cos();
+                    let mut slope = 0.0;
+                    for _ in 0..8 {
+                        let value;
+                        [value, slope] = legendre(nodes, node);
+                        node -= value / slope;
+                    }
+                    [node, 2.0 / ((1.0 - node * node) * slope * slope)]
+                })
+                .collect(),
+        )
     }
 
     /// The same on (0, 1).

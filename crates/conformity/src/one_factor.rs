@@ -26,9 +26,7 @@ impl OneFactor {
     /// have one if the product of the three is positive and each product of two is no larger than the third.
     pub(super) fn of(correlation: &[Vec<f64>]) -> Option<Self> {
         const ROUNDING: f64 = 1e-12;
-        let [first, second, _, ..] = correlation else {
-            return None;
-        };
+        let [first, second, _, ..] = correlation else { return None };
         // Each correlation is the product of two loadings.
         let square = first[1] * first[2] / second[2];
         if !(square > 0.0 && square <= 1.0 + ROUNDING) {

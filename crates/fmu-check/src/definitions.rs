@@ -18,23 +18,27 @@ pub(crate) fn alike(document: &Document<'_>, path: &'static str, attributes: &[&
     let parents = steps.fold(vec![document.root], |nodes, step| {
         nodes.into_iter().flat_map(elements).filter(|node| is(node, step)).collect()
     });
-    let clash = |parent: Node<'_, '_>| {
-        let nodes = || elements(parent).filter(|node| is(node, last));
-        attributes.iter().find_map(|attribute| twice(nodes(), attribute))
-    };
-    parents.into_iter().filter_map(clash).collect()
+    parents
+        .into_iter()
+        .filter_map(|parent| {
+            let nodes = || elements(parent).filter(|node| is(node, last));
+            attributes.iter().find_map(|attribute| twice(nodes(), attribute))
+        })
+        .collect()
 }
 
 /// Units are converted by a factor.
 pub(crate) fn factors(document: &Document<'_>) -> Vec<Hit> {
     let units = document.all("UnitDefinitions", "Unit");
-    let factor = |node: Node<'_, '_>| {
-        let nothing = node.attribute("factor")?.trim().parse::<f64>() == Ok(0.0);
-        let element = node.tag_name().name();
-        let text = format!("{element}: factor is 0: nothing can be converted with it");
-        nothing.then(|| at(node, text))
-    };
-    units.flat_map(elements).filter_map(factor).collect()
+    units
+        .flat_map(elements)
+        .filter_map(|node| {
+            let nothing = node.attribute("factor")?.trim().parse::<f64>() == Ok(0.0);
+            let element = node.tag_name().name();
+            let text = format!("{element}: factor is 0: nothing can be converted with it");
+            nothing.then(|| at(node, text))
+        })
+        .collect()
 }
 
 /// Units and ranges of types that cannot be.
@@ -94,29 +98,26 @@ pub(crate) fn types_and_variables(document: &Document<'_>) -> Vec<Hit> {
     let names: HashSet<&str> = document.known().map(|scalar| scalar.name).collect();
     let mut types = document.all("TypeDefinitions", "SimpleType");
     let same = types.find_map(|node| Some((node, names.get(node.attribute("name")?)?)));
-    let hit =
-        |(node, name)| at(node, format!("SimpleType: \"{name}\" is the name of a variable, too: rename the type"));
-    Vec::from_iter(same.map(hit))
+    Vec::from_iter(same.map(|(node, name)| {
+        at(node, format!("SimpleType: \"{name}\" is the name of a variable, too: rename the type"))
+    }))
 }
 
 /// The date of the generation is an `xs:dateTime`.
 pub(crate) fn date(document: &Document<'_>) -> Vec<Hit> {
     let text = document.root.attribute("generationDateAndTime");
     let wrong = text.filter(|text| !is_date(text.trim()));
-    let hit = |text| {
+    Vec::from_iter(wrong.map(|text| {
         let wanted = "write it as 2009-12-08T14:33:22Z, or remove it";
         at(document.root, format!("generationDateAndTime is \"{text}\": {wanted}"))
-    };
-    Vec::from_iter(wrong.map(hit))
+    }))
 }
 
 fn is_date(text: &str) -> bool {
     const SECONDS: &str = "0000-00-00T00:00:00";
     /// Where month, day, hour, minute and second are, and from where to where they go.
     const FIELDS: [(usize, u8, u8); 5] = [(5, 1, 12), (8, 1, 31), (11, 0, 24), (14, 0, 59), (17, 0, 59)];
-    let Some((seconds, rest)) = text.split_at_checked(SECONDS.len()) else {
-        return false;
-    };
+    let Some((seconds, rest)) = text.split_at_checked(SECONDS.len()) else { return false };
     let is_digit = |c: char| c.is_ascii_digit();
     let zone = match rest.strip_prefix('.') {
         Some(fraction) => fraction.trim_start_matches(is_digit),

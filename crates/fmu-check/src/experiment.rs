@@ -57,18 +57,17 @@ pub(crate) fn with_step(schedule: Schedule, step: f64) -> Schedule {
 pub(crate) fn changed(fmu: &Description) -> Vec<(u32, Value)> {
     const MORE: f64 = 1.01;
     let parameters = fmu.with(Causality::Parameter).filter(|variable| variable.is_settable());
-    let other = |variable: &Variable| {
-        let Kind::Real { start: Some(start), min, max, .. } = variable.kind else {
-            return None;
-        };
-        let value = [start * MORE, start / MORE].into_iter().find(|value| {
-            value.is_finite()
-                && *value != start
-                && min.is_none_or(|min| *value >= min)
-                && max.is_none_or(|max| *value <= max)
-        })?;
-        let Handle { reference, .. } = variable.handle();
-        Some((reference, Value::Real(value)))
-    };
-    parameters.filter_map(other).collect()
+    parameters
+        .filter_map(|variable| {
+            let Kind::Real { start: Some(start), min, max, .. } = variable.kind else { return None };
+            let value = [start * MORE, start / MORE].into_iter().find(|value| {
+                value.is_finite()
+                    && *value != start
+                    && min.is_none_or(|min| *value >= min)
+                    && max.is_none_or(|max| *value <= max)
+            })?;
+            let Handle { reference, .. } = variable.handle();
+            Some((reference, Value::Real(value)))
+        })
+        .collect()
 }

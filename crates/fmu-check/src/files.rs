@@ -112,11 +112,10 @@ fn of_platform(
         .collect();
     let wanted = format!("{identifier}.{extension}");
     // Windows does not tell upper from lower case.
-    let alike = |file: &&&str| match format {
+    if let Some(file) = binaries.iter().find(|file| match format {
         BinaryFormat::Pe => file.eq_ignore_ascii_case(&wanted),
         _ => **file == wanted,
-    };
-    if let Some(file) = binaries.iter().find(alike) {
+    }) {
         let name = format!("{folder}{file}");
         return match package.bytes_of(&name) {
             Ok(bytes) => Ok(sound(&bytes, package.description(), format, machine)

@@ -225,9 +225,7 @@ impl Findings {
 
     /// Libraries that this machine's binary needs and that are not there.
     fn lacks_libraries(&mut self, package: &Package, unpacked: &Path) -> bool {
-        let Some(binary) = package.binary(unpacked) else {
-            return false;
-        };
+        let Some(binary) = package.binary(unpacked) else { return false };
         let missing = needed::missing(&binary);
         if let Some(text) = &missing {
             let name = binary.strip_prefix(unpacked).unwrap_or(&binary);

@@ -53,9 +53,7 @@ fn is_structured(name: &str) -> bool {
 
 /// The rest of a name after an identifier or a derivative of one.
 fn derivative(text: &str) -> Option<&str> {
-    let Some(inner) = text.strip_prefix("der(") else {
-        return identifier(text);
-    };
+    let Some(inner) = text.strip_prefix("der(") else { return identifier(text) };
     let rest = derivative(inner)?;
     rest.strip_prefix(',')
         .map(|order| {
@@ -92,9 +90,7 @@ fn simple(text: &str) -> Option<&str> {
 
 /// The rest after indices in brackets, where there are any.
 fn indices(text: &str) -> Option<&str> {
-    let Some(inner) = text.strip_prefix('[') else {
-        return Some(text);
-    };
+    let Some(inner) = text.strip_prefix('[') else { return Some(text) };
     let (list, rest) = inner.split_once(']')?;
     let number = |word: &str| !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit());
     // Modelica tools write a space after the comma.

@@ -168,9 +168,7 @@ impl Probe<'_> {
     }
 
     fn twice_on_one(&mut self, library: &Arc<Library>, changed: &[(u32, Value)]) {
-        let Some(mut live) = self.begin(library, changed, "") else {
-            return;
-        };
+        let Some(mut live) = self.begin(library, changed, "") else { return };
         self.steps(&mut [&mut live]);
         self.terminate(&mut live, "");
         self.report.runs.push(std::mem::take(&mut live.run));
@@ -187,12 +185,8 @@ impl Probe<'_> {
     }
 
     fn two_at_once(&mut self, library: &Arc<Library>) {
-        let Some(mut first) = self.begin(library, &[], "the first ") else {
-            return;
-        };
-        let Some(mut second) = self.begin(library, &[], "the second ") else {
-            return;
-        };
+        let Some(mut first) = self.begin(library, &[], "the first ") else { return };
+        let Some(mut second) = self.begin(library, &[], "the second ") else { return };
         self.steps(&mut [&mut first, &mut second]);
         for mut live in [first, second] {
             self.ended(&mut live, "");

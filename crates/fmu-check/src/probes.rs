@@ -301,9 +301,11 @@ impl<'a> Probes<'a> {
             Ok(runs) if life == Life::Changed => &runs[1..],
             Ok(runs) => runs,
         };
-        let fate = || Some(format!("{}: {}", outcome.stage, outcome.fate.as_ref()?));
-        let unfinished = || runs.iter().find_map(|run| run.unfinished.clone()).filter(|_| whole.unfinished.is_none());
-        let text = runs.iter().find_map(|run| difference(&self.columns, whole, run)).or_else(fate).or_else(unfinished);
+        let text = runs
+            .iter()
+            .find_map(|run| difference(&self.columns, whole, run))
+            .or_else(|| Some(format!("{}: {}", outcome.stage, outcome.fate.as_ref()?)))
+            .or_else(|| runs.iter().find_map(|run| run.unfinished.clone()).filter(|_| whole.unfinished.is_none()));
         Ok(text.map(|text| unlike(rule, &what, &text)))
     }
 

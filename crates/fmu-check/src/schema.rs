@@ -417,9 +417,7 @@ fn visit(document: &Document<'_>, mut look: impl FnMut(Node<'_, '_>, Element, &m
     let mut hits = Vec::new();
     let mut open = vec![(document.root, "")];
     while let Some((node, parent)) = open.pop() {
-        let Some(element) = element(document.read.standard, parent, node.tag_name().name()) else {
-            continue;
-        };
+        let Some(element) = element(document.read.standard, parent, node.tag_name().name()) else { continue };
         look(node, element, &mut hits);
         let inner = elements(node)
             .filter(|child| element.2 != ANYTHING && known(element.2).any(|known| known == child.tag_name().name()));

@@ -12,9 +12,7 @@ pub(crate) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach>
     if fmu.capabilities.needs_execution_tool {
         tell("execution-tool", "it needs the tool that wrote it (needsExecutionTool)".to_owned());
     }
-    let Some(report) = report else {
-        return breaches;
-    };
+    let Some(report) = report else { return breaches };
     let (prefix, number) = (fmu.standard.prefix(), fmu.standard.number());
     for (rule, function, usual, told) in [
         ("binary-version", "GetVersion", number, &report.version),

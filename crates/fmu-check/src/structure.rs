@@ -68,10 +68,9 @@ pub(crate) fn derivatives_missing(document: &Document<'_>) -> Vec<Hit> {
     }
     missing(document, "Derivatives", &|scalar| {
         // A state that cannot be is a finding of its own.
-        let possible = |state: &Scalar<'_>| {
+        state_of(document, scalar).is_some_and(|state| {
             state.kind() == "Real" && state.variability == "continuous" && state.position != scalar.position
-        };
-        state_of(document, scalar).is_some_and(possible) && !scalar.is_settable()
+        }) && !scalar.is_settable()
     })
 }
 
@@ -122,9 +121,7 @@ fn entries<'d, 'a>(document: &'d Document<'a>, name: &'static str) -> impl Itera
 
 /// Entries that the list is not made for.
 pub(crate) fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
-    let Some(structure) = structure(document) else {
-        return Vec::new();
-    };
+    let Some(structure) = structure(document) else { return Vec::new() };
     if !initial_unknowns(document).is_empty() {
         return Vec::new();
     }
@@ -209,9 +206,7 @@ fn list(document: &Document<'_>, name: &'static str, unfit: &dyn Fn(&Scalar<'_>)
 
 /// The variables that a list must have but has not, in one finding.
 fn missing(document: &Document<'_>, name: &'static str, wanted: &dyn Fn(&Scalar<'_>) -> bool) -> Vec<Hit> {
-    let Some(structure) = structure(document) else {
-        return Vec::new();
-    };
+    let Some(structure) = structure(document) else { return Vec::new() };
     // An entry without an index means nothing.
     if listed(document, name).any(|unknown| !unknown.has_attribute("index")) {
         return Vec::new();

@@ -148,10 +148,13 @@ pub(crate) fn declared(document: &Document<'_>) -> Vec<Hit> {
 }
 
 pub(crate) fn dimensions(document: &Document<'_>) -> Vec<Hit> {
-    let is_size = |scalar: &&Scalar<'_>| {
-        scalar.kind() == "UInt64" && (scalar.causality == "structuralParameter" || scalar.variability == "constant")
-    };
-    let sizes: HashSet<u32> = document.known().filter(is_size).filter_map(|size| reference(size.node)).collect();
+    let sizes: HashSet<u32> = document
+        .known()
+        .filter(|scalar| {
+            scalar.kind() == "UInt64" && (scalar.causality == "structuralParameter" || scalar.variability == "constant")
+        })
+        .filter_map(|size| reference(size.node))
+        .collect();
     document.of_each(|scalar| {
         named(scalar.node, "Dimension").find_map(|dimension| {
             let start = dimension.attribute("start");

@@ -109,9 +109,7 @@ pub(crate) fn infinite(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<S
 }
 
 pub(crate) fn nominal(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let Kind::Real { nominal, .. } = &document.read.variables.get(scalar.name)?.kind else {
-        return None;
-    };
+    let Kind::Real { nominal, .. } = &document.read.variables.get(scalar.name)?.kind else { return None };
     let nominal = nominal.filter(|nominal| nominal.is_nan() || *nominal <= 0.0)?;
     Some(format!("nominal is {nominal}: it must be greater than 0, as importers divide by it"))
 }
@@ -131,9 +129,7 @@ pub(crate) fn beyond_type(scalar: &Scalar<'_>, document: &Document<'_>) -> Optio
 }
 
 pub(crate) fn item(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let Kind::Enumeration { start, items } = &document.read.variables.get(scalar.name)?.kind else {
-        return None;
-    };
+    let Kind::Enumeration { start, items } = &document.read.variables.get(scalar.name)?.kind else { return None };
     let start = (*start)?;
     let none = !items.is_empty() && items.iter().all(|(_, value)| *value != start);
     none.then(|| format!("start {start} is none of its type's items: choose one of them"))

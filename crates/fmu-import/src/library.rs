@@ -197,15 +197,16 @@ impl Library {
 
 /// A path as part of a URI, in which `also` stays as it is, too.
 pub fn percent_encoded(path: &str, also: &str) -> String {
-    let encode = |byte: u8| {
-        let c = char::from(byte);
-        if c.is_ascii_alphanumeric() || "/-._~".contains(c) || also.contains(c) {
-            c.to_string()
-        } else {
-            format!("%{byte:02X}")
-        }
-    };
-    path.bytes().map(encode).collect()
+    path.bytes()
+        .map(|byte| {
+            let c = char::from(byte);
+            if c.is_ascii_alphanumeric() || "/-._~".contains(c) || also.contains(c) {
+                c.to_string()
+            } else {
+                format!("%{byte:02X}")
+            }
+        })
+        .collect()
 }
 
 /// The resources as FMI 2.0 passes them: `file:///...`, percent-encoded.

@@ -258,9 +258,7 @@ pub(crate) extern "C" fn fmu_import_log(
             status
         };
         // The address is a number to look up; it is never followed.
-        let Some((seat, stray)) = seat_of(environment.addr()) else {
-            return;
-        };
+        let Some((seat, stray)) = seat_of(environment.addr()) else { return };
         // SAFETY: `logger.c` passes its own zero-terminated buffer, and FMI 3.0 a zero-terminated string.
         let message = unsafe { CStr::from_ptr(message) }.to_string_lossy();
         let words: Vec<&str> = message.split_whitespace().collect();

@@ -183,9 +183,7 @@ impl Reader {
         let start = node.range().start;
         let (position, lines) = self.counted;
         let passed = node.document().input_text().as_bytes().get(position..start);
-        let Some(passed) = passed else {
-            return line(node);
-        };
+        let Some(passed) = passed else { return line(node) };
         let ends = passed.iter().filter(|byte| **byte == b'\n').count();
         self.counted = (start, lines.saturating_add(u32::try_from(ends).unwrap_or(u32::MAX)));
         self.counted.1 + 1
@@ -220,9 +218,7 @@ impl Reader {
 
     /// The item of an enumeration that an attribute names, or else the default.
     pub(crate) fn choice<T: DeserializeOwned + Default>(&mut self, node: Node<'_, '_>, name: &str) -> T {
-        let Some(text) = node.attribute(name) else {
-            return T::default();
-        };
+        let Some(text) = node.attribute(name) else { return T::default() };
         item(text).unwrap_or_else(|| {
             self.remark(node, About::Value, &format!("unknown {name} \"{text}\""));
             T::default()
@@ -277,9 +273,7 @@ impl Reader {
     }
 
     fn default_experiment(&mut self, root: Node<'_, '_>) -> DefaultExperiment {
-        let Some(node) = child(root, "DefaultExperiment") else {
-            return DefaultExperiment::default();
-        };
+        let Some(node) = child(root, "DefaultExperiment") else { return DefaultExperiment::default() };
         DefaultExperiment {
             start: self.number(node, "startTime"),
             stop: self.number(node, "stopTime"),

@@ -168,9 +168,7 @@ impl<'a> Scale<'a> {
     /// be one of either number.
     pub fn part(&self, part: f64, of: &Quantity) -> Result<f64, String> {
         let amount = part * of.number.abs();
-        let Some(of_unit) = &of.unit else {
-            return Ok(amount);
-        };
+        let Some(of_unit) = &of.unit else { return Ok(amount) };
         let conversion = self.from(of_unit)?;
         if self.is_stated && conversion.value(0.0) != 0.0 {
             let unit = self.unit.as_deref().unwrap_or_default();

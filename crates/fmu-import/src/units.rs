@@ -150,9 +150,7 @@ impl Units {
                 .collect();
         };
         let mut ways = vec![(to.to_owned(), Conversion::IDENTITY)];
-        let Some(unit) = self.0.get(to) else {
-            return ways;
-        };
+        let Some(unit) = self.0.get(to) else { return ways };
         ways.extend(unit.displays());
         let Some(base) = unit.base.filter(BaseUnit::converts) else { return ways };
         for (name, other) in &self.0 {
@@ -234,13 +232,14 @@ impl Units {
 
 /// The base of a unit whose usual meaning differs from it in nothing but rad, which the FMU left out, with that rad.
 fn with_rad(name: &str, base: BaseUnit) -> BaseUnit {
-    let same = |usual: &BaseUnit| {
-        let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * b.abs();
-        usual.exponents[..7] == base.exponents[..7]
-            && close(base.to_base.factor, usual.to_base.factor)
-            && close(base.to_base.offset, usual.to_base.offset)
-    };
-    let usual: Vec<BaseUnit> = known::meanings(name).filter(same).collect();
+    let usual: Vec<BaseUnit> = known::meanings(name)
+        .filter(|usual| {
+            let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * b.abs();
+            usual.exponents[..7] == base.exponents[..7]
+                && close(base.to_base.factor, usual.to_base.factor)
+                && close(base.to_base.offset, usual.to_base.offset)
+        })
+        .collect();
     match usual.first() {
         Some(first) if base.exponents[7] == 0 && usual.iter().all(|usual| usual.exponents[7] != 0) => {
             BaseUnit { exponents: first.exponents, ..base }

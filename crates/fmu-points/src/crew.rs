@@ -172,10 +172,11 @@ impl Crew {
 
     /// All workers.
     pub fn workers(&self, cases: &[Case]) -> Vec<Box<dyn Worker>> {
-        let worker = |number| match &self.way {
-            Way::Elsewhere(team) => Box::new(Remote::new(team, Some(number), cases)),
-            _ => self.worker(cases),
-        };
-        (0..self.size).map(worker).collect()
+        (0..self.size)
+            .map(|number| match &self.way {
+                Way::Elsewhere(team) => Box::new(Remote::new(team, Some(number), cases)),
+                _ => self.worker(cases),
+            })
+            .collect()
     }
 }

@@ -210,9 +210,7 @@ impl Running {
         let orders = child.stdin.take();
         let replies = child.stdout.take().map(system::source);
         let replies = replies.map(|replies| Inbox::new(replies, ticket));
-        let Some(replies) = replies else {
-            return Err(Gone::Start("a pipe to the worker is missing".to_owned()));
-        };
+        let Some(replies) = replies else { return Err(Gone::Start("a pipe to the worker is missing".to_owned())) };
         let mut running = Self { child, orders, replies, ticket: 0, answered: false };
         let setup = Setup { ticket, ..setup.clone() };
         let text = serde_json::to_vec(&setup).map_err(|error| start(error.into()))?;

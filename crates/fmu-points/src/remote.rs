@@ -343,9 +343,7 @@ impl Team {
         post: &mut Post<'_>,
     ) -> (End, BTreeMap<u64, Job>) {
         let mut open: BTreeMap<u64, Job> = jobs.iter().map(|job| (job.index, job.clone())).collect();
-        let Some(link) = &mut lane.link else {
-            return (End::Stopped, open);
-        };
+        let Some(link) = &mut lane.link else { return (End::Stopped, open) };
         link.order(order);
         let end = loop {
             let news = match link.wait(post.stopped) {
@@ -535,9 +533,7 @@ impl Worker for Remote {
     }
 
     fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
-        let Some(number) = self.lane else {
-            return self.run_anywhere(jobs, post);
-        };
+        let Some(number) = self.lane else { return self.run_anywhere(jobs, post) };
         let open = self.attempt(number, jobs, post)?;
         post.give_back(open);
         Ok(())

@@ -311,9 +311,7 @@ impl Runner {
         if let Err(call) = scene.advance::<true>(instance, &points, from..points.steps) {
             // An end that the FMU chose is no failure, unless it comes before a window. The part of a step that was
             // computed counts, too.
-            let Some(end) = call.ended else {
-                return Err(call);
-            };
+            let Some(end) = call.ended else { return Err(call) };
             scene.watch(instance, [end.from, end.at])?;
             if !scene.gauges.iter().all(Gauge::has_seen) {
                 return Err(before_the_window(call));

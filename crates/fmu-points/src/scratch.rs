@@ -119,9 +119,7 @@ fn locked(path: &Path) -> io::Result<File> {
 fn remove_abandoned(place: &Path) {
     for folder in starting_with(place, &[PREFIX]) {
         let lock = folder.join(LOCK);
-        let Ok(file) = OpenOptions::new().write(true).open(&lock) else {
-            continue;
-        };
+        let Ok(file) = OpenOptions::new().write(true).open(&lock) else { continue };
         // Between the two the folder may have gone, and another one have come under its name. The lock keeps other commands from
         // removing the folder, too: they might remove the next one of that name.
         if file.try_lock().is_ok() && system::is_that_file(&file, &lock) {

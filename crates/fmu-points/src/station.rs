@@ -50,9 +50,7 @@ pub(crate) fn serve() -> io::Result<()> {
     let watched = Arc::clone(&output);
     thread::spawn(move || watch(&watched));
     let mut orders = Inbox::new(io::stdin(), 0);
-    let Some(terms) = orders.wait()? else {
-        return Ok(());
-    };
+    let Some(terms) = orders.wait()? else { return Ok(()) };
     let terms: Terms = serde_json::from_slice(&terms)?;
     orders.expect(terms.ticket);
     locked(&output).meet(&terms);
@@ -70,9 +68,7 @@ pub(crate) fn serve() -> io::Result<()> {
         }
     });
     let next = || -> io::Result<Option<Order>> {
-        let Some(order) = coming.recv().unwrap_or(Ok(None))? else {
-            return Ok(None);
-        };
+        let Some(order) = coming.recv().unwrap_or(Ok(None))? else { return Ok(None) };
         let order = read(&order).ok_or_else(|| io::Error::other("an order is damaged"))?;
         Ok(Some(order))
     };

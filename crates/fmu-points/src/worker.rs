@@ -41,9 +41,7 @@ const MUTE: &str = "the FMU closed descriptors that it did not open, or became a
 pub(crate) fn serve() -> io::Result<()> {
     let (input, output, streams) = Streams::take()?;
     let mut orders = frame::Inbox::new(input, 0);
-    let Some(setup) = orders.wait()? else {
-        return Ok(());
-    };
+    let Some(setup) = orders.wait()? else { return Ok(()) };
     let setup: Setup = serde_json::from_slice(&setup)?;
     orders.expect(setup.ticket);
     if let Some(byte) = setup.fill {
@@ -133,9 +131,7 @@ impl Service {
 
     /// Notes what the FMU did when its simulation was ended.
     fn note_parting(&mut self, parting: &Parting, reply: &mut Reply) -> io::Result<()> {
-        let Ok(simulated) = &mut reply.answer else {
-            return Ok(());
-        };
+        let Ok(simulated) = &mut reply.answer else { return Ok(()) };
         if let Some(Said::Farewell(notices)) = parting.words.as_deref().and_then(read) {
             simulated.notices = Some(Box::new(notices));
         }
@@ -224,9 +220,7 @@ impl Service {
             return Ok(false);
         }
         while !jobs.is_empty() {
-            let Ok(Said::Replies(replies)) = self.hear(&mut child) else {
-                return Ok(false);
-            };
+            let Ok(Said::Replies(replies)) = self.hear(&mut child) else { return Ok(false) };
             for mut reply in replies {
                 if jobs.front().is_none_or(|job| job.index != reply.index) {
                     return Ok(false);

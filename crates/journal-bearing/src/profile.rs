@@ -157,9 +157,7 @@ impl Deviations {
     /// The deviation at an angle, m, and its slope, m/rad.
     fn at(&self, theta: f64) -> [f64; 2] {
         let count = self.angle.len();
-        let Some(&first) = self.angle.first() else {
-            return [0.0; 2];
-        };
+        let Some(&first) = self.angle.first() else { return [0.0; 2] };
         let angle = first + (theta - first).rem_euclid(TAU);
         let after = self.angle.partition_point(|&a| a <= angle);
         let before = after.saturating_sub(1);

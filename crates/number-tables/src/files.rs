@@ -136,9 +136,7 @@ pub fn reason(path: &Path, error: &io::Error) -> String {
 pub fn missing(path: &Path) -> String {
     let full = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let lost = first_missing(&full);
-    let Some(folder) = lost.parent() else {
-        return "no such file".to_owned();
-    };
+    let Some(folder) = lost.parent() else { return "no such file".to_owned() };
     if lost != full {
         return format!("no such file: there is no folder {}", lost.display());
     }

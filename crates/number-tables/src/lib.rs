@@ -243,15 +243,19 @@ impl<'a> Reading<'a> {
     }
 
     fn add(&mut self, row: &dyn Rows, gaps: bool) -> Result<(), FileError> {
-        let cell = |&place: &usize| {
-            let number = row.number(place).or_else(|| (gaps && row.text(place).is_empty()).then_some(f64::NAN));
-            number.or_else(|| truth(&row.text(place))).ok_or_else(|| {
-                let (column, text) = (shown(&self.header[place]), shown(&row.text(place)));
-                let remedy = remedy(&text);
-                FileError::new(self.path, format!("column `{column}`: `{text}` is not a number{remedy}")).at(row.line())
+        let numbers = self
+            .places
+            .iter()
+            .map(|&place| {
+                let number = row.number(place).or_else(|| (gaps && row.text(place).is_empty()).then_some(f64::NAN));
+                number.or_else(|| truth(&row.text(place))).ok_or_else(|| {
+                    let (column, text) = (shown(&self.header[place]), shown(&row.text(place)));
+                    let remedy = remedy(&text);
+                    FileError::new(self.path, format!("column `{column}`: `{text}` is not a number{remedy}"))
+                        .at(row.line())
+                })
             })
-        };
-        let numbers = self.places.iter().map(cell).collect::<Result<_, _>>()?;
+            .collect::<Result<_, _>>()?;
         let Table { rows, labels, .. } = &mut self.table;
         if rows.len() == MOST_ROWS {
             return Err(FileError::new(

@@ -80,9 +80,7 @@ impl Rows for ParquetRows {
     }
 
     fn advance(&mut self) -> Result<bool, FileError> {
-        let Some(row) = self.rows.next() else {
-            return Ok(false);
-        };
+        let Some(row) = self.rows.next() else { return Ok(false) };
         let columns = row.map_err(|error| wrong(&self.path, &error))?.into_columns();
         self.cells = columns.into_iter().map(|(_, cell)| cell).collect();
         self.count += 1;

@@ -113,16 +113,15 @@ impl RecordedTable {
             ["signal", "name", "channel", "variable", "parameter", "sensor", "tag", "id", "pid", "item"];
         const VALUES: [&str; 4] = ["value", "values", "wert", "reading"];
         let called = |column: &&Column, names: &[&str]| names.iter().any(|name| column.bare.eq_ignore_ascii_case(name));
-        let again = |column: &&Column| {
-            let texts = column.texts.iter().map(|(_, _, text)| text.clone());
-            let numbers = column.values.iter().filter(|value| value.is_finite()).map(f64::to_string);
-            let count = texts.chain(numbers).collect::<std::collections::BTreeSet<_>>().len();
-            count > 1 && count <= self.rows / 2
-        };
         self.columns
             .iter()
             .filter(|column| called(column, &SIGNALS))
-            .find(again)
+            .find(|column| {
+                let texts = column.texts.iter().map(|(_, _, text)| text.clone());
+                let numbers = column.values.iter().filter(|value| value.is_finite()).map(f64::to_string);
+                let count = texts.chain(numbers).collect::<std::collections::BTreeSet<_>>().len();
+                count > 1 && count <= self.rows / 2
+            })
             .filter(|_| self.columns.iter().any(|column| called(&column, &VALUES)))
             .map(|column| column.name.as_str())
     }

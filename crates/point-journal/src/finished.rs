@@ -216,9 +216,7 @@ impl Outcomes<'_> {
     /// When the journal cannot be read any more.
     pub fn get_noted(&mut self, index: u64) -> Result<Option<Noted>, Error> {
         let path = &self.finished.path;
-        let Some(place) = self.finished.place(index) else {
-            return Ok(None);
-        };
+        let Some(place) = self.finished.place(index) else { return Ok(None) };
         self.lines.seek(place).map_err(Error::io(path))?;
         let noted = match self.lines.next_line().map_err(Error::io(path))? {
             Line::Sound(line) => parse(line),

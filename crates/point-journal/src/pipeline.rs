@@ -298,9 +298,7 @@ impl<'a> Pipeline<'a> {
 
     /// The outcomes that the journal knows of the set that begins with this index.
     fn known(&self, first: u64, count: usize) -> Result<Vec<Option<Outcome>>, Error> {
-        let Some(finished) = &self.finished else {
-            return Ok(vec![None; count]);
-        };
+        let Some(finished) = &self.finished else { return Ok(vec![None; count]) };
         let mut outcomes = finished.outcomes()?;
         (0..count as u64).map(|k| outcomes.get(first + k)).collect()
     }

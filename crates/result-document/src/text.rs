@@ -74,13 +74,15 @@ fn aligned(lines: &[&Vec<String>], is_number: impl Fn(usize) -> bool) -> String 
     let length = |cell: &String| cell.chars().count();
     let width = |k: usize| lines.iter().map(|line| length(&line[k])).max().unwrap_or(0);
     let widths: Vec<usize> = (0..lines[0].len()).map(width).collect();
-    let line = |line: &&Vec<String>| {
-        let padded = line.iter().zip(&widths).enumerate().map(|(k, (cell, &width))| {
-            if is_number(k) { format!("  {cell:>width$}") } else { format!("  {cell:<width$}") }
-        });
-        padded.collect::<String>().trim_end().to_owned() + "\n"
-    };
-    lines.iter().map(line).collect()
+    lines
+        .iter()
+        .map(|line| {
+            let padded = line.iter().zip(&widths).enumerate().map(|(k, (cell, &width))| {
+                if is_number(k) { format!("  {cell:>width$}") } else { format!("  {cell:<width$}") }
+            });
+            padded.collect::<String>().trim_end().to_owned() + "\n"
+        })
+        .collect()
 }
 
 /// A name without the marks of its index.

@@ -185,12 +185,14 @@ impl<'a> Aligned<'a> {
     /// Half the distance between least and greatest value of a turn, over all turns.
     fn amplitude(&self, channel: &Channel, values: &[f64]) -> DerivedCriterion {
         let span = if self.grid.turn > 1 { self.grid.turn } else { values.len() };
-        let half = |turn: &[f64]| {
-            let low = turn.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = turn.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            (high - low) / 2.0
-        };
-        let halves: Vec<f64> = values.chunks_exact(span).map(half).collect();
+        let halves: Vec<f64> = values
+            .chunks_exact(span)
+            .map(|turn| {
+                let low = turn.iter().copied().fold(f64::INFINITY, f64::min);
+                let high = turn.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                (high - low) / 2.0
+            })
+            .collect();
         let value = mean(&halves);
         // An offset of the sensor does not change an amplitude; a wrong gain does.
         let gain = match channel.accuracy {

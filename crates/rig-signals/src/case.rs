@@ -251,11 +251,13 @@ impl<'a> Case<'a> {
             let curves: Vec<_> = self.curves.iter().filter(|curve| curve.table == place).collect();
             let mut text = head(curves.iter().map(|curve| cell(&curve.channel.name)).collect());
             for time in &table.time {
-                let value = |curve: &&Measured<'_>| {
-                    let known = curve.time.binary_search_by(|known| known.total_cmp(time));
-                    curve.values[known.expect("a row of a table is in each of its curves")]
-                };
-                text += &line(*time, &mut curves.iter().map(value));
+                text += &line(
+                    *time,
+                    &mut curves.iter().map(|curve| {
+                        let known = curve.time.binary_search_by(|known| known.total_cmp(time));
+                        curve.values[known.expect("a row of a table is in each of its curves")]
+                    }),
+                );
             }
             files.push((Self::file(place), text));
         }
@@ -274,17 +276,19 @@ impl<'a> Case<'a> {
 
     /// What became of the rows of each curve.
     pub fn accounts(&self) -> Vec<Account> {
-        let account = |curve: &Measured<'_>| {
-            let beside = curve.time.len() - self.tables[curve.table].time.len();
-            let [spikes, clipped] = curve.dropped;
-            curve.channel.account(&[
-                (curve.early, EARLY),
-                spikes,
-                clipped,
-                (beside, "in rows where another signal has none"),
-            ])
-        };
-        self.curves.iter().map(account).collect()
+        self.curves
+            .iter()
+            .map(|curve| {
+                let beside = curve.time.len() - self.tables[curve.table].time.len();
+                let [spikes, clipped] = curve.dropped;
+                curve.channel.account(&[
+                    (curve.early, EARLY),
+                    spikes,
+                    clipped,
+                    (beside, "in rows where another signal has none"),
+                ])
+            })
+            .collect()
     }
 
     /// The case as TOML. The tolerances are the user's to add, where the settings have none: no recording knows how far the

@@ -40,9 +40,7 @@ impl Cleaned {
         let rest: Vec<f64> =
             self.values.iter().zip(is_spike).map(|(v, spike)| if *spike { f64::NAN } else { *v }).collect();
         let ordered = sorted(rest.iter().copied().filter(|v| v.is_finite()).collect());
-        let (Some(least), Some(most)) = (ordered.first().copied(), ordered.last().copied()) else {
-            return;
-        };
+        let (Some(least), Some(most)) = (ordered.first().copied(), ordered.last().copied()) else { return };
         let levels = [clipping_level(ordered.iter()), clipping_level(ordered.iter().rev())];
         for (end, level) in [least, most].into_iter().zip(levels) {
             let others: Vec<f64> = ordered.iter().copied().filter(|value| *value != end).collect();
@@ -155,11 +153,12 @@ impl Signal<'_> {
         while !run.is_empty() {
             let before = |count: usize| run.start.saturating_sub(count)..run.start;
             let behind = |count: usize| run.end..(run.end + count).min(self.samples.len());
-            let is_peak = |&[count, degree]: &[usize; 2]| {
-                let around: Vec<usize> = before(count).chain(behind(count)).collect();
-                run.clone().all(|k| self.follows(k, &around, degree))
-            };
-            if run.len() <= AROUND && BETWEEN.iter().any(is_peak) {
+            if run.len() <= AROUND
+                && BETWEEN.iter().any(|&[count, degree]| {
+                    let around: Vec<usize> = before(count).chain(behind(count)).collect();
+                    run.clone().all(|k| self.follows(k, &around, degree))
+                })
+            {
                 return run.start..run.start;
             }
             let ends = |place: usize, others: &dyn Fn(usize) -> Range<usize>| {
@@ -199,9 +198,7 @@ impl Signal<'_> {
 fn is_mark(level: f64, others: &[f64], all: usize) -> bool {
     const TIMES: f64 = 3.0;
     const RARE: usize = 10;
-    let [Some(low), Some(high)] = [others.first(), others.last()] else {
-        return false;
-    };
+    let [Some(low), Some(high)] = [others.first(), others.last()] else { return false };
     let away = (low - level).max(level - high);
     high > low && away > TIMES * (high - low) && RARE * (all - others.len()) < all
 }
@@ -232,9 +229,7 @@ fn clipping_level<'a>(ordered: impl ExactSizeIterator<Item = &'a f64>) -> Option
         }
         *counts.last_mut()? += 1;
     }
-    let [first, second] = counts[..] else {
-        return None;
-    };
+    let [first, second] = counts[..] else { return None };
     // What rests is at zero.
     let many = levels[0] != 0.0 && first >= LEAST.max(all / 1000) && first > TIMES * second;
     many.then(|| levels[0])

@@ -185,22 +185,25 @@ impl<'a> Search<'a> {
     fn values_of(&self, signal: &[f64], lag: f64, count: usize) -> Vec<f64> {
         let (whole, weights) = self.kernel.at(lag);
         let start = (self.first as isize + whole) as usize - self.kernel.reach();
-        let value = |place: usize| signal[place..].iter().zip(&weights).map(|(v, w)| v * w).sum();
-        (start..start + count).map(value).collect()
+        (start..start + count).map(|place| signal[place..].iter().zip(&weights).map(|(v, w)| v * w).sum()).collect()
     }
 
     /// The sums of all blocks with the torque `lag` samples later; `whole` is the lag by which its bad samples are known.
     fn sums(&self, torque: &[f64], whole: isize) -> Vec<Sums> {
-        let block = |b: usize| {
-            let samples = b * self.length..(b + 1) * self.length;
-            let good = |k: &usize| {
-                let place = self.first + k;
-                let late = (place as isize + whole) as usize;
-                self.pair.load_good[place] && self.pair.torque_good[late]
-            };
-            sums(samples.filter(good).map(|k| (self.load[k], torque[k])))
-        };
-        (0..self.blocks).map(block).collect()
+        (0..self.blocks)
+            .map(|b| {
+                let samples = b * self.length..(b + 1) * self.length;
+                sums(
+                    samples
+                        .filter(|k| {
+                            let place = self.first + k;
+                            let late = (place as isize + whole) as usize;
+                            self.pair.load_good[place] && self.pair.torque_good[late]
+                        })
+                        .map(|k| (self.load[k], torque[k])),
+                )
+            })
+            .collect()
     }
 
     /// The sums at each lag that is tried.

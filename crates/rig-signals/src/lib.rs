@@ -154,12 +154,14 @@ fn aligned(recording: &RigRecording, bearing: &Bearing) -> Result<Synchronised, 
 
 /// Which samples of an even signal lie next to none that is clipped.
 fn good(cleaned: &Cleaned, time: &[f64], even: &Even) -> Vec<bool> {
-    let near = |t: f64| {
-        let next = time.partition_point(|&known| known < t - even.step / 2.0);
-        let around = next.saturating_sub(1)..(next + 2).min(time.len());
-        !cleaned.clipped[around].contains(&true)
-    };
-    even.times().into_iter().map(near).collect()
+    even.times()
+        .into_iter()
+        .map(|t| {
+            let next = time.partition_point(|&known| known < t - even.step / 2.0);
+            let around = next.saturating_sub(1)..(next + 2).min(time.len());
+            !cleaned.clipped[around].contains(&true)
+        })
+        .collect()
 }
 
 /// Concerns about a signal that its reader must know.

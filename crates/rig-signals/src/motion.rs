@@ -91,9 +91,7 @@ fn further_on(values: &[f64], end: usize) -> std::ops::Range<usize> {
 
 /// How often a signal turns: it goes one way and then back, by more than a distance each.
 fn turnings(values: &[f64], enough: f64) -> usize {
-    let Some(&first) = values.first() else {
-        return 0;
-    };
+    let Some(&first) = values.first() else { return 0 };
     // The least and the greatest value since the last turn, and on which way it is by now.
     let (mut low, mut high, mut rises, mut turns) = (first, first, None, 0);
     for &value in values {

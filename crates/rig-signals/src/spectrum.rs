@@ -92,11 +92,12 @@ fn transform(values: &[f64]) -> Vec<Complex<f64>> {
 }
 
 fn window(n: usize) -> Vec<f64> {
-    let at = |k: usize| {
-        let turn = TAU * k as f64 / n as f64;
-        WINDOW.iter().enumerate().map(|(m, a)| a * (m as f64 * turn).cos()).sum()
-    };
-    (0..n).map(at).collect()
+    (0..n)
+        .map(|k| {
+            let turn = TAU * k as f64 / n as f64;
+            WINDOW.iter().enumerate().map(|(m, a)| a * (m as f64 * turn).cos()).sum()
+        })
+        .collect()
 }
 
 /// By how much fewer bins are independent: the window spreads each over its neighbours.
@@ -286,11 +287,14 @@ impl Comb {
                 0.6 * frequency
             ));
         }
-        let white = |&(i, k): &(usize, usize)| {
-            let scale = (levels[0][i] * levels[1][i]).sqrt();
-            (k, cross(k) / scale)
-        };
-        let quiet: Vec<(usize, Complex<f64>)> = numbered.iter().filter(|(_, k)| !near(&lines, *k)).map(white).collect();
+        let quiet: Vec<(usize, Complex<f64>)> = numbered
+            .iter()
+            .filter(|(_, k)| !near(&lines, *k))
+            .map(|&(i, k)| {
+                let scale = (levels[0][i] * levels[1][i]).sqrt();
+                (k, cross(k) / scale)
+            })
+            .collect();
         let power: f64 = quiet.iter().map(|(_, c)| c.norm_sqr()).sum();
         let deviation = (power * memory() / 2.0).sqrt();
         let together = |lag: f64| {
@@ -360,9 +364,7 @@ impl Comb {
 
     /// Bins of the mains that hide behind a harmonic, and stand far above the harmonics next to it in both channels.
     fn mains(&self, both: [&[Complex<f64>]; 2]) -> Vec<usize> {
-        let Some(shaft) = self.shaft else {
-            return Vec::new();
-        };
+        let Some(shaft) = self.shaft else { return Vec::new() };
         let power = |bins: &[Complex<f64>], place: f64| {
             let middle = place.round() as usize;
             bins.iter().skip(middle.saturating_sub(LOBE)).take(2 * LOBE + 1).map(Complex::norm_sqr).sum::<f64>()
@@ -373,11 +375,11 @@ impl Comb {
             .filter(|&place| {
                 let middle = place.round() as usize;
                 let hides = matches!(self.line.get(middle), Some(Some(3..)));
-                let stands = |bins: &&[Complex<f64>]| {
-                    let next = power(bins, place - shaft) + power(bins, place + shaft);
-                    power(bins, place) > ABOVE_NEXT * next
-                };
-                hides && both.iter().all(stands)
+                hides
+                    && both.iter().all(|bins| {
+                        let next = power(bins, place - shaft) + power(bins, place + shaft);
+                        power(bins, place) > ABOVE_NEXT * next
+                    })
             })
             .map(|place| place.round() as usize)
             .collect()

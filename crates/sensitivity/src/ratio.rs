@@ -182,12 +182,15 @@ fn half_width(over: &Parts, under: &Parts, least: f64) -> Option<f64> {
     let ([above, terms], [below, squares]) = (over.total(|_| true), under.total(|_| true));
     let (above, below) = (above / terms, below / squares);
     let n = points as f64;
-    let influence = |j: usize| {
-        let term = (over.sums[j] - above * over.counts[j]) * n / terms;
-        let square = (under.sums[j] - below * under.counts[j]) * n / squares;
-        (term - ratio_of_all * square).powi(2)
-    };
-    let independent = (0..points).map(influence).sum::<f64>().sqrt() / (n * below);
+    let independent = (0..points)
+        .map(|j| {
+            let term = (over.sums[j] - above * over.counts[j]) * n / terms;
+            let square = (under.sums[j] - below * under.counts[j]) * n / squares;
+            (term - ratio_of_all * square).powi(2)
+        })
+        .sum::<f64>()
+        .sqrt()
+        / (n * below);
     let of_points = quantile(over.used())? * independent.max(least);
     let of_nets = quantile(filled.len())? * jackknife(&without);
     Some(of_points.max(of_nets))

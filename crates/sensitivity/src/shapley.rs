@@ -87,12 +87,13 @@ fn permutations(of: &[usize]) -> Vec<Vec<usize>> {
     if of.is_empty() {
         return vec![Vec::new()];
     }
-    let with = |&first: &usize| {
-        let rest: Vec<usize> = of.iter().copied().filter(|&k| k != first).collect();
-        let rest = permutations(&rest).into_iter();
-        rest.map(move |rest| [vec![first], rest].concat())
-    };
-    of.iter().flat_map(with).collect()
+    of.iter()
+        .flat_map(|&first| {
+            let rest: Vec<usize> = of.iter().copied().filter(|&k| k != first).collect();
+            let rest = permutations(&rest).into_iter();
+            rest.map(move |rest| [vec![first], rest].concat())
+        })
+        .collect()
 }
 
 /// The first `count` parameters of an order, as a set.

@@ -63,14 +63,17 @@ impl Binder<'_> {
     }
 
     pub(super) fn parameters(&self) -> Result<(Vec<Input>, Vec<Slot>), FileError> {
-        let bind = |(name, parameter): (&Name, &ParameterText)| {
-            let variable = self.variable(name)?;
-            let at = |message: String| self.study.error_of(name, message);
-            let slot = slot_of(variable).map_err(at)?;
-            let input = self.parameter(variable, parameter).map_err(at)?;
-            Ok((input, slot))
-        };
-        self.study.parameters.iter().map(bind).collect()
+        self.study
+            .parameters
+            .iter()
+            .map(|(name, parameter)| {
+                let variable = self.variable(name)?;
+                let at = |message: String| self.study.error_of(name, message);
+                let slot = slot_of(variable).map_err(at)?;
+                let input = self.parameter(variable, parameter).map_err(at)?;
+                Ok((input, slot))
+            })
+            .collect()
     }
 
     /// Reads the parameters that come from samples, and gives each its distribution.
@@ -113,21 +116,24 @@ impl Binder<'_> {
     }
 
     fn criteria(&self, schedule: &Schedule) -> Result<(Vec<Conversion>, Vec<Probe>), FileError> {
-        let bind = |(name, criterion): (&Name, &CriterionText)| {
-            let variable = self.variable(&criterion.variable)?;
-            let at = |message| self.study.error_at(&criterion.variable, message);
-            let probe = Probe::of(variable, criterion.statistic.unwrap_or_default())
-                .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;
-            let scale = criterion.scale(Some((self.fmu, variable))).map_err(at)?;
-            let probe = Probe {
-                curve: self.curve(name, criterion, &scale, &probe.handle, schedule)?,
-                detail: self.detail(name, criterion, variable, schedule)?,
-                product: self.product(criterion, variable),
-                ..probe
-            };
-            Ok((scale.conversion.inverse(), probe))
-        };
-        self.study.criteria.iter().map(bind).collect()
+        self.study
+            .criteria
+            .iter()
+            .map(|(name, criterion)| {
+                let variable = self.variable(&criterion.variable)?;
+                let at = |message| self.study.error_at(&criterion.variable, message);
+                let probe = Probe::of(variable, criterion.statistic.unwrap_or_default())
+                    .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;
+                let scale = criterion.scale(Some((self.fmu, variable))).map_err(at)?;
+                let probe = Probe {
+                    curve: self.curve(name, criterion, &scale, &probe.handle, schedule)?,
+                    detail: self.detail(name, criterion, variable, schedule)?,
+                    product: self.product(criterion, variable),
+                    ..probe
+                };
+                Ok((scale.conversion.inverse(), probe))
+            })
+            .collect()
     }
 
     /// What a derived criterion is the product of, where one factor is a recorded input.
@@ -221,9 +227,7 @@ impl Binder<'_> {
         handle: &Handle,
         schedule: &Schedule,
     ) -> Result<Option<Arc<MeasuredCurve>>, FileError> {
-        let (Some(reference), Some(metric)) = (&text.reference, text.metric) else {
-            return Ok(None);
-        };
+        let (Some(reference), Some(metric)) = (&text.reference, text.metric) else { return Ok(None) };
         if handle.content != Content::Real {
             return Err(self.study.error_at(&text.variable, "only real variables can be compared with a curve"));
         }
@@ -245,9 +249,7 @@ impl Binder<'_> {
 
     /// The part of the run that a criterion looks at by itself, s.
     fn stated_window(&self, text: &CriterionText, run: [f64; 2]) -> Result<Option<[f64; 2]>, FileError> {
-        let Some(window) = &text.window else {
-            return Ok(None);
-        };
+        let Some(window) = &text.window else { return Ok(None) };
         window.as_ref().times(run).map(Some).map_err(|message| self.study.error_at(window, message))
     }
 
@@ -274,9 +276,7 @@ impl Binder<'_> {
         schedule.window_start = begins.fold(schedule.stop, f64::min);
         let points = schedule.points();
         for (probe, criterion) in observed.iter().zip(criteria()) {
-            let (Some([from, to]), Some(stated)) = (probe.window, &criterion.window) else {
-                continue;
-            };
+            let (Some([from, to]), Some(stated)) = (probe.window, &criterion.window) else { continue };
             let rounding = 1e-9 * (from.abs() + to.abs());
             if points.at(points.from(from - rounding)) > to + rounding {
                 return Err(self.study.error_at(stated, format!(
@@ -322,9 +322,7 @@ impl Binder<'_> {
 
     /// The start values of a parameter set that the study does not give itself.
     fn set(&self) -> Result<Vec<(u32, Value)>, FileError> {
-        let Some(file) = &self.study.fixed_from else {
-            return Ok(Vec::new());
-        };
+        let Some(file) = &self.study.fixed_from else { return Ok(Vec::new()) };
         let path = self.study.path_of(file.as_ref());
         let named = ssv::read(&path, self.fmu).map_err(|error| self.study.error_at(file, error.to_string()))?;
         let set: HashSet<&str> = self.study.set().map(|(name, _)| &**name.as_ref()).collect();

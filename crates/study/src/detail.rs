@@ -74,9 +74,7 @@ impl CriterionText {
                 Err(format!("percent = {percent} must lie between 0 and 100"))
             };
         }
-        let Some(time) = &self.at else {
-            return Ok(None);
-        };
+        let Some(time) = &self.at else { return Ok(None) };
         let time = seconds(time.as_ref())?;
         if time.is_finite() { Ok(Some(Detail::At(time))) } else { Err(format!("at = {time} is not a time")) }
     }

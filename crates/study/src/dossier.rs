@@ -71,9 +71,7 @@ fn check_date(text: &str) -> Result<(), String> {
         4 | 7 => byte == b'-',
         _ => byte.is_ascii_digit(),
     };
-    let Some(date) = text.get(..10) else {
-        return Ok(());
-    };
+    let Some(date) = text.get(..10) else { return Ok(()) };
     if date.bytes().enumerate().all(digits) && NaiveDate::parse_from_str(date, "%Y-%m-%d").is_err() {
         return Err(format!("`{date}` is no date of the calendar"));
     }

@@ -218,9 +218,7 @@ fn known_errors(recording: &RecordingText, slot: &Slot, scale: &Scale<'_>) -> Re
 /// # Errors
 /// Says which part is missing, and the remedy.
 pub fn covers(series: &Series, schedule: &Schedule, words: [&str; 3]) -> Result<(), String> {
-    let Some([from, to]) = series.uncovered(schedule) else {
-        return Ok(());
-    };
+    let Some([from, to]) = series.uncovered(schedule) else { return Ok(()) };
     let [first, last] = series.span();
     let Schedule { start, stop, .. } = *schedule;
     let [set_start, set_stop, hold] = words;

@@ -233,9 +233,7 @@ impl Binder<'_> {
         if let Some(row) = wrong {
             return Err(self.error_in_file(format!("row {}: the uncertainty must be 0 or more", row + 1)));
         }
-        let Some([from, to]) = self.window else {
-            return Ok(Recorded { curve, expanded, first: 0 });
-        };
+        let Some([from, to]) = self.window else { return Ok(Recorded { curve, expanded, first: 0 }) };
         let rounding = 1e-9 * (from.abs() + to.abs());
         let window = [from - rounding, to + rounding];
         let rows = curve.rows(window);

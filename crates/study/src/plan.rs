@@ -201,11 +201,14 @@ impl Plan {
 
     /// A point as a surrogate sees it: a model changes evenly with the logarithm of a quantity that is normal in it.
     pub fn coordinates(&self, point: &[f64]) -> Vec<f64> {
-        let one = |(input, &value): (&Input, &f64)| match &input.distribution {
-            Distribution::Lognormal { .. } => value.ln(),
-            _ => value,
-        };
-        self.inputs.iter().zip(point).map(one).collect()
+        self.inputs
+            .iter()
+            .zip(point)
+            .map(|(input, &value)| match &input.distribution {
+                Distribution::Lognormal { .. } => value.ln(),
+                _ => value,
+            })
+            .collect()
     }
 
     /// Whether every parameter varies on its own.
@@ -227,8 +230,10 @@ impl Plan {
     /// distribution, recorded inputs that it cannot follow.
     pub fn concerns(&self) -> Vec<Concern> {
         const LARGE: f64 = 0.05;
-        let concern =
-            |(input, slot): (&Input, &Slot)| {
+        self.inputs
+            .iter()
+            .zip(&self.slots)
+            .filter_map(|(input, slot)| {
                 let inverse = input.conversion.inverse();
                 let below = |limit: f64| match limit {
                     f64::INFINITY => 1.0,
@@ -249,8 +254,9 @@ impl Plan {
                     input.name
                 ))
                 })
-            };
-        self.inputs.iter().zip(&self.slots).filter_map(concern).chain(self.of_inputs.iter().cloned()).collect()
+            })
+            .chain(self.of_inputs.iter().cloned())
+            .collect()
     }
 
     /// Tells at once of recorded inputs that the FMU gets otherwise, or at a great cost: every analysis rests on them.
@@ -263,14 +269,13 @@ impl Plan {
     /// Concerns about parameters from samples of so few points.
     pub fn concerns_of_samples(&self, points: u64) -> Vec<Concern> {
         let few = self.joints.iter().filter(|joint| (joint.count() as u64) < points);
-        let concern = |joint: &Joint| {
+        few.map(|joint| {
             let names = joint.inputs().iter().map(|&k| self.inputs[k].name.as_str()).collect::<Vec<_>>().join(", ");
             Concern::new(Code::RepeatedSample, format!(
                 "{names}: {points} points repeat the {} rows of the sample, so the interval of the verified share is too narrow",
                 joint.count()
             )).remedied(format!("Give {names} a sample of {points} rows or more."))
-        };
-        few.map(concern).collect()
+        }).collect()
     }
 
     /// The observations of each criterion, in the order of the study.

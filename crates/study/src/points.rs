@@ -112,8 +112,6 @@ pub(super) fn correlation(study: &Study, count: usize) -> Result<Option<Correlat
         "a parameter is not correlated with itself; name two",
         (|coefficient: f64| coefficient.abs() < 1.0, "the coefficient must be more than -1 and less than 1"),
     )?;
-    let Some(first) = study.correlations.first() else {
-        return Ok(None);
-    };
+    let Some(first) = study.correlations.first() else { return Ok(None) };
     Correlation::new(count, &pairs).map(Some).map_err(|message| study.error_at(first, message))
 }

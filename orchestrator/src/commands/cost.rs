@@ -32,9 +32,7 @@ pub(super) fn of(verification: &mut Verification, means: &Means, jobs: usize) ->
     let session = &mut verification.session;
     let crew = Crew::new(&mut session.package, place, scratch.path(), 1)?;
     let mut worker = crew.worker(&session.plan.cases);
-    let Some(index) = verification.indexes().next() else {
-        return Ok(String::new());
-    };
+    let Some(index) = verification.indexes().next() else { return Ok(String::new()) };
     let mut run = |points: usize, most: Duration| {
         let points: Vec<Job> = verification.indexes().take(points).map(|index| verification.job(index)).collect();
         let (begun, mut count, mut took, mut failure) = (Instant::now(), 0_u32, Duration::ZERO, None);

@@ -122,9 +122,7 @@ fn columns(study: &Study) -> Vec<(Vec<String>, String)> {
 fn conversions(study: &Study, judge: &Judge, fmu: Option<&Description>) -> Result<Vec<Conversion>, Error> {
     let pairs = study.criteria.iter().zip(&judge.criteria);
     let conversion = |(name, text): (&study::Name, &study::CriterionText), unit| {
-        let Some(column_unit) = text.column_unit.as_deref() else {
-            return Ok(Conversion::IDENTITY);
-        };
+        let Some(column_unit) = text.column_unit.as_deref() else { return Ok(Conversion::IDENTITY) };
         let variable = fmu.and_then(|fmu| fmu.variables.get(text.variable.as_ref().as_str()));
         let scale = match (fmu, variable) {
             (Some(fmu), Some(variable)) => Scale::new(unit, fmu, variable),

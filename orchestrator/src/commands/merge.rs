@@ -20,9 +20,7 @@ use point_journal::{Header, journal, lines};
 pub(super) fn run(options: &Merge) -> Result<ExitCode, Error> {
     let start = Instant::now();
     let Merge { folders, output, .. } = options;
-    let [first, ..] = &folders[..] else {
-        return Err(Error::Missing(output.clone()));
-    };
+    let [first, ..] = &folders[..] else { return Err(Error::Missing(output.clone())) };
     let mut request = Request::read(first)?;
     request.shard = None;
     request.fmu = options.fmu.clone().or(request.fmu);

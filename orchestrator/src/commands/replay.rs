@@ -125,11 +125,12 @@ fn wanted(options: &Replay, cases: &[Case]) -> Result<Vec<(usize, PathBuf)>, Err
         if names.is_empty() { format!("point-{point}.csv") } else { format!("point-{point}-case-{}.csv", case + 1) }
     };
     let numbers = chosen.map_or(0..cases.len(), |case| case..case + 1);
-    let file = |case| {
-        let given = options.output.clone();
-        (case, given.unwrap_or_else(|| options.folder.join(usual(case))))
-    };
-    Ok(numbers.map(file).collect())
+    Ok(numbers
+        .map(|case| {
+            let given = options.output.clone();
+            (case, given.unwrap_or_else(|| options.folder.join(usual(case))))
+        })
+        .collect())
 }
 
 /// Whether the study's guard band lets a point pass; none where no guard band acts, or the study has not found it yet.

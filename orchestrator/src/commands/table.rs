@@ -163,9 +163,7 @@ fn line(text: &mut String, what: &str, count: &Count) {
 
 /// The best point for people.
 fn best(summary: &Summary) -> String {
-    let Some(best) = &summary.best_point else {
-        return String::new();
-    };
+    let Some(best) = &summary.best_point else { return String::new() };
     let with_unit = |name: &str, value: f64, unit: Option<&str>| {
         let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
         // Five places would leave nothing of a coefficient of expansion.

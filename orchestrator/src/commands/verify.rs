@@ -8,7 +8,6 @@ use std::process::ExitCode;
 use std::time::Instant;
 
 use indexmap::{IndexMap, IndexSet};
-use toml::Spanned;
 
 use super::{best, complete, cost, gate, left_out, output, table};
 use crate::cli::{Gate, Verify};
@@ -22,14 +21,12 @@ use crate::results::{Looked, Summary};
 use crate::session::{Ending, Front, Request, Session, Verification};
 use conformity::decision::Decision;
 use fmu_points::names::behind;
-use fmu_points::task::Case;
 use point_journal::files::write_json;
 use point_journal::pipeline::Pipeline;
 use point_journal::pipeline::folder::Earlier;
 use point_journal::{Journal, lines};
 use sampling::design::Method;
 use study::plan::bare;
-use study::{Name, Setting};
 
 /// With `--until`, a study has as many points as needed, but for a limit.
 const MOST_POINTS: u64 = 1_000_000;
@@ -206,18 +203,22 @@ fn counted(number: u64, thing: &str) -> String {
 /// The plan of the run, for `--dry-run`.
 pub(super) fn plan(verification: &Verification, folder: &Path) -> String {
     let session = &verification.session;
-    let simulated = |case: &Case| {
-        let schedule = &case.task.schedule;
-        let name = case.name.as_ref();
-        format!(
-            "{}{} ({} to {} s)",
-            name.map_or_else(String::new, |name| format!("{name}: ")),
-            counted(schedule.steps(), "step"),
-            schedule.start,
-            schedule.stop,
-        )
-    };
-    let cases: Vec<String> = session.plan.cases.iter().map(simulated).collect();
+    let cases: Vec<String> = session
+        .plan
+        .cases
+        .iter()
+        .map(|case| {
+            let schedule = &case.task.schedule;
+            let name = case.name.as_ref();
+            format!(
+                "{}{} ({} to {} s)",
+                name.map_or_else(String::new, |name| format!("{name}: ")),
+                counted(schedule.steps(), "step"),
+                schedule.start,
+                schedule.stop,
+            )
+        })
+        .collect();
     let mut text =
         format!("{} of {} into {}\n", counted(verification.expected(), "point"), cases.join(", "), folder.display());
     for input in &session.plan.inputs {
@@ -257,11 +258,14 @@ fn set(session: &Session) -> String {
         format!("  {name} {low:.5} .. {high:.5}{unit} (recorded)\n")
     });
     let fixed = session.study.by_case().into_iter().flat_map(|(_, study)| {
-        let read = |(name, setting): (&Name, &Spanned<Setting>)| {
-            let variable = fmu.variables.get(name.as_ref())?;
-            bare(fmu, variable, setting.as_ref()).map(|read| format!("  {read}\n"))
-        };
-        study.fixed.iter().filter_map(read).collect::<Vec<_>>()
+        study
+            .fixed
+            .iter()
+            .filter_map(|(name, setting)| {
+                let variable = fmu.variables.get(name.as_ref())?;
+                bare(fmu, variable, setting.as_ref()).map(|read| format!("  {read}\n"))
+            })
+            .collect::<Vec<_>>()
     });
     let lines: IndexSet<String> = recorded.chain(fixed).collect();
     lines.into_iter().collect()

@@ -205,9 +205,7 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
     (told.lost, told.gained) = (with([true, false]), with([false, true]));
     let mut really = vec![false; pairs.both.len()];
     for (k, (name, was)) in before.0.criteria.iter().enumerate() {
-        let Some((l, _, is)) = now.0.criteria.get_full(name) else {
-            continue;
-        };
+        let Some((l, _, is)) = now.0.criteria.get_full(name) else { continue };
         if was.criterion.unit != is.criterion.unit || was.criterion.source() != is.criterion.source() {
             continue;
         }
@@ -279,16 +277,18 @@ impl Judged<'_> {
         let (flipped, within): (Vec<usize>, Vec<usize>) =
             flipped.partition(|pair| other_limits || is_same(pair) || (is_changed(pair) && exceeds(pair)));
         flipped.iter().for_each(|&pair| really[pair] = true);
-        let by_size = |a: &&usize, b: &&usize| {
-            let [a, b] = [a, b].map(|pair| difference(**pair).abs());
-            a.total_cmp(&b)
-        };
-        let largest = changed.iter().max_by(by_size).map(|&pair| Largest {
-            point: id(pair),
-            old: values[pair][0],
-            new: values[pair][1],
-            of_tolerance: difference(pair) / room,
-        });
+        let largest = changed
+            .iter()
+            .max_by(|a, b| {
+                let [a, b] = [a, b].map(|pair| difference(**pair).abs());
+                a.total_cmp(&b)
+            })
+            .map(|&pair| Largest {
+                point: id(pair),
+                old: values[pair][0],
+                new: values[pair][1],
+                of_tolerance: difference(pair) / room,
+            });
         let differences: Vec<f64> = both.iter().map(|&pair| difference(pair)).collect();
         let ids = |pairs: &[usize]| pairs.iter().map(|&pair| id(pair)).collect();
         Change {
@@ -402,9 +402,7 @@ impl Comparison {
             differences.extend(missing.map(|name| format!("The criterion {name} is only in the {side} result")));
         }
         for (name, was) in &before.criteria {
-            let Some(is) = now.criteria.get(name) else {
-                continue;
-            };
+            let Some(is) = now.criteria.get(name) else { continue };
             let in_words = |count: &CriterionCount| {
                 let unit = count.criterion.unit.as_ref();
                 let unit = unit.map(|unit| format!(" in {unit}")).unwrap_or_default();

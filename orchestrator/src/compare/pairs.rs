@@ -39,11 +39,12 @@ impl Pairs {
                 pairs.only_old.push(id);
                 continue;
             };
-            let same = |[k, l]: &[usize; 2]| {
-                let [a, b] = [old.parameters[*k].values[i], new.parameters[*l].values[j]];
-                super::is_rounding(a, b, 0.0)
-            };
-            if same_columns && columns.iter().all(same) {
+            if same_columns
+                && columns.iter().all(|[k, l]| {
+                    let [a, b] = [old.parameters[*k].values[i], new.parameters[*l].values[j]];
+                    super::is_rounding(a, b, 0.0)
+                })
+            {
                 pairs.both.push([i, j])
             } else {
                 pairs.other_parameters.push(id)

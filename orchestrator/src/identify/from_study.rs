@@ -353,13 +353,12 @@ struct Shared {
 impl Shared {
     /// Lists a channel's error. Where the same error of the same sensor is listed already, only the channel's name is added.
     fn tell(&mut self, channel: Channel) {
-        let same = |known: &&mut Channel| {
+        match self.channels.iter_mut().find(|known| {
             known.kind == channel.kind
                 && known.unit == channel.unit
                 && known.sources == channel.sources
                 && known.limit == channel.limit
-        };
-        match self.channels.iter_mut().find(same) {
+        }) {
             Some(known) => known.name = format!("{} and {}", known.name, channel.name),
             None => self.channels.push(channel),
         }
@@ -375,9 +374,7 @@ impl Shared {
 
     /// Adds the offset and the gain of a curve's sensor.
     fn add(&mut self, recorded: &Recorded<'_>, (sensor, sign): (String, f64)) {
-        let Some(errors) = &recorded.curve.errors else {
-            return;
-        };
+        let Some(errors) = &recorded.curve.errors else { return };
         let [of_offset, of_gain] = errors.coverage;
         let first = errors.shared.first().copied().unwrap_or(0.0);
         let even = errors.shared.iter().all(|shared| (shared - first).abs() <= 1e-9 * first);

@@ -79,11 +79,14 @@ impl<'a, 'b> FmuModel<'a, 'b> {
             *self.halted.borrow_mut() = Some(halt.into());
             NoPrediction::Stopped
         })?;
-        let predicted = |(query, outcome): (&Query, Outcome)| {
-            let readings = outcome.map_err(|failure| failure.to_string())?;
-            Ok(self.bound.readings.iter().map(|reading| reading.value(&readings, &query.free)).collect())
-        };
-        Ok(queries.iter().zip(outcomes).map(predicted).collect())
+        Ok(queries
+            .iter()
+            .zip(outcomes)
+            .map(|(query, outcome)| {
+                let readings = outcome.map_err(|failure| failure.to_string())?;
+                Ok(self.bound.readings.iter().map(|reading| reading.value(&readings, &query.free)).collect())
+            })
+            .collect())
     }
 
     /// The predictions of queries by other simulations, whose runs are in no journal.
@@ -131,19 +134,24 @@ pub struct Extended<'a, 'b, 'c> {
 
 impl Simulate for Extended<'_, '_, '_> {
     fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
-        let split = |query: &Query| {
-            let own = query.free.len() - self.slots.len();
-            let (free, further) = query.free.split_at(own);
-            (Query { free: free.to_vec(), ..query.clone() }, further.to_vec())
-        };
-        let (queries, further): (Vec<Query>, Vec<Vec<f64>>) = queries.iter().map(split).unzip();
+        let (queries, further): (Vec<Query>, Vec<Vec<f64>>) = queries
+            .iter()
+            .map(|query| {
+                let own = query.free.len() - self.slots.len();
+                let (free, further) = query.free.split_at(own);
+                (Query { free: free.to_vec(), ..query.clone() }, further.to_vec())
+            })
+            .unzip();
         let points =
             self.model.points(&queries).into_iter().zip(further).map(|(point, further)| [point, further].concat());
-        let change = |task: &mut Task| {
-            let is_further = |reference: u32| self.slots.iter().any(|slot| slot.handle.reference == reference);
-            task.fixed.retain(|(reference, _)| !is_further(*reference));
-            task.varied.extend(self.slots.iter().cloned());
-        };
-        self.model.apart(change, &queries, points.collect())
+        self.model.apart(
+            |task| {
+                let is_further = |reference: u32| self.slots.iter().any(|slot| slot.handle.reference == reference);
+                task.fixed.retain(|(reference, _)| !is_further(*reference));
+                task.varied.extend(self.slots.iter().cloned());
+            },
+            &queries,
+            points.collect(),
+        )
     }
 }

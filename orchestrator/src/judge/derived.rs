@@ -97,9 +97,7 @@ impl Judge {
 
     /// The numbers of the criteria that are the factors of a derived one.
     fn factors(&self, study: &Study, text: &CriterionText, number: usize) -> Result<Vec<usize>, String> {
-        let Some(derived) = &text.derived else {
-            return Ok(Vec::new());
-        };
+        let Some(derived) = &text.derived else { return Ok(Vec::new()) };
         let case = text.case.map(|case| format!("{}{SEPARATOR}", study.cases[case].name.as_ref())).unwrap_or_default();
         let find = |key: &Name| {
             let full = format!("{case}{}", key.as_ref());

@@ -37,17 +37,13 @@ pub(super) fn check(
     first: &Criterion,
     second: Option<&Criterion>,
 ) -> Result<(), String> {
-    let Some(DerivedText { from, by }) = &text.derived else {
-        return Ok(());
-    };
+    let Some(DerivedText { from, by }) = &text.derived else { return Ok(()) };
     let of = |criterion| amount_of(criterion, fmu);
     let second = match second {
         Some(criterion) => of(criterion),
         None => amount_of_setting(study, fmu, by.as_ref(), text),
     };
-    let [Some(product), Some(first), Some(second)] = [of(product), of(first), second] else {
-        return Ok(());
-    };
+    let [Some(product), Some(first), Some(second)] = [of(product), of(first), second] else { return Ok(()) };
     let amounts = [product, first, second];
     if let [Some(product), Some(a), Some(b)] = amounts.map(|amount| amount.exponents)
         && (0..7).any(|k| product[k] != a[k] + b[k])

@@ -256,9 +256,7 @@ impl Judge {
     /// Where the measurement is worse than what it shall tell, acceptance means little.
     fn warn_of_uncertainties(&mut self, study: &Study) {
         for (criterion, (name, text)) in self.criteria.iter().zip(&study.criteria) {
-            let Some(error) = criterion.measured().error else {
-                continue;
-            };
+            let Some(error) = criterion.measured().error else { continue };
             let Limits { minus, plus, .. } = criterion.limits;
             if !criterion.limits.is_one_sided() && error.expanded > minus.min(plus) {
                 let message = format!(

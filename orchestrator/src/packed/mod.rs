@@ -70,17 +70,22 @@ pub struct Carried {
 /// # Errors
 /// When one of them cannot be read.
 pub fn digests(package: &mut Package) -> Result<IndexMap<String, String>, Error> {
-    let matters = |entry: &String| {
-        let within = ["binaries/", "resources/"].iter().any(|folder| entry.starts_with(folder));
-        !entry.ends_with('/') && (within || entry == "modelDescription.xml")
-    };
-    let mut entries: Vec<String> = package.entries().into_iter().filter(matters).collect();
+    let mut entries: Vec<String> = package
+        .entries()
+        .into_iter()
+        .filter(|entry| {
+            let within = ["binaries/", "resources/"].iter().any(|folder| entry.starts_with(folder));
+            !entry.ends_with('/') && (within || entry == "modelDescription.xml")
+        })
+        .collect();
     entries.sort_unstable();
-    let digest = |entry: String| {
-        let bytes = package.bytes_of(&entry)?;
-        Ok((entry, digest(&bytes)))
-    };
-    entries.into_iter().map(digest).collect()
+    entries
+        .into_iter()
+        .map(|entry| {
+            let bytes = package.bytes_of(&entry)?;
+            Ok((entry, digest(&bytes)))
+        })
+        .collect()
 }
 
 /// What became of the files that a study was run with, in words.
@@ -226,9 +231,7 @@ pub fn settle<T>(
             format!("its study reads `{}`, which is none of the files that came with it", file.display()),
         ));
     }
-    let Some(_taken) = take(&study)? else {
-        return Ok(Some(aside));
-    };
+    let Some(_taken) = take(&study)? else { return Ok(Some(aside)) };
     if place.symlink_metadata().is_ok() {
         if !place.join(TIES).exists() {
             return Err(Error::content(place, "was there before any FMU put its study here; choose another --output"));

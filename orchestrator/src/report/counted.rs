@@ -36,9 +36,7 @@ fn share_columns(with_interval: bool) -> Vec<Column> {
 pub fn risks(summary: &Summary) -> Vec<Block> {
     let criteria = || summary.criteria.iter();
     let measurement = summary.measurement();
-    let Ok(measurement) = measurement else {
-        return Vec::new();
-    };
+    let Ok(measurement) = measurement else { return Vec::new() };
     if criteria().all(|(_, entry)| entry.risk.is_none()) {
         return Vec::new();
     }
@@ -112,9 +110,7 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
 
 /// Per cent, with their intervals: the consumer's risk, the producer's, and that of an accepted point.
 fn shares(risk: Option<&Risk>) -> [String; 3] {
-    let Some(risk) = risk else {
-        return [dash(), dash(), dash()];
-    };
+    let Some(risk) = risk else { return [dash(), dash(), dash()] };
     let intervals = risk.intervals.as_ref();
     let given = risk.not_conforming_given_accepted;
     let cell = |value: Option<f64>, interval: Option<[f64; 2]>| {

@@ -80,9 +80,7 @@ fn measured(path: &Path) -> csv::Result<IndexMap<String, Measured>> {
     for record in csv::Reader::from_path(path)?.records() {
         let record = record?;
         let number = |place: usize| record.get(place).and_then(|cell| cell.parse::<f64>().ok());
-        let (Some(name), Some(time), Some(value)) = (record.get(0), number(1), number(2)) else {
-            continue;
-        };
+        let (Some(name), Some(time), Some(value)) = (record.get(0), number(1), number(2)) else { continue };
         let curve = curves.entry(csv_file::text(name).into_owned()).or_default();
         curve.time.push(time);
         curve.values.push(value);

@@ -97,14 +97,15 @@ impl Judgement {
         if !self.measurement.complete() {
             return None;
         }
-        let of = |point: usize| {
-            let values: Vec<f64> = table.criteria.iter().map(|c| c.values[point]).collect();
-            if values.iter().any(|value| !value.is_finite()) {
-                return Some(0.0);
-            }
-            self.measurement.assess(&values).all.probability
-        };
-        (0..table.len()).map(of).collect()
+        (0..table.len())
+            .map(|point| {
+                let values: Vec<f64> = table.criteria.iter().map(|c| c.values[point]).collect();
+                if values.iter().any(|value| !value.is_finite()) {
+                    return Some(0.0);
+                }
+                self.measurement.assess(&values).all.probability
+            })
+            .collect()
     }
 }
 

@@ -32,18 +32,21 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
         ],
         rows: summary.validation.iter().map(row).collect(),
     });
-    let note = |(name, comparison): (&String, &Comparison)| {
-        let bound = if comparison.complete {
-            ""
-        } else {
-            "; since not all uncertainties are known, E ± k u_{val} is wider than stated"
-        };
-        format!(
-            " {name}: the {} uncertainty dominates; numerical uncertainty {}{bound}.",
-            comparison.dominant, comparison.u_num_note
-        )
-    };
-    let notes: String = summary.validation.iter().map(note).collect();
+    let notes: String = summary
+        .validation
+        .iter()
+        .map(|(name, comparison)| {
+            let bound = if comparison.complete {
+                ""
+            } else {
+                "; since not all uncertainties are known, E ± k u_{val} is wider than stated"
+            };
+            format!(
+                " {name}: the {} uncertainty dominates; numerical uncertainty {}{bound}.",
+                comparison.dominant, comparison.u_num_note
+            )
+        })
+        .collect();
     let missing = match summary.failed {
         0 => String::new(),
         failed => format!(

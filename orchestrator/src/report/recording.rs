@@ -196,9 +196,7 @@ fn search(result: &Synchronised) -> Option<Figure> {
     let name = "What the load does not explain of the torque, by the delay (dashed, with its interval)";
     let trace = Trace::new("line", &delays, &scatter);
     let marks = |frame: &Frame| {
-        let Some(interval) = &result.delay.delay else {
-            return String::new();
-        };
+        let Some(interval) = &result.delay.delay else { return String::new() };
         let at = |s: f64| frame.x.clamped(1e3 * s);
         let (low, high) = (at(interval.low), at(interval.high));
         let (top, bottom, delay) = (frame.y.to, frame.y.from, at(interval.value));
@@ -219,9 +217,7 @@ fn wander(finding: &DerivedCriterion) -> Option<Figure> {
     let time: Vec<f64> = (0..finding.blocks.len()).map(|k| start + (k as f64 + 0.5) * block).collect();
     let trace = Trace::new("blocks", &time, &finding.blocks);
     let line = |frame: &Frame| {
-        let Some(s) = &finding.stationarity else {
-            return String::new();
-        };
+        let Some(s) = &finding.stationarity else { return String::new() };
         let (centre, half) = (mean(&finding.blocks), s.change.value / 2.0);
         let ends = [time.first(), time.last()].map(|t| frame.x.at(t.copied().unwrap_or(0.0)));
         let [from, to] = [-half, half].map(|step| frame.y.clamped(centre + step));

@@ -106,11 +106,10 @@ impl WhatIf {
                 })
             }
         };
-        let numbers = |entry: &crate::results::summary::Correlated| {
+        let correlations = summary.uncertainty_correlations.iter().map(|entry| {
             let [a, b] = entry.between.each_ref().map(|name| summary.criteria.get_index_of(name));
             Some((a?, b?, entry.coefficient))
-        };
-        let correlations = summary.uncertainty_correlations.iter().map(numbers);
+        });
         let parameters = summary.parameters.iter();
         Some(Self {
             samples: summary.provenance.replicates.unwrap_or(1).max(1),

@@ -22,9 +22,7 @@ pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Ve
         .into_iter()
         .chain((1..plan.cases.len()).map(|case| history::file(Some(case))))
         .for_each(|file| drop(fs::remove_file(folder.join(file))));
-    let Some(best) = &summary.best_point else {
-        return Vec::new();
-    };
+    let Some(best) = &summary.best_point else { return Vec::new() };
     let Some(values) = reruns.values(best.point) else {
         return vec![format!("the study has no point {} any more", best.point)];
     };

@@ -152,20 +152,21 @@ fn numerical(reruns: &Reruns<'_>) -> Vec<Numerical> {
             let answer = reruns.answer(&finer, values.clone()).ok()?;
             session.outcome(answer).ok()
         };
-        let Some(coarse) = run(Refined::Step, 0) else {
-            continue;
-        };
+        let Some(coarse) = run(Refined::Step, 0) else { continue };
         let runs = |by: Refined| Some([run(by, 1)?, run(by, 2)?]);
         let steps = runs(Refined::Step);
         // Without a tolerance the FMU chooses its own, which nobody knows.
         let tolerances = tolerance.then(|| runs(Refined::Tolerance)).flatten();
         let parts = [(Refined::Step, steps), (Refined::Tolerance, tolerances)];
         for (k, known) in largest.iter_mut().enumerate() {
-            let part = |(by, finer): &(Refined, Option<[Vec<f64>; 2]>)| {
-                let [middle, fine] = finer.as_ref()?;
-                Some(refined([coarse[k], middle[k], fine[k]], *by))
-            };
-            let Some(here) = parts.iter().filter_map(part).reduce(Numerical::and) else {
+            let Some(here) = parts
+                .iter()
+                .filter_map(|(by, finer)| {
+                    let [middle, fine] = finer.as_ref()?;
+                    Some(refined([coarse[k], middle[k], fine[k]], *by))
+                })
+                .reduce(Numerical::and)
+            else {
                 continue;
             };
             // One that is known beats one that is not, and of those the larger one counts.

@@ -112,9 +112,7 @@ fn again(reruns: &Reruns<'_>, points: &[u64]) -> Vec<(u64, Result<Again, Halt>)>
         recordings.resize_with(count, || None);
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
-            let Some(&point) = points.get(number / count) else {
-                return;
-            };
+            let Some(&point) = points.get(number / count) else { return };
             let case = number % count;
             let run = one(reruns, point, case, &mut recordings[case]);
             let mut runs = runs.lock().expect("no thread fails while it holds the list");

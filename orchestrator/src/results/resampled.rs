@@ -51,15 +51,13 @@ pub(super) fn not_stated(criterion: &Criterion, risk: Option<&Risk>, resampled: 
 pub(super) fn presumed(summary: &Summary) -> Vec<String> {
     let mut curves: Vec<(f64, Vec<&str>)> = Vec::new();
     for (name, entry) in &summary.criteria {
-        let (Some(_), Some(correlation)) = (&entry.risk, entry.criterion.row_correlation) else {
-            continue;
-        };
+        let (Some(_), Some(correlation)) = (&entry.risk, entry.criterion.row_correlation) else { continue };
         match curves.iter_mut().find(|(other, _)| *other == correlation) {
             Some((_, names)) => names.push(name),
             None => curves.push((correlation, vec![name])),
         }
     }
-    let sentence = |(correlation, names): (f64, Vec<&str>)| {
+    curves.into_iter().map(|(correlation, names)| {
         let errors = match correlation {
             1.0 => {
                 "share one error, such as an offset of the sensor; the noise of the rows is in the recording and not drawn again"
@@ -69,6 +67,5 @@ pub(super) fn presumed(summary: &Summary) -> Vec<String> {
             other => format!("have errors with a correlation of {other}"),
         };
         format!("The risk presumes that all measured rows of {} {errors}.", names.join(", "))
-    };
-    curves.into_iter().map(sentence).collect()
+    }).collect()
 }

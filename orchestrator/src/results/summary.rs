@@ -175,12 +175,14 @@ impl Summary {
     pub fn measurement(&self) -> Result<Measurement, String> {
         let number =
             |name: &String| self.criteria.get_index_of(name).ok_or_else(|| format!("there is no criterion `{name}`"));
-        let pair = |entry: &Correlated| {
-            let [a, b] = &entry.between;
-            Ok::<_, String>((number(a)?, number(b)?, entry.coefficient))
-        };
-        let pairs: Vec<(usize, usize, f64)> =
-            self.uncertainty_correlations.iter().map(pair).collect::<Result<_, _>>()?;
+        let pairs: Vec<(usize, usize, f64)> = self
+            .uncertainty_correlations
+            .iter()
+            .map(|entry| {
+                let [a, b] = &entry.between;
+                Ok::<_, String>((number(a)?, number(b)?, entry.coefficient))
+            })
+            .collect::<Result<_, _>>()?;
         let criteria = self.criteria.values().map(|count| count.criterion.measured()).collect();
         Measurement::new(criteria, &pairs)
     }

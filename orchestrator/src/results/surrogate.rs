@@ -4,7 +4,6 @@ use super::by_surrogate::{BySurrogate, Fit};
 use super::summary::{Count, Summary};
 use crate::judge::Judge;
 use conformity::conclusion::by_share;
-use conformity::measured::Measured;
 use conformity::risk::RiskTally;
 use conformity::validation::{Comparison, Numerical, Spread};
 use result_document::format::number;
@@ -17,12 +16,17 @@ pub fn way(summary: &Summary) -> String {
 
 /// What the criteria ask of the outputs: their limits, drawn in by a guard band.
 pub fn limits(judge: &Judge, guard: f64) -> Vec<Limit> {
-    let one = |(output, measured): (usize, &Measured)| {
-        let band = measured.error.as_ref().map_or(0.0, |error| guard * error.expanded);
-        let [low, high] = measured.limits.ends();
-        Limit { output, range: [low + band, high - band] }
-    };
-    judge.measurement.criteria().iter().enumerate().map(one).collect()
+    judge
+        .measurement
+        .criteria()
+        .iter()
+        .enumerate()
+        .map(|(output, measured)| {
+            let band = measured.error.as_ref().map_or(0.0, |error| guard * error.expanded);
+            let [low, high] = measured.limits.ends();
+            Limit { output, range: [low + band, high - band] }
+        })
+        .collect()
 }
 
 /// What few runs tell of a study.

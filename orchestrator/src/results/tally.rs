@@ -344,9 +344,7 @@ impl<'a> Tally<'a> {
 
 /// The conclusion from points whose share nothing tells the error of.
 fn untold(conclusion: &mut Conclusion, points: u64) {
-    let Some(required) = &mut conclusion.required else {
-        return;
-    };
+    let Some(required) = &mut conclusion.required else { return };
     *required = Requirement {
         method: "none: the points depend on each other, and nothing tells how much".to_owned(),
         ..Requirement::open(required.rule, required.looks)

@@ -65,9 +65,7 @@ impl Validity {
     /// # Errors
     /// When the journal cannot be read.
     pub fn of_journal(fmu: &Description, folder: &Path) -> Result<Option<String>, Error> {
-        let Some(mut validity) = Self::of(fmu) else {
-            return Ok(None);
-        };
+        let Some(mut validity) = Self::of(fmu) else { return Ok(None) };
         let finished = Finished::read(folder)?;
         let mut outcomes = finished.outcomes()?;
         for index in finished.points() {

@@ -60,12 +60,11 @@ impl Verification {
         };
         let mut files = FileSet::new(folder, &session.plan.inputs, &session.judge)?;
         for index in 0..self.source.len() {
-            let incomplete = || Error::Incomplete {
+            let (outcome, notices) = outcomes.get_noted(index)?.ok_or_else(|| Error::Incomplete {
                 path: folder.to_owned(),
                 missing: self.source.len() - finished.count,
                 points: self.source.len(),
-            };
-            let (outcome, notices) = outcomes.get_noted(index)?.ok_or_else(incomplete)?;
+            })?;
             let (label, parameters) = (self.source.label(index), self.source.parameters(index));
             let verdict = tally.add(label, &parameters, &outcome, notices.as_ref());
             let notices = notices.unwrap_or_default();

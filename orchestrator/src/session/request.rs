@@ -81,9 +81,7 @@ impl Request {
             if !is_same(then.own_study(), self.own_study()) {
                 return Err(of("another study file", then.own_study()));
             }
-            let (Some(study), Some(fmu)) = (study, &then.fmu) else {
-                continue;
-            };
+            let (Some(study), Some(fmu)) = (study, &then.fmu) else { continue };
             let now = self.fmu.clone().unwrap_or_else(|| study.fmu_path());
             if !is_same(fmu, &now) && (self.fmu.is_some() || then.has_another_fmu()) {
                 return Err(of("another FMU", fmu));

@@ -388,9 +388,7 @@ impl<'a> Walk<'a> {
         const FROM_PRIOR: f64 = 0.1;
         const MOST_ROUNDS: usize = 5;
         let points: Vec<&[f64]> = self.particles.iter().map(|particle| &particle.places[..]).collect();
-        let Some(mixture) = Mixture::covering(&points, &mut self.random) else {
-            return Ok(Vec::new());
-        };
+        let Some(mixture) = Mixture::covering(&points, &mut self.random) else { return Ok(Vec::new()) };
         let count = self.particles.len();
         let of_prior = (FROM_PRIOR * count as f64) as usize;
         let part = of_prior as f64 / count as f64;
@@ -400,15 +398,16 @@ impl<'a> Walk<'a> {
                 break;
             }
             let shift = self.random.unit();
-            let draw = |index: usize| {
-                if index < of_prior {
-                    self.target.draw(&mut self.random)
-                } else {
-                    let level = ((index - of_prior) as f64 + shift) / (count - of_prior) as f64;
-                    mixture.draw(level, moves::WIDER, &mut self.random)
-                }
-            };
-            let places = (0..count).map(draw).collect();
+            let places = (0..count)
+                .map(|index| {
+                    if index < of_prior {
+                        self.target.draw(&mut self.random)
+                    } else {
+                        let level = ((index - of_prior) as f64 + shift) / (count - of_prior) as f64;
+                        mixture.draw(level, moves::WIDER, &mut self.random)
+                    }
+                })
+                .collect();
             let drawn = self.weighed(places)?;
             weights.extend(drawn.iter().map(|particle| {
                 let shaped = mixture.log_density(&particle.places, moves::WIDER);

@@ -8,7 +8,7 @@ use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 use super::super::failures;
 use super::super::objective::Objective;
 use super::super::optima::Optimum;
-use super::super::problem::{Free, Problem, Spacing};
+use super::super::problem::{Problem, Spacing};
 use super::super::shared::SharedOutcome;
 use super::region::{quantile, regions};
 use super::target::Target;
@@ -459,19 +459,22 @@ impl<'a> Near<'a> {
 
     fn shares(&self, groups: &Groups<'_>) -> Vec<Share> {
         let one_or_none = |is: bool| f64::from(u8::from(is));
-        let share = |(index, optimum): (usize, &Optimum)| {
-            let nearest = |particle: &Particle| one_or_none(self.nearest(particle) == Some(index));
-            let within = |particle: &Particle| one_or_none(Self::distance(optimum, particle) <= self.limit);
-            let Estimate { mean, error } = groups.estimate(&nearest);
-            Share {
-                optimum: index + 1,
-                share: mean,
-                error,
-                within: groups.estimate(&within).mean,
-                approximation: optimum.weight,
-            }
-        };
-        self.optima.iter().enumerate().map(share).collect()
+        self.optima
+            .iter()
+            .enumerate()
+            .map(|(index, optimum)| {
+                let nearest = |particle: &Particle| one_or_none(self.nearest(particle) == Some(index));
+                let within = |particle: &Particle| one_or_none(Self::distance(optimum, particle) <= self.limit);
+                let Estimate { mean, error } = groups.estimate(&nearest);
+                Share {
+                    optimum: index + 1,
+                    share: mean,
+                    error,
+                    within: groups.estimate(&within).mean,
+                    approximation: optimum.weight,
+                }
+            })
+            .collect()
     }
 
     fn approximated(&self, groups: &Groups<'_>) -> f64 {
@@ -527,26 +530,31 @@ fn populations(problem: &Problem, sample: &Sample) -> Vec<PopulationOutcome> {
 }
 
 fn free(problem: &Problem, sample: &Sample) -> Vec<Marginal> {
-    let marginal = |(unknown, free): (usize, &Free)| {
-        let named = (&free.name[..], &free.unit, free.scale);
-        marginal(sample, unknown, [0.0, 1.0], named, &|place| free.value(place))
-    };
-    problem.free.iter().enumerate().map(marginal).collect()
+    problem
+        .free
+        .iter()
+        .enumerate()
+        .map(|(unknown, free)| {
+            let named = (&free.name[..], &free.unit, free.scale);
+            marginal(sample, unknown, [0.0, 1.0], named, &|place| free.value(place))
+        })
+        .collect()
 }
 
 fn latents(problem: &Problem, sample: &Sample) -> Vec<Vec<Marginal>> {
-    let of_case = |case: usize| {
-        let pairs = problem.latents.iter().zip(&problem.cases[case].latents);
-        problem
-            .latents_of(case)
-            .zip(pairs)
-            .map(|(unknown, (latent, interval))| {
-                let named = (&latent.name[..], &latent.unit, Spacing::Linear);
-                marginal(sample, unknown, [0.0, 1.0], named, &|place| interval.value(place))
-            })
-            .collect()
-    };
-    (0..problem.cases.len()).map(of_case).collect()
+    (0..problem.cases.len())
+        .map(|case| {
+            let pairs = problem.latents.iter().zip(&problem.cases[case].latents);
+            problem
+                .latents_of(case)
+                .zip(pairs)
+                .map(|(unknown, (latent, interval))| {
+                    let named = (&latent.name[..], &latent.unit, Spacing::Linear);
+                    marginal(sample, unknown, [0.0, 1.0], named, &|place| interval.value(place))
+                })
+                .collect()
+        })
+        .collect()
 }
 
 /// The shared errors: each particle has a normal distribution of theirs.

@@ -48,23 +48,28 @@ pub fn marginals(outcome: &PosteriorOutcome) -> Vec<Vec<String>> {
         };
         [named("mean of all cases", &population.mean), named("spread from case to case", &population.spread)]
     });
-    let row = |marginal: Marginal| {
-        let parts: Vec<String> =
-            marginal.intervals.iter().take(NAMED).map(|ends| ends.map(digits).join(" .. ")).collect();
-        let more = match marginal.intervals.len().saturating_sub(NAMED) {
-            0 => String::new(),
-            more => format!(" or {more} more"),
-        };
-        let intervals = format!("{} {}{more}", parts.join(" or "), shown(&marginal.unit));
-        vec![
-            marginal.name,
-            digits(marginal.mean),
-            rounded(marginal.deviation, 3),
-            digits(marginal.median),
-            intervals.trim_end().to_owned(),
-        ]
-    };
-    outcome.free.iter().cloned().chain(populations).map(row).collect()
+    outcome
+        .free
+        .iter()
+        .cloned()
+        .chain(populations)
+        .map(|marginal| {
+            let parts: Vec<String> =
+                marginal.intervals.iter().take(NAMED).map(|ends| ends.map(digits).join(" .. ")).collect();
+            let more = match marginal.intervals.len().saturating_sub(NAMED) {
+                0 => String::new(),
+                more => format!(" or {more} more"),
+            };
+            let intervals = format!("{} {}{more}", parts.join(" or "), shown(&marginal.unit));
+            vec![
+                marginal.name,
+                digits(marginal.mean),
+                rounded(marginal.deviation, 3),
+                digits(marginal.median),
+                intervals.trim_end().to_owned(),
+            ]
+        })
+        .collect()
 }
 
 impl Evidence {

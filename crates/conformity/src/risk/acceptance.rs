@@ -52,11 +52,10 @@ impl Acceptance {
     /// The least step that keeps the probability of accepted points not to conform at or below a limit, over these points.
     #[cfg(test)]
     pub fn least_step(&self, limit: f64) -> Option<usize> {
-        let holds = |from: &usize| {
+        (0..self.within.len()).find(|from| {
             let accepted = Moments::total(&self.split(*from)[0]);
             accepted.count > 0 && accepted.mean() <= limit
-        };
-        (0..self.within.len()).find(holds)
+        })
     }
 
     /// The accepted and the rejected points of each sample, with the guard band of a step.

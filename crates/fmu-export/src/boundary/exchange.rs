@@ -57,9 +57,7 @@ impl<M: Model> Instance<M> {
     /// host comes again: their clocks are active in that round, which ends it. It is also told that states have changed, as some
     /// hosts start their solver anew only then, and rates may have jumped.
     pub fn handle_events(&mut self) -> Outcome<(bool, Option<f64>)> {
-        let Some(events) = events::<M>() else {
-            return Ok((false, None));
-        };
+        let Some(events) = events::<M>() else { return Ok((false, None)) };
         self.refresh()?;
         let before = self.run.model.clone();
         let (time, rounds) = self.run.at_once;
@@ -86,9 +84,7 @@ impl<M: Model> Instance<M> {
 
     /// Takes note of a completed step, and tells whether it asks for the event mode.
     pub fn complete_step(&mut self) -> Outcome<bool> {
-        let Some(complete) = self.exchange()?.complete else {
-            return Ok(false);
-        };
+        let Some(complete) = self.exchange()?.complete else { return Ok(false) };
         self.refresh()?;
         Ok(complete(&mut self.run.model, &mut self.logger))
     }
@@ -162,9 +158,7 @@ impl<M: Model> Instance<M> {
 
     /// A state or a derivative as a variable.
     pub fn state_or_rate(&self, reference: ValueReference) -> Outcome<Option<Real>> {
-        let Ok(exchange) = self.exchange() else {
-            return Ok(None);
-        };
+        let Ok(exchange) = self.exchange() else { return Ok(None) };
         let states = (exchange.states)();
         let place = |first| usize::try_from(reference.checked_sub(first)?).ok();
         if let Some(state) = place(STATE).and_then(|place| states.get(place)) {

@@ -58,9 +58,7 @@ impl<M: Model> Handle<M> {
     /// back only once, while no other thread uses it.
     pub unsafe fn end(component: Component, version: Version) {
         // SAFETY: the caller promises what `find` asks for: NULL or eight readable bytes, and no freed handle of ours.
-        let Some(handle) = (unsafe { Self::find(component, version) }) else {
-            return;
-        };
+        let Some(handle) = (unsafe { Self::find(component, version) }) else { return };
         if handle.busy.swap(true, Ordering::Acquire) {
             return;
         }
@@ -171,9 +169,7 @@ pub unsafe fn enter<M: Model>(
     body: impl FnOnce(&mut Instance<M>) -> Outcome,
 ) -> Status {
     // SAFETY: the caller promises what `find` asks for: NULL or eight readable bytes, and no freed handle of ours.
-    let Some(handle) = (unsafe { Handle::<M>::find(component, function.version) }) else {
-        return Status::Error;
-    };
+    let Some(handle) = (unsafe { Handle::<M>::find(component, function.version) }) else { return Status::Error };
     if handle.busy.swap(true, Ordering::Acquire) {
         // A call from a second thread, or from within the logger.
         return Status::Error;

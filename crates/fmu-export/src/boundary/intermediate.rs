@@ -177,9 +177,7 @@ impl<M: Model> Instance<M> {
 
     #[cold]
     fn check_announced(&self, references: &[ValueReference], set: bool) -> Outcome<()> {
-        let Some(watch) = &self.watch else {
-            return Err(Refusal::Phase(self.run.phase));
-        };
+        let Some(watch) = &self.watch else { return Err(Refusal::Phase(self.run.phase)) };
         let more = matches!(&watch.underway, Some(underway) if underway.left > 0.0);
         for reference in references {
             let variable = variable::<M>(*reference)?;

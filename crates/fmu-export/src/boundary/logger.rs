@@ -66,9 +66,7 @@ impl Logger {
 
     /// Sends a message with a status. In FMI 2.0 it is an argument of the format `%s`, so that a `%` in it does no harm.
     pub fn send(&self, status: Status, category: &str, message: &str) {
-        let Some(callback) = &self.callback else {
-            return;
-        };
+        let Some(callback) = &self.callback else { return };
         let (category, message) = (c_string(category), c_string(message));
         let (environment, category, message) = (self.environment, category.as_ptr(), message.as_ptr());
         // SAFETY of both: the host vouches for its callback when it instantiates; all strings end with NUL and live

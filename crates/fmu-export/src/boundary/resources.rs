@@ -25,9 +25,7 @@ fn scheme(uri: &str) -> Option<&str> {
 
 /// The path after the host's name, which must be this machine's.
 fn local_path(rest: &str) -> Option<&str> {
-    let Some(authority) = rest.strip_prefix("//") else {
-        return Some(rest);
-    };
+    let Some(authority) = rest.strip_prefix("//") else { return Some(rest) };
     let start = authority.find('/')?;
     let (host, path) = authority.split_at(start);
     (host.is_empty() || host.eq_ignore_ascii_case("localhost")).then_some(path)

@@ -215,9 +215,7 @@ impl<M: Model> Instance<M> {
     pub fn set_real(&mut self, references: &[ValueReference], values: &[Real]) -> Outcome {
         let version = self.version;
         self.set(references, values, |variable, value, model| {
-            let Kind::Real(real) = &variable.kind else {
-                return Err(wrong_type(version, variable, version.real()));
-            };
+            let Kind::Real(real) = &variable.kind else { return Err(wrong_type(version, variable, version.real())) };
             if !value.is_finite() || !inside(value, real.min, real.max) {
                 return Err(outside(variable, value, real.min, real.max));
             }

@@ -53,9 +53,7 @@ impl<M: Model> Events<M> {
 
     /// [`until`](Self::until), with a check of what it returns: seconds, not a time.
     pub(crate) fn stop(&self, model: &mut M, time: f64, step: f64, log: &mut dyn Log) -> Result<Option<f64>, Fault> {
-        let Some(part) = (self.until)(model, time, step, log)? else {
-            return Ok(None);
-        };
+        let Some(part) = (self.until)(model, time, step, log)? else { return Ok(None) };
         let rounding = 1e-9 * step + 4.0 * f64::EPSILON * time.abs();
         if (-rounding..=step + rounding).contains(&part) {
             return Ok(Some(part.clamp(0.0, step)));

@@ -90,9 +90,7 @@ fn check_names<M: Model>(faults: &mut Vec<String>) {
 }
 
 fn check_states<M: Model>(faults: &mut Vec<String>) {
-    let Some(exchange) = &M::EXCHANGE else {
-        return;
-    };
+    let Some(exchange) = &M::EXCHANGE else { return };
     for state in (exchange.states)() {
         let name = state.name;
         if M::variables().iter().any(|variable| variable.name == name) {
@@ -117,9 +115,7 @@ fn check_events<M: Model>(faults: &mut Vec<String>) {
         if is_clock(variable) && (M::EVENTS.is_none() || variable.role != Role::Output) {
             faults.push(format!("{name}: a clock must be an output, and the model have events"));
         }
-        let Some(clock) = variable.clock else {
-            continue;
-        };
+        let Some(clock) = variable.clock else { continue };
         let computed = matches!(variable.role, Role::Output | Role::Local);
         if !computed || !known(clock).is_some_and(is_clock) {
             faults.push(format!("{name}: the model must compute what ticks with a clock, and {clock:?} must be one"));
@@ -146,15 +142,17 @@ fn check_arrays<M: Model>(faults: &mut Vec<String>) {
             Kind::Enumeration { of, .. } => (of.name, None, [None; 3]),
             _ => ("", None, [None; 3]),
         };
-        let fits = |(variable, number): (&Variable<M>, usize)| {
-            variable.name == format!("{array}[{number}]")
-                && (number == 1 || variable.elements == 1)
-                && (variable.role, variable.clock) == (head.role, head.clock)
-                && variable.type_name() == head.type_name()
-                && shared(variable) == shared(head)
-                && !matches!(variable.kind, Kind::Clock { .. })
-        };
-        if head.elements != 1 && (elements.len() < 2 || !elements.iter().zip(1..).all(fits)) {
+        if head.elements != 1
+            && (elements.len() < 2
+                || !elements.iter().zip(1..).all(|(variable, number)| {
+                    variable.name == format!("{array}[{number}]")
+                        && (number == 1 || variable.elements == 1)
+                        && (variable.role, variable.clock) == (head.role, head.clock)
+                        && variable.type_name() == head.type_name()
+                        && shared(variable) == shared(head)
+                        && !matches!(variable.kind, Kind::Clock { .. })
+                }))
+        {
             let (name, count) = (head.name, head.elements);
             faults.push(format!("{name}: the {count} elements of an array stand in the table as name[1], name[2], ..., with the same role, type, unit, range and clock, and are no clocks"));
         }

@@ -109,11 +109,10 @@ fn built(messages: &str, manifest: &Path) -> Option<PathBuf> {
             .filter(|_| ours)?
             .iter()
             .filter_map(|file| Some(PathBuf::from(file.as_str()?)));
-        let shared = |path: &PathBuf| {
+        paths.into_iter().find(|path| {
             let extension = path.extension().unwrap_or_default();
             ["so", "dll", "dylib"].iter().any(|known| extension == *known)
-        };
-        paths.into_iter().find(shared)
+        })
     })
 }
 

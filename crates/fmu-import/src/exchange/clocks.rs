@@ -194,9 +194,7 @@ impl Clocks {
         let mut all: Vec<Clock> = Vec::new();
         for variable in description.variables.values() {
             let (reference, handle) = (variable.value_reference, variable.handle());
-            let Kind::Clock(timing) = variable.kind else {
-                continue;
-            };
+            let Kind::Clock(timing) = variable.kind else { continue };
             // A clock may have several names.
             if all.iter().any(|clock| clock.handle == handle) {
                 continue;
@@ -266,9 +264,7 @@ impl Clocks {
 
     /// Asks for the first ticks, and reads what clocks compute, in initialisation mode; `set` are the inputs set before.
     pub(super) fn begin(&mut self, model: &mut dyn Simulation, start: f64, set: &[(u32, Value)]) -> Result<(), Call> {
-        let Some(functions) = self.functions else {
-            return Ok(());
-        };
+        let Some(functions) = self.functions else { return Ok(()) };
         for clock in self.all.iter_mut().filter(|clock| clock.is_input) {
             clock.begin(functions, model, start)?;
         }
@@ -292,9 +288,7 @@ impl Clocks {
 
     /// Lets the inputs tick that are due at a time, s, with the inputs that wait for them, and reads what ticks compute.
     pub(super) fn tick(&mut self, model: &mut dyn Simulation, time: f64) -> Result<(), Call> {
-        let Some(functions) = self.functions else {
-            return Ok(());
-        };
+        let Some(functions) = self.functions else { return Ok(()) };
         for clock in &mut self.all {
             clock.is_active = clock.is_due(time);
             if clock.is_active {
@@ -336,9 +330,7 @@ impl Clocks {
 
     /// Asks for the next ticks after a round of events at a time, s; whether that has one at the same time.
     pub(super) fn follow(&mut self, model: &mut dyn Simulation, time: f64) -> Result<bool, Call> {
-        let Some(functions) = self.functions else {
-            return Ok(false);
-        };
+        let Some(functions) = self.functions else { return Ok(false) };
         for clock in self.all.iter_mut().filter(|clock| clock.is_input) {
             clock.follow(functions, model, time)?;
         }

@@ -105,11 +105,10 @@ impl Jacobian {
     /// Whether the known dependencies explain what a change of all states does.
     fn explains(&mut self, f: &mut Rates<'_>, place: Place<'_>) -> Result<bool, Call> {
         // No two states in the same proportion, so that no two effects cancel by a model's symmetry.
-        let part = |state: usize| {
+        if !self.change(f, place, 0..place.states.len(), |state| {
             let size = 0.5 + 0.5 * (state as f64 * 0.618_033_988_749_894_9).fract();
             if state.is_multiple_of(2) { size } else { -size }
-        };
-        if !self.change(f, place, 0..place.states.len(), part)? {
+        })? {
             return Ok(false);
         }
         let mut expected = vec![(0.0, 0.0); place.rates.len()];

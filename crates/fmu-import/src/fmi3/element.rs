@@ -24,9 +24,7 @@ impl Element {
     pub(crate) fn all(description: &Description) -> Arc<[Self]> {
         let mut all: Vec<Self> = Vec::new();
         for variable in description.variables.values() {
-            let Some(place) = variable.place else {
-                continue;
-            };
+            let Some(place) = variable.place else { continue };
             let element = Self {
                 reference: variable.value_reference,
                 storage: place.storage,

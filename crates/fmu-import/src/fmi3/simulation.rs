@@ -109,9 +109,7 @@ impl Model {
         let elements = &self.elements;
         let plain = |number: &u32| elements.get(*number as usize).filter(|one| one.is_plain());
         let references = numbers.iter().map(|number| plain(number).map(|element| element.reference));
-        let Some(references) = references.collect::<Option<Vec<u32>>>() else {
-            return false;
-        };
+        let Some(references) = references.collect::<Option<Vec<u32>>>() else { return false };
         self.references = references;
         self.together = numbers.to_vec();
         true

@@ -112,11 +112,14 @@ impl Model {
         }
         let first = number as usize - element.index;
         let array = self.elements.get(first..first + element.of)?;
-        let start = |(index, other): (usize, &Element)| {
-            let is_known = other.reference == element.reference && other.index == index;
-            other.start.clone().filter(|_| is_known)
-        };
-        array.iter().enumerate().map(start).collect()
+        array
+            .iter()
+            .enumerate()
+            .map(|(index, other)| {
+                let is_known = other.reference == element.reference && other.index == index;
+                other.start.clone().filter(|_| is_known)
+            })
+            .collect()
     }
 
     /// The values of all elements of a variable, at least one.
@@ -214,11 +217,15 @@ impl Model {
 
     fn put_binary(&mut self, new: New<'_>) -> Result<(), Call> {
         let (element, set) = (new.element, self.functions.binary.set);
-        let fit = |value: &Value| match value {
-            Value::String(digits) => bytes_of(digits),
-            _ => None,
-        };
-        let all = self.merged(new, set.name, fit, |model| model.binaries(element))?;
+        let all = self.merged(
+            new,
+            set.name,
+            |value| match value {
+                Value::String(digits) => bytes_of(digits),
+                _ => None,
+            },
+            |model| model.binaries(element),
+        )?;
         let sizes: Vec<usize> = all.iter().map(Vec::len).collect();
         let places: Vec<*const u8> = all.iter().map(|bytes| bytes.as_ptr()).collect();
         let (reference, sizes, places) = (&raw const element.reference, sizes.as_ptr(), places.as_ptr());
@@ -228,12 +235,16 @@ impl Model {
 
     fn put_text(&mut self, new: New<'_>) -> Result<(), Call> {
         let (element, access) = (new.element, self.functions.string);
-        let fit = |value: &Value| match value {
-            Value::String(text) => Some(c_string(text)),
-            _ => None,
-        };
         let pointers: Vec<*const c_char> = self
-            .merged(new, access.set.name, fit, |model| model.texts(element))?
+            .merged(
+                new,
+                access.set.name,
+                |value| match value {
+                    Value::String(text) => Some(c_string(text)),
+                    _ => None,
+                },
+                |model| model.texts(element),
+            )?
             .iter()
             .map(|text| text.as_ptr())
             .collect();

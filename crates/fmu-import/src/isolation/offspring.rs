@@ -107,9 +107,7 @@ fn is_marked(pid: u32, mark: &str) -> bool {
 
 /// The children of a process, whichever of its threads started them; none where the system does not tell.
 fn children_of(parent: u32) -> Vec<u32> {
-    let Ok(processes) = fs::read_dir("/proc") else {
-        return Vec::new();
-    };
+    let Ok(processes) = fs::read_dir("/proc") else { return Vec::new() };
     let number = |name: &std::ffi::OsStr| name.to_str()?.parse::<u32>().ok();
     processes
         .flatten()

@@ -36,9 +36,7 @@ impl Snapshot {
         let mut all = BTreeMap::new();
         let mut open = vec![folder.to_owned()];
         while let Some(path) = open.pop() {
-            let Ok(entry) = fs::symlink_metadata(&path) else {
-                continue;
-            };
+            let Ok(entry) = fs::symlink_metadata(&path) else { continue };
             if entry.is_dir() {
                 let entries = fs::read_dir(&path).into_iter().flatten().flatten();
                 open.extend(entries.map(|entry| entry.path()));
@@ -100,8 +98,7 @@ impl Watch {
             return None;
         }
         let place = self.before.difference(&Snapshot::of(&self.folder));
-        let within = |place: PathBuf| place.strip_prefix(&self.folder).map(Path::to_owned).unwrap_or_default();
-        match (place.map(within), seen) {
+        match (place.map(|place| place.strip_prefix(&self.folder).map(Path::to_owned).unwrap_or_default()), seen) {
             (None, Seen::Changed) => Some(PathBuf::new()),
             (place, _) => place,
         }

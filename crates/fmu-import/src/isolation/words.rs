@@ -37,9 +37,7 @@ impl Words {
         let mut chunk = [0; KEPT];
         // At most what a pipe holds: a child that prints without an end must not keep us here.
         for _ in 0..16 {
-            let Ok(count @ 1..) = self.heard.read(&mut chunk) else {
-                return;
-            };
+            let Ok(count @ 1..) = self.heard.read(&mut chunk) else { return };
             if let Some(echo) = &mut self.echo {
                 // Nobody may be listening.
                 let _ = echo.write_all(harmless(&chunk[..count]).as_bytes());

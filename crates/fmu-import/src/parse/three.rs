@@ -60,9 +60,7 @@ impl Reader {
         sizes.extend(into.sizes.iter().map(|(of, size)| (*of, *size as usize)));
         let mut first = 0;
         for node in nodes().filter(Node::is_element) {
-            let Some(written) = self.written(node, first, &sizes, into) else {
-                continue;
-            };
+            let Some(written) = self.written(node, first, &sizes, into) else { continue };
             // `written` refuses more elements than have numbers.
             first += u32::try_from(written.count()).unwrap_or(u32::MAX);
             self.elements(&written, &types, into);
@@ -94,9 +92,7 @@ impl Reader {
             let fixed = self.number::<usize>(dimension, "start");
             let of = self.number::<u32>(dimension, "valueReference");
             let size = fixed.or_else(|| sizes.get(&of?).copied());
-            let Some(size) = size else {
-                return refuse("the size of its array is not known".to_owned());
-            };
+            let Some(size) = size else { return refuse("the size of its array is not known".to_owned()) };
             dimensions.push(size);
         }
         let count = dimensions.iter().try_fold(1_usize, |all, size| all.checked_mul(*size));
@@ -111,9 +107,7 @@ impl Reader {
     fn elements(&mut self, written: &Written<'_>, types: &Types<'_>, into: &mut Description) {
         let node = written.node;
         let name = text(node, "name").unwrap_or_default();
-        let Some(value_reference) = self.reference(node, &name) else {
-            return;
-        };
+        let Some(value_reference) = self.reference(node, &name) else { return };
         let declared = node.attribute("declaredType").and_then(|name| types.get(name)).copied();
         let mut starts = starts(node);
         let resized = into.sizes.iter().find(|(of, _)| *of == value_reference);
@@ -163,9 +157,7 @@ impl Reader {
             })
             .collect();
         for alias in std::iter::once(node).chain(children(node, "Alias")) {
-            let Some(name) = text(alias, "name") else {
-                continue;
-            };
+            let Some(name) = text(alias, "name") else { continue };
             for (index, element) in elements.iter().enumerate() {
                 let mut element = element.clone();
                 element.name = format!("{name}{}", written.indices(index));

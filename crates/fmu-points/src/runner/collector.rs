@@ -202,9 +202,7 @@ impl Comparison {
 
 /// The model's values at the measurement's times after the delay was found; none where the model does not reach so far.
 fn aligned(measured: &MeasuredCurve, times: &[f64], values: Vec<f64>) -> Option<Vec<f64>> {
-    let Delay::Within(range) = measured.delay else {
-        return None;
-    };
+    let Delay::Within(range) = measured.delay else { return None };
     let model = Curve::new(times.to_vec(), values).ok()?;
     let reference = Curve::new(measured.times.clone(), measured.values.clone()).ok()?;
     let shift = delay::find(&reference, &model, range).ok()?;

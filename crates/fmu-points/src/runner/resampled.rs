@@ -25,9 +25,7 @@ impl Draws {
         let rows = pair.reference.len();
         let known =
             self.resampling.errors.as_ref().filter(|errors| errors.shared.len() == rows && errors.own.len() == rows);
-        let Some(errors) = known else {
-            return Replicates::new();
-        };
+        let Some(errors) = known else { return Replicates::new() };
         if pair.model.iter().any(|value| !value.is_finite()) {
             return Replicates::new();
         }

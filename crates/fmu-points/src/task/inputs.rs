@@ -42,9 +42,7 @@ impl Series {
 
     /// The value at a time before the `after`th row, and not before the row ahead of that.
     fn between(&self, after: usize, time: f64) -> f64 {
-        let Some(before) = after.checked_sub(1) else {
-            return self.values[0];
-        };
+        let Some(before) = after.checked_sub(1) else { return self.values[0] };
         if self.hold || after == self.times.len() {
             return self.values[before];
         }

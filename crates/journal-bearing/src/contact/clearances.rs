@@ -199,9 +199,7 @@ impl ContactAt<'_> {
     /// A knot between tables.
     #[inline(never)]
     fn node(&self, i: usize) -> Node {
-        let Tables::Between { scale, tables, .. } = &self.0 else {
-            return Node::default();
-        };
+        let Tables::Between { scale, tables, .. } = &self.0 else { return Node::default() };
         let mut sum = Node::default();
         for (table, weight) in tables {
             let node = table.nodes[i].get_or_init(|| table.node(i));

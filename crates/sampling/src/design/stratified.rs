@@ -64,12 +64,8 @@ fn paired(start: DMatrix<f64>, slices: &DMatrix<f64>, factor: &DMatrix<f64>) -> 
     // The scores of few points may depend on each other linearly: these are mixed as they are.
     let mut best = (f64::INFINITY, ranked(&(&scores * factor.transpose())));
     for _ in 0..ROUNDS {
-        let Some(cholesky) = coefficients(&scores).cholesky() else {
-            break;
-        };
-        let Some(free) = cholesky.l().try_inverse() else {
-            break;
-        };
+        let Some(cholesky) = coefficients(&scores).cholesky() else { break };
+        let Some(free) = cholesky.l().try_inverse() else { break };
         let ranks = ranked(&(&scores * (factor * free).transpose()));
         scores = DMatrix::from_fn(scores.nrows(), scores.ncols(), |point, input| {
             slices[(ranks[input][point] as usize, input)]

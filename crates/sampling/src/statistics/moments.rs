@@ -76,9 +76,7 @@ pub fn ranks(values: &[f64]) -> Vec<f64> {
 
 /// The quantile of sorted values, linear between them (Hyndman & Fan 1996, type 7).
 pub fn quantile(sorted: &[f64], q: f64) -> f64 {
-    let Some(last) = sorted.len().checked_sub(1) else {
-        return f64::NAN;
-    };
+    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let place = q.clamp(0.0, 1.0) * last as f64;
     let (below, part) = (place.floor() as usize, place.fract());
     sorted[below] + part * (sorted[(below + 1).min(last)] - sorted[below])

@@ -51,9 +51,7 @@ impl Recording {
 
     /// Whether the values lie on a straight line, but for rounding.
     pub fn is_straight(&self) -> bool {
-        let Some(largest) = self.largest() else {
-            return false;
-        };
+        let Some(largest) = self.largest() else { return false };
         let span = self.span();
         let (first, last) = (self.values[0], self.values[self.values.len() - 1]);
         let mut pairs = self.times.iter().zip(&self.values);
@@ -94,11 +92,12 @@ impl Recording {
     fn weights(&self) -> Vec<f64> {
         let (times, span) = (&self.times, self.span());
         let last = times.len() - 1;
-        let weight = |k: usize| {
-            let held = 0.5 * (times[(k + 1).min(last)] - times[k.saturating_sub(1)]);
-            held * 0.5 * (1.0 - (TAU * times[k] / span).cos())
-        };
-        (0..=last).map(weight).collect()
+        (0..=last)
+            .map(|k| {
+                let held = 0.5 * (times[(k + 1).min(last)] - times[k.saturating_sub(1)]);
+                held * 0.5 * (1.0 - (TAU * times[k] / span).cos())
+            })
+            .collect()
     }
 
     fn even_step(&self) -> f64 {

@@ -62,21 +62,15 @@ impl Collect for Percentile {
         }
         levels.sort_unstable_by(f64::total_cmp);
         levels.dedup();
-        let (Some(&least), Some(&greatest)) = (levels.first(), levels.last()) else {
-            return f64::NAN;
-        };
+        let (Some(&least), Some(&greatest)) = (levels.first(), levels.last()) else { return f64::NAN };
         if (greatest - least).is_infinite() && least.is_finite() && greatest.is_finite() {
             let values = self.values.iter().map(|(elapsed, value)| (*elapsed, 0.25 * value)).collect();
             return 4.0 * Self { values, ..*self }.result(0.0);
         }
         let wanted = self.share * self.time_below(greatest, true);
         let place = levels.partition_point(|&level| self.time_below(level, true) < wanted);
-        let Some(before) = place.checked_sub(1) else {
-            return least;
-        };
-        let Some(&high) = levels.get(place) else {
-            return greatest;
-        };
+        let Some(before) = place.checked_sub(1) else { return least };
+        let Some(&high) = levels.get(place) else { return greatest };
         let low = levels[before];
         let [at_low, at_high] = [self.time_below(low, true), self.time_below(high, false)];
         if wanted >= at_high {

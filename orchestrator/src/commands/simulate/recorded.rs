@@ -65,30 +65,33 @@ pub(super) fn inputs(
     const TIME: &str = "time";
     let how = How { comments: true, gaps: false };
     let header = number_tables::open(path, how)?.names().to_vec();
-    let series = |column: &String| {
-        let wrong =
-            |message: String| Error::option("input", format!("{}: column `{column}`: {message}", path.display()));
-        let (name, unit) = split(column, fmu);
-        let variable = find(fmu, name).map_err(wrong)?;
-        let slot = slot_while_running(variable).map_err(wrong)?;
-        let scale = Scale::new(unit.as_deref(), fmu, variable).map_err(wrong)?;
-        let columns =
-            [number_tables::column(TIME, "the time"), number_tables::column(column, format!("the input {name}"))];
-        let table = Table::read(path, &columns)?;
-        let mut series = follow(&table, "time", slot, scale.conversion).map_err(wrong)?;
-        series.hold = is_discrete(variable, &series.slot);
-        series.ramp = !series.hold && is_integrated(variable, fmu);
-        series.each_row = takes_any_step(fmu);
-        if !ends_hold {
-            let words = ["--start ", "--stop ", "--extrapolate hold"];
-            covers(&series, schedule, words).map_err(wrong)?;
-        }
-        for concern in doubts(&series, schedule, &scale) {
-            fmu_points::tell::line!("note: {concern}");
-        }
-        Ok(series)
-    };
-    let inputs = header.iter().filter(|name| *name != TIME).map(series).collect::<Result<Vec<Series>, Error>>()?;
+    let inputs = header
+        .iter()
+        .filter(|name| *name != TIME)
+        .map(|column| {
+            let wrong =
+                |message: String| Error::option("input", format!("{}: column `{column}`: {message}", path.display()));
+            let (name, unit) = split(column, fmu);
+            let variable = find(fmu, name).map_err(wrong)?;
+            let slot = slot_while_running(variable).map_err(wrong)?;
+            let scale = Scale::new(unit.as_deref(), fmu, variable).map_err(wrong)?;
+            let columns =
+                [number_tables::column(TIME, "the time"), number_tables::column(column, format!("the input {name}"))];
+            let table = Table::read(path, &columns)?;
+            let mut series = follow(&table, "time", slot, scale.conversion).map_err(wrong)?;
+            series.hold = is_discrete(variable, &series.slot);
+            series.ramp = !series.hold && is_integrated(variable, fmu);
+            series.each_row = takes_any_step(fmu);
+            if !ends_hold {
+                let words = ["--start ", "--stop ", "--extrapolate hold"];
+                covers(&series, schedule, words).map_err(wrong)?;
+            }
+            for concern in doubts(&series, schedule, &scale) {
+                fmu_points::tell::line!("note: {concern}");
+            }
+            Ok(series)
+        })
+        .collect::<Result<Vec<Series>, Error>>()?;
     if inputs.is_empty() {
         return Err(Error::option(
             "input",

@@ -274,13 +274,12 @@ pub(super) fn headline(outcome: &IdentificationOutcome) -> Option<String> {
              most of it"
         };
     let equals = suspects[1..].iter().filter(|other| other.cost[1] - first.cost[1] < NEAR);
-    let short = |other: &Suspect| match other.fault {
+    let mut equals: Vec<String> = equals.map(|other| match other.fault {
         Fault::Range | Fault::Constant => other.name.clone(),
         Fault::Offset | Fault::Gain => format!("the sensor of {}", other.name),
         Fault::Delay => format!("the times of {}", other.name),
         Fault::Unit(_) => format!("the unit of {}", other.name),
-    };
-    let mut equals: Vec<String> = equals.map(short).collect();
+    }).collect();
     equals.dedup();
     let as_well = match equals[..] {
         [] => String::new(),

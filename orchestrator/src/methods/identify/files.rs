@@ -133,7 +133,7 @@ fn write_cases(
     optimum: usize,
 ) -> Result<(), Error> {
     let Some(path) = &settings.cases else {
-        return Ok(());
+        return Ok(())
     };
     let path = resolve(study, path.as_ref());
     let mut table = CsvFile::open(&path, Some(b'#'))?;

@@ -252,7 +252,7 @@ impl Asked {
     /// The evidence that this one's is weighed against.
     fn other(&self, settings: &Identification, bound: &Bound) -> Result<Option<Evidence>, Error> {
         let Some(path) = &self.against else {
-            return Ok(None);
+            return Ok(None)
         };
         if settings.posterior.is_none() {
             return Err(Error::option("against", "the evidence comes with --posterior N"));

@@ -34,7 +34,7 @@ const FILE: &str = "posterior.csv";
 /// Refuses numbers of particles that would say nothing.
 pub(super) fn check(study: &Study, settings: &Identification, bound: &Bound, by_option: bool) -> Result<(), Error> {
     let Some(particles) = &settings.posterior else {
-        return Ok(());
+        return Ok(())
     };
     let common = 2 * bound.problem.populations.len();
     let unknowns = (bound.problem.unknowns() + common) as u64;
@@ -72,7 +72,7 @@ pub(super) fn sampled(
     say: &dyn Fn(String),
 ) -> Result<Option<Sample>, SearchError> {
     let Some(particles) = &settings.posterior else {
-        return Ok(None);
+        return Ok(None)
     };
     let seeds = match settings.posterior_start {
         PosteriorStart::Optima => optima,
@@ -106,7 +106,7 @@ pub(super) fn write(
 ) -> Result<(), Error> {
     let path = folder.join(FILE);
     let Some(sample) = sample else {
-        return remove(&path);
+        return remove(&path)
     };
     // Groups of one size may need some more.
     let wanted = settings.posterior.as_ref().map_or(MOST, |particles| *particles.as_ref()) as usize;

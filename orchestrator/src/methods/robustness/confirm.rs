@@ -57,7 +57,7 @@ impl Confirmation<'_, '_> {
             (0..parameters.len()).filter(|&k| result.parameters.contains(&parameters[k].name)).collect();
         let varying = |x: &[f64]| -> Vec<f64> { places.iter().map(|&k| x[k]).collect() };
         let Some(region) = &mut result.region else {
-            return self.run(Vec::new());
+            return self.run(Vec::new())
         };
         let inside = self.inside(round, |x| region.contains(&varying(x)))?;
         let runs = self.run(inside)?;

@@ -88,7 +88,7 @@ fn evidence(level: f64, of: &Region) -> String {
         of.confirmed.verified
     );
     let Some(fresh) = of.fresh else {
-        return told;
+        return told
     };
     let [low, high] = fresh.interval.map(percent);
     format!(
@@ -144,11 +144,10 @@ const SHADES: usize = 9;
 
 /// The shades of a map, from the lowest value to the highest.
 fn shades() -> String {
-    let shade = |s| {
+    let shades: String = (0..SHADES).map(|s| {
         let x = 10 * s;
         format!("<rect class=\"shade s{s}\" x=\"{x}\" width=\"10.2\" height=\"10\"/>")
-    };
-    let shades: String = (0..SHADES).map(shade).collect();
+    }).collect();
     format!("<svg class=\"plot scale\" viewBox=\"0 0 90 10\" aria-hidden=\"true\">{shades}</svg>")
 }
 

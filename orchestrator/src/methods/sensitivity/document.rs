@@ -66,7 +66,7 @@ fn bars(output: &str, parameters: &[String], shown: &[Measure]) -> String {
     const CLASSES: [&str; 3] = ["in", "all", "all"];
     let measures: Vec<&Measure> = shown.iter().filter(|measure| measure.drawn).collect();
     let Some(first) = measures.first() else {
-        return String::new();
+        return String::new()
     };
     let mut order: Vec<usize> = (0..parameters.len()).collect();
     let finite = |v: f64| if v.is_finite() { v } else { 0.0 };

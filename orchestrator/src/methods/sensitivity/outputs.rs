@@ -91,7 +91,7 @@ fn unused(seed: u64) -> Told {
 pub fn from_runs(method: &dyn FromRuns, design: &[Vec<f64>], rows: &PointTable, settled: &Settled) -> Sensitivity {
     let parameters: Vec<String> = rows.parameters.iter().map(|p| p.name.clone()).collect();
     let mut warnings = failures::warnings(rows);
-    let output = |(name, values): (String, Vec<f64>)| {
+    let outputs = outputs(rows).into_iter().map(|(name, values)| {
         let mut told = unused(settled.seed);
         told.extend(method.tell(design, &values, settled));
         let above = first_above_total(&told, &parameters).into_iter().map(|parameter| {
@@ -103,8 +103,7 @@ pub fn from_runs(method: &dyn FromRuns, design: &[Vec<f64>], rows: &PointTable, 
         warnings.extend(above);
         let dominant = most_important(&method.shown(&told), &parameters);
         Output { missing: failures::missing(&values), name, told, dominant }
-    };
-    let outputs = outputs(rows).into_iter().map(output).collect();
+    }).collect();
     let tried = method.facts().tried_size;
     if settled.size < tried {
         warnings.push(format!(

@@ -76,7 +76,7 @@ fn wanted(result: &Tolerances) -> String {
 /// The result of the fresh runs; nothing where there are none.
 fn confirmed(result: &Tolerances) -> String {
     let (Some(stated), Some(confirmed)) = (result.stated, result.confirmed) else {
-        return String::new();
+        return String::new()
     };
     let [low, high] = confirmed.interval.map(percent);
     let [least, most] = stated.interval.map(percent);

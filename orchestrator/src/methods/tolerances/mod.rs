@@ -286,7 +286,7 @@ fn parameters(plan: &Plan, problem: &Problem, scales: &[f64], safe: &[f64]) -> V
     let scaled = |input: &Input, scale: f64| {
         ParameterSummary::new(&Input { distribution: input.distribution.scaled(scale), ..input.clone() })
     };
-    let parameter = |(k, &number): (usize, &usize)| {
+    with_tolerances.iter().enumerate().map(|(k, &number)| {
         let input = &plan.inputs[number];
         Parameter {
             name: input.name.clone(),
@@ -300,8 +300,7 @@ fn parameters(plan: &Plan, problem: &Problem, scales: &[f64], safe: &[f64]) -> V
             distribution: scaled(input, safe[k]).distribution.into_iter().collect(),
             limited: scales[k] >= 0.999 * problem.limit,
         }
-    };
-    with_tolerances.iter().enumerate().map(parameter).collect()
+    }).collect()
 }
 
 /// A distribution as words, with numbers of as many digits as people need.
@@ -352,11 +351,9 @@ impl Runs<'_, '_> {
     fn known(&self, table: &PointTable) -> (Vec<Vec<f64>>, Vec<Option<Vec<f64>>>) {
         const MOST: usize = 20_000;
         let count = table.len().min(MOST);
-        let point = |i: usize| self.varied.iter().map(|&k| table.parameters[k].values[i]).collect();
-        let outcome = |i: usize| {
+        ((0..count).map(|i| self.varied.iter().map(|&k| table.parameters[k].values[i]).collect()).collect(), (0..count).map(|i| {
             let values = table.criteria.iter().map(|criterion| criterion.values[i]);
             table.completed(i).then(|| values.collect())
-        };
-        ((0..count).map(point).collect(), (0..count).map(outcome).collect())
+        }).collect())
     }
 }

@@ -19,20 +19,22 @@ pub(super) fn rating(reference: &[f64], model: &[f64]) -> f64 {
 /// Slopes a sample: central differences, and one-sided ones at the ends.
 fn slopes(values: &[f64]) -> Vec<f64> {
     let last = values.len() - 1;
-    let slope = |k: usize| {
-        let (before, after) = (k.saturating_sub(1), (k + 1).min(last));
-        (values[after] - values[before]) / (after - before) as f64
-    };
-    (0..=last).map(slope).collect()
+    (0..=last)
+        .map(|k| {
+            let (before, after) = (k.saturating_sub(1), (k + 1).min(last));
+            (values[after] - values[before]) / (after - before) as f64
+        })
+        .collect()
 }
 
 /// Means over nine samples; at the ends over seven, five, three, one.
 fn smoothed(values: &[f64]) -> Vec<f64> {
     let last = values.len() - 1;
-    let mean = |k: usize| {
-        let side = SIDE.min(k).min(last - k);
-        let part = &values[k - side..=k + side];
-        part.iter().sum::<f64>() / part.len() as f64
-    };
-    (0..=last).map(mean).collect()
+    (0..=last)
+        .map(|k| {
+            let side = SIDE.min(k).min(last - k);
+            let part = &values[k - side..=k + side];
+            part.iter().sum::<f64>() / part.len() as f64
+        })
+        .collect()
 }

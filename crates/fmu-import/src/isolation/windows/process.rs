@@ -32,9 +32,7 @@ pub(super) fn open(pid: u32, access: u32) -> Option<OwnedHandle> {
 
 /// The memory that a process occupies, bytes; 0 where that is not known.
 pub fn resident(pid: u32) -> u64 {
-    let Some(process) = open(pid, PROCESS_QUERY_LIMITED_INFORMATION) else {
-        return 0;
-    };
+    let Some(process) = open(pid, PROCESS_QUERY_LIMITED_INFORMATION) else { return 0 };
     let mut counters = PROCESS_MEMORY_COUNTERS::default();
     let size = size_of_val(&counters) as u32;
     // SAFETY: a valid handle, and a struct of the size that is named.
