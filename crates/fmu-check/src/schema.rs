@@ -8,7 +8,7 @@ use crate::hit::Hit;
 use fmu_import::Version;
 use fmu_points::names::{did_you_mean, nearest};
 
-/// An element: its name, with its parent's where it has several; its attributes and its children. Those that must
+/// An element, or several that are alike: the name, with the parent's where it has several; its attributes and its children. Those that must
 /// be there are marked by `!`, unless the reader remarks on them itself; children of which there may be many by `*`, in any
 /// order by `~`, and those of which there must be at least one by `+`.
 type Element = (&'static str, &'static str, &'static str);
@@ -16,7 +16,7 @@ type Element = (&'static str, &'static str, &'static str);
 /// The children of an element in which anything may be.
 const ANYTHING: &str = "anything";
 
-const ELEMENTS: [Element; 32] = [
+const ELEMENTS: &[Element] = &[
     (
         "fmiModelDescription",
         "fmiVersion modelName! guid! description author version copyright license generationTool \
@@ -49,14 +49,12 @@ const ELEMENTS: [Element; 32] = [
     ("SimpleType", "name! description", "Real Integer Boolean String Enumeration"),
     ("SimpleType/Real", "quantity unit displayUnit relativeQuantity min max nominal unbounded", ""),
     ("SimpleType/Integer", "quantity min max", ""),
-    ("SimpleType/Boolean", "", ""),
-    ("SimpleType/String", "", ""),
+    ("SimpleType/Boolean SimpleType/String", "", ""),
     ("SimpleType/Enumeration", "quantity", "Item+"),
     ("Item", "name! value! description", ""),
     ("LogCategories", "", "Category+"),
     ("Category", "name! description", ""),
     ("DefaultExperiment", "startTime stopTime tolerance stepSize", ""),
-    ("VendorAnnotations", "", "Tool+"),
     ("ModelVariables", "", "ScalarVariable+"),
     (
         "ScalarVariable",
@@ -69,12 +67,12 @@ const ELEMENTS: [Element; 32] = [
         "",
     ),
     ("ScalarVariable/Integer", "declaredType quantity min max start", ""),
-    ("ScalarVariable/Boolean", "declaredType start", ""),
-    ("ScalarVariable/String", "declaredType start", ""),
+    ("ScalarVariable/Boolean ScalarVariable/String", "declaredType start", ""),
     ("ScalarVariable/Enumeration", "declaredType! quantity min max start", ""),
-    ("Annotations", "", "Tool+"),
+    ("VendorAnnotations Annotations", "", "Tool+"),
     ("Tool", "name!", ANYTHING),
     ("ModelStructure", "", "Outputs Derivatives InitialUnknowns"),
+    ("ModelStructure/Outputs ModelStructure/Derivatives ModelStructure/InitialUnknowns", "", "Unknown+"),
     ("Unknown", "index! dependencies dependenciesKind", ""),
 ];
 
@@ -136,16 +134,8 @@ const ELEMENTS_OF_THREE: &[Element] = &[
         "Float32Type~ Float64Type~ Int8Type~ UInt8Type~ Int16Type~ UInt16Type~ Int32Type~ UInt32Type~ Int64Type~ \
          UInt64Type~ BooleanType~ StringType~ BinaryType~ EnumerationType~ ClockType~",
     ),
-    ("Float32Type", FLOAT_TYPE, "Annotations"),
-    ("Float64Type", FLOAT_TYPE, "Annotations"),
-    ("Int8Type", INTEGER_TYPE, "Annotations"),
-    ("UInt8Type", INTEGER_TYPE, "Annotations"),
-    ("Int16Type", INTEGER_TYPE, "Annotations"),
-    ("UInt16Type", INTEGER_TYPE, "Annotations"),
-    ("Int32Type", INTEGER_TYPE, "Annotations"),
-    ("UInt32Type", INTEGER_TYPE, "Annotations"),
-    ("Int64Type", INTEGER_TYPE, "Annotations"),
-    ("UInt64Type", INTEGER_TYPE, "Annotations"),
+    ("Float32Type Float64Type", FLOAT_TYPE, "Annotations"),
+    ("Int8Type UInt8Type Int16Type UInt16Type Int32Type UInt32Type Int64Type UInt64Type", INTEGER_TYPE, "Annotations"),
     ("BooleanType", "name! description", "Annotations"),
     ("StringType", "name! description", "Annotations"),
     ("BinaryType", "name! description mimeType maxSize", "Annotations"),
@@ -166,17 +156,8 @@ const ELEMENTS_OF_THREE: &[Element] = &[
         "Float32~ Float64~ Int8~ UInt8~ Int16~ UInt16~ Int32~ UInt32~ Int64~ UInt64~ Boolean~ String~ Binary~ \
          Enumeration~ Clock~",
     ),
-    ("Float32", FLOAT, ARRAY),
-    ("Float64", FLOAT, ARRAY),
-    ("Int8", INTEGER, ARRAY),
-    ("UInt8", INTEGER, ARRAY),
-    ("Int16", INTEGER, ARRAY),
-    ("UInt16", INTEGER, ARRAY),
-    ("Int32", INTEGER, ARRAY),
-    ("UInt32", INTEGER, ARRAY),
-    ("Int64", INTEGER, ARRAY),
-    ("UInt64", INTEGER, ARRAY),
-    ("Enumeration", INTEGER, ARRAY),
+    ("Float32 Float64", FLOAT, ARRAY),
+    ("Int8 UInt8 Int16 UInt16 Int32 UInt32 Int64 UInt64 Enumeration", INTEGER, ARRAY),
     ("Boolean", variable!("start"), ARRAY),
     ("String", variable!(""), STARTED_ARRAY),
     ("Binary", variable!("mimeType maxSize"), STARTED_ARRAY),
@@ -191,28 +172,18 @@ const ELEMENTS_OF_THREE: &[Element] = &[
     ("Start", "value", ""),
     ("Alias", "name! description displayUnit", ""),
     ("ModelStructure", "", "Output* ContinuousStateDerivative* ClockedState* InitialUnknown* EventIndicator*"),
-    ("Output", UNKNOWN, "Annotations"),
-    ("ContinuousStateDerivative", UNKNOWN, "Annotations"),
-    ("ClockedState", UNKNOWN, "Annotations"),
-    ("InitialUnknown", UNKNOWN, "Annotations"),
-    ("EventIndicator", UNKNOWN, "Annotations"),
+    ("Output ContinuousStateDerivative ClockedState InitialUnknown EventIndicator", UNKNOWN, "Annotations"),
     ("Annotations", "", "Annotation+"),
     ("Annotation", "type!", ANYTHING),
 ];
 const UNKNOWN: &str = "valueReference dependencies dependenciesKind";
 
-/// The three lists of `ModelStructure`.
-const UNKNOWNS: Element = ("", "", "Unknown+");
-
 fn element(version: Version, parent: &str, name: &str) -> Option<Element> {
-    if version == Version::Two && parent == "ModelStructure" {
-        return Some(UNKNOWNS);
-    }
-    let all: &[Element] = match version {
-        Version::Two => &ELEMENTS,
+    let all = match version {
+        Version::Two => ELEMENTS,
         Version::Three => ELEMENTS_OF_THREE,
     };
-    let named = |wanted: &str| all.iter().copied().find(|(known, ..)| *known == wanted);
+    let named = |wanted: &str| all.iter().copied().find(|(names, ..)| names.split(' ').any(|name| name == wanted));
     named(&format!("{parent}/{name}")).or_else(|| named(name))
 }
 
