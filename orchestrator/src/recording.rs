@@ -560,8 +560,7 @@ impl Recorded<'_> {
             confidence: settings.confidence.unwrap_or(0.99),
         };
         let ends = recording.signals().filter_map(|signal| signal.time.last());
-        let window = settings.window.map(|[_, to]| to);
-        let end = ends.copied().chain(window).fold(f64::INFINITY, f64::min);
+        let end = ends.copied().chain(settings.window.map(|[_, to]| to)).fold(f64::INFINITY, f64::min);
         match start.filter(|start| start.is_nan() || *start >= end) {
             Some(start) => Err(settings.wrong(format!(
                 "line {}: start: {start} s is not before {} s, where a signal or the window ends; give an earlier time",

@@ -48,8 +48,7 @@ pub fn searched(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(&Progres
     let mut problem = task.problem.clone();
     if let Some(first) = problem.with_parts(None) {
         let (optima, _) = find(&first)?;
-        let predicted = &optima[0].minimum.misfit.predicted;
-        problem = problem.with_parts(Some(predicted)).unwrap_or(problem);
+        problem = problem.with_parts(Some(&optima[0].minimum.misfit.predicted)).unwrap_or(problem);
     }
     let (optima, progress) = find(&problem)?;
     Ok(Searched { problem, optima, progress })

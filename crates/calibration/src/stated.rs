@@ -54,8 +54,7 @@ impl Stated {
             let normal = -0.5 * (error / accuracy).powi(2) - accuracy.ln();
             value.law.ln_density(error) - normal + 0.5 * std::f64::consts::TAU.ln()
         });
-        let rectangles = self.rectangles.iter().map(|rectangle| rectangle.ln_ratio(sources));
-        values.chain(rectangles).sum()
+        values.chain(self.rectangles.iter().map(|rectangle| rectangle.ln_ratio(sources))).sum()
     }
 
     /// Mean and standard deviation of each channel's error, given those by normal errors.

@@ -35,13 +35,12 @@ const ROLES: &str = "document requirement specification model parameter system t
 /// The breaches in both files, as far as they are there.
 pub(crate) fn broken(package: &mut Package) -> Result<Vec<Breach>, FmuError> {
     let version = package.description().fmi_version.clone();
-    let same = move |root: Node<'_, '_>| {
+    let mut breaches = in_file(package, TERMINALS, "terminals-version", move |root| {
         let theirs = root.attribute("fmiVersion").unwrap_or_default();
         Vec::from_iter((theirs != version).then_some(format!(
             "fmiVersion is \"{theirs}\" here and \"{version}\" in modelDescription.xml: write the same"
         )))
-    };
-    let mut breaches = in_file(package, TERMINALS, "terminals-version", same)?;
+    })?;
     breaches.extend(in_file(package, MANIFEST, "references-manifest", manifest)?);
     Ok(breaches)
 }

@@ -97,10 +97,9 @@ pub(crate) fn values(columns: &[&Variable], run: &Run, described_well: bool) -> 
 /// Parameters that the binary starts with another value than the description says.
 fn other_starts(columns: &[&Variable], run: &Run) -> Option<Breach> {
     const ROUNDING: f64 = 1e-6;
-    let first = run.rows.first()?;
     let others: Vec<String> = columns
         .iter()
-        .zip(first)
+        .zip(run.rows.first()?)
         .filter(|(variable, _)| variable.causality == Causality::Parameter)
         .filter_map(|(variable, value)| {
             let (start, value) = (variable.kind.start()?, value.number());

@@ -122,8 +122,7 @@ fn make<M: Model>(package: &str, folder: &Path, arguments: &Arguments) -> Result
     }
     let mut binaries = arguments.added()?;
     for target in arguments.targets() {
-        let library = build::library(package, folder, &arguments.profile, target, form)?;
-        binaries.push(library);
+        binaries.push(build::library(package, folder, &arguments.profile, target, form)?);
     }
     let output = match &arguments.output {
         Some(output) => output.clone(),

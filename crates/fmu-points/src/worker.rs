@@ -88,8 +88,7 @@ impl Service {
             other => return self.record(&other),
         };
         for job in jobs {
-            let index = job.index;
-            let reply = self.run_alone(index, &one(vec![job]))?;
+            let reply = self.run_alone(job.index, &one(vec![job]))?;
             self.output.held.push(reply);
             self.output.send_in_time()?;
         }

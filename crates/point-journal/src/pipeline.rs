@@ -267,8 +267,7 @@ impl<'a> Pipeline<'a> {
         let mut outcomes = vec![None; points.len()];
         fmu_points::run(&mut workers, 0..points.len() as u64, &job, stop::flag(), |event| {
             if let Event::Answer(index, answer) = event {
-                let outcome = self.model.outcome(answer.map(|result| result.values));
-                outcomes[index as usize] = Some(outcome);
+                outcomes[index as usize] = Some(self.model.outcome(answer.map(|result| result.values)));
             }
             Ok::<_, Error>(ControlFlow::Continue(()))
         })?;

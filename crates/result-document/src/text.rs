@@ -59,8 +59,7 @@ fn table(table: &Table) -> String {
     const WIDEST: usize = 132;
     let heads: Vec<String> = table.columns.iter().map(|column| plain(&with_unit(&column.name, &column.unit))).collect();
     let lines: Vec<&Vec<String>> = std::iter::once(&heads).chain(&table.rows).collect();
-    let is_number = |k: usize| table.columns[k].is_number;
-    let drawn = aligned(&lines, is_number);
+    let drawn = aligned(&lines, |k| table.columns[k].is_number);
     let width = drawn.lines().map(|line| line.chars().count()).max();
     if width.unwrap_or(0) <= WIDEST || table.rows.len() >= heads.len() {
         return drawn;

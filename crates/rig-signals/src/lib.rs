@@ -138,8 +138,7 @@ fn aligned(recording: &RigRecording, bearing: &Bearing) -> Result<Synchronised, 
     };
     let turn = recording.turn().filter(|turn| *turn < (end - start) / 20.0);
     let delay = delay::find(pair, bearing.longest_delay, turn)?;
-    let name = &bearing.torque.name;
-    let late = Spline::new(name, &torque.times(), &torque.values, LONGEST_GAP)?;
+    let late = Spline::new(&bearing.torque.name, &torque.times(), &torque.values, LONGEST_GAP)?;
     let holes = [Holes::of(&load_time, &clean_load), Holes::of(&torque_time, &clean_torque)];
     let comb = Comb::new(&raw.0, recording.turn(), recording.speed_spread());
     // Load at random is in both channels and no noise; a disturbance is in both, too, and one.

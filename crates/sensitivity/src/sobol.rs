@@ -165,11 +165,10 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
             };
             let [terms, crosswise] = [terms, crosswise].map(Parts::of);
             let ratio = ratio::ratio(&terms, &variance, |_| true);
-            let error = |run: [f64; 3]| {
+            let least = apart(&runs, |run| {
                 let v = part_of_variance(run);
                 (1.0 - weight) * forms[0](v, run) + weight * forms[1](v, run) - ratio * v
-            };
-            let least = apart(&runs, error) / variance.mean();
+            }) / variance.mean();
             ratio::scattering(&terms, &crosswise, &variance, offset, least, carriers)
         };
         result.first.push(match estimator {

@@ -29,8 +29,7 @@ impl Study {
         for (name, section) in set {
             let key = name.as_ref().as_str();
             let Some(variable) = fmu.variables.get(key) else { continue };
-            let handle = variable.handle();
-            let Some((first, other)) = seen.insert(handle, (key, section)) else { continue };
+            let Some((first, other)) = seen.insert(variable.handle(), (key, section)) else { continue };
             let message = if first == key {
                 format!("{key} is under {other} and {section}; keep one")
             } else {

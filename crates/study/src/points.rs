@@ -91,24 +91,23 @@ pub fn pairs(
 
 /// The correlations of a study's parameters, the first ones among `count` values of a point.
 pub(super) fn correlation(study: &Study, count: usize) -> Result<Option<Correlation>, FileError> {
-    let place = |name: &Name| {
-        let parameter = study.parameters.get_full(name.as_ref().as_str());
-        let (index, _, parameter) = parameter.ok_or_else(|| {
-            let names = study.parameters.keys().map(|key| key.as_ref().as_str());
-            let suggestion = did_you_mean(nearest(name.as_ref(), names));
-            study.error_at(name, format!("no parameter `{}`{suggestion}", name.as_ref()))
-        })?;
-        let wrong = match parameter.distribution {
-            Shape::Fixed => "does not vary",
-            Shape::Sample => "comes from a sample, which has its correlations already; remove the pair",
-            _ => return Ok(index),
-        };
-        Err(study.error_at(name, format!("{} {wrong}", name.as_ref())))
-    };
     let pairs = pairs(
         study,
         &study.correlations,
-        place,
+        |name| {
+            let parameter = study.parameters.get_full(name.as_ref().as_str());
+            let (index, _, parameter) = parameter.ok_or_else(|| {
+                let names = study.parameters.keys().map(|key| key.as_ref().as_str());
+                let suggestion = did_you_mean(nearest(name.as_ref(), names));
+                study.error_at(name, format!("no parameter `{}`{suggestion}", name.as_ref()))
+            })?;
+            let wrong = match parameter.distribution {
+                Shape::Fixed => "does not vary",
+                Shape::Sample => "comes from a sample, which has its correlations already; remove the pair",
+                _ => return Ok(index),
+            };
+            Err(study.error_at(name, format!("{} {wrong}", name.as_ref())))
+        },
         "a parameter is not correlated with itself; name two",
         (|coefficient: f64| coefficient.abs() < 1.0, "the coefficient must be more than -1 and less than 1"),
     )?;

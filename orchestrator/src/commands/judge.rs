@@ -68,8 +68,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
     let provenance = Provenance { method: "table".to_owned(), ..provenance(&study) };
     let mut summary = tally.summary(study.title.clone(), provenance, Vec::new());
     survey.complete(&mut summary);
-    let repeated = concerns::repeated(repeated, tally.points);
-    summary.concerns.extend(repeated);
+    summary.concerns.extend(concerns::repeated(repeated, tally.points));
     summary.dossier = study.dossier.clone();
     summary.run = Some(Run::since(begun, 0, 0));
     if let Some(files) = files {

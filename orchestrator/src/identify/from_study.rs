@@ -231,8 +231,7 @@ fn check(study: &Study, settings: &Identification) -> Result<(), FileError> {
     if let Some((name, section)) = measured.chain(known).chain(latent).next() {
         return Err(study.error_at(name, format!("{advice} [identify.{section}]")));
     }
-    check_effort(study, settings)?;
-    Ok(())
+    check_effort(study, settings)
 }
 
 fn without_uncertainty(study: &Study, name: &Name, text: &CriterionText) -> FileError {

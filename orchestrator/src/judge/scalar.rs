@@ -244,8 +244,7 @@ fn uncertainty(
         repeats: text.repeats.map(|repeats| repeats as u32),
         ..offset
     };
-    let sense = sense(text.statistic.unwrap_or_default());
-    let value = scale.number(nominal, sense).unwrap_or(f64::NAN);
+    let value = scale.number(nominal, sense(text.statistic.unwrap_or_default())).unwrap_or(f64::NAN);
     match &text.gain_uncertainty {
         Some(stated) if uncertainty.standard(value) == 0.0 => Err(study
             .error_at(stated, "a part of a measured value of 0 is no uncertainty; add `uncertainty`, the error there")),

@@ -67,8 +67,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
     // A refusal is one line, without doubts before it.
     analysis.check(&session)?;
     asking::warn(&session.judge);
-    let folder = options.work.folder();
-    asking::run(session, &analysis, &options.work, folder)
+    asking::run(session, &analysis, &options.work, options.work.folder())
 }
 
 /// Refuses studies of which a rare share says nothing.

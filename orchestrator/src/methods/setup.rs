@@ -149,8 +149,7 @@ fn run_in<S: Source, T>(
     ask: impl FnOnce(&S, &mut Pipeline<'_>) -> Result<T, Error>,
 ) -> Result<(T, Kept), Error> {
     let RunFolder { kept, .. } = folder;
-    let place = work.means.place(work.jobs)?;
-    let crew = Crew::new(source.package(), place, kept.scratch.path(), work.jobs)?;
+    let crew = Crew::new(source.package(), work.means.place(work.jobs)?, kept.scratch.path(), work.jobs)?;
     let source = &*source;
     let parts = source.parts();
     let part = Part::of(parts.request.shard, header);

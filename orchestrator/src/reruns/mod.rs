@@ -199,10 +199,9 @@ impl<'a> Reruns<'a> {
     /// The signals of a case that are real numbers, of criteria that are wanted.
     fn signals(&self, case: usize, is_wanted: impl Fn(usize) -> bool) -> Signals {
         let plan = self.plan();
-        let observed = &plan.cases[case].task.observed;
         let (criteria, handles) = plan
             .criteria_of(case)
-            .zip(observed)
+            .zip(&plan.cases[case].task.observed)
             .filter(|(criterion, probe)| probe.handle.content == Content::Real && is_wanted(*criterion))
             .map(|(k, probe)| (k, probe.handle))
             .unzip();

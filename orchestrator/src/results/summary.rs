@@ -302,13 +302,12 @@ impl Kept {
 impl BestPoint {
     pub(super) fn new(judge: &Judge, parameters: &[ParameterSummary], kept: &Kept) -> Self {
         let names = parameters.iter().map(|parameter| parameter.name.clone());
-        let values = kept.values.iter().copied();
         Self {
             point: kept.label,
             verified: judge.verdict(Some(&kept.values)).verified(),
             distance: judge.distance(&kept.values),
             parameters: names.zip(kept.parameters.iter().copied()).collect(),
-            values: judge.names().cloned().zip(values).collect(),
+            values: judge.names().cloned().zip(kept.values.iter().copied()).collect(),
         }
     }
 }

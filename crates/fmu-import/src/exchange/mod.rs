@@ -64,8 +64,7 @@ impl Simulation for Exchange {
         })?;
         // FMI leaves the initialisation in event mode.
         self.mode = Mode::Events;
-        let sizes = self.plant.sizes()?;
-        self.march.size(sizes);
+        self.march.size(self.plant.sizes()?);
         // An end before the first step is told by that step.
         self.settle()
     }

@@ -56,8 +56,7 @@ impl Watched {
         let (begins, sizes) = self.steps.first(steps);
         match &mut self.collectors[..] {
             [Collector::Statistic(accumulator)] => {
-                let values = self.values.iter().copied();
-                accumulator.add_all(sizes.iter().copied().zip(values));
+                accumulator.add_all(sizes.iter().copied().zip(self.values.iter().copied()));
             }
             several => take_columns(several, begins, sizes, &self.values),
         }

@@ -31,8 +31,7 @@ impl Registered for Nets {
 impl Rule for Nets {
     fn uniform(&self, index: u64, dimension: u32) -> f64 {
         let (replicate, place) = (index % self.replicates, index / self.replicates);
-        let plain = plain(place, &self.directions[dimension as usize]);
-        let digits = scramble(plain, self.key(replicate, dimension));
+        let digits = scramble(plain(place, &self.directions[dimension as usize]), self.key(replicate, dimension));
         // The digits beyond the net's are random, as scrambling to infinity makes them.
         let rest = random::bits(self.seed, Purpose::Jitter, index, dimension);
         random::to_unit(u64::from(digits) << BITS | rest >> BITS)

@@ -87,8 +87,7 @@ struct Section {
 /// Says why nothing was sought or found.
 pub(crate) fn causes(study: &Path, means: &Means, earlier: Earlier, folder: &Path) -> Result<Vec<String>, Error> {
     let asked = Asked::default();
-    let request = asking::request(study, means);
-    let fit = asked.open(request)?;
+    let fit = asked.open(asking::request(study, means))?;
     let Delivery { result, folder, .. } = asking::run_by(fit, &asked, (means, earlier), folder.to_owned())?;
     result.write(&folder)?;
     Ok(result.sentences("causes"))
@@ -387,8 +386,7 @@ fn look_closer(
     let finer = Objective::new(problem, &finer, f64::NAN).misfit(&optima[0].minimum.places);
     match finer {
         Ok(finer) => {
-            let steps = model.steps();
-            outcome.numerical_error = Some(NumericalError::new(problem, &optima[0], &finer, steps));
+            outcome.numerical_error = Some(NumericalError::new(problem, &optima[0], &finer, model.steps()));
         }
         Err(NoPrediction::Here(why)) => {
             outcome.notes.push(format!("Half the communication step was not tried: {why}."))

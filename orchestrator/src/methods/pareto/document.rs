@@ -63,8 +63,7 @@ fn row(title: &str, m: &Member) -> Vec<String> {
     let criterion = |(value, deviation): (&f64, &f64)| format!("{} ({})", number(*value, 5), number(*deviation, 2));
     let title = [format!("{title}, point {}", m.point), number(m.largest(), 3), number(m.distance(), 3)];
     let criteria = m.values.iter().zip(&m.deviations).map(criterion);
-    let parameters = m.parameters.iter().map(|v| number(*v, 4));
-    title.into_iter().chain(criteria).chain(parameters).collect()
+    title.into_iter().chain(criteria).chain(m.parameters.iter().map(|v| number(*v, 4))).collect()
 }
 
 fn legend() -> Block {

@@ -59,8 +59,7 @@ impl Confirmation<'_, '_> {
         let Some(region) = &mut result.region else {
             return self.run(Vec::new())
         };
-        let inside = self.inside(round, |x| region.contains(&varying(x)))?;
-        let runs = self.run(inside)?;
+        let runs = self.run(self.inside(round, |x| region.contains(&varying(x)))?)?;
         let inner: Vec<Vec<f64>> = rows(&runs).iter().map(|x| varying(x)).collect();
         region.fresh = Some(region.confirm(&inner, &runs.verified));
         Ok(runs)

@@ -127,8 +127,7 @@ fn maps(result: &Robustness) -> Vec<Block> {
     let mut groups = vec![group("Probability of verification", [0.0, 1.0], |map, _| &map.probability, 0)];
     for (k, (name, _)) in result.criteria.iter().enumerate() {
         let values = result.maps.iter().flat_map(|m| &m.criteria[k]);
-        let range = range(values);
-        groups.push(group(name, range, |map, k| &map.criteria[k], k));
+        groups.push(group(name, range(values), |map, k| &map.criteria[k], k));
     }
     if let Some(Block::Folded(_, open, _)) = groups.first_mut() {
         *open = true;

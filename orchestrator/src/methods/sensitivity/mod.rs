@@ -81,8 +81,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
         return of_points(options, from, analysis.seed);
     }
     let session = asking::open(&options.work, &analysis)?;
-    let folder = options.work.folder();
-    asking::run(session, &analysis, &options.work, folder)
+    asking::run(session, &analysis, &options.work, options.work.folder())
 }
 
 /// Indices from the points in a folder.
@@ -173,8 +172,7 @@ impl Analysis for Asked {
         if !session.plan.is_independent() {
             result.warnings.insert(0, CORRELATED.to_owned());
         }
-        let origin = asking::origin(session)?;
-        Ok(AnalysisResult::new(&result, origin, document(&result).as_text(), FILE))
+        Ok(AnalysisResult::new(&result, asking::origin(session)?, document(&result).as_text(), FILE))
     }
 }
 

@@ -85,8 +85,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
     let session = asking::open(&options.work, &analysis)?;
-    let folder = options.work.folder();
-    asking::run(session, &analysis, &options.work, folder)
+    asking::run(session, &analysis, &options.work, options.work.folder())
 }
 
 /// A search by importance weights on known points, and by runs of its own.
@@ -176,8 +175,7 @@ impl Analysis for Asked {
             Some(answer) => {
                 told.reasons = reasons::off(&session.judge, &goal, &centre);
                 told.reasons.push(reasons::not_shown(&problem));
-                let most = most(session, &problem, &sample, &answer.scales);
-                told.reasons.extend(most);
+                told.reasons.extend(most(session, &problem, &sample, &answer.scales));
             }
             None => {
                 told.reasons = reasons::of(&session.judge, &goal, &centre);
