@@ -5,8 +5,7 @@ mod study;
 
 use std::path::{Path, PathBuf};
 
-use clap::error::ErrorKind;
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, error::ErrorKind};
 
 use crate::methods::Method;
 pub use fmu::{Check, Format, Init, Inspect, Simulate, Synchronise};

@@ -8,30 +8,30 @@ mod scalar;
 
 pub(crate) use requirements::share;
 
-use std::collections::HashSet;
-use std::ops::Range;
+use std::{collections::HashSet, ops::Range};
 
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
-use conformity::decision::Rule;
-use conformity::measured::{Assessed, Limits, Measured, Measurement};
-use conformity::risk::Guard;
-use conformity::uncertainty::Uncertainty;
+use conformity::{
+    decision::Rule,
+    measured::{Assessed, Limits, Measured, Measurement},
+    risk::Guard,
+    uncertainty::Uncertainty,
+};
 use curves::{Kind, Metric};
 use fmu_import::{Description, Variable};
-use fmu_points::failure::Failure;
-use fmu_points::names::{behind, did_you_mean, nearest};
-use fmu_points::task::Detail;
+use fmu_points::{
+    failure::Failure,
+    names::{behind, did_you_mean, nearest},
+    task::Detail,
+};
 use number_tables::files::FileError;
 use parameter_regions::table::CriterionColumn;
-use sampling::statistics::Statistic;
-use sampling::statistics::moments::length;
+use sampling::statistics::{Statistic, moments::length};
 
 pub(crate) use scalar::sense;
-use study::concern::Concern;
-use study::plan::find;
-use study::{NominalFrom, Study};
+use study::{NominalFrom, Study, concern::Concern, plan::find};
 
 /// Measured value of one quantity with its tolerance, in the study's unit.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

@@ -1,17 +1,16 @@
 //! Options of every command that runs points of a study: processes, limits, resuming; and the shards of `verify`.
 
-use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
-use std::thread::available_parallelism;
-use std::time::Duration;
+use std::{
+    num::NonZeroUsize,
+    path::{Path, PathBuf},
+    thread::available_parallelism,
+    time::Duration,
+};
 
 use crate::error::Error;
 use clap::Args;
-use fmu_points::Limits;
-use fmu_points::crew::Place;
-use fmu_points::{Isolation, Launcher, system};
-use point_journal::pipeline::Shard;
-use point_journal::pipeline::folder::Earlier;
+use fmu_points::{Isolation, Launcher, Limits, crew::Place, system};
+use point_journal::pipeline::{Shard, folder::Earlier};
 
 /// Resuming.
 #[derive(Debug, Args)]

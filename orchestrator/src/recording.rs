@@ -1,20 +1,28 @@
 //! The settings file of `synchronise`: the columns of recordings and their treatment.
 
-use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::{
+    ops::Range,
+    path::{Path, PathBuf},
+};
 
 use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
-use fmu_import::quantity::Quantity;
-use fmu_import::units::{Conversion, known};
+use fmu_import::{
+    quantity::Quantity,
+    units::{Conversion, known},
+};
 use fmu_points::names::behind;
-use number_tables::files::{self, FileError};
-use number_tables::recorded::RecordedTable;
+use number_tables::{
+    files::{self, FileError},
+    recorded::RecordedTable,
+};
 use result_document::format::number;
-use rig_signals::case::{Drive, Driven};
-use rig_signals::smooth::Smoothing;
-use rig_signals::{Accuracy, Bearing, Channel, Derived, Drop, RigRecording, Synchronised};
+use rig_signals::{
+    Accuracy, Bearing, Channel, Derived, Drop, RigRecording, Synchronised,
+    case::{Drive, Driven},
+    smooth::Smoothing,
+};
 use study::exactly_two;
 
 /// The settings of a recording.

@@ -2,13 +2,9 @@
 
 use std::path::Path;
 
-use number_tables::files::FileError;
-use number_tables::{Column, Table};
-use sampling::design::Design;
-use sampling::distribution::Distribution;
-use study::inputs::InputError;
-use study::plan::Input;
-use study::{ParameterText, Study};
+use number_tables::{Column, Table, files::FileError};
+use sampling::{design::Design, distribution::Distribution};
+use study::{ParameterText, Study, inputs::InputError, plan::Input};
 
 /// The points of a run, by index from 0.
 #[derive(Clone, Debug)]

@@ -2,8 +2,10 @@
 
 use serde::Serialize;
 
-use super::digits::{rounded, shown};
-use super::problem::Problem;
+use super::{
+    digits::{rounded, shown},
+    problem::Problem,
+};
 
 /// The places that were asked for, and those of them at which a run failed.
 #[derive(Clone, Debug, Default)]

@@ -2,12 +2,9 @@
 
 use serde::Serialize;
 
-use super::digits::rounded;
-use super::influence::Farthest;
-use super::next::Group;
-use super::order::Order;
-use super::outcome::IdentificationOutcome;
-use super::problem::Estimate;
+use super::{
+    digits::rounded, influence::Farthest, next::Group, order::Order, outcome::IdentificationOutcome, problem::Estimate,
+};
 
 /// A right model misses by more with this probability, or its residuals are more in order: then the fit is in doubt.
 const DOUBTFUL: f64 = 0.05;

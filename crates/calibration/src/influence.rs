@@ -11,10 +11,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use super::errors::Errors;
-use super::next::Group;
-use super::optima::Optimum;
-use super::problem::Problem;
+use super::{errors::Errors, next::Group, optima::Optimum, problem::Problem};
 
 /// The value with the largest studentised residual.
 #[derive(Clone, Debug, Serialize)]

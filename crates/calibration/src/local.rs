@@ -7,8 +7,10 @@
 use nalgebra::{Cholesky, DVector};
 use std::time::Instant;
 
-use super::objective::{Differences, Linear, Misfit, Objective};
-use super::problem::NoPrediction;
+use super::{
+    objective::{Differences, Linear, Misfit, Objective},
+    problem::NoPrediction,
+};
 
 /// When to stop.
 #[derive(Clone, Copy, Debug)]

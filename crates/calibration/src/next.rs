@@ -8,11 +8,13 @@
 use nalgebra::{Cholesky, DMatrix};
 use serde::Serialize;
 
-use super::digits::{rounded, shown};
-use super::errors::Errors;
-use super::optima::Optimum;
-use super::problem::{Problem, Spacing};
-use super::sample::Sample;
+use super::{
+    digits::{rounded, shown},
+    errors::Errors,
+    optima::Optimum,
+    problem::{Problem, Spacing},
+    sample::Sample,
+};
 
 /// A calibration leaves this part of a shared error's uncertainty.
 const CALIBRATED: f64 = 0.1;

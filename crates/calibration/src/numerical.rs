@@ -5,10 +5,12 @@
 use nalgebra::DVector;
 use serde::Serialize;
 
-use super::digits::{rounded, shown};
-use super::objective::Misfit;
-use super::optima::Optimum;
-use super::problem::Problem;
+use super::{
+    digits::{rounded, shown},
+    objective::Misfit,
+    optima::Optimum,
+    problem::Problem,
+};
 
 /// A larger part of half an interval, or of two standard uncertainties of a value, is notable.
 const PART: f64 = 1.0 / 3.0;

@@ -10,9 +10,11 @@ use std::cell::RefCell;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::errors::Errors;
-use super::failures::Failures;
-use super::problem::{NoPrediction, Prediction, Problem, Query, Simulate};
+use super::{
+    errors::Errors,
+    failures::Failures,
+    problem::{NoPrediction, Prediction, Problem, Query, Simulate},
+};
 
 /// How derivatives are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

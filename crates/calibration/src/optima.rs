@@ -14,11 +14,13 @@
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::failures::Edge;
-use super::local::{Limits, Minimum, minimise};
-use super::objective::{Differences, Misfit, Objective};
-use super::posterior::Posterior;
-use super::problem::NoPrediction;
+use super::{
+    failures::Edge,
+    local::{Limits, Minimum, minimise},
+    objective::{Differences, Misfit, Objective},
+    posterior::Posterior,
+    problem::NoPrediction,
+};
 
 /// Minima whose sum of squares is larger than the least by more have a density of less than 1e-4 of the greatest.
 const RELEVANT: f64 = 18.5;

@@ -3,21 +3,23 @@
 use sampling::statistics::moments::sorted;
 use serde::Serialize;
 
-use super::expected::Expected;
-use super::failures::{Edge, Excluded};
-use super::influence::{Farthest, Influence};
-use super::local::{End, Minimum};
-use super::next::NextOutcome;
-use super::numerical::NumericalError;
-use super::optima::{Approximation, Optimum};
-use super::order::Order;
-use super::posterior::{Direction, UNDETERMINED};
-use super::problem::{Problem, Spacing};
-use super::sample::outcome::{Evidence, PosteriorOutcome};
-use super::search::Progress;
-use super::shared::SharedOutcome;
-use super::surrogate::outcome::SurrogateOutcome;
-use super::suspects::Suspect;
+use super::{
+    expected::Expected,
+    failures::{Edge, Excluded},
+    influence::{Farthest, Influence},
+    local::{End, Minimum},
+    next::NextOutcome,
+    numerical::NumericalError,
+    optima::{Approximation, Optimum},
+    order::Order,
+    posterior::{Direction, UNDETERMINED},
+    problem::{Problem, Spacing},
+    sample::outcome::{Evidence, PosteriorOutcome},
+    search::Progress,
+    shared::SharedOutcome,
+    surrogate::outcome::SurrogateOutcome,
+    suspects::Suspect,
+};
 
 /// The standard deviations to both sides that hold 95 % of a Gaussian.
 const NINETY_FIVE: f64 = 1.959_964;

@@ -8,12 +8,16 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use sampling::distribution::Distribution;
-use sampling::statistics::moments::{mean, variance};
+use sampling::{
+    distribution::Distribution,
+    statistics::moments::{mean, variance},
+};
 
-use super::local::Minimum;
-use super::objective::{Differences, Objective};
-use super::problem::NoPrediction;
+use super::{
+    local::Minimum,
+    objective::{Differences, Objective},
+    problem::NoPrediction,
+};
 
 /// The precision of a place of which only the bounds are known: the inverse variance of the uniform
 /// distribution from 0 to 1.

@@ -3,8 +3,7 @@
 //! A search comes back to places where it has been: it goes down from starts that were screened, and the posterior's
 //! curvature is that of the last step. What the model said there is kept.
 
-use std::cell::RefCell;
-use std::collections::HashMap;
+use std::{cell::RefCell, collections::HashMap};
 
 use super::problem::{NoPrediction, Prediction, Query, Simulate};
 

@@ -1,10 +1,12 @@
 //! A search as a study asks for it.
 
-use super::objective::Objective;
-use super::optima::Optimum;
-use super::outcome::IdentificationOutcome;
-use super::problem::{Problem, Simulate};
-use super::search::{Effort, Progress, SearchError, search};
+use super::{
+    objective::Objective,
+    optima::Optimum,
+    outcome::IdentificationOutcome,
+    problem::{Problem, Simulate},
+    search::{Effort, Progress, SearchError, search},
+};
 
 /// One search: its problem and its settings.
 #[derive(Clone, Copy)]

@@ -10,12 +10,14 @@ use std::time::Instant;
 
 use statrs::function::gamma::ln_gamma;
 
-use super::failures::Failures;
-use super::local::{End, Limits, Minimum, is_over, minimise};
-use super::objective::{Differences, Objective};
-use super::optima::{Optima, Optimum};
-use super::problem::NoPrediction;
-use super::sample::SampleError;
+use super::{
+    failures::Failures,
+    local::{End, Limits, Minimum, is_over, minimise},
+    objective::{Differences, Objective},
+    optima::{Optima, Optimum},
+    problem::NoPrediction,
+    sample::SampleError,
+};
 
 /// How much to search.
 #[derive(Clone, Copy, Debug)]

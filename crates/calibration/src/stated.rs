@@ -11,8 +11,10 @@ use nalgebra::DVector;
 
 use conformity::normal::ln_between;
 
-use super::errors::Errors;
-use super::problem::{NotNormal, Problem};
+use super::{
+    errors::Errors,
+    problem::{NotNormal, Problem},
+};
 
 /// The limits of a rectangular source, whose standard deviation is 1.
 const LIMIT: f64 = 1.732_050_807_568_877_2;

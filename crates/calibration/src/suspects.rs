@@ -6,22 +6,22 @@
 //! Psychometrika 54, 371-384) says by how much the sum of squares would fall. The most promising ones are then fitted by runs:
 //! what is told has been simulated.
 
-use std::collections::HashSet;
-use std::mem::discriminant;
-use std::time::Instant;
+use std::{collections::HashSet, mem::discriminant, time::Instant};
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::errors::Errors;
-use super::expected::Expected;
-use super::local::{Limits, Minimum, minimise};
-use super::next::Group;
-use super::objective::{Differences, Objective};
-use super::optima::Optimum;
-use super::problem::{Effect, Free, NoPrediction, Problem, SharedKind, Simulate, Source, Spacing};
-use super::remembered::Remembered;
+use super::{
+    errors::Errors,
+    expected::Expected,
+    local::{Limits, Minimum, minimise},
+    next::Group,
+    objective::{Differences, Objective},
+    optima::Optimum,
+    problem::{Effect, Free, NoPrediction, Problem, SharedKind, Simulate, Source, Spacing},
+    remembered::Remembered,
+};
 
 /// What may be wrong.
 #[derive(Clone, Debug, PartialEq, Serialize)]

@@ -1,15 +1,17 @@
 //! The result of an identification in sentences, and as parameters for the next study.
 
 pub use super::digits::digits;
-use super::digits::{rounded, shown};
-use super::failures::words;
-use super::fit::Fit;
-use super::influence::Influence;
-use super::local::End;
-use super::optima::Approximation;
-use super::outcome::{DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual};
-use super::problem::{SharedKind, Spacing};
-use super::shared::SharedOutcome;
+use super::{
+    digits::{rounded, shown},
+    failures::words,
+    fit::Fit,
+    influence::Influence,
+    local::End,
+    optima::Approximation,
+    outcome::{DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual},
+    problem::{SharedKind, Spacing},
+    shared::SharedOutcome,
+};
 
 /// The free parameters as the section `[fixed]` of a study, but for those that are no parameters of the model.
 pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome, others: &[String]) -> String {

@@ -2,10 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::decision::{Decision, Rule};
-use crate::looks::{Looks, Way};
-use crate::risk::{Bands, Risk, Statement, Unfit};
-use crate::sequence::{points_needed, points_needed_once};
+use crate::{
+    decision::{Decision, Rule},
+    looks::{Looks, Way},
+    risk::{Bands, Risk, Statement, Unfit},
+    sequence::{points_needed, points_needed_once},
+};
 
 /// The verdict on the model, with what it rests on.
 #[derive(Clone, Debug, Serialize, Deserialize)]

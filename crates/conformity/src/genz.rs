@@ -1,11 +1,12 @@
 //! Probabilities that three or more correlated normal errors lie between limits.
 
-use std::f64::consts::TAU;
-use std::sync::LazyLock;
+use std::{f64::consts::TAU, sync::LazyLock};
 
-use super::lattice::Lattice;
-use super::normal::{GaussLegendre, between};
-use super::tabulated;
+use super::{
+    lattice::Lattice,
+    normal::{GaussLegendre, between},
+    tabulated,
+};
 
 /// The aim for the error of a probability.
 const ACCURACY: f64 = 2e-5;

@@ -1,7 +1,9 @@
 //! Intervals of means, from a sample of numbers that lie between 0 and 1.
 
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
-use statrs::function::beta::beta_reg;
+use statrs::{
+    distribution::{ContinuousCDF, Normal, StudentsT},
+    function::beta::beta_reg,
+};
 
 /// The fewest independent nets whose mean has an interval. Each counts as one trial, so that fewer tell next to nothing.
 pub const LEAST_SAMPLES: usize = 16;

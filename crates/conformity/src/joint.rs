@@ -2,9 +2,11 @@
 
 use std::borrow::Cow;
 
-use super::genz;
-use super::normal::{between, between_both};
-use super::one_factor::OneFactor;
+use super::{
+    genz,
+    normal::{between, between_both},
+    one_factor::OneFactor,
+};
 
 /// Standard normal errors with given correlations.
 #[derive(Clone, Debug, Default)]

@@ -6,10 +6,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::decision::{Decision, Rule, randomised};
-use super::interval::LEAST_SAMPLES;
-use super::risk::Bands;
-use super::sequence::ConfidenceSequence;
+use super::{
+    decision::{Decision, Rule, randomised},
+    interval::LEAST_SAMPLES,
+    risk::Bands,
+    sequence::ConfidenceSequence,
+};
 
 /// When the share of accepted points is looked at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

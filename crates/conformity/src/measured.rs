@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::joint::JointNormal;
-use super::uncertainty::Law;
+use super::{joint::JointNormal, uncertainty::Law};
 
 /// The values that a model may have: the ends of an interval as seen from one of its values, either of which may be
 /// infinite. So written, a limit that a study states decides without rounding.

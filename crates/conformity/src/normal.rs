@@ -1,7 +1,9 @@
 //! Probabilities that one or two normal errors lie between limits.
 
-use std::f64::consts::{FRAC_PI_2, SQRT_2, TAU};
-use std::sync::LazyLock;
+use std::{
+    f64::consts::{FRAC_PI_2, SQRT_2, TAU},
+    sync::LazyLock,
+};
 
 /// The probability that a standard normal number is below `z`.
 pub fn cdf(z: f64) -> f64 {

@@ -1,8 +1,7 @@
 //! Normal numbers that are correlated through one common part: given that part they are independent, so that one integral
 //! is left, however many they are and however strongly they are correlated.
 
-use std::f64::consts::TAU;
-use std::sync::LazyLock;
+use std::{f64::consts::TAU, sync::LazyLock};
 
 use super::normal::{GaussLegendre, between};
 

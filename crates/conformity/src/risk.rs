@@ -7,8 +7,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::interval::Moments;
-use super::measured::{Assessed, Conformity, Measured, Measurement};
+use super::{
+    interval::Moments,
+    measured::{Assessed, Conformity, Measured, Measurement},
+};
 use acceptance::Acceptance;
 
 pub use bands::Bands;

@@ -1,7 +1,6 @@
 //! The normal distribution for integrals that need it a thousand times for every point: a few nanoseconds a value.
 
-use std::f64::consts::TAU;
-use std::sync::LazyLock;
+use std::{f64::consts::TAU, sync::LazyLock};
 
 use super::normal;
 

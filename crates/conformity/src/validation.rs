@@ -3,8 +3,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::measured::Measured;
-use crate::uncertainty::{COVERED, Law};
+use crate::{
+    measured::Measured,
+    uncertainty::{COVERED, Law},
+};
 
 /// The comparison for one criterion, in its unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

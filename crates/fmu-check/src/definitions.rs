@@ -6,8 +6,10 @@ use std::collections::{HashMap, HashSet};
 use fmu_import::Version;
 use roxmltree::Node;
 
-use crate::document::{Document, Scalar, at, elements, named};
-use crate::hit::Hit;
+use crate::{
+    document::{Document, Scalar, at, elements, named},
+    hit::Hit,
+};
 
 /// Of each parent the first element that has an attribute's value of an earlier one: of several attributes, the first by
 /// which two are alike. `path` leads from the root to the elements, with `*` for those of any name.

@@ -4,9 +4,11 @@ use std::collections::HashSet;
 
 use roxmltree::Node;
 
-use crate::document::{Document, Scalar, at};
-use crate::hit::Hit;
-use crate::structure::{listed, scalar_of, states};
+use crate::{
+    document::{Document, Scalar, at},
+    hit::Hit,
+    structure::{listed, scalar_of, states},
+};
 
 const LISTS: [&str; 3] = ["Outputs", "Derivatives", "InitialUnknowns"];
 

@@ -1,15 +1,12 @@
 //! `modelDescription.xml` as the rules see it: its elements with their lines, its variables in their order.
 
-use std::collections::HashMap;
-use std::fmt::Display;
+use std::{collections::HashMap, fmt::Display};
 
 use roxmltree::Node;
 
-use crate::combinations;
-use crate::hit::Hit;
-use fmu_import::description::About;
+use crate::{combinations, hit::Hit};
 pub(crate) use fmu_import::xml::{children as named, elements};
-use fmu_import::{Description, Version};
+use fmu_import::{Description, Version, description::About};
 
 /// The name of the file.
 pub(crate) const NAME: &str = "modelDescription.xml";

@@ -4,10 +4,12 @@ use std::collections::HashSet;
 
 use object::{Architecture, BinaryFormat, NameOrOrdinal, Object};
 
-use crate::document::NAME;
-use crate::exported::functions;
-use crate::hit::{Breach, Hit};
-use crate::structure::short;
+use crate::{
+    document::NAME,
+    exported::functions,
+    hit::{Breach, Hit},
+    structure::short,
+};
 use fmu_import::{Description, FmuError, Interface, Package, Version};
 
 /// Faults of the files, and whether this machine's binary has one.

@@ -1,14 +1,15 @@
 //! Findings as lines, as JSON, and as SARIF 2.1.0 (the OASIS format that editors and build servers read).
 
-use std::collections::HashMap;
-use std::path::Path;
+use std::{collections::HashMap, path::Path};
 
 use fmu_import::{Version, percent_encoded};
 use serde_json::{Value, json};
 
-use crate::Findings;
-use crate::finding::{Finding, Rule, Severity};
-use crate::rules::RULES;
+use crate::{
+    Findings,
+    finding::{Finding, Rule, Severity},
+    rules::RULES,
+};
 
 /// Of one rule, people read no more findings than this.
 const MANY: usize = 20;

@@ -26,12 +26,13 @@ mod three;
 mod values;
 mod variables;
 
-use std::io;
-use std::path::{Path, PathBuf};
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
 
 use fmu_import::{ArchiveError, FmuError, FmuFault, Package, Version, needed};
-use fmu_points::scratch::ScratchError;
-use fmu_points::stop;
+use fmu_points::{scratch::ScratchError, stop};
 use thiserror::Error;
 
 pub use conditions::Conditions;

@@ -1,7 +1,9 @@
 //! Names of variables (FMI 2.0.5, section 2.2.9).
 
-use crate::document::{Document, Scalar, at};
-use crate::hit::Hit;
+use crate::{
+    document::{Document, Scalar, at},
+    hit::Hit,
+};
 
 /// A naming convention that is none.
 pub(crate) fn convention(document: &Document<'_>) -> Vec<Hit> {

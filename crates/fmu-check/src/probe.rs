@@ -3,16 +3,20 @@
 //! It tells what it is about to call and what it saw, so that whatever the FMU does to the process, the other side knows how
 //! far it came.
 
-use std::path::PathBuf;
-use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::{
+    path::PathBuf,
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use serde::{Deserialize, Serialize};
 
 use fmu_import::{Call, Handle, Instance, Library, Package, Status, Value, Version};
-use fmu_points::single::{bytes, read};
-use fmu_points::system;
-use fmu_points::task::Schedule;
+use fmu_points::{
+    single::{bytes, read},
+    system,
+    task::Schedule,
+};
 
 /// Kinds of probes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

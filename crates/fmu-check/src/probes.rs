@@ -1,19 +1,23 @@
 //! Short simulations of an FMU, each in a process of its own: alone, with fresh memory filled otherwise, after a reset,
 //! one after another, two at once, with half the step. What differs from the first, the FMU does not do by itself.
 
-use std::io;
-use std::path::{Path, PathBuf};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::{
+    io,
+    path::{Path, PathBuf},
+    thread::sleep,
+    time::{Duration, Instant},
+};
 
-use crate::child::{self, Outcome};
-use crate::compare::{Change, changes, difference};
-use crate::conditions::Conditions;
-use crate::hit::{Breach, Hit};
-use crate::probe::{End, Life, Run, Setup};
-use crate::{experiment, simulated};
-use fmu_import::isolation::watch::Snapshot;
-use fmu_import::{Description, Package, Variable};
+use crate::{
+    child::{self, Outcome},
+    compare::{Change, changes, difference},
+    conditions::Conditions,
+    experiment,
+    hit::{Breach, Hit},
+    probe::{End, Life, Run, Setup},
+    simulated,
+};
+use fmu_import::{Description, Package, Variable, isolation::watch::Snapshot};
 use fmu_points::working_directory;
 use tempfile::TempDir;
 

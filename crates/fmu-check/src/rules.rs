@@ -1,14 +1,20 @@
 //! All rules of a check, a line each. A new rule is a function and a line here.
 
-use fmu_import::Version;
-use fmu_import::description::About;
+use fmu_import::{Version, description::About};
 
-use crate::definitions::alike;
-use crate::finding::Find::{Document, Each, Either, Elsewhere, Remark, Three, Variable};
-use crate::finding::Rule;
-use crate::finding::Severity::{Error, Note, Warning};
-use crate::values::positive;
-use crate::{aliases, definitions, dependencies, names, schema, structure, three, values, variables};
+use crate::{
+    aliases,
+    definitions::{self, alike},
+    dependencies,
+    finding::{
+        Find::{Document, Each, Either, Elsewhere, Remark, Three, Variable},
+        Rule,
+        Severity::{Error, Note, Warning},
+    },
+    names, schema, structure, three,
+    values::{self, positive},
+    variables,
+};
 
 /// The rules of standards, each with its section, or with a source of its own.
 macro_rules! rules {

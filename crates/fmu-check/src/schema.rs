@@ -3,8 +3,10 @@
 
 use roxmltree::Node;
 
-use crate::document::{Document, at, elements};
-use crate::hit::Hit;
+use crate::{
+    document::{Document, at, elements},
+    hit::Hit,
+};
 use fmu_import::Version;
 use fmu_points::names::{did_you_mean, nearest};
 

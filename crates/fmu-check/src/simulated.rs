@@ -1,8 +1,10 @@
 //! Findings in a simulation that ended soundly: warnings, values that cannot be right.
 
-use crate::hit::{Breach, Hit};
-use crate::probe::{Report, Run};
-use crate::structure::short;
+use crate::{
+    hit::{Breach, Hit},
+    probe::{Report, Run},
+    structure::short,
+};
 use fmu_import::{Causality, Description, Variable, Version};
 
 /// The FMU's declarations and remarks, apart from its values.

@@ -4,8 +4,10 @@ use std::collections::HashSet;
 
 use roxmltree::Node;
 
-use crate::document::{Document, Scalar, at, named};
-use crate::hit::Hit;
+use crate::{
+    document::{Document, Scalar, at, named},
+    hit::Hit,
+};
 
 /// The variables in their order, which the lists count.
 type Scalars<'a> = [Option<Scalar<'a>>];

@@ -9,8 +9,10 @@ pub(crate) use variables::{
 
 use roxmltree::Node;
 
-use crate::document::{Document, Scalar, at, elements, named};
-use crate::hit::Hit;
+use crate::{
+    document::{Document, Scalar, at, elements, named},
+    hit::Hit,
+};
 
 fn reference(node: Node<'_, '_>) -> Option<u32> {
     node.attribute("valueReference")?.trim().parse().ok()

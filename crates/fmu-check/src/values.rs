@@ -1,8 +1,10 @@
 //! Numbers that cannot be right: of the experiment, and of single variables (FMI 2.0.5, sections 2.2.3, 2.2.5, 2.2.7).
 
-use crate::definitions::unit_missing;
-use crate::document::{Document, NAME, Scalar};
-use crate::hit::Hit;
+use crate::{
+    definitions::unit_missing,
+    document::{Document, NAME, Scalar},
+    hit::Hit,
+};
 use fmu_import::Kind;
 
 /// The encoding in the XML declaration, where there is a declaration that names one.

@@ -8,11 +8,12 @@ mod events;
 mod faults;
 mod variable;
 
-use std::fmt;
-use std::path::{Path, PathBuf};
+use std::{
+    fmt,
+    path::{Path, PathBuf},
+};
 
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use serde::{Serialize, de::DeserializeOwned};
 use thiserror::Error;
 
 pub use continuous::{Complete, Continuous, Exchange, State, offered};

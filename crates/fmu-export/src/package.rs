@@ -3,18 +3,21 @@
 mod arguments;
 mod build;
 
-use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::{
+    collections::BTreeMap,
+    fs::File,
+    io::{self, Write},
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 use thiserror::Error;
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
+use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
 
-use crate::description::{self, Interface, Version};
-use crate::model::{Model, faults, offered};
+use crate::{
+    description::{self, Interface, Version},
+    model::{Model, faults, offered},
+};
 use arguments::{Arguments, HELP};
 
 /// Defines the `main` of a program that packs the model of its package into an FMU.

@@ -6,18 +6,22 @@
 mod repack;
 mod unpack;
 
-use std::borrow::Cow;
-use std::collections::HashSet;
-use std::fs::{self, File};
-use std::io::{self, BufReader, Read};
-use std::path::{Path, PathBuf};
+use std::{
+    borrow::Cow,
+    collections::HashSet,
+    fs::{self, File},
+    io::{self, BufReader, Read},
+    path::{Path, PathBuf},
+};
 
 use tempfile::TempDir;
 use thiserror::Error;
-use zip::ZipArchive;
-use zip::read::Config;
-use zip::result::{ZipError, ZipResult};
-use zip::unstable::read::ZipIterable;
+use zip::{
+    ZipArchive,
+    read::Config,
+    result::{ZipError, ZipResult},
+    unstable::read::ZipIterable,
+};
 
 use crate::version::Version;
 

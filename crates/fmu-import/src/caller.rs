@@ -2,9 +2,11 @@
 
 use std::ffi::c_int;
 
-use crate::call::{Call, Status};
-use crate::floating_point::{Mode, within};
-use crate::logger::Log;
+use crate::{
+    call::{Call, Status},
+    floating_point::{Mode, within},
+    logger::Log,
+};
 
 /// Makes the calls of one instance and judges what they return.
 #[derive(Debug)]

@@ -1,12 +1,16 @@
 //! A component of a binary, and the functions whose signature is the same in both versions of FMI.
 
-use std::ffi::{CString, c_char, c_int};
-use std::ptr;
+use std::{
+    ffi::{CString, c_char, c_int},
+    ptr,
+};
 
-use crate::call::Call;
-use crate::caller::Caller;
-use crate::symbols::{Component, Function, LibraryError, Plain, Saved, Symbols, Text};
-use crate::version::Version;
+use crate::{
+    call::Call,
+    caller::Caller,
+    symbols::{Component, Function, LibraryError, Plain, Saved, Symbols, Text},
+    version::Version,
+};
 
 /// The functions to get and to free a state.
 type TakeState = unsafe extern "C" fn(Component, *mut Saved) -> c_int;

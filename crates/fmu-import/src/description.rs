@@ -5,9 +5,11 @@ use std::fmt;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::units::{Conversion, UnitError, Units};
-use crate::value::{Content, Handle, Value};
-use crate::version::Version;
+use crate::{
+    units::{Conversion, UnitError, Units},
+    value::{Content, Handle, Value},
+    version::Version,
+};
 
 /// A model description of FMI 2.0 or 3.0.
 #[derive(Clone, Debug, Default, Serialize)]

@@ -1,12 +1,16 @@
 //! One simulation of an FMU.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{
+    Arc,
+    atomic::{AtomicU64, Ordering},
+};
 
-use crate::call::{Call, Warnings};
-use crate::library::Library;
-use crate::simulation::{Batch, Experiment, Simulation};
-use crate::value::{Handle, Value};
+use crate::{
+    call::{Call, Warnings},
+    library::Library,
+    simulation::{Batch, Experiment, Simulation},
+    value::{Handle, Value},
+};
 
 /// One instance. It may move between threads, but only one at a time may use it.
 #[derive(Debug)]

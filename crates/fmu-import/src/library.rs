@@ -3,30 +3,29 @@
 //! Unloading is left out on purpose: thread-local destructors and threads of an FMU that outlive
 //! its code crash the process, and a process loads few FMUs.
 
-use std::collections::HashMap;
-use std::ffi::CStr;
-use std::path::Path;
-use std::sync::Arc;
+use std::{collections::HashMap, ffi::CStr, path::Path, sync::Arc};
 
 use libloading::Library as Loaded;
 use tempfile::TempDir;
 
-use crate::archive;
-use crate::call::Call;
-use crate::caller::Caller;
-use crate::component::Common;
-use crate::description::{Causality, Description, ExchangeSizes, Interface, Kind, Variability, Variable};
-use crate::exchange::{self, Clocks, Exchange};
-use crate::floating_point::{Mode, within};
-use crate::fmi2;
-use crate::fmi3::{self, Element};
-use crate::needed;
-use crate::simulation::{Birth, Simulation};
 pub use crate::symbols::LibraryError;
-use crate::symbols::{Function, Symbols, Text};
-use crate::validity;
-use crate::value::Handle;
-use crate::version::Version;
+use crate::{
+    archive,
+    call::Call,
+    caller::Caller,
+    component::Common,
+    description::{Causality, Description, ExchangeSizes, Interface, Kind, Variability, Variable},
+    exchange::{self, Clocks, Exchange},
+    floating_point::{Mode, within},
+    fmi2,
+    fmi3::{self, Element},
+    needed,
+    simulation::{Birth, Simulation},
+    symbols::{Function, Symbols, Text},
+    validity,
+    value::Handle,
+    version::Version,
+};
 
 /// The functions of a binary, by its version of FMI.
 #[derive(Debug)]

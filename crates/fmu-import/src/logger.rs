@@ -4,16 +4,19 @@
 //! environment is no pointer but a ticket, which is looked up, and what an FMU knows by address is never freed:
 //! each instance takes a seat, and seats of instances that have gone are taken again.
 
-use std::borrow::Cow;
-use std::collections::VecDeque;
-use std::ffi::{CStr, c_char, c_int, c_void};
-use std::panic::catch_unwind;
-use std::ptr;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::{
+    borrow::Cow,
+    collections::VecDeque,
+    ffi::{CStr, c_char, c_int, c_void},
+    panic::catch_unwind,
+    ptr,
+    sync::{
+        Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
+};
 
-use crate::call::Warnings;
-use crate::validity;
+use crate::{call::Warnings, validity};
 
 /// Messages kept; the oldest go first, so that a chatty FMU costs no memory.
 const KEPT: usize = 32;

@@ -1,22 +1,26 @@
 //! An FMU at rest: its description, and its files.
 
-use std::io::{self, Read, Seek, Write};
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::{
+    io::{self, Read, Seek, Write},
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use roxmltree::Node;
 use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 use thiserror::Error;
 
-use crate::archive::{self, Archive, ArchiveError};
-use crate::decode;
-use crate::description::Description;
-use crate::isolation::watch::Snapshot;
-use crate::library::{Library, LibraryError};
-use crate::parse::{self, DescriptionError};
-use crate::value::hexadecimal;
-use crate::xml;
+use crate::{
+    archive::{self, Archive, ArchiveError},
+    decode,
+    description::Description,
+    isolation::watch::Snapshot,
+    library::{Library, LibraryError},
+    parse::{self, DescriptionError},
+    value::hexadecimal,
+    xml,
+};
 
 /// Why an FMU cannot be used.
 #[derive(Debug, Error)]

@@ -6,22 +6,25 @@
 
 mod three;
 
-use std::collections::{HashMap, HashSet};
-use std::str::FromStr;
+use std::{
+    collections::{HashMap, HashSet},
+    str::FromStr,
+};
 
 use indexmap::map::Entry;
 use roxmltree::Node;
-use serde::de::value::StrDeserializer;
-use serde::de::{DeserializeOwned, IntoDeserializer};
+use serde::de::{DeserializeOwned, IntoDeserializer, value::StrDeserializer};
 use thiserror::Error;
 
-use crate::decode::{self, decode};
-use crate::description::{
-    About, Capabilities, DefaultExperiment, Description, ExchangeSizes, Interface, Kind, Remark, Storage, Variable,
+use crate::{
+    decode::{self, decode},
+    description::{
+        About, Capabilities, DefaultExperiment, Description, ExchangeSizes, Interface, Kind, Remark, Storage, Variable,
+    },
+    units::{BaseUnit, Conversion, DisplayUnit, Unit, Units},
+    version::Version,
+    xml::{self, XmlError, child, children, within},
 };
-use crate::units::{BaseUnit, Conversion, DisplayUnit, Unit, Units};
-use crate::version::Version;
-use crate::xml::{self, XmlError, child, children, within};
 
 /// Why a model description cannot be used.
 #[derive(Debug, Error)]

@@ -4,8 +4,10 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::description::{Description, Variable};
-use crate::units::{Conversion, known, split};
+use crate::{
+    description::{Description, Variable},
+    units::{Conversion, known, split},
+};
 
 /// A number in the unit of its table, or a number with a unit of its own.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

@@ -1,14 +1,15 @@
 //! One simulation of an FMU as every version of FMI can run it.
 
-use std::fmt::Debug;
-use std::path::PathBuf;
+use std::{fmt::Debug, path::PathBuf};
 
-use crate::call::Call;
-use crate::caller::Caller;
-use crate::component::{Base, Common};
-use crate::description::Interface;
-use crate::symbols::{Component, Saved};
-use crate::value::{Handle, Value};
+use crate::{
+    call::Call,
+    caller::Caller,
+    component::{Base, Common},
+    description::Interface,
+    symbols::{Component, Saved},
+    value::{Handle, Value},
+};
 
 /// The experiment that is announced to an FMU.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,13 +1,14 @@
 //! The functions of a loaded binary by their names, and why there are none.
 
-use std::ffi::{c_char, c_int, c_void};
-use std::path::{Path, PathBuf};
+use std::{
+    ffi::{c_char, c_int, c_void},
+    path::{Path, PathBuf},
+};
 
 use libloading::Library as Loaded;
 use thiserror::Error;
 
-use crate::call::Call;
-use crate::version::Version;
+use crate::{call::Call, version::Version};
 
 /// Why a binary cannot be loaded.
 #[derive(Debug, Error)]

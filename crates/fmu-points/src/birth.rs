@@ -7,8 +7,7 @@ use std::io;
 
 use fmu_import::isolation::{Child, Keeper};
 
-use crate::child::Estate;
-use crate::wire::Order;
+use crate::{child::Estate, wire::Order};
 
 /// Forks a child.
 ///

@@ -1,22 +1,25 @@
 //! The workers of a study: how many, and where they run its points.
 
-use std::collections::BTreeMap;
-use std::ops::ControlFlow;
-use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::{
+    collections::BTreeMap,
+    ops::ControlFlow,
+    path::Path,
+    sync::{Arc, atomic::AtomicBool},
+};
 
-use crate::conduct::Conduct;
-use crate::ground::Ground;
-use crate::isolated::{Common, Isolated};
-use crate::isolation::Isolation;
-use crate::launcher::Launcher;
-use crate::local::Local;
-use crate::points::{Answer, Event, Job, Limits, RunError, Worker};
-use crate::pool;
-use crate::remote::{Remote, Team};
-use crate::task::{Case, Task};
-use crate::working_directory;
+use crate::{
+    conduct::Conduct,
+    ground::Ground,
+    isolated::{Common, Isolated},
+    isolation::Isolation,
+    launcher::Launcher,
+    local::Local,
+    points::{Answer, Event, Job, Limits, RunError, Worker},
+    pool,
+    remote::{Remote, Team},
+    task::{Case, Task},
+    working_directory,
+};
 use fmu_import::{FmuError, Library, Package};
 
 /// Where points are run.

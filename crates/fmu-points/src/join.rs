@@ -7,11 +7,13 @@
 
 use std::collections::BTreeMap;
 
-use crate::failure::{Failure, OfCase};
-use crate::notices::Notices;
-use crate::points::{Job, Simulated};
-use crate::task::Case;
-use crate::wire::{Origin, Outcome, Reply, Trouble};
+use crate::{
+    failure::{Failure, OfCase},
+    notices::Notices,
+    points::{Job, Simulated},
+    task::Case,
+    wire::{Origin, Outcome, Reply, Trouble},
+};
 
 /// A point's simulations.
 pub(crate) fn split(job: &Job, cases: usize) -> impl Iterator<Item = Job> {

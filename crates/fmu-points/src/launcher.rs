@@ -1,9 +1,7 @@
 //! How workers are started elsewhere: by a command that starts a program on another machine and connects its standard input and
 //! output, such as `srun`, `ssh` or `kubectl exec -i`.
 
-use std::path::PathBuf;
-use std::process::Command;
-use std::time::Duration;
+use std::{path::PathBuf, process::Command, time::Duration};
 
 /// Where `{host}` stands in the command, it becomes the host's name.
 const HOST: &str = "{host}";

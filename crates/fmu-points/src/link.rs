@@ -1,21 +1,26 @@
 //! The connection to a worker that a launcher has started: its messages, its silence, and its last words.
 
-use std::collections::VecDeque;
-use std::io::{BufRead, BufReader, Read};
-use std::process::{Child, ChildStderr, ChildStdin, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex};
-use std::thread;
-use std::time::{Duration, Instant};
+use std::{
+    collections::VecDeque,
+    io::{BufRead, BufReader, Read},
+    process::{Child, ChildStderr, ChildStdin, Stdio},
+    sync::{
+        Arc, Mutex,
+        mpsc::{Receiver, RecvTimeoutError, Sender, channel},
+    },
+    thread,
+    time::{Duration, Instant},
+};
 
 use fmu_import::isolation::frame::{self, Inbox};
 
-use crate::dispatch::{Greeting, MAGIC, Order, Report, beat};
-use crate::launcher::{Launcher, Place};
-use crate::locked::locked;
-use crate::process;
-use crate::system;
-use crate::wire::{bytes, read};
+use crate::{
+    dispatch::{Greeting, MAGIC, Order, Report, beat},
+    launcher::{Launcher, Place},
+    locked::locked,
+    process, system,
+    wire::{bytes, read},
+};
 
 /// The argument that makes this program a worker for a supervisor elsewhere.
 pub(crate) const REMOTE: &str = "fmu-points-remote";

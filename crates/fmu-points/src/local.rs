@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
-use crate::join::{Part, joined, parts};
-use crate::points::{Event, Job, Post, RunError, Simulated, Worker};
-use crate::runner::Runner;
-use crate::task::Case;
-use crate::wire::{Origin, Trouble};
+use crate::{
+    join::{Part, joined, parts},
+    points::{Event, Job, Post, RunError, Simulated, Worker},
+    runner::Runner,
+    task::Case,
+    wire::{Origin, Trouble},
+};
 use fmu_import::Library;
 
 /// Runs points on an instance of its own.

@@ -5,8 +5,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use fmu_import::validity::is_further;
-use fmu_import::{Call, Warnings};
+use fmu_import::{Call, Warnings, validity::is_further};
 
 /// An FMU's remarks in one simulation, beside its results. None of them makes the point fail.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

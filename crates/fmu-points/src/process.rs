@@ -3,25 +3,31 @@
 //! A worker answers for all that becomes of its children. What may become of the worker itself (an FMU may kill its
 //! parent, or stop it) is noticed here: it is looked at while it is silent, and each of its answers has a deadline.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::io;
-use std::path::Path;
-use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, TryLockError};
-use std::time::{Duration, Instant};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    io,
+    path::Path,
+    process::{Child, ChildStdin, Command, ExitStatus, Stdio},
+    sync::{Arc, Mutex, MutexGuard, OnceLock, TryLockError},
+    time::{Duration, Instant},
+};
 
-use crate::failure::Failure;
-use crate::join::{Join, split};
-use crate::locked::locked;
-use crate::points::{Job, Limits, RunError};
-use crate::room::Room;
-use crate::system;
-use crate::task::Case;
-use crate::wire::{Order, Reply, Said, Setup, bytes, read};
-use crate::working_directory;
-use fmu_import::isolation::frame::Inbox;
-use fmu_import::isolation::keeper::signal_name;
-use fmu_import::isolation::{ControlGroup, Loss, frame};
+use crate::{
+    failure::Failure,
+    join::{Join, split},
+    locked::locked,
+    points::{Job, Limits, RunError},
+    room::Room,
+    system,
+    task::Case,
+    wire::{Order, Reply, Said, Setup, bytes, read},
+    working_directory,
+};
+use fmu_import::isolation::{
+    ControlGroup, Loss,
+    frame::{self, Inbox},
+    keeper::signal_name,
+};
 
 /// The argument that makes this program a worker.
 pub(crate) const WORKER: &str = "fmu-points-worker";

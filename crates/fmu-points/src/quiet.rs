@@ -4,11 +4,12 @@
 //! A study may have very many points that fail for reasons of their own: of each kind of failure a few are tried again, and
 //! further ones only as long as that changes something.
 
-use std::collections::BTreeMap;
-use std::sync::{Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use std::{
+    collections::BTreeMap,
+    sync::{Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard},
+};
 
-use crate::failure::Failure;
-use crate::locked::locked;
+use crate::{failure::Failure, locked::locked};
 
 /// So many points of a kind that fail again are enough; of those that took too long, one.
 const ENOUGH: u32 = 3;

@@ -3,26 +3,32 @@
 //! A worker there does what one here does, with processes of its own. What is lost on the way to it says nothing about the
 //! FMU: its points are handed out again. Only a point that has cost several workers while it was alone with them has failed.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
-use std::io::{self, Read};
-use std::path::Path;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs::File,
+    io::{self, Read},
+    path::Path,
+    sync::{
+        Arc, Mutex, MutexGuard,
+        atomic::{AtomicU64, Ordering},
+    },
+    thread::sleep,
+    time::{Duration, Instant},
+};
 
 use fmu_import::{FmuError, Package};
 
-use crate::dispatch::{Greeting, Order, Report, Series, Terms};
-use crate::failure::Failure;
-use crate::isolation::Isolation;
-use crate::launcher::{Launcher, Place};
-use crate::link::{Cut, Link};
-use crate::locked::locked;
-use crate::points::{Event, Job, Limits, Post, RunError, Worker};
-use crate::task::Case;
-use crate::working_directory;
+use crate::{
+    dispatch::{Greeting, Order, Report, Series, Terms},
+    failure::Failure,
+    isolation::Isolation,
+    launcher::{Launcher, Place},
+    link::{Cut, Link},
+    locked::locked,
+    points::{Event, Job, Limits, Post, RunError, Worker},
+    task::Case,
+    working_directory,
+};
 
 /// A point that has cost so many workers, with each of which it was alone, has failed.
 const COSTLY: u32 = 3;

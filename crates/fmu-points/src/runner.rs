@@ -12,10 +12,12 @@ mod watched;
 
 use std::sync::Arc;
 
-use crate::failure::{Failure, Partial};
-use crate::notices::Notices;
-use crate::system;
-use crate::task::{Case, Probe};
+use crate::{
+    failure::{Failure, Partial},
+    notices::Notices,
+    system,
+    task::{Case, Probe},
+};
 use fmu_import::{Call, End, Instance, Library, Warnings};
 use gauge::Gauge;
 use scene::Scene;

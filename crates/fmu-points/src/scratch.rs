@@ -3,13 +3,15 @@
 //! They are removed when the command ends, also where a signal ends it: an FMU may hold hundreds of megabytes, and
 //! nobody else would ever remove them. Those of a command that was killed go when the next one begins.
 
-use std::collections::BTreeSet;
-use std::fs::{self, File, OpenOptions};
-use std::io;
-use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard};
-use std::thread::sleep;
-use std::time::Duration;
+use std::{
+    collections::BTreeSet,
+    fs::{self, File, OpenOptions},
+    io,
+    path::{Path, PathBuf},
+    sync::{Mutex, MutexGuard},
+    thread::sleep,
+    time::Duration,
+};
 
 use thiserror::Error;
 

@@ -1,17 +1,21 @@
 //! Single points in a process of their own: what the FMU does to it is one clear failure.
 
-use std::cell::Cell;
-use std::path::Path;
-use std::sync::{Arc, OnceLock};
-use std::time::{Duration, Instant};
+use std::{
+    cell::Cell,
+    path::Path,
+    sync::{Arc, OnceLock},
+    time::{Duration, Instant},
+};
 
-use crate::failure::Failure;
-use crate::points::{Answer, Job, Limits, RunError};
-use crate::process::{Gone, Process};
-use crate::room::Room;
-use crate::task::{Case, Task};
-use crate::wire::{Order, Origin, Said};
 pub use crate::wire::{bytes, read};
+use crate::{
+    failure::Failure,
+    points::{Answer, Job, Limits, RunError},
+    process::{Gone, Process},
+    room::Room,
+    task::{Case, Task},
+    wire::{Order, Origin, Said},
+};
 use fmu_import::{Handle, Package, Value};
 
 /// Takes a row of a trajectory: the time, s, and the values then.

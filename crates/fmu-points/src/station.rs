@@ -3,27 +3,35 @@
 //! It unpacks the FMU into a folder of its own, and watches that. It ends with all that it has started when its input closes,
 //! or when the supervisor has been silent for too long: a link that is cut may close nothing.
 
-use std::fs::File;
-use std::io::{self, Write};
-use std::mem::take;
-use std::num::NonZero;
-use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, channel};
-use std::sync::{Arc, Mutex, MutexGuard};
-use std::thread;
-use std::time::{Duration, Instant};
+use std::{
+    fs::File,
+    io::{self, Write},
+    mem::take,
+    num::NonZero,
+    ops::ControlFlow,
+    path::{Path, PathBuf},
+    sync::{
+        Arc, Mutex, MutexGuard,
+        mpsc::{Receiver, channel},
+    },
+    thread,
+    time::{Duration, Instant},
+};
 
-use fmu_import::Package;
-use fmu_import::isolation::frame::{self, Inbox};
+use fmu_import::{
+    Package,
+    isolation::frame::{self, Inbox},
+};
 
-use crate::crew::{Crew, Place};
-use crate::dispatch::{Greeting, MAGIC, News, Order, Report, Series, Terms, beat, unable};
-use crate::launcher::Launcher;
-use crate::locked::locked;
-use crate::points::{Job, Limits, Post, Worker};
-use crate::wire::{bytes, read};
-use crate::{process, scratch, stop, system};
+use crate::{
+    crew::{Crew, Place},
+    dispatch::{Greeting, MAGIC, News, Order, Report, Series, Terms, beat, unable},
+    launcher::Launcher,
+    locked::locked,
+    points::{Job, Limits, Post, Worker},
+    process, scratch, stop, system,
+    wire::{bytes, read},
+};
 
 /// News are held back so long: a message a point would cost more than a short point.
 const HOLD: Duration = Duration::from_millis(20);

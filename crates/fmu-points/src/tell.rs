@@ -1,8 +1,10 @@
 //! Lines on standard error and texts on standard output. What strangers wrote (an FMU, a table, a file's name) cannot steer the
 //! terminal there, nor look like another text.
 
-use std::borrow::Cow;
-use std::io::{self, Write};
+use std::{
+    borrow::Cow,
+    io::{self, Write},
+};
 
 /// Whether a character is one that is not seen, but changes what is seen: it steers the terminal, or turns or breaks the
 /// text after it.

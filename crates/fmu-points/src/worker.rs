@@ -4,23 +4,27 @@
 //! crash, silence, foreign bytes. Only its own code writes to the supervisor. It ends with the supervisor, and
 //! all that it has started with it.
 
-use std::collections::VecDeque;
-use std::fs::File;
-use std::io;
-use std::time::{Duration, Instant};
+use std::{
+    collections::VecDeque,
+    fs::File,
+    io,
+    time::{Duration, Instant},
+};
 
-use crate::birth;
-use crate::child;
-use crate::child::Estate;
-use crate::failure::Failure;
-use crate::points::{Job, Limits};
-use crate::room;
-use crate::runner::Runner;
-use crate::system::{self, Streams};
-use crate::wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read};
-use fmu_import::isolation::keeper::signal_name;
-use fmu_import::isolation::{Bounds, Child, Keeper, Loss, Parting, frame};
-use fmu_import::{FmuError, Package};
+use crate::{
+    birth,
+    child::{self, Estate},
+    failure::Failure,
+    points::{Job, Limits},
+    room,
+    runner::Runner,
+    system::{self, Streams},
+    wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read},
+};
+use fmu_import::{
+    FmuError, Package,
+    isolation::{Bounds, Child, Keeper, Loss, Parting, frame, keeper::signal_name},
+};
 
 /// Replies are sent after this time at the latest, when the next point is done: a message a point would cost more
 /// than a short point.

@@ -4,9 +4,11 @@
 //! one. But a study may name a file by a relative path, which the FMU then looks for where the user is: there points
 //! keep the user's own working directory.
 
-use std::env;
-use std::ffi::{OsStr, OsString};
-use std::path::{self, Component, Path, PathBuf};
+use std::{
+    env,
+    ffi::{OsStr, OsString},
+    path::{self, Component, Path, PathBuf},
+};
 
 use crate::task::Task;
 use fmu_import::{Description, Kind, Value};

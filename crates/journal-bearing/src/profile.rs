@@ -12,8 +12,7 @@
 //! # Ok::<(), journal_bearing::profile::ProfileError>(())
 //! ```
 
-use std::f64::consts::TAU;
-use std::path::Path;
+use std::{f64::consts::TAU, path::Path};
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;

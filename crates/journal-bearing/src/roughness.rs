@@ -20,8 +20,7 @@ mod flow;
 mod reach;
 mod stress;
 
-use std::f64::consts::TAU;
-use std::sync::LazyLock;
+use std::{f64::consts::TAU, sync::LazyLock};
 
 use serde::{Deserialize, Serialize};
 

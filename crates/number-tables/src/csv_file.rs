@@ -1,18 +1,22 @@
 //! Csv files as programs and spreadsheets write them: commas, semicolons or tabs between cells, and
 //! decimal commas where commas separate nothing.
 
-use std::borrow::Cow;
-use std::cell::{Cell, RefCell};
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read, Seek, Take};
-use std::iter::Peekable;
-use std::path::{Path, PathBuf};
-use std::vec::IntoIter;
+use std::{
+    borrow::Cow,
+    cell::{Cell, RefCell},
+    fs::File,
+    io::{self, BufRead, BufReader, Read, Seek, Take},
+    iter::Peekable,
+    path::{Path, PathBuf},
+    vec::IntoIter,
+};
 
 use csv::StringRecord;
 
-use crate::files::{self, FileError};
-use crate::rows::{How, Rows};
+use crate::{
+    files::{self, FileError},
+    rows::{How, Rows},
+};
 use fmu_points::tell::{is_hidden, visible};
 
 /// The longest row that is read, MiB.

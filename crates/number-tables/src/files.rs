@@ -1,9 +1,11 @@
 //! Why a file cannot be read or written, with a remedy.
 
-use std::fmt::Display;
-use std::fs::{self, File};
-use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+use std::{
+    fmt::Display,
+    fs::{self, File},
+    io::{self, Read},
+    path::{Path, PathBuf},
+};
 
 use thiserror::Error;
 

@@ -7,8 +7,7 @@ pub mod recorded;
 mod rows;
 
 use crate::files::FileError;
-use std::collections::HashSet;
-use std::path::Path;
+use std::{collections::HashSet, path::Path};
 
 use fmu_import::units::known;
 use fmu_points::names::{did_you_mean, nearest};

@@ -1,16 +1,21 @@
 //! Tables of Apache Parquet, read row by row.
 
-use std::borrow::Cow;
-use std::path::{Path, PathBuf};
+use std::{
+    borrow::Cow,
+    path::{Path, PathBuf},
+};
 
-use parquet::basic::LogicalType;
-use parquet::errors::ParquetError;
-use parquet::file::reader::{FileReader, SerializedFileReader};
-use parquet::record::Field;
-use parquet::record::reader::RowIter;
+use parquet::{
+    basic::LogicalType,
+    errors::ParquetError,
+    file::reader::{FileReader, SerializedFileReader},
+    record::{Field, reader::RowIter},
+};
 
-use crate::files::{self, FileError};
-use crate::rows::{How, Rows};
+use crate::{
+    files::{self, FileError},
+    rows::{How, Rows},
+};
 
 /// A Parquet file as [`Rows`].
 struct ParquetRows {

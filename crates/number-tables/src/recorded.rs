@@ -1,12 +1,17 @@
 //! A recording as a table: one row of names, `name [unit]`, and numbers below, as csv or Parquet. What a logger writes otherwise
 //! becomes such a table by `convert`, which asks where two readings are possible; here nothing is guessed.
 
-use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::{
+    io::Read,
+    path::{Path, PathBuf},
+};
 
-use crate::files::{self, FileError};
-use crate::rows::How;
-use crate::{is_of_time, is_time_name, name_and_unit, shown};
+use crate::{
+    files::{self, FileError},
+    is_of_time, is_time_name, name_and_unit,
+    rows::How,
+    shown,
+};
 use fmu_import::units::known;
 use fmu_points::names::{did_you_mean, nearest};
 

@@ -1,10 +1,11 @@
 //! Why a folder's journal cannot be written or read, or points cannot be run, as the user reads it.
 
-use std::io;
-use std::path::{Path, PathBuf};
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
 
-use fmu_points::RunError;
-use fmu_points::scratch::ScratchError;
+use fmu_points::{RunError, scratch::ScratchError};
 use number_tables::files::FileError;
 
 /// Why a folder's journal cannot be written or read, or points cannot be run.

@@ -1,10 +1,11 @@
 //! Files that are either as before or complete, whatever happens while they are written.
 
-use std::io::{self, Write};
-use std::path::Path;
+use std::{
+    io::{self, Write},
+    path::Path,
+};
 
-use number_tables::csv_file;
-use number_tables::files::FileError;
+use number_tables::{csv_file, files::FileError};
 use serde::Serialize;
 use tempfile::NamedTempFile;
 

@@ -1,19 +1,20 @@
 //! The journal, read again.
 
-use std::collections::{BTreeMap, HashMap};
-use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::{BTreeMap, HashMap},
+    fs::File,
+    path::{Path, PathBuf},
+};
 
 use serde::Deserialize;
 
-use crate::Error;
-use crate::Outcome;
-use crate::header::Header;
-use crate::lines::{Line, Lines, open, path_in};
-use crate::note::{Note, PASSED, SAME_SET, SET};
-use fmu_points::Conduct;
-use fmu_points::failure::Failure;
-use fmu_points::notices::Notices;
+use crate::{
+    Error, Outcome,
+    header::Header,
+    lines::{Line, Lines, open, path_in},
+    note::{Note, PASSED, SAME_SET, SET},
+};
+use fmu_points::{Conduct, failure::Failure, notices::Notices};
 
 /// Index of a journal: the position of each finished point's line.
 #[derive(Clone, Debug, Default)]

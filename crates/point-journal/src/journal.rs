@@ -17,22 +17,24 @@
 //! stands behind them ([`Notices`]). An analysis that asks for several sets of points notes what tells each set from others,
 //! `set 0 600 5d41402a`, and at last `end`. Where a set takes the place of another one, what followed that one counts no more.
 
-use std::fmt::Write as _;
-use std::fs::{File, OpenOptions};
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::{
+    fmt::Write as _,
+    fs::{File, OpenOptions},
+    io::{self, Write},
+    path::{Path, PathBuf},
+};
 
 use tempfile::NamedTempFile;
 
-use crate::Error;
-use crate::Outcome;
-use crate::files::{draft, keep, make_folder};
-use crate::finished::Finished;
-use crate::header::Header;
-use crate::lines::{self, Line, open, path_in};
-use crate::note::{Note, PASSED, SAME_SET, SET};
-use fmu_points::notices::Notices;
-use fmu_points::tell::one_line;
+use crate::{
+    Error, Outcome,
+    files::{draft, keep, make_folder},
+    finished::Finished,
+    header::Header,
+    lines::{self, Line, open, path_in},
+    note::{Note, PASSED, SAME_SET, SET},
+};
+use fmu_points::{notices::Notices, tell::one_line};
 
 /// A journal that is being written.
 #[derive(Debug)]

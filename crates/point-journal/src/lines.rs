@@ -1,10 +1,11 @@
 //! The lines of a journal, checked.
 
-use crate::Error;
-use crate::header::Header;
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Seek, SeekFrom};
-use std::path::{Path, PathBuf};
+use crate::{Error, header::Header};
+use std::{
+    fs::File,
+    io::{self, BufRead, BufReader, Seek, SeekFrom},
+    path::{Path, PathBuf},
+};
 
 /// The journal's place in an output folder.
 pub fn path_in(folder: &Path) -> PathBuf {

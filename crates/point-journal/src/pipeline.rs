@@ -10,17 +10,16 @@ pub mod folder;
 mod progress;
 mod shard;
 
-use std::collections::{BTreeMap, HashMap};
-use std::ops::{ControlFlow, Range};
-use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::{
+    collections::{BTreeMap, HashMap},
+    ops::{ControlFlow, Range},
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use crate::{Error, Finished, Journal, Note, Outcome};
 use again::{Again, Known};
-use fmu_points::crew::Crew;
-use fmu_points::notices::Notices;
-use fmu_points::task::Case;
-use fmu_points::{Answer, Conduct, Event, Isolation, Job, Worker, stop};
+use fmu_points::{Answer, Conduct, Event, Isolation, Job, Worker, crew::Crew, notices::Notices, stop, task::Case};
 use progress::Progress;
 
 pub use again::difference;

@@ -1,7 +1,6 @@
 //! A document on the terminal.
 
-use super::format::with_unit;
-use super::html::between;
+use super::{format::with_unit, html::between};
 use crate::document::{Block, Document, Figure, Table};
 
 impl Document {

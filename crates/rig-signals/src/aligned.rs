@@ -1,12 +1,14 @@
 //! The signals once they are aligned, and what follows from them.
 
-use super::delay::Delay;
-use super::holes::Holes;
-use super::recording::{Accuracy, Bearing, Channel, DerivedCriterion, RigRecording, Synchronised};
-use super::signal::{Even, SignalError, Spline};
-use super::spectrum::Noise;
-use super::stationarity::{self, block_means, uncertainty_of_mean};
-use super::uncertainty::{MeasuredValue, from_bound, of_product};
+use super::{
+    delay::Delay,
+    holes::Holes,
+    recording::{Accuracy, Bearing, Channel, DerivedCriterion, RigRecording, Synchronised},
+    signal::{Even, SignalError, Spline},
+    spectrum::Noise,
+    stationarity::{self, block_means, uncertainty_of_mean},
+    uncertainty::{MeasuredValue, from_bound, of_product},
+};
 use sampling::statistics::moments::{mean, variance};
 
 /// The aligned signals over their common time.

@@ -1,12 +1,14 @@
 //! A case of a study from a recording: what drove the rig as inputs, what was measured as curves with their uncertainty.
 
-use super::delay::Delay;
-use super::holes::Holes;
-use super::recording::{Account, Accuracy, Channel, EARLY, RigRecording, Synchronised, behind};
-use super::signal::SignalError;
-use super::spectrum::Noise;
-use super::thin::{Polyline, polyline};
-use super::uncertainty::from_bound;
+use super::{
+    delay::Delay,
+    holes::Holes,
+    recording::{Account, Accuracy, Channel, EARLY, RigRecording, Synchronised, behind},
+    signal::SignalError,
+    spectrum::Noise,
+    thin::{Polyline, polyline},
+    uncertainty::from_bound,
+};
 
 /// Settings by which a recording becomes a case.
 #[derive(Clone, Debug)]

@@ -9,13 +9,17 @@
 //! interpolation therefore prefers half samples. Here both signals pass through the same Gaussian kernel at every shift,
 //! so wide that the noise it leaves does not depend on the shift.
 
-use sampling::statistics::moments::{mean, variance};
+use sampling::statistics::{
+    estimate::Estimate,
+    moments::{mean, variance},
+};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::kernel::Kernel;
-use super::signal::{Even, SignalError};
-use super::spectrum::Comb;
-use sampling::statistics::estimate::Estimate;
+use super::{
+    kernel::Kernel,
+    signal::{Even, SignalError},
+    spectrum::Comb,
+};
 
 /// The delay of the torque, with its uncertainty.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,11 +1,13 @@
 //! Recorded signals, and the results from them.
 
-use super::clean::{Cleaned, Drop, clean};
-use super::delay::Delay;
-use super::smooth::Smoothing;
-use super::spectrum::Noise;
-use super::stationarity::Stationarity;
-use super::uncertainty::{MeasuredValue, from_bound};
+use super::{
+    clean::{Cleaned, Drop, clean},
+    delay::Delay,
+    smooth::Smoothing,
+    spectrum::Noise,
+    stationarity::Stationarity,
+    uncertainty::{MeasuredValue, from_bound},
+};
 use sampling::statistics::moments::mean;
 
 /// A unit behind a number: nothing of one without a unit.

@@ -3,8 +3,7 @@
 use super::signal::SignalError;
 use nalgebra::DMatrix;
 use serde::Deserialize;
-use std::f64::consts::PI;
-use std::fmt;
+use std::{f64::consts::PI, fmt};
 
 /// How a signal is smoothed.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]

@@ -4,10 +4,11 @@
 //! between the lines, and what both channels have in common there is the load at random, mains hum, or one channel that
 //! leaks into the other.
 
-use super::scatter::{freedom, scatter};
-use super::signal::Even;
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex;
+use super::{
+    scatter::{freedom, scatter},
+    signal::Even,
+};
+use realfft::{RealFftPlanner, num_complex::Complex};
 use sampling::statistics::moments::sorted;
 use std::f64::consts::{LN_2, TAU};
 

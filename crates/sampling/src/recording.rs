@@ -1,7 +1,9 @@
 //! Errors of a recording's rows, drawn again and again: what a measured curve may truly have been.
 
-use crate::distribution::normal_quantile;
-use crate::random::{Purpose, bits, pair};
+use crate::{
+    distribution::normal_quantile,
+    random::{Purpose, bits, pair},
+};
 
 /// Standard errors of a recording's rows, by parts: one that all rows share, such as an offset of the sensor, another one that
 /// they share, such as its gain, and a part of each row's own, such as noise.

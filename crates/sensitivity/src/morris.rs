@@ -7,9 +7,13 @@
 
 use crate::method::{Facts, FromRuns, Measure, Settled, Space, Told, read};
 use conformity::interval::clopper_pearson;
-use sampling::random::{Purpose, Random};
-use sampling::statistics::estimate::Estimate;
-use sampling::statistics::moments::{deviation, mean};
+use sampling::{
+    random::{Purpose, Random},
+    statistics::{
+        estimate::Estimate,
+        moments::{deviation, mean},
+    },
+};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use statrs::distribution::{ContinuousCDF, StudentsT};

@@ -1,8 +1,10 @@
 //! The ratio of two means over base points, such as a part of the variance over the variance, with its 95 % interval.
 
 use crate::pairs::{BLOCKS, block};
-use sampling::statistics::estimate::Estimate;
-use sampling::statistics::moments::{mean, moderate_unit};
+use sampling::statistics::{
+    estimate::Estimate,
+    moments::{mean, moderate_unit},
+};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Parts of the base points whose estimators are weighted by the others.

@@ -13,12 +13,16 @@
 //! of both is (f_after - f_before) (f_A - f_B) / 2, after Goda (2021), "A simple algorithm for global sensitivity analysis with
 //! Shapley effects", Reliability Engineering & System Safety 213, 107702.
 
-use crate::method::{Facts, FromRuns, Measure, Settled, Space, Told, read};
-use crate::pairs::pairs;
-use crate::ratio::{self, Parts};
+use crate::{
+    method::{Facts, FromRuns, Measure, Settled, Space, Told, read},
+    pairs::pairs,
+    ratio::{self, Parts},
+};
 use nalgebra::{DMatrix, DVector};
-use sampling::random::{Purpose, Random};
-use sampling::statistics::estimate::Estimate;
+use sampling::{
+    random::{Purpose, Random},
+    statistics::estimate::Estimate,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use statrs::distribution::{ContinuousCDF, Normal};

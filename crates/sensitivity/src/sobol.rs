@@ -5,11 +5,12 @@
 //! Computer Physics Communications 181, 259-270: two independent samples A and B, and for every
 //! parameter i the sample A_B^(i), which is A with column i from B.
 
-use crate::method::{Facts, FirstOrder, FromRuns, Measure, Settled, Space, Told, read};
-use crate::pairs::pairs;
-use crate::ratio::{self, Combined, Parts};
-use sampling::statistics::estimate::Estimate;
-use sampling::statistics::moments::mean;
+use crate::{
+    method::{Facts, FirstOrder, FromRuns, Measure, Settled, Space, Told, read},
+    pairs::pairs,
+    ratio::{self, Combined, Parts},
+};
+use sampling::statistics::{estimate::Estimate, moments::mean};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 

@@ -1,25 +1,23 @@
 //! Ties a study to an FMU: names become variables, units convert, numbers are checked.
 
-use std::collections::HashSet;
-use std::sync::Arc;
+use std::{collections::HashSet, sync::Arc};
 
 use toml::Spanned;
 
-use super::input::Input;
-use super::inputs::Recordings;
-use super::measured::Binder as CurveBinder;
-use super::samples::{self, Together};
-use super::values::{find, size_of, slot_of, value_of};
-use super::{CaseText, CriterionText, Name, ParameterText, Study, inputs, ssv};
-use crate::cases::SEPARATOR;
-use crate::concern::Concern;
-use fmu_import::quantity::Scale;
-use fmu_import::units::Conversion;
-use fmu_import::{Content, Description, Handle, Value, Variable};
+use super::{
+    CaseText, CriterionText, Name, ParameterText, Study,
+    input::Input,
+    inputs::{self, Recordings},
+    measured::Binder as CurveBinder,
+    samples::{self, Together},
+    ssv,
+    values::{find, size_of, slot_of, value_of},
+};
+use crate::{cases::SEPARATOR, concern::Concern};
+use fmu_import::{Content, Description, Handle, Value, Variable, quantity::Scale, units::Conversion};
 use fmu_points::task::{Detail, MeasuredCurve, Probe, Product, Schedule, Slot, Task};
 use number_tables::files::FileError;
-use sampling::design::Joint;
-use sampling::statistics::Statistic;
+use sampling::{design::Joint, statistics::Statistic};
 
 /// Finds variables and checks values for one FMU.
 pub(super) struct Binder<'a> {

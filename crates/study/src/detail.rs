@@ -1,11 +1,8 @@
 //! Numbers without which a statistic is not complete.
 
-use super::CriterionText;
-use super::window::seconds;
-use fmu_import::quantity::Scale;
-use fmu_import::{Description, Variable};
-use fmu_points::names::behind;
-use fmu_points::task::Detail;
+use super::{CriterionText, window::seconds};
+use fmu_import::{Description, Variable, quantity::Scale};
+use fmu_points::{names::behind, task::Detail};
 use sampling::statistics::{Direction, Statistic};
 
 impl CriterionText {

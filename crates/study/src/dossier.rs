@@ -1,8 +1,7 @@
 //! Who answers for a verdict, and on which test it rests.
 
 use chrono::NaiveDate;
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 use toml::value::Datetime;
 
 /// Who tested what and when: text for the reader of a verdict.

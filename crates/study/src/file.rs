@@ -1,7 +1,9 @@
 //! A study's file as a whole.
 
-use std::fmt::Display;
-use std::path::{Path, PathBuf};
+use std::{
+    fmt::Display,
+    path::{Path, PathBuf},
+};
 
 use fmu_import::{Package, digest, sha256};
 use indexmap::IndexMap;
@@ -11,13 +13,15 @@ use serde::Deserialize;
 use sha2::{Digest, Sha256};
 use toml::Spanned;
 
-use crate::dossier::Dossier;
-use crate::error::{OpenError, Place, unusable};
-use crate::identification::Identification;
-use crate::name::{Name, Pair};
-use crate::sections::{RobustnessText, SensitivityText, TolerancesText};
-use crate::text::{CaseText, CriterionText, ParameterText, RecordingText, Required, Setting, Simulation};
-use crate::values::size_of;
+use crate::{
+    dossier::Dossier,
+    error::{OpenError, Place, unusable},
+    identification::Identification,
+    name::{Name, Pair},
+    sections::{RobustnessText, SensitivityText, TolerancesText},
+    text::{CaseText, CriterionText, ParameterText, RecordingText, Required, Setting, Simulation},
+    values::size_of,
+};
 
 /// The content of a study file.
 #[derive(Clone, Debug, Deserialize)]

@@ -1,18 +1,23 @@
 //! Inputs that follow a recording.
 
-use super::limit::{gain, part};
-use super::values::{find, slot_of};
-use super::{CaseText, CriterionText, Name, RecordingText, Study};
-use crate::cases::SEPARATOR;
-use crate::concern::{Code, Concern};
+use super::{
+    CaseText, CriterionText, Name, RecordingText, Study,
+    limit::{gain, part},
+    values::{find, slot_of},
+};
+use crate::{
+    cases::SEPARATOR,
+    concern::{Code, Concern},
+};
 use conformity::uncertainty::Uncertainty;
-use fmu_import::description::Interface;
-use fmu_import::quantity::{Quantity, Scale, Sense};
-use fmu_import::units::{Conversion, known};
-use fmu_import::{Causality, Content, Description, Variability, Variable};
+use fmu_import::{
+    Causality, Content, Description, Variability, Variable,
+    description::Interface,
+    quantity::{Quantity, Scale, Sense},
+    units::{Conversion, known},
+};
 use fmu_points::task::{Probe, Schedule, SensorError, Series, Slot, place};
-use number_tables::Table;
-use number_tables::files::FileError;
+use number_tables::{Table, files::FileError};
 use sampling::statistics::moments::{quantile, sorted};
 
 /// How the name of a sensor's zero error ends behind `/`, and its key in a study.

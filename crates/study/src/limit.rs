@@ -1,7 +1,6 @@
 //! How far a metric of curves may be from that of equal ones.
 
-use super::CriterionText;
-use super::ToleranceText;
+use super::{CriterionText, ToleranceText};
 use curves::{Kind, Metric};
 use fmu_import::quantity::{Quantity, Scale, Sense};
 

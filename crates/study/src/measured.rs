@@ -2,19 +2,22 @@
 
 use std::fmt::Display;
 
-use super::inputs::in_seconds;
-use super::limit::{gain, limit};
-use super::reference::{DelayRange, DelayText, Normalise, OwnNormaliser, ReferenceText};
-use super::window::seconds;
-use super::{CriterionText, Name, Pair, Study, first_wrong};
+use super::{
+    CriterionText, Name, Pair, Study, first_wrong,
+    inputs::in_seconds,
+    limit::{gain, limit},
+    reference::{DelayRange, DelayText, Normalise, OwnNormaliser, ReferenceText},
+    window::seconds,
+};
 use conformity::uncertainty::{Distribution, Uncertainty};
 use curves::{Curve, Metric, iso18571};
-use fmu_import::digest;
-use fmu_import::quantity::{Quantity, Scale, Sense};
-use fmu_import::units::Conversion;
+use fmu_import::{
+    digest,
+    quantity::{Quantity, Scale, Sense},
+    units::Conversion,
+};
 use fmu_points::task::{CurveErrors, Delay, MeasuredCurve, Resampling};
-use number_tables::Table;
-use number_tables::files::FileError;
+use number_tables::{Table, files::FileError};
 use toml::Spanned;
 
 /// The most samples of which a rating is drawn again: its time grows with their square, and 256 draws of 1,000 take a third of

@@ -1,23 +1,29 @@
 //! A study that fits an FMU: its points in the FMU's units, their results in those of the study.
 
-use std::ops::Range;
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
-use super::bind::Binder;
-use super::inputs::{InputError, taken_as_exact};
-use super::{Study, points};
+use super::{
+    Study,
+    bind::Binder,
+    inputs::{InputError, taken_as_exact},
+    points,
+};
 use crate::concern::{Code, Concern};
-use fmu_import::Description;
-use fmu_import::units::Conversion;
-use fmu_points::names::behind;
-use fmu_points::task::{Case, Probe, Slot};
+use fmu_import::{Description, units::Conversion};
+use fmu_points::{
+    names::behind,
+    task::{Case, Probe, Slot},
+};
 use number_tables::files::FileError;
-use sampling::design::correlation::Correlation;
-use sampling::design::{self, Design, Joint, Sampling};
-use sampling::distribution::Distribution;
+use sampling::{
+    design::{self, Design, Joint, Sampling, correlation::Correlation},
+    distribution::Distribution,
+};
 
-pub use super::input::Input;
-pub use super::values::{bare, find, size_of, slot_of, value_of};
+pub use super::{
+    input::Input,
+    values::{bare, find, size_of, slot_of, value_of},
+};
 
 /// A study that fits an FMU.
 #[derive(Clone, Debug)]

@@ -1,19 +1,20 @@
 //! Parameters that come together from a sample, such as the `posterior.csv` of `identify`.
 
-use std::collections::HashMap;
-use std::io::{BufRead, BufReader, Read};
-use std::path::PathBuf;
+use std::{
+    collections::HashMap,
+    io::{BufRead, BufReader, Read},
+    path::PathBuf,
+};
 
 use indexmap::IndexMap;
 use toml::Spanned;
 
-use super::input::Input;
-use super::{Name, ParameterText, Shape, Study};
-use number_tables::files;
-use number_tables::files::FileError;
-use number_tables::{Column, Table};
-use sampling::design::Joint;
-use sampling::distribution::Distribution;
+use super::{Name, ParameterText, Shape, Study, input::Input};
+use number_tables::{
+    Column, Table,
+    files::{self, FileError},
+};
+use sampling::{design::Joint, distribution::Distribution};
 
 /// A parameter that comes from a sample.
 struct Member<'a> {

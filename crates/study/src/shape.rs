@@ -2,8 +2,7 @@
 
 use super::{ParameterText, Shape};
 use fmu_import::quantity::{Quantity, Scale, Sense};
-use sampling::distribution::Distribution;
-use sampling::word;
+use sampling::{distribution::Distribution, word};
 
 impl ParameterText {
     /// Its numbers, by their keys.

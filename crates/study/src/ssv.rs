@@ -7,11 +7,12 @@ use std::path::Path;
 
 use roxmltree::Node;
 
-use super::Setting;
-use super::values::{find, value_of};
+use super::{
+    Setting,
+    values::{find, value_of},
+};
 use fmu_import::{Description, Value, xml};
-use number_tables::files;
-use number_tables::files::FileError;
+use number_tables::files::{self, FileError};
 
 pub use write::write;
 

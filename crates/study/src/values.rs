@@ -1,11 +1,15 @@
 //! Start values for an FMU's variables: found by name, converted, checked.
 
 use super::Setting;
-use fmu_import::description::Storage;
-use fmu_import::quantity::{Quantity, Scale, Sense};
-use fmu_import::{Causality, Description, Kind, Place, Value, Variability, Variable, bytes_of};
-use fmu_points::names::{behind, did_you_mean, nearest};
-use fmu_points::task::Slot;
+use fmu_import::{
+    Causality, Description, Kind, Place, Value, Variability, Variable, bytes_of,
+    description::Storage,
+    quantity::{Quantity, Scale, Sense},
+};
+use fmu_points::{
+    names::{behind, did_you_mean, nearest},
+    task::Slot,
+};
 
 /// The variable of this name.
 ///

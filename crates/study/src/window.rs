@@ -2,8 +2,7 @@
 
 use serde::Deserialize;
 
-use fmu_import::quantity::Quantity;
-use fmu_import::quantity::to_own;
+use fmu_import::quantity::{Quantity, to_own};
 
 /// A window as the study writes it: `window = 10`, or `window = { from = "140 s", to = "150 s" }`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]

@@ -1,12 +1,10 @@
 //! The best point as a parameter set of SSP.
 
-use crate::error::Error;
-use crate::results::Summary;
+use crate::{error::Error, results::Summary};
 use fmu_import::{Description, Value, Variable};
 use point_journal::files::write_text;
 use std::path::Path;
-use study::plan::Plan;
-use study::ssv;
+use study::{plan::Plan, ssv};
 
 const SET: &str = "best.ssv";
 

@@ -1,9 +1,11 @@
 //! `check`: looks at an FMU before it is used.
 
-use std::fs;
-use std::path::Path;
-use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::{
+    fs,
+    path::Path,
+    process::ExitCode,
+    time::{Duration, Instant},
+};
 
 use fmu_check::{CheckError, Conditions, Findings, RULES, Severity, check};
 use fmu_import::{Package, Value};
@@ -11,9 +13,11 @@ use fmu_points::names::{did_you_mean, nearest};
 use serde::Deserialize;
 
 use super::{output, simulate};
-use crate::cli::{Check, Format};
-use crate::error::Error;
-use crate::junit::{self, Outcome, Test};
+use crate::{
+    cli::{Check, Format},
+    error::Error,
+    junit::{self, Outcome, Test},
+};
 
 /// The findings that are known.
 #[derive(Deserialize)]

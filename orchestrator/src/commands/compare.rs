@@ -3,10 +3,12 @@
 use std::process::ExitCode;
 
 use super::output;
-use crate::cli;
-use crate::compare::{compare, write};
-use crate::error::Error;
-use crate::junit;
+use crate::{
+    cli,
+    compare::{compare, write},
+    error::Error,
+    junit,
+};
 
 pub(super) fn run(options: &cli::Compare) -> Result<ExitCode, Error> {
     let comparison = compare(&options.old, &options.new)?;

@@ -2,15 +2,16 @@
 
 use conformity::conclusion::grouped;
 
-use crate::error::Error;
-use crate::options::Means;
-use crate::session::Verification;
-use fmu_points::Limits;
-use fmu_points::crew::{Crew, Place};
-use fmu_points::stop;
-use fmu_points::{Event, Job, Post};
-use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
+use crate::{error::Error, options::Means, session::Verification};
+use fmu_points::{
+    Event, Job, Limits, Post,
+    crew::{Crew, Place},
+    stop,
+};
+use std::{
+    ops::ControlFlow,
+    time::{Duration, Instant},
+};
 
 /// How long the point may take; nobody waits longer for an estimate.
 const PATIENCE: Duration = Duration::from_secs(60);

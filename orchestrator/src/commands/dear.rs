@@ -1,22 +1,24 @@
 //! `verify --budget N`: few runs of an FMU whose runs are dear.
 
-use std::fs;
-use std::path::Path;
-use std::process::ExitCode;
-use std::time::Instant;
+use std::{fs, path::Path, process::ExitCode, time::Instant};
 
 use super::{cost, gate, output, table, verify};
-use crate::cli::Verify;
-use crate::error::Error;
-use crate::methods::asking::{self, Delivery};
-use crate::methods::sensitivity;
-use crate::methods::setup::{self, Place, Source as _, Work};
-use crate::reruns::Wish;
-use crate::results::summary::Run;
-use crate::results::{self, Summary};
-use crate::session::budget::{self, Budget};
-use crate::session::{Request, Until, Verification};
-use crate::source::Source;
+use crate::{
+    cli::Verify,
+    error::Error,
+    methods::{
+        asking::{self, Delivery},
+        sensitivity,
+        setup::{self, Place, Source as _, Work},
+    },
+    reruns::Wish,
+    results::{self, Summary, summary::Run},
+    session::{
+        Request, Until, Verification,
+        budget::{self, Budget},
+    },
+    source::Source,
+};
 use sampling::design::Design;
 
 /// Runs the command.

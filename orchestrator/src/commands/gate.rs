@@ -1,16 +1,18 @@
 //! A verdict for a build server: its exit code, and its tests as JUnit XML.
 
-use std::path::Path;
-use std::process::ExitCode;
+use std::{path::Path, process::ExitCode};
 
-use crate::cli::Gate;
-use crate::error::Error;
-use crate::junit::{self, Outcome, Test};
-use crate::methods::asking::exit_code;
-use crate::results::Summary;
-use crate::results::summary::Count;
-use conformity::conclusion::{Conclusion, grouped};
-use conformity::decision::Decision;
+use crate::{
+    cli::Gate,
+    error::Error,
+    junit::{self, Outcome, Test},
+    methods::asking::exit_code,
+    results::{Summary, summary::Count},
+};
+use conformity::{
+    conclusion::{Conclusion, grouped},
+    decision::Decision,
+};
 use indexmap::IndexMap;
 use study::concern::{Concern, Severity};
 

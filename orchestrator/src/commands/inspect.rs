@@ -1,16 +1,12 @@
 //! `inspect`: what an FMU is.
 
-use std::fmt::Write;
-use std::process::ExitCode;
+use std::{fmt::Write, process::ExitCode};
 
 use serde_json::json;
 
 use super::output;
-use crate::cli::Inspect;
-use crate::error::Error;
-use crate::results::points::number;
-use fmu_import::units::Conversion;
-use fmu_import::{Causality, Description, Kind, Package, Variable};
+use crate::{cli::Inspect, error::Error, results::points::number};
+use fmu_import::{Causality, Description, Kind, Package, Variable, units::Conversion};
 use fmu_points::tell::one_line;
 
 pub(super) fn run(options: &Inspect) -> Result<ExitCode, Error> {

@@ -1,17 +1,22 @@
 //! Single points, each in a process of its own, with their trajectories as csv.
 
-use std::borrow::Cow;
-use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::{
+    borrow::Cow,
+    io::{BufWriter, Write},
+    path::{Path, PathBuf},
+    time::Instant,
+};
 
-use crate::error::Error;
-use crate::results::points::number;
+use crate::{error::Error, results::points::number};
 use fmu_import::{Causality, Description, Handle, Package, Value, Variable};
-use fmu_points::scratch::Scratch;
-use fmu_points::single::Recorder;
-use fmu_points::task::{Case, Task};
-use fmu_points::{Answer, Job, Limits, RunError, stop, working_directory};
+use fmu_points::{
+    Answer, Job, Limits, RunError,
+    scratch::Scratch,
+    single::Recorder,
+    stop,
+    task::{Case, Task},
+    working_directory,
+};
 use number_tables::csv_file;
 
 /// The variables that a trajectory shows.

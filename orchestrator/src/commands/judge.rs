@@ -1,28 +1,25 @@
 //! `judge`: applies a study's criteria to outputs that already stand in a table.
 
-use std::collections::HashSet;
-use std::path::Path;
-use std::process::ExitCode;
-use std::time::Instant;
+use std::{collections::HashSet, path::Path, process::ExitCode, time::Instant};
 
 use super::{complete, gate, output, table};
-use crate::cli;
-use crate::error::Error;
-use crate::judge::Judge;
-use crate::methods::asking::warn;
-use crate::results::concerns;
-use crate::results::summary::{Provenance, Run};
-use crate::results::survey::Survey;
-use crate::results::tally::{Sample, Tally};
-use crate::session::{FileSet, Request, provenance};
-use fmu_import::quantity::Scale;
-use fmu_import::units::Conversion;
-use fmu_import::{Description, Package};
+use crate::{
+    cli,
+    error::Error,
+    judge::Judge,
+    methods::asking::warn,
+    results::{
+        concerns,
+        summary::{Provenance, Run},
+        survey::Survey,
+        tally::{Sample, Tally},
+    },
+    session::{FileSet, Request, provenance},
+};
+use fmu_import::{Description, Package, quantity::Scale, units::Conversion};
 use fmu_points::failure::{Failure, Partial};
 use number_tables::Table;
-use point_journal::files::write_text;
-use point_journal::pipeline::folder::Earlier;
-use point_journal::{Lock, lines};
+use point_journal::{Lock, files::write_text, lines, pipeline::folder::Earlier};
 use study::Study;
 
 pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {

@@ -2,8 +2,10 @@
 
 use std::process::ExitCode;
 
-use crate::cli::{Cli, Manual};
-use crate::error::Error;
+use crate::{
+    cli::{Cli, Manual},
+    error::Error,
+};
 use clap::CommandFactory;
 use point_journal::files::make_folder;
 

@@ -1,21 +1,23 @@
 //! `merge`: joins shards; the same result as one run.
 
-use std::path::PathBuf;
-use std::process::ExitCode;
-use std::thread::available_parallelism;
-use std::time::{Duration, Instant};
+use std::{
+    path::PathBuf,
+    process::ExitCode,
+    thread::available_parallelism,
+    time::{Duration, Instant},
+};
 
 use super::verify;
-use crate::cli::Merge;
-use crate::error::Error;
-use crate::methods::setup::{Place, Source};
-use crate::reruns::Wish;
-use crate::results::MOST_EXTRA_RUNS;
-use crate::results::summary::Run;
-use crate::session::{Request, Verification};
+use crate::{
+    cli::Merge,
+    error::Error,
+    methods::setup::{Place, Source},
+    reruns::Wish,
+    results::{MOST_EXTRA_RUNS, summary::Run},
+    session::{Request, Verification},
+};
 use fmu_points::Limits;
-use point_journal::pipeline::folder::Earlier;
-use point_journal::{Header, journal, lines};
+use point_journal::{Header, journal, lines, pipeline::folder::Earlier};
 
 pub(super) fn run(options: &Merge) -> Result<ExitCode, Error> {
     let start = Instant::now();

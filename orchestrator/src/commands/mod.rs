@@ -21,22 +21,18 @@ mod synchronise;
 mod table;
 mod verify;
 
-use std::ffi::OsString;
-use std::path::Path;
-use std::process::ExitCode;
+use std::{ffi::OsString, path::Path, process::ExitCode};
 
-use crate::cli::{Cli, Command};
-use crate::error::Error;
-use crate::junit::{self, Outcome, Test};
-use crate::methods::Method;
-use crate::methods::asking::Delivery;
-use crate::methods::rare;
-use crate::report::Report;
+use crate::{
+    cli::{Cli, Command},
+    error::Error,
+    junit::{self, Outcome, Test},
+    methods::{Method, asking::Delivery, rare},
+    report::Report,
+};
 use conformity::decision::Decision;
-use fmu_points::stop::INTERRUPTED;
-use fmu_points::tell as output;
-use point_journal::Error as Halt;
-use point_journal::files::write_json;
+use fmu_points::{stop::INTERRUPTED, tell as output};
+use point_journal::{Error as Halt, files::write_json};
 
 /// The exit code for a mistake in what was asked for.
 pub const MISTAKE: u8 = 2;

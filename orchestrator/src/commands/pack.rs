@@ -1,18 +1,18 @@
 //! `pack`, and `verify` of what it has packed.
 
-use std::fs;
-use std::path::Path;
-use std::process::ExitCode;
+use std::{fs, path::Path, process::ExitCode};
 
 use super::{gate, output, verify};
-use crate::cli::{Pack, Verify};
-use crate::compare::{compare, write};
-use crate::error::Error;
-use crate::junit::{self, Outcome, Test};
-use crate::options::folder_of;
-use crate::packed::{altered, changed, choose, digests, pack, settle};
-use crate::results::table;
-use crate::session::Request;
+use crate::{
+    cli::{Pack, Verify},
+    compare::{compare, write},
+    error::Error,
+    junit::{self, Outcome, Test},
+    options::folder_of,
+    packed::{altered, changed, choose, digests, pack, settle},
+    results::table,
+    session::Request,
+};
 use fmu_import::Package;
 use point_journal::Lock;
 use study::Study;

@@ -1,22 +1,31 @@
 //! `replay`: runs one point of a study again, with its trajectory.
 
-use std::fs::File;
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::{
+    fs::File,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
-use super::isolated::{Columns, Isolated};
-use super::output;
-use crate::cli::Replay;
-use crate::error::Error;
-use crate::judge::Judge;
-use crate::results::points::number;
-use crate::results::table;
-use crate::session::Verification;
-use fmu_points::names::{did_you_mean, nearest};
-use fmu_points::task::Case;
-use point_journal::files::{draft, keep};
-use point_journal::pipeline::{Model, difference};
-use point_journal::{Finished, Outcome};
+use super::{
+    isolated::{Columns, Isolated},
+    output,
+};
+use crate::{
+    cli::Replay,
+    error::Error,
+    judge::Judge,
+    results::{points::number, table},
+    session::Verification,
+};
+use fmu_points::{
+    names::{did_you_mean, nearest},
+    task::Case,
+};
+use point_journal::{
+    Finished, Outcome,
+    files::{draft, keep},
+    pipeline::{Model, difference},
+};
 
 pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
     let mut verification = Verification::reopen(&options.folder, options.fmu.clone())?;

@@ -3,9 +3,7 @@
 use std::process::ExitCode;
 
 use super::output;
-use crate::cli;
-use crate::error::Error;
-use crate::report::Report;
+use crate::{cli, error::Error, report::Report};
 
 pub(super) fn run(options: &cli::Report) -> Result<ExitCode, Error> {
     let page = Report::from_folder(&options.folder)?.write(&options.folder)?;

@@ -2,20 +2,21 @@
 
 pub(super) mod recorded;
 
-use std::fs::File;
-use std::io;
-use std::path::Path;
-use std::process::ExitCode;
+use std::{fs::File, io, path::Path, process::ExitCode};
 
-use super::isolated::{Columns, Isolated};
-use super::output;
-use crate::cli::Simulate;
-use crate::error::Error;
+use super::{
+    isolated::{Columns, Isolated},
+    output,
+};
+use crate::{cli::Simulate, error::Error};
 use fmu_import::{Causality, Description, Package, Value, Variable};
 use fmu_points::task::{Schedule, Task};
-use study::inputs::takes_any_step;
-use study::plan::{bare, find, size_of, value_of};
-use study::{Setting, ssv};
+use study::{
+    Setting,
+    inputs::takes_any_step,
+    plan::{bare, find, size_of, value_of},
+    ssv,
+};
 
 pub(super) fn run(options: &Simulate) -> Result<ExitCode, Error> {
     let mut package = Package::open(&options.fmu)?;

@@ -3,14 +3,19 @@
 use std::process::ExitCode;
 
 use super::output;
-use crate::cli;
-use crate::error::Error;
-use crate::recording::{Recorded, Settings};
-use crate::report::recording;
+use crate::{
+    cli,
+    error::Error,
+    recording::{Recorded, Settings},
+    report::recording,
+};
 use number_tables::files::FileError;
 use point_journal::files::{make_folder, write_text};
-use rig_signals::case::{Case, Frame};
-use rig_signals::{RigRecording, Synchronised, criteria, synchronise};
+use rig_signals::{
+    RigRecording, Synchronised,
+    case::{Case, Frame},
+    criteria, synchronise,
+};
 
 const NO_POWER: &str = "\n# No criterion on the friction power (torque times speed): for one, name the variable of the FMU\n\
     # in the settings, power = { variable = \"...\" }.\n";

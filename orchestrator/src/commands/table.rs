@@ -1,13 +1,16 @@
 //! The result on the terminal: the first screen, or all of it with the table of counts that the paper prints.
 
-use std::fmt::Write;
-use std::path::Path;
+use std::{fmt::Write, path::Path};
 
-use crate::report::counted::risks;
-use crate::results::Summary;
-use crate::results::answer::{Answer, remarks};
-use crate::results::summary::{Count, FailedPoint, FailureKind};
-use crate::results::surrogate;
+use crate::{
+    report::counted::risks,
+    results::{
+        Summary,
+        answer::{Answer, remarks},
+        summary::{Count, FailedPoint, FailureKind},
+        surrogate,
+    },
+};
 use result_document::wrapped;
 
 /// The result for people: what fits a screen, or all of it. The page is in `folder`.

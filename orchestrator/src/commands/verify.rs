@@ -1,30 +1,30 @@
 //! `verify`: simulates a study's points and judges them.
 
-use std::collections::BTreeMap;
-use std::fs;
-use std::ops::ControlFlow;
-use std::path::Path;
-use std::process::ExitCode;
-use std::time::Instant;
+use std::{collections::BTreeMap, fs, ops::ControlFlow, path::Path, process::ExitCode, time::Instant};
 
 use indexmap::{IndexMap, IndexSet};
 
 use super::{best, complete, cost, gate, left_out, output, table};
-use crate::cli::{Gate, Verify};
-use crate::error::Error;
-use crate::methods::setup::{self, Place, Source, Work};
-use crate::methods::{asking, identify};
-use crate::options::folder_of;
-use crate::reruns::{self, Wish};
-use crate::results::summary::Run;
-use crate::results::{Looked, Summary};
-use crate::session::{Ending, Front, Request, Session, Verification};
+use crate::{
+    cli::{Gate, Verify},
+    error::Error,
+    methods::{
+        asking, identify,
+        setup::{self, Place, Source, Work},
+    },
+    options::folder_of,
+    reruns::{self, Wish},
+    results::{Looked, Summary, summary::Run},
+    session::{Ending, Front, Request, Session, Verification},
+};
 use conformity::decision::Decision;
 use fmu_points::names::behind;
-use point_journal::files::write_json;
-use point_journal::pipeline::Pipeline;
-use point_journal::pipeline::folder::Earlier;
-use point_journal::{Journal, lines};
+use point_journal::{
+    Journal,
+    files::write_json,
+    lines,
+    pipeline::{Pipeline, folder::Earlier},
+};
 use sampling::design::Method;
 use study::plan::bare;
 

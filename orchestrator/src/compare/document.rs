@@ -3,14 +3,16 @@
 use std::path::Path;
 
 use super::{Change, Comparison, said};
-use crate::error::Error;
-use crate::judge::Criterion;
-use crate::plain;
+use crate::{error::Error, judge::Criterion, plain};
 use point_journal::files::{make_folder, write_json};
-use result_document::bins::axis_range;
-use result_document::format::{count, number, with_unit};
-use result_document::svg::{Frame, area, circle, path};
-use result_document::{Block, Document, Figure, Key, Table, numbers, words};
+use result_document::{
+    Block, Document, Figure, Key, Table,
+    bins::axis_range,
+    format::{count, number, with_unit},
+    numbers,
+    svg::{Frame, area, circle, path},
+    words,
+};
 
 impl Comparison {
     /// The document for terminal and page.

@@ -8,17 +8,20 @@ use std::path::{Path, PathBuf};
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use crate::error::Error;
-use crate::judge::Criterion;
-use crate::junit::{Outcome, Test};
-use crate::results::summary::{CriterionCount, Provenance};
-use crate::results::{self, Summary, table};
-use conformity::conclusion::grouped;
-use conformity::decision::Decision;
+use crate::{
+    error::Error,
+    judge::Criterion,
+    junit::{Outcome, Test},
+    results::{
+        self, Summary,
+        summary::{CriterionCount, Provenance},
+        table,
+    },
+};
+use conformity::{conclusion::grouped, decision::Decision};
 use pairs::Pairs;
 use parameter_regions::table::PointTable;
-use result_document::Figure;
-use result_document::format::number;
+use result_document::{Figure, format::number};
 use sampling::statistics::moments::{mean, quantile, sorted};
 
 pub use document::write;

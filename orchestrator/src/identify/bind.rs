@@ -1,25 +1,29 @@
 //! Ties the section `[identify]` of a study to its FMU and its table.
 
-use super::cases::Columns;
-use super::late::Reading;
+use super::{cases::Columns, late::Reading};
 use crate::judge::sense;
 use calibration::problem::{
     Case, Channel, Effect, Free, Interval, Latent, Measured, Prior, Problem, Quantity, SharedKind, Source, Spacing,
 };
 use conformity::uncertainty::Uncertainty;
-use fmu_import::Description;
-use fmu_import::quantity::Quantity as Text;
-use fmu_import::quantity::{Scale, Sense};
-use fmu_import::units::Conversion;
-use fmu_points::task::{Case as Simulation, Probe, Slot};
-use fmu_points::tell;
+use fmu_import::{
+    Description,
+    quantity::{Quantity as Text, Scale, Sense},
+    units::Conversion,
+};
+use fmu_points::{
+    task::{Case as Simulation, Probe, Slot},
+    tell,
+};
 use number_tables::files::FileError;
 use sampling::statistics::Statistic;
-use study::identification::{Exception, FreeText, Identification, LatentText, MeasuredText};
-use study::inputs::taken_as_exact;
-use study::limit::gain;
-use study::plan::{Plan, find, slot_of};
-use study::{Name, Study};
+use study::{
+    Name, Study,
+    identification::{Exception, FreeText, Identification, LatentText, MeasuredText},
+    inputs::taken_as_exact,
+    limit::gain,
+    plan::{Plan, find, slot_of},
+};
 
 /// How far the bounds of a normal parameter are from its mean, in standard deviations.
 pub(super) const REACH: f64 = 5.0;

@@ -1,7 +1,6 @@
 //! The table of measured cases.
 
-use number_tables::files::FileError;
-use number_tables::{Column, Table};
+use number_tables::{Column, Table, files::FileError};
 use study::{Identification, Name, Study};
 
 /// The columns of the table that the section names, or a single case without any.

@@ -7,27 +7,34 @@
 
 use indexmap::IndexMap;
 
-use super::bind::{Bound, BoundCurve, Input, REACH, bare, check_effort};
-use super::late::{Read, Reading, late};
-use super::offsets;
-use crate::judge::{Criterion, Judge};
-use calibration::digits::rounded;
-use calibration::problem::{
-    Case, Channel, Effect, Estimate, Free, Measured, NotNormal, Population, Prior, Quantity, SharedKind, Source,
-    Spacing,
+use super::{
+    bind::{Bound, BoundCurve, Input, REACH, bare, check_effort},
+    late::{Read, Reading, late},
+    offsets,
 };
-use calibration::text::digits;
+use crate::judge::{Criterion, Judge};
+use calibration::{
+    digits::rounded,
+    problem::{
+        Case, Channel, Effect, Estimate, Free, Measured, NotNormal, Population, Prior, Quantity, SharedKind, Source,
+        Spacing,
+    },
+    text::digits,
+};
 use conformity::uncertainty::{self, Law, Uncertainty};
-use fmu_import::Description;
-use fmu_import::units::Conversion;
-use fmu_points::names::behind;
-use fmu_points::task::{Delay, MeasuredCurve, Probe, Schedule, Slot};
+use fmu_import::{Description, units::Conversion};
+use fmu_points::{
+    names::behind,
+    task::{Delay, MeasuredCurve, Probe, Schedule, Slot},
+};
 use number_tables::files::FileError;
 use rig_signals::scatter;
 use sampling::distribution::Distribution;
-use study::cases::SEPARATOR;
-use study::plan::{self, Plan};
-use study::{CriterionText, EstimateText, Identification, Name, Study};
+use study::{
+    CriterionText, EstimateText, Identification, Name, Study,
+    cases::SEPARATOR,
+    plan::{self, Plan},
+};
 
 /// The least independent part of an uncertainty that is otherwise shared: what no statement and no scatter tells, such as
 /// rounding.

@@ -5,10 +5,14 @@ use std::cell::RefCell;
 use super::bind::Bound;
 use crate::error::Error;
 use calibration::problem::{NoPrediction, Prediction, Query, Simulate};
-use fmu_points::Answer;
-use fmu_points::task::{Slot, Task};
-use point_journal::Outcome;
-use point_journal::pipeline::{Model, Pipeline};
+use fmu_points::{
+    Answer,
+    task::{Slot, Task},
+};
+use point_journal::{
+    Outcome,
+    pipeline::{Model, Pipeline},
+};
 
 impl Model for Bound {
     fn values(&self, point: &[f64]) -> Vec<f64> {

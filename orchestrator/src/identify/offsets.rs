@@ -9,8 +9,7 @@ use super::bind::{Bound, REACH};
 use calibration::problem::{Free, Prior, Spacing};
 use fmu_points::task::Series;
 use number_tables::files::FileError;
-use study::Study;
-use study::plan::Plan;
+use study::{Study, plan::Plan};
 
 /// Adds the errors of the recorded inputs of a study's cases to its unknowns, and says which inputs count as exact.
 ///

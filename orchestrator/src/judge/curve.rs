@@ -5,8 +5,7 @@ use conformity::measured::Limits;
 use curves::{Kind, Metric};
 use fmu_import::quantity::Scale;
 use number_tables::files::FileError;
-use study::limit::limit;
-use study::{CriterionText, DelayText, Name, ReferenceText, Study, first_wrong};
+use study::{CriterionText, DelayText, Name, ReferenceText, Study, first_wrong, limit::limit};
 
 /// Refuses keys of curves on a criterion that has no `reference`.
 pub(super) fn refuse_keys(text: &CriterionText) -> Result<(), String> {

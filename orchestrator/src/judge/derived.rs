@@ -1,13 +1,10 @@
 //! Measured values that are the product of two others: their errors follow, and are no second measurement.
 
-use super::scalar::distance_unit;
-use super::{Judge, product};
+use super::{Judge, product, scalar::distance_unit};
 use conformity::uncertainty::Uncertainty;
 use fmu_import::Description;
 use number_tables::files::FileError;
-use study::cases::SEPARATOR;
-use study::points::Pairs;
-use study::{CriterionText, Name, Study};
+use study::{CriterionText, Name, Study, cases::SEPARATOR, points::Pairs};
 
 /// A criterion whose error follows from others'.
 #[derive(Clone, Debug)]

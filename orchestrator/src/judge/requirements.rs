@@ -5,15 +5,18 @@ use std::collections::HashMap;
 use toml::Spanned;
 
 use super::{Criterion, Judge};
-use conformity::decision::Rule;
-use conformity::measured::{Limits, Measurement};
-use conformity::risk::Guard;
-use fmu_import::quantity::Quantity;
-use fmu_import::{Causality, Variable};
+use conformity::{
+    decision::Rule,
+    measured::{Limits, Measurement},
+    risk::Guard,
+};
+use fmu_import::{Causality, Variable, quantity::Quantity};
 use number_tables::files::FileError;
-use study::concern::{Code, Concern};
-use study::points::{Pairs, pairs};
-use study::{CriterionText, Name, Required, Study};
+use study::{
+    CriterionText, Name, Required, Study,
+    concern::{Code, Concern},
+    points::{Pairs, pairs},
+};
 
 /// Refuses a criterion on what the study sets itself: it would only judge the sampling.
 pub(super) fn check_variable(

@@ -3,14 +3,15 @@
 use toml::Spanned;
 
 use super::{Criterion, curve};
-use conformity::measured::Limits;
-use conformity::uncertainty::{Distribution, Uncertainty};
+use conformity::{
+    measured::Limits,
+    uncertainty::{Distribution, Uncertainty},
+};
 use fmu_import::quantity::{Quantity, Scale, Sense};
 use fmu_points::names::behind;
 use number_tables::files::FileError;
 use sampling::statistics::Statistic;
-use study::limit::gain;
-use study::{BOTH_SIDES, CriterionText, Name, Study, ToleranceText, first_wrong};
+use study::{BOTH_SIDES, CriterionText, Name, Study, ToleranceText, first_wrong, limit::gain};
 
 /// The criterion on one number.
 pub(super) fn criterion(

@@ -1,24 +1,30 @@
 //! Analyses that ask for points of their own, however they come to be run: begun or resumed.
 
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 use serde::Serialize;
 
 use super::setup::{self, Place, Source, SourceParts};
-use crate::error::Error;
-use crate::judge::Judge;
-use crate::options::{Means, Work};
-use crate::results::origin::Origin;
-use crate::results::table;
-use crate::results::validity::Validity;
-use crate::session::{Request, Session};
+use crate::{
+    error::Error,
+    judge::Judge,
+    options::{Means, Work},
+    results::{origin::Origin, table, validity::Validity},
+    session::{Request, Session},
+};
 use conformity::decision::Decision;
 use parameter_regions::table::PointTable;
-use point_journal::files::{make_folder, write_json};
-use point_journal::pipeline::Pipeline;
-use point_journal::pipeline::folder::{Earlier, Kept};
-use point_journal::{Header, Outcome};
+use point_journal::{
+    Header, Outcome,
+    files::{make_folder, write_json},
+    pipeline::{
+        Pipeline,
+        folder::{Earlier, Kept},
+    },
+};
 
 /// An analysis that asks for points of its own. Its fields are its options.
 pub trait Analysis {

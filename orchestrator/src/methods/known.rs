@@ -2,15 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::Error;
-use crate::options::folder_of;
-use crate::results::origin::Origin;
-use crate::results::{Summary, table};
-use crate::session::Request;
+use crate::{
+    error::Error,
+    options::folder_of,
+    results::{Summary, origin::Origin, table},
+    session::Request,
+};
 use number_tables::files;
 use parameter_regions::table::PointTable;
-use serde::Deserialize;
-use serde::de::DeserializeOwned;
+use serde::{Deserialize, de::DeserializeOwned};
 use study::Study;
 
 /// The folder of the finished study that the user names, the one for the results where a study is in it, or the usual one.

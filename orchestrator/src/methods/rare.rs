@@ -1,23 +1,24 @@
 //! `verify --rare`: shares that are too small to be counted among sampled points.
 
-use std::path::Path;
-use std::process::ExitCode;
+use std::{path::Path, process::ExitCode};
 
 use clap::ValueEnum;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes, exit_code};
-use super::known::Finished;
-use crate::error::Error;
-use crate::options::Work;
-use crate::results::surrogate::limits;
-use crate::session::budget::Budget;
-use crate::session::{Request, Session};
+use super::{
+    asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes, exit_code},
+    known::Finished,
+};
+use crate::{
+    error::Error,
+    options::Work,
+    results::surrogate::limits,
+    session::{Request, Session, budget::Budget},
+};
 use conformity::decision::Decision;
 use point_journal::pipeline::Pipeline;
-use result_document::Document;
-use result_document::format::number;
+use result_document::{Document, format::number};
 use run_budget::{Answer, Event, Search, Unknown};
 use sampling::word;
 

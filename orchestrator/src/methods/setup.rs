@@ -1,14 +1,19 @@
 //! The set-up of a run, whatever it is for: its folder, its processes, and the pipeline from one to the other.
 
-use crate::error::Error;
-use crate::options::Means;
-use crate::session::{Request, Session, Verification};
+use crate::{
+    error::Error,
+    options::Means,
+    session::{Request, Session, Verification},
+};
 use fmu_import::Package;
-use fmu_points::crew::Crew;
-use fmu_points::task::Case;
-use point_journal::pipeline::folder::{Earlier, Kept, RunFolder};
-use point_journal::pipeline::{Model, Part, Pipeline};
-use point_journal::{Header, Lock, lines};
+use fmu_points::{crew::Crew, task::Case};
+use point_journal::{
+    Header, Lock, lines,
+    pipeline::{
+        Model, Part, Pipeline,
+        folder::{Earlier, Kept, RunFolder},
+    },
+};
 use std::path::{Path, PathBuf};
 use study::Study;
 

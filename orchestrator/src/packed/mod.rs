@@ -2,15 +2,15 @@
 
 mod manifest;
 
-use std::fs;
-use std::path::{Component, Path, PathBuf};
+use std::{
+    fs,
+    path::{Component, Path, PathBuf},
+};
 
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
-use crate::results::Summary;
-use crate::session::Request;
+use crate::{error::Error, results::Summary, session::Request};
 use fmu_import::{Package, digest, percent_encoded};
 use manifest::Related;
 use point_journal::files::{draft, keep, make_folder, write_text};

@@ -1,12 +1,19 @@
 //! Tables of counts that the terminal and the page share: the risk of accepting, and the cases.
 
 use super::outlook::of_freedom;
-use crate::results::Summary;
-use crate::results::summary::{CaseCount, Count, CriterionCount};
-use conformity::measured::{Limits, Measured};
-use conformity::risk::Risk;
-use result_document::format::{count, number, percent};
-use result_document::{Block, Column, Table, numbers, words};
+use crate::results::{
+    Summary,
+    summary::{CaseCount, Count, CriterionCount},
+};
+use conformity::{
+    measured::{Limits, Measured},
+    risk::Risk,
+};
+use result_document::{
+    Block, Column, Table,
+    format::{count, number, percent},
+    numbers, words,
+};
 use study::cases::SEPARATOR;
 
 fn heading(title: &str) -> Block {

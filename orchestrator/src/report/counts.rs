@@ -1,9 +1,7 @@
 //! The page's counts: how many points pass, and what decides.
 
-use super::judgement::Judgement;
-use super::overlay::metric_of;
-use crate::results::Summary;
-use crate::results::summary::Count;
+use super::{judgement::Judgement, overlay::metric_of};
+use crate::results::{Summary, summary::Count};
 use conformity::conclusion::grouped;
 use curves::{Kind, Metric};
 use parameter_regions::table::{CriterionColumn, PointTable};

@@ -1,12 +1,13 @@
 //! The plots that need no script: the page shows them until its script takes over, and they are
 //! written beside it as files.
 
-use super::overlay::Measured;
-use super::payload::PlotColumn;
+use super::{overlay::Measured, payload::PlotColumn};
 use parameter_regions::table::PointTable;
-use result_document::bins::{axis_range, bins_for, histogram};
-use result_document::format::{count, number, with_unit};
-use result_document::svg::{Axis, Frame, area, circle, envelope, path, text, ticks};
+use result_document::{
+    bins::{axis_range, bins_for, histogram},
+    format::{count, number, with_unit},
+    svg::{Axis, Frame, area, circle, envelope, path, text, ticks},
+};
 use std::fmt::Write as _;
 
 /// `points` of one column against another, with the accepted box; of very many an even part.

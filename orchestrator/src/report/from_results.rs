@@ -1,19 +1,12 @@
 //! A report from the folder that `verify` leaves behind.
 
-use super::judgement::Judgement;
-use super::outlook::comparison;
-use super::whatif::WhatIf;
-use super::{Report, history};
-use crate::error::Error;
-use crate::methods;
-use crate::methods::known::Finished;
-use crate::results::Summary;
-use crate::results::answer;
-use crate::results::choice;
-use crate::results::table;
-use crate::results::words::capitalised;
-use result_document::Document;
-use result_document::format::count;
+use super::{Report, history, judgement::Judgement, outlook::comparison, whatif::WhatIf};
+use crate::{
+    error::Error,
+    methods::{self, known::Finished},
+    results::{Summary, answer, choice, table, words::capitalised},
+};
+use result_document::{Document, format::count};
 use std::path::Path;
 use study::Study;
 

@@ -1,7 +1,9 @@
 //! The best point's trajectory, as a file beside the results.
 
-use super::figures::Series;
-use super::overlay::{Measured, is_of, metric_of};
+use super::{
+    figures::Series,
+    overlay::{Measured, is_of, metric_of},
+};
 use indexmap::IndexMap;
 use number_tables::csv_file;
 use parameter_regions::table::PointTable;

@@ -3,9 +3,11 @@
 use std::borrow::Cow;
 
 use crate::results::Summary;
-use conformity::conclusion::{Conclusion, Requirement, percent};
-use conformity::measured::{Assessed, Measurement};
-use conformity::risk::Guard;
+use conformity::{
+    conclusion::{Conclusion, Requirement, percent},
+    measured::{Assessed, Measurement},
+    risk::Guard,
+};
 use parameter_regions::table::PointTable;
 use result_document::format::number;
 

@@ -15,8 +15,7 @@ mod planes;
 pub(crate) mod recording;
 pub(crate) mod whatif;
 
-use crate::error::Error;
-use crate::results::Summary;
+use crate::{error::Error, results::Summary};
 use base64::{Engine, engine::general_purpose::STANDARD};
 use figures::Series;
 use flate2::{Compression, write::GzEncoder};
@@ -26,8 +25,10 @@ use parameter_regions::table::PointTable;
 use point_journal::files::write_text;
 use result_document::{Document, svg};
 use sampling::statistics::share::Fraction;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+};
 
 /// Contents of a report.
 #[derive(Clone, Debug, Default)]

@@ -2,8 +2,7 @@
 
 use crate::results::Summary;
 use conformity::validation::Comparison;
-use result_document::format::number;
-use result_document::{Document, Table, numbers, words};
+use result_document::{Document, Table, format::number, numbers, words};
 
 /// The model's own error, where the study tells it.
 pub fn comparison(summary: &Summary) -> Option<Document> {

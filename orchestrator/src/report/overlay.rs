@@ -1,8 +1,10 @@
 //! A measured curve in the picture of a signal, and the model's deviations from it.
 
 use curves::{Curve, Metric};
-use result_document::bins::axis_range;
-use result_document::svg::{Frame, envelope, path};
+use result_document::{
+    bins::axis_range,
+    svg::{Frame, envelope, path},
+};
 
 /// A measured curve on the model's time, in the criterion's unit.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -1,7 +1,6 @@
 //! The data inside the page: columns of the points that are drawn, hovered and selected.
 
-use super::judgement::Judgement;
-use super::whatif::WhatIf;
+use super::{judgement::Judgement, whatif::WhatIf};
 use crate::results::choice::Even;
 use parameter_regions::table::PointTable;
 use result_document::bins;

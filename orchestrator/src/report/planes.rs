@@ -1,7 +1,6 @@
 //! The planes that the page starts with.
 
-use super::figures;
-use super::payload::PlotColumn;
+use super::{figures, payload::PlotColumn};
 use parameter_regions::table::PointTable;
 use sampling::statistics::moments::pearson;
 use serde::Serialize;

@@ -1,13 +1,15 @@
 //! The page of a recording: the delay with its uncertainty, the signals before and after, what
 //! the tests of stationarity say, and the criteria.
 
-use crate::error::Error;
-use crate::plain::Page;
+use crate::{error::Error, plain::Page};
 use point_journal::files::{make_folder, write_text};
-use result_document::bins::axis_range;
-use result_document::format::number;
-use result_document::svg::{Frame, area, envelope, path};
-use result_document::{Block, Document, Figure, Key, Table, numbers};
+use result_document::{
+    Block, Document, Figure, Key, Table,
+    bins::axis_range,
+    format::number,
+    numbers,
+    svg::{Frame, area, envelope, path},
+};
 use rig_signals::{Channel, DerivedCriterion, RigRecording, Synchronised};
 use sampling::statistics::moments::mean;
 use std::path::Path;

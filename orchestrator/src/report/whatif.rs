@@ -1,10 +1,13 @@
 //! The data from which the page judges its points anew: criteria, rule and distributions, with all their digits.
 
-use crate::judge::share;
-use crate::results::Summary;
-use crate::results::summary::CriterionCount;
-use conformity::measured::Limits;
-use conformity::uncertainty::{Law, Uncertainty};
+use crate::{
+    judge::share,
+    results::{Summary, summary::CriterionCount},
+};
+use conformity::{
+    measured::Limits,
+    uncertainty::{Law, Uncertainty},
+};
 use serde::Serialize;
 use study::Study;
 

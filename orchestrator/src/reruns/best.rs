@@ -1,12 +1,9 @@
 //! The best point's trajectory, for its picture on the page.
 
-use std::fs;
-use std::path::Path;
+use std::{fs, path::Path};
 
-use super::finer::for_a_plot;
-use super::{Budget, Halt, Reruns};
-use crate::report::history;
-use crate::results::Summary;
+use super::{Budget, Halt, Reruns, finer::for_a_plot};
+use crate::{report::history, results::Summary};
 use fmu_points::task::Task;
 use number_tables::csv_file;
 use point_journal::files::write_atomically;

@@ -1,10 +1,8 @@
 //! Measured curves beside the results.
 
-use std::fs;
-use std::path::Path;
+use std::{fs, path::Path};
 
-use crate::report::history;
-use crate::results::Summary;
+use crate::{report::history, results::Summary};
 use number_tables::csv_file;
 use point_journal::files::write_table;
 use study::plan::Plan;

@@ -8,24 +8,26 @@ mod measured;
 mod numerical;
 mod settled;
 
-use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::{
+    path::{Path, PathBuf},
+    sync::atomic::Ordering,
+    time::{Duration, Instant},
+};
 
 use thiserror::Error;
 
-use crate::error::Error;
-use crate::results::Summary;
-use crate::session::Verification;
+use crate::{error::Error, results::Summary, session::Verification};
 use budget::Budget;
 use fmu_import::{Content, Handle, Package, Value};
-use fmu_points::Limits;
-use fmu_points::failure::Failure;
-use fmu_points::scratch::Scratch;
-use fmu_points::single::{Recorder, Recording};
-use fmu_points::stop;
-use fmu_points::task::{Case, Task};
-use fmu_points::{Answer, RunError, working_directory};
+use fmu_points::{
+    Answer, Limits, RunError,
+    failure::Failure,
+    scratch::Scratch,
+    single::{Recorder, Recording},
+    stop,
+    task::{Case, Task},
+    working_directory,
+};
 use point_journal::files::write_json;
 use study::plan::Plan;
 

@@ -2,10 +2,8 @@
 //! with `--validation` some points with finer steps and with finer tolerances of the FMU's solver. The user asks for these, so
 //! they take their time: only each run is limited.
 
-use super::finer::refined_case;
-use super::{Halt, Reruns};
-use crate::judge::Criterion;
-use crate::results::Summary;
+use super::{Halt, Reruns, finer::refined_case};
+use crate::{judge::Criterion, results::Summary};
 use conformity::validation::{Comparison, Numerical, Refined, Scatter, refined};
 use fmu_points::task::Case;
 use point_journal::pipeline::Model;

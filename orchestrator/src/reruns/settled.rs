@@ -1,23 +1,34 @@
 //! Whether the results of a study had settled: some points are run once more, longer and with finer communication steps.
 
-use std::path::Path;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
+use std::{
+    path::Path,
+    sync::{
+        Mutex,
+        atomic::{AtomicUsize, Ordering},
+    },
+    thread,
+};
 
-use super::finer::{golden, longer};
-use super::{Halt, Reruns};
-use crate::judge::Criterion;
-use crate::report::history;
-use crate::results::Summary;
-use crate::results::settled::Moved;
-use fmu_points::single::Recording;
-use fmu_points::task::{Probe, Schedule, Task};
+use super::{
+    Halt, Reruns,
+    finer::{golden, longer},
+};
+use crate::{
+    judge::Criterion,
+    report::history,
+    results::{Summary, settled::Moved},
+};
+use fmu_points::{
+    single::Recording,
+    task::{Probe, Schedule, Task},
+};
 use result_document::format::number;
 use rig_signals::motion::{Motion, motion};
 use sampling::statistics::{Accumulator, Statistic, Trend};
-use study::concern::{Code, Concern};
-use study::plan::Plan;
+use study::{
+    concern::{Code, Concern},
+    plan::Plan,
+};
 
 /// So many numbers are held at a time; more would only take memory.
 const MOST_NUMBERS: u64 = 1 << 24;

@@ -1,8 +1,10 @@
 //! Points without a result: what they leave open of a verdict, and where among the parameters they lie.
 
 use super::Summary;
-use conformity::conclusion::{Conclusion, grouped};
-use conformity::decision::Decision;
+use conformity::{
+    conclusion::{Conclusion, grouped},
+    decision::Decision,
+};
 use fmu_points::names::behind;
 use result_document::format::number;
 use sampling::statistics::moments::{ks_distance, sorted};

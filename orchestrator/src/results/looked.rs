@@ -3,16 +3,13 @@
 //! Who judges a growing study again and again and stops when it suits is wrong far more often than the confidence says. So
 //! every verdict after the first needs to know of those before it.
 
-use std::fs;
-use std::io::ErrorKind;
-use std::path::Path;
+use std::{fs, io::ErrorKind, path::Path};
 
 use serde::{Deserialize, Serialize};
 
 use crate::error::Error;
 use conformity::looks::History;
-use point_journal::Header;
-use point_journal::files::write_json;
+use point_journal::{Header, files::write_json};
 
 /// The verdicts of a study.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]

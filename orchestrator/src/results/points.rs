@@ -1,15 +1,20 @@
 //! `points.csv`: a row per point.
 
-use std::borrow::Cow;
-use std::io::{self, Read, Write};
-use std::path::Path;
+use std::{
+    borrow::Cow,
+    io::{self, Read, Write},
+    path::Path,
+};
 
-use super::choice::{Best, Even};
-use super::summary::Summary;
-use crate::error::Error;
-use crate::judge::{Judge, PointVerdict};
-use conformity::measured::Assessed;
-use conformity::risk::Guard;
+use super::{
+    choice::{Best, Even},
+    summary::Summary,
+};
+use crate::{
+    error::Error,
+    judge::{Judge, PointVerdict},
+};
+use conformity::{measured::Assessed, risk::Guard};
 use number_tables::csv_file;
 use parameter_regions::table::{ParameterColumn, PointTable};
 use point_journal::Outcome;

@@ -2,8 +2,7 @@
 
 use super::Summary;
 use crate::judge::{Criterion, Judge};
-use conformity::measured::Told;
-use conformity::risk::Risk;
+use conformity::{measured::Told, risk::Risk};
 use fmu_points::notices::Replicates;
 
 /// The conformance probabilities of a point's curves: the shares of the draws to which it conforms, and to which it does in all

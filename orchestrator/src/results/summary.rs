@@ -1,24 +1,18 @@
 //! `summary.json`.
 
-use std::collections::BTreeMap;
-use std::time::Instant;
+use std::{collections::BTreeMap, time::Instant};
 
 use chrono::{SecondsFormat, Utc};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use super::asides::Asides;
-use super::by_surrogate::BySurrogate;
-use super::settled::Settled;
+use super::{asides::Asides, by_surrogate::BySurrogate, settled::Settled};
 use crate::judge::{Criterion, Judge};
-use conformity::conclusion::Conclusion;
-use conformity::decision::Decision;
-use conformity::measured::Measurement;
-use conformity::risk::Risk;
-use conformity::validation::Comparison;
+use conformity::{
+    conclusion::Conclusion, decision::Decision, measured::Measurement, risk::Risk, validation::Comparison,
+};
 use fmu_points::Conduct;
-use study::Dossier;
-use study::concern::Concern;
+use study::{Dossier, concern::Concern};
 
 /// The content of `summary.json`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

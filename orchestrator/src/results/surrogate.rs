@@ -1,11 +1,15 @@
 //! What a surrogate of few runs tells, beside the counts of these.
 
-use super::by_surrogate::{BySurrogate, Fit};
-use super::summary::{Count, Summary};
+use super::{
+    by_surrogate::{BySurrogate, Fit},
+    summary::{Count, Summary},
+};
 use crate::judge::Judge;
-use conformity::conclusion::by_share;
-use conformity::risk::RiskTally;
-use conformity::validation::{Comparison, Numerical, Spread};
+use conformity::{
+    conclusion::by_share,
+    risk::RiskTally,
+    validation::{Comparison, Numerical, Spread},
+};
 use result_document::format::number;
 use run_budget::{Answers, Basis, Doubt, Limit, Share};
 

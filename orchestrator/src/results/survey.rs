@@ -1,16 +1,22 @@
 //! Conclusions from all points together besides the counts: how far they reach, how the model
 //! compares with the measurement.
 
-use super::concerns::{out_of_reach, unmoved};
-use super::failed;
-use super::settled::{Edges, Settled};
-use super::summary::Summary;
+use super::{
+    concerns::{out_of_reach, unmoved},
+    failed,
+    settled::{Edges, Settled},
+    summary::Summary,
+};
 use crate::judge::Judge;
-use conformity::conclusion::grouped;
-use conformity::validation::{Comparison, Numerical, Spread};
+use conformity::{
+    conclusion::grouped,
+    validation::{Comparison, Numerical, Spread},
+};
 use point_journal::Outcome;
-use study::concern::{Code, Concern};
-use study::plan::Plan;
+use study::{
+    concern::{Code, Concern},
+    plan::Plan,
+};
 
 /// What no process can keep from another one.
 const HELD: &str = "the FMU holds a port, a socket or a lock of this machine, where points that run at the same time meet each \

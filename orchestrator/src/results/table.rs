@@ -1,8 +1,10 @@
 //! The table of points from what `verify` leaves behind.
 
 use super::{Summary, points, validity};
-use crate::error::Error;
-use crate::judge::{Judge, PointVerdict};
+use crate::{
+    error::Error,
+    judge::{Judge, PointVerdict},
+};
 use parameter_regions::table::{ParameterColumn, PointTable};
 use point_journal::Outcome;
 use std::path::Path;

@@ -4,21 +4,27 @@ use std::cmp::Reverse;
 
 use indexmap::IndexMap;
 
-use super::failed;
-use super::resampled::{not_stated, told};
-use super::summary::{
-    BestPoint, CaseCount, Correlated, Count, CriterionCount, FailedPoint, FailureKind, Kept, ParameterSummary,
-    Provenance, Summary,
+use super::{
+    failed,
+    resampled::{not_stated, told},
+    summary::{
+        BestPoint, CaseCount, Correlated, Count, CriterionCount, FailedPoint, FailureKind, Kept, ParameterSummary,
+        Provenance, Summary,
+    },
 };
 use crate::judge::{Judge, PointVerdict};
-use conformity::conclusion::{Conclusion, Requirement, Ruling, grouped};
-use conformity::decision::{Decision, randomised};
-use conformity::interval::LEAST_SAMPLES;
-use conformity::looks::Looks;
-use conformity::risk::{Guard, RiskTally};
+use conformity::{
+    conclusion::{Conclusion, Requirement, Ruling, grouped},
+    decision::{Decision, randomised},
+    interval::LEAST_SAMPLES,
+    looks::Looks,
+    risk::{Guard, RiskTally},
+};
 use fmu_import::validity;
-use fmu_points::failure::Failure;
-use fmu_points::notices::{Notices, Replicates};
+use fmu_points::{
+    failure::Failure,
+    notices::{Notices, Replicates},
+};
 use point_journal::Outcome;
 use study::Study;
 

@@ -1,22 +1,28 @@
 //! Points that went beyond what the model says it is valid for: how many, what it says, and which they are.
 
-use std::cmp::Reverse;
-use std::collections::BTreeSet;
-use std::fs::{self, File};
-use std::io;
-use std::path::Path;
+use std::{
+    cmp::Reverse,
+    collections::BTreeSet,
+    fs::{self, File},
+    io,
+    path::Path,
+};
 
 use serde::{Deserialize, Serialize};
 use tempfile::NamedTempFile;
 
 use crate::error::Error;
 use conformity::conclusion::grouped;
-use fmu_import::Description;
-use fmu_import::validity::{CATEGORY, alike};
+use fmu_import::{
+    Description,
+    validity::{CATEGORY, alike},
+};
 use fmu_points::notices::Limit;
 use number_tables::csv_file;
-use point_journal::Finished;
-use point_journal::files::{draft, keep};
+use point_journal::{
+    Finished,
+    files::{draft, keep},
+};
 
 /// The file with the points.
 const FILE: &str = "validity.csv";

@@ -1,9 +1,11 @@
 //! Sentences on how firmly a verdict stands, and on how many of the accepted points conform.
 
 use super::Summary;
-use conformity::conclusion::{Conclusion, grouped, percent};
-use conformity::decision::Decision;
-use conformity::risk::Risk;
+use conformity::{
+    conclusion::{Conclusion, grouped, percent},
+    decision::Decision,
+    risk::Risk,
+};
 
 /// How many of the points on which the verdict rests went beyond what the model is valid for.
 pub(super) fn beyond_validity(summary: &Summary) -> Option<String> {

@@ -9,15 +9,20 @@ use std::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
 use super::{Session, Until};
-use crate::error::Error;
-use crate::judge::Judge;
-use crate::results::Summary;
-use crate::results::surrogate::{Evidence, limits};
-use conformity::decision::{Decision, Rule};
-use conformity::looks::{History, spent};
-use conformity::risk::Guard;
-use point_journal::Outcome;
-use point_journal::pipeline::Pipeline;
+use crate::{
+    error::Error,
+    judge::Judge,
+    results::{
+        Summary,
+        surrogate::{Evidence, limits},
+    },
+};
+use conformity::{
+    decision::{Decision, Rule},
+    looks::{History, spent},
+    risk::Guard,
+};
+use point_journal::{Outcome, pipeline::Pipeline};
 use run_budget::{Answers, Campaign, Share};
 use sampling::design::{Design, Method, Sampling};
 use study::plan::Plan;

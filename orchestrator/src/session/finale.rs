@@ -1,29 +1,40 @@
 //! The final files of a study, made from its journal.
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter};
-use std::path::{Path, PathBuf};
+use std::{
+    fs::{self, File},
+    io::{self, BufWriter},
+    path::{Path, PathBuf},
+};
 
-use conformity::looks::{Look, Looks};
-use conformity::risk::Guard;
+use conformity::{
+    looks::{Look, Looks},
+    risk::Guard,
+};
 use tempfile::NamedTempFile;
 
-use super::budget::{self, Told};
-use super::{Ending, Front, Session, Verification};
-use crate::error::Error;
-use crate::judge::{Judge, PointVerdict};
-use crate::results::asides::Asides;
-use crate::results::summary::{ParameterSummary, Provenance, Run, Summary};
-use crate::results::survey::Survey;
-use crate::results::tally::{Sample, Tally};
-use crate::results::validity::{self, Validity};
-use crate::results::{Looked, points};
+use super::{
+    Ending, Front, Session, Verification,
+    budget::{self, Told},
+};
+use crate::{
+    error::Error,
+    judge::{Judge, PointVerdict},
+    results::{
+        Looked,
+        asides::Asides,
+        points,
+        summary::{ParameterSummary, Provenance, Run, Summary},
+        survey::Survey,
+        tally::{Sample, Tally},
+        validity::{self, Validity},
+    },
+};
 use fmu_points::notices::Limit;
-use point_journal::files::{draft, keep, write_json};
-use point_journal::{Finished, Outcome};
-use study::Study;
-use study::inputs::taken_as_exact;
-use study::plan::Input;
+use point_journal::{
+    Finished, Outcome,
+    files::{draft, keep, write_json},
+};
+use study::{Study, inputs::taken_as_exact, plan::Input};
 
 impl Verification {
     /// Writes `points.csv` and `summary.json` from the journal, in the order of the points, up to the last one or to

@@ -6,17 +6,13 @@ mod request;
 mod until;
 mod verification;
 
-use crate::error::Error;
-use crate::judge::Judge;
+use crate::{error::Error, judge::Judge};
 use fmu_import::Package;
 use fmu_points::Answer;
-use point_journal::pipeline::Model;
-use study::Study;
-use study::plan::Plan;
-use study::points;
+use point_journal::{Header, Outcome, pipeline::Model};
+use study::{Study, plan::Plan, points};
 
 pub use finale::{FileSet, provenance};
-use point_journal::{Header, Outcome};
 pub use request::Request;
 pub use until::{Ending, Front, Until};
 pub use verification::Verification;

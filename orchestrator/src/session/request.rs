@@ -1,17 +1,19 @@
 //! The request, kept beside the results so that a point can be run again and shards
 //! be joined.
 
-use std::fs;
-use std::mem;
-use std::path::{Path, PathBuf};
+use std::{
+    fs, mem,
+    path::{Path, PathBuf},
+};
 
 use serde::{Deserialize, Serialize};
 
 use super::budget::Budget;
 use crate::error::Error;
-use point_journal::files::{write_json, write_text};
-use point_journal::pipeline::Shard;
-use point_journal::pipeline::folder::Earlier;
+use point_journal::{
+    files::{write_json, write_text},
+    pipeline::{Shard, folder::Earlier},
+};
 use study::Study;
 
 /// The request: all options of the command.

@@ -3,9 +3,11 @@
 use std::str::FromStr;
 
 use crate::judge::Judge;
-use conformity::decision::{Decision, Rule, randomised};
-use conformity::looks::{History, Looks, Way};
-use conformity::risk::Guard;
+use conformity::{
+    decision::{Decision, Rule, randomised},
+    looks::{History, Looks, Way},
+    risk::Guard,
+};
 use point_journal::Outcome;
 use sampling::design::Method;
 

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use super::{Ending, Request, Session, Until, budget};
-use crate::error::Error;
-use crate::results::Looked;
-use crate::source::Source;
+use crate::{error::Error, results::Looked, source::Source};
 use conformity::looks::History;
 use fmu_points::Job;
 use number_tables::files;
-use point_journal::pipeline::{Model, Part};
-use point_journal::{Header, lines};
+use point_journal::{
+    Header, lines,
+    pipeline::{Model, Part},
+};
 
 /// A study whose points are known beforehand.
 #[derive(Debug)]

@@ -4,8 +4,7 @@
 //! its parts has the shape that the sample has there.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
-use sampling::distribution::ln_sum;
-use sampling::random::Random;
+use sampling::{distribution::ln_sum, random::Random};
 
 /// One normal distribution.
 #[derive(Clone, Debug)]

@@ -33,14 +33,12 @@ pub mod text;
 use std::time::Instant;
 
 use nalgebra::DVector;
-use sampling::distribution::ln_sum;
-use sampling::random::{Purpose, Random};
+use sampling::{
+    distribution::ln_sum,
+    random::{Purpose, Random},
+};
 
-use super::failures::Failures;
-use super::local::is_over;
-use super::objective::Objective;
-use super::optima::Optimum;
-use super::problem::NoPrediction;
+use super::{failures::Failures, local::is_over, objective::Objective, optima::Optimum, problem::NoPrediction};
 use mixture::{Mixture, chosen};
 use moves::Mover;
 use target::Target;

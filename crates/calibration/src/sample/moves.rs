@@ -7,8 +7,7 @@
 
 use sampling::random::Random;
 
-use super::Particle;
-use super::mixture::Mixture;
+use super::{Particle, mixture::Mixture};
 
 /// Leaps go to places from a mixture that is so much wider than the sample.
 pub(super) const WIDER: f64 = 1.2;

@@ -1,18 +1,24 @@
 //! Results of a sample of the posterior, and how far it can be trusted: plain data that becomes JSON.
 
-use sampling::distribution::ln_sum;
-use sampling::statistics::moments::{deviation, mean, pearson, sorted};
+use sampling::{
+    distribution::ln_sum,
+    statistics::moments::{deviation, mean, pearson, sorted},
+};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-use super::super::failures;
-use super::super::objective::Objective;
-use super::super::optima::Optimum;
-use super::super::problem::{Problem, Spacing};
-use super::super::shared::SharedOutcome;
-use super::region::{quantile, regions};
-use super::target::Target;
-use super::{FEWEST, GROUPS, Particle, Sample, Stage};
+use super::{
+    super::{
+        failures,
+        objective::Objective,
+        optima::Optimum,
+        problem::{Problem, Spacing},
+        shared::SharedOutcome,
+    },
+    FEWEST, GROUPS, Particle, Sample, Stage,
+    region::{quantile, regions},
+    target::Target,
+};
 
 /// Fewer independent particles say too little of a 95 % interval: with 100 it holds 91 to 99 %.
 pub(super) const ENOUGH: f64 = 100.0;

@@ -1,13 +1,16 @@
 //! The posterior that is sampled: the prior between the bounds, and the likelihood of the measured values.
 
-use sampling::distribution::Distribution;
-use sampling::random::Random;
+use sampling::{distribution::Distribution, random::Random};
 
-use super::super::local::Minimum;
-use super::super::objective::{Misfit, Objective};
-use super::super::problem::NoPrediction;
-use super::super::stated::Stated;
-use super::population::{Common, before};
+use super::{
+    super::{
+        local::Minimum,
+        objective::{Misfit, Objective},
+        problem::NoPrediction,
+        stated::Stated,
+    },
+    population::{Common, before},
+};
 
 /// The posterior that is sampled.
 pub(super) struct Target<'a> {

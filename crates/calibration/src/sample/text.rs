@@ -1,9 +1,13 @@
 //! A sample of the posterior as text and as a table.
 
-use super::super::digits::{digits, rounded, shown};
-use super::super::problem::Problem;
-use super::outcome::{Evidence, Marginal, PosteriorOutcome, Ratio};
-use super::{GROUPS, Sample};
+use super::{
+    super::{
+        digits::{digits, rounded, shown},
+        problem::Problem,
+    },
+    GROUPS, Sample,
+    outcome::{Evidence, Marginal, PosteriorOutcome, Ratio},
+};
 
 /// Intervals that are named one by one.
 const NAMED: usize = 8;

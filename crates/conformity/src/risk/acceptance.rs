@@ -1,8 +1,10 @@
 //! The points that guard bands accept, and what they say of the risks.
 
 use super::{Guard, Risk, RiskIntervals};
-use crate::interval::{Moments, of_mean, of_part};
-use crate::measured::Assessed;
+use crate::{
+    interval::{Moments, of_mean, of_part},
+    measured::Assessed,
+};
 
 /// The points that are within a tolerance, by the widest guard band that lets them pass, and those
 /// that are not; of all, the sums of the probabilities not to conform.

@@ -5,8 +5,10 @@
 //! scatters with that band, too, so that an interval that takes the band as given is too narrow.
 
 use super::{Acceptance, Guard};
-use crate::interval::{Moments, of_part};
-use crate::measured::Measured;
+use crate::{
+    interval::{Moments, of_part},
+    measured::Measured,
+};
 
 /// Both ends of the guard bands that may be the right one.
 #[derive(Clone, Debug, PartialEq)]

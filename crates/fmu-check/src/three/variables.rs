@@ -7,10 +7,12 @@ use roxmltree::Node;
 use fmu_import::{Interface, Version};
 
 use super::{listed, reference};
-use crate::combinations;
-use crate::document::{Document, Scalar, at, elements, named};
-use crate::hit::Hit;
-use crate::variables::is_clear;
+use crate::{
+    combinations,
+    document::{Document, Scalar, at, elements, named},
+    hit::Hit,
+    variables::is_clear,
+};
 
 /// The table of combinations of causality and variability.
 pub(crate) fn variabilities(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {

@@ -1,11 +1,13 @@
 //! Derivatives: of inputs over time, which the host gives, of outputs over time, and directional ones of unknowns with
 //! respect to knowns.
 
-use super::instance::Instance;
-use super::phase::Phase;
-use super::refusal::{Outcome, Refusal};
-use super::types::{Real, Status, ValueReference};
-use super::values::{check_settable, inside, variable};
+use super::{
+    instance::Instance,
+    phase::Phase,
+    refusal::{Outcome, Refusal},
+    types::{Real, Status, ValueReference},
+    values::{check_settable, inside, variable},
+};
 use crate::model::{Kind, Model, Role, Variable};
 
 /// Step of the central difference, relative to a variable's magnitude: at the cube root of the rounding unit, truncation

@@ -1,8 +1,10 @@
 //! The parts that the model descriptions of all versions share.
 
-use super::logger::categories;
-use super::version::Version;
-use super::xml::{Number, Tag, Xml};
+use super::{
+    logger::categories,
+    version::Version,
+    xml::{Number, Tag, Xml},
+};
 use crate::model::{
     DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, State, Unit, Variable, elements, offered,
 };

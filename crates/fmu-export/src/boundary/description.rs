@@ -1,23 +1,25 @@
 //! The model description, `modelDescription.xml`, written from the model's variable table: the same content in the forms of all
 //! versions.
 
-use std::any::TypeId;
-use std::fmt;
-use std::ops::Range;
-use std::sync::OnceLock;
+use std::{any::TypeId, fmt, ops::Range, sync::OnceLock};
 
-use super::describe::{
-    convention, depends, enumerations, experiment, hash, initially_known, listed, log_categories, origin, states, units,
+use super::{
+    describe::{
+        convention, depends, enumerations, experiment, hash, initially_known, listed, log_categories, origin, states,
+        units,
+    },
+    exchange::{RATE, STATE},
+    intermediate::is_intermediate,
+    types::ValueReference,
+    values::TIME,
+    xml::{Number, Tag, Xml},
 };
-use super::exchange::{RATE, STATE};
-use super::intermediate::is_intermediate;
-use super::types::ValueReference;
-use super::values::TIME;
-use super::xml::{Number, Tag, Xml};
 use crate::model::{Kind, Model, Role, Variable, indicators, offered};
 
-pub use super::describe::{Interface, token};
-pub use super::version::Version;
+pub use super::{
+    describe::{Interface, token},
+    version::Version,
+};
 
 /// The text of `modelDescription.xml`.
 pub fn xml<M: Model>(version: Version, interface: Interface) -> String {

@@ -1,10 +1,12 @@
 //! Model Exchange: an instance whose states the host integrates; and events, which hosts see there and, if they want to, in
 //! FMI 3.0 Co-Simulation.
 
-use super::instance::{Instance, finite};
-use super::phase::Phase;
-use super::refusal::{Outcome, Refusal};
-use super::types::{Real, Status, ValueReference};
+use super::{
+    instance::{Instance, finite},
+    phase::Phase,
+    refusal::{Outcome, Refusal},
+    types::{Real, Status, ValueReference},
+};
 use crate::model::{Exchange, Fault, Kind, Model, State, check_end, events, indicators, offered};
 
 /// The value reference of the first state, and that of its derivative; the others follow. They are far above those of the

@@ -1,22 +1,26 @@
 //! The checks that every call passes before it reaches an instance: the handle is ours, no other call is at work in the
 //! instance, and the state machine allows the function. A panic in the call stops here.
 
-use std::any::Any;
-use std::cell::UnsafeCell;
-use std::ffi::c_void;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::{
+    any::Any,
+    cell::UnsafeCell,
+    ffi::c_void,
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::atomic::{AtomicBool, AtomicU64, Ordering},
+};
 
-use super::describe::hash;
-use super::description::{Interface, fingerprint};
-use super::instance::{Instance, check_host};
-use super::logger::Logger;
-use super::phase::{Function, Phase, of};
-use super::raw::lossy;
-use super::refusal::{Outcome, Refusal};
-use super::types::{Component, Status, Text};
-use super::version::Version;
-use super::watch::Watch;
+use super::{
+    describe::hash,
+    description::{Interface, fingerprint},
+    instance::{Instance, check_host},
+    logger::Logger,
+    phase::{Function, Phase, of},
+    raw::lossy,
+    refusal::{Outcome, Refusal},
+    types::{Component, Status, Text},
+    version::Version,
+    watch::Watch,
+};
 use crate::model::Model;
 
 /// The number at the start of every object that the host holds a handle of. It differs between kinds of object, between

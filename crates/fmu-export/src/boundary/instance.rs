@@ -1,17 +1,18 @@
 //! An instance: a model in one of the phases of a simulation.
 
-use std::ffi::CString;
-use std::path::PathBuf;
+use std::{ffi::CString, path::PathBuf};
 
-use super::describe::token;
-use super::logger::Logger;
-use super::phase::Phase;
-use super::refusal::{Outcome, Refusal};
-use super::resources;
-use super::run::Run;
-use super::types::Status;
-use super::version::Version;
-use super::watch::Watch;
+use super::{
+    describe::token,
+    logger::Logger,
+    phase::Phase,
+    refusal::{Outcome, Refusal},
+    resources,
+    run::Run,
+    types::Status,
+    version::Version,
+    watch::Watch,
+};
 use crate::model::{Fault, Model, events, offered};
 
 /// All that belongs to one instance.

@@ -4,13 +4,15 @@
 //! callback the host may call this instance again, so no reference to it may be held: a step pauses, the caller asks the host,
 //! and the step goes on with the answer.
 
-use super::instance::Instance;
-use super::phase::Phase;
-use super::refusal::{Outcome, Refusal};
-use super::run::Run;
-use super::types::{ComponentEnvironment, IntermediateUpdateCallback, Status, ValueReference};
-use super::values::{all_elements, variable};
-use super::watch::{Underway, Watch};
+use super::{
+    instance::Instance,
+    phase::Phase,
+    refusal::{Outcome, Refusal},
+    run::Run,
+    types::{ComponentEnvironment, IntermediateUpdateCallback, Status, ValueReference},
+    values::{all_elements, variable},
+    watch::{Underway, Watch},
+};
 use crate::model::{Kind, Model, Role, Variable};
 
 /// The most updates in a communication step: where a model takes more inner steps, an update comes after several of them.

@@ -1,10 +1,11 @@
 //! Messages to the host's logger callback.
 
-use std::ffi::CString;
-use std::fmt;
+use std::{ffi::CString, fmt};
 
-use super::refusal::Refusal;
-use super::types::{CallbackLogger, ComponentEnvironment, LogMessageCallback, Status};
+use super::{
+    refusal::Refusal,
+    types::{CallbackLogger, ComponentEnvironment, LogMessageCallback, Status},
+};
 use crate::model::{Log, Model};
 
 /// The boundary's own log categories, with the names of the standard.

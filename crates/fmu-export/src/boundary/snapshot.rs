@@ -7,14 +7,16 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::guard::{magic, ours};
-use super::instance::Instance;
-use super::phase::Phase;
-use super::raw;
-use super::refusal::{Outcome, Refusal};
-use super::run::Run;
-use super::types::{FmuState, Status};
-use super::version::Version;
+use super::{
+    guard::{magic, ours},
+    instance::Instance,
+    phase::Phase,
+    raw,
+    refusal::{Outcome, Refusal},
+    run::Run,
+    types::{FmuState, Status},
+    version::Version,
+};
 use crate::model::{Model, events};
 
 const MARK: &[u8; 8] = b"FMUSTATE";

@@ -1,16 +1,16 @@
 //! Reading and writing variables. A value reference is the variable's index in the model's table.
 
-use std::borrow::Cow;
-use std::ffi::CString;
-use std::fmt::Debug;
+use std::{borrow::Cow, ffi::CString, fmt::Debug};
 
-use super::exchange::existing;
-use super::instance::Instance;
-use super::logger::c_string;
-use super::phase::Phase;
-use super::refusal::{Outcome, Refusal};
-use super::types::{Real, Status, Text, ValueReference};
-use super::version::Version;
+use super::{
+    exchange::existing,
+    instance::Instance,
+    logger::c_string,
+    phase::Phase,
+    refusal::{Outcome, Refusal},
+    types::{Real, Status, Text, ValueReference},
+    version::Version,
+};
 use crate::model::{Access, Kind, Model, Role, Variable};
 
 /// The variable of a value reference.

@@ -12,25 +12,32 @@
 #![allow(clippy::missing_safety_doc)] // said above for all functions
 #![allow(clippy::too_many_arguments)] // as many as the standard says
 
-use std::borrow::Cow;
-use std::iter::repeat_n;
+use std::{borrow::Cow, iter::repeat_n};
 
 use super::types::FALSE;
-use crate::boundary::calls::{answer, c_functions, nothing};
-use crate::boundary::description::Interface;
-use crate::boundary::guard::{Handle, Known, enter, instantiate_by};
-use crate::boundary::instance::Instance;
-use crate::boundary::logger::{Callback, Logger};
-use crate::boundary::phase::Phase::{
-    Continuous, Error, Event, Initialization, Instantiated, Intermediate, StepComplete, StepFailed, Terminated,
+use crate::{
+    boundary::{
+        calls::{answer, c_functions, nothing},
+        description::Interface,
+        guard::{Handle, Known, enter, instantiate_by},
+        instance::Instance,
+        logger::{Callback, Logger},
+        phase::{
+            ALIVE, DERIVABLE, Function, INTEGRABLE,
+            Phase::{
+                self, Continuous, Error, Event, Initialization, Instantiated, Intermediate, StepComplete, StepFailed,
+                Terminated,
+            },
+            SETTABLE, VISIBLE, of,
+        },
+        raw::{place, texts, values, values_mut},
+        refusal::{Outcome, Refusal},
+        values::{INT32, INT64, all_elements, size},
+        version::Version,
+        watch::Watch,
+    },
+    model::{Model, events, offered},
 };
-use crate::boundary::phase::{ALIVE, DERIVABLE, Function, INTEGRABLE, Phase, SETTABLE, VISIBLE, of};
-use crate::boundary::raw::{place, texts, values, values_mut};
-use crate::boundary::refusal::{Outcome, Refusal};
-use crate::boundary::values::{INT32, INT64, all_elements, size};
-use crate::boundary::version::Version;
-use crate::boundary::watch::Watch;
-use crate::model::{Model, events, offered};
 
 const NO_CLOCKS: Outcome = Err(Refusal::Absent("this FMU has no input clocks"));
 const NO_EVALUATION: Outcome =

@@ -1,7 +1,6 @@
 //! A check of what a model declares: for a model's tests, and before it is packaged.
 
-use std::collections::HashMap;
-use std::fmt::Debug;
+use std::{collections::HashMap, fmt::Debug};
 
 use super::{
     Access, DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, Unit, Variable, elements, indicators, offered,

@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::build::platform;
-use super::{Binary, Form, PackageError};
+use super::{Binary, Form, PackageError, build::platform};
 use crate::description::{Interface, Version};
 
 /// The options, in words.

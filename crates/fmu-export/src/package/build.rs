@@ -1,16 +1,17 @@
 //! Building a model's library with cargo.
 
-use std::ffi::OsString;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::{
+    ffi::OsString,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+};
 
 use super::{Binary, Form, PackageError};
 
 /// The folders that the standards name for platforms. FMI 2.0 names none for 64-bit Arm on Linux, where importers look
 /// into the folder of FMI 3.0.
 pub(super) mod platform {
-    use crate::description::Version;
-    use crate::package::Form;
+    use crate::{description::Version, package::Form};
 
     /// The folders of FMI 2.0 and 3.0, with the processors and systems as Rust names them.
     const ALL: [(&str, &str, &[&str], &[&str]); 7] = [

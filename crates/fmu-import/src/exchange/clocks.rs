@@ -3,15 +3,16 @@
 //! Time-based clocks tick by themselves, triggered inputs where they are set. A clocked input that is set waits for the next
 //! tick; between ticks a clocked variable has its value of the last one.
 
-use std::collections::HashMap;
-use std::ffi::c_int;
+use std::{collections::HashMap, ffi::c_int};
 
 use super::are_near;
-use crate::call::{Call, Status};
-use crate::description::{Causality, Description, Kind, Ticking, Timing, Variable};
-use crate::simulation::Simulation;
-use crate::symbols::{Component, Function, Symbols};
-use crate::value::{Content, Handle, Value};
+use crate::{
+    call::{Call, Status},
+    description::{Causality, Description, Kind, Ticking, Timing, Variable},
+    simulation::Simulation,
+    symbols::{Component, Function, Symbols},
+    value::{Content, Handle, Value},
+};
 
 /// An interval that is not yet known, and one that is new, as `fmi3IntervalQualifier` numbers them.
 const NOT_YET_KNOWN: c_int = 0;

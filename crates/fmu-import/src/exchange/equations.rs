@@ -3,12 +3,14 @@
 
 use std::ffi::c_int;
 
-use crate::call::{Call, Status};
-use crate::description::{ExchangeSizes, Interface};
-use crate::simulation::Simulation;
-use crate::symbols::{Component, Function, LibraryError, Plain, Symbols};
-use crate::value::Value;
-use crate::version::Version;
+use crate::{
+    call::{Call, Status},
+    description::{ExchangeSizes, Interface},
+    simulation::Simulation,
+    symbols::{Component, Function, LibraryError, Plain, Symbols},
+    value::Value,
+    version::Version,
+};
 
 type Read = unsafe extern "C" fn(Component, *mut f64, usize) -> c_int;
 type Write = unsafe extern "C" fn(Component, *const f64, usize) -> c_int;

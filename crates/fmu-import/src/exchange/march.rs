@@ -1,16 +1,19 @@
 //! The way of an FMU from one communication point to the next, with its events.
 
-use std::collections::HashMap;
-use std::sync::Arc;
+use std::{collections::HashMap, sync::Arc};
 
-use super::are_near;
-use super::clocks::Clocks;
-use super::equations::{Functions, Plant};
-use super::rosenbrock::Rosenbrock;
-use crate::call::{Call, End, Status};
-use crate::description::ExchangeSizes;
-use crate::simulation::{Experiment, Simulation};
-use crate::value::{Handle, Value};
+use super::{
+    are_near,
+    clocks::Clocks,
+    equations::{Functions, Plant},
+    rosenbrock::Rosenbrock,
+};
+use crate::{
+    call::{Call, End, Status},
+    description::ExchangeSizes,
+    simulation::{Experiment, Simulation},
+    value::{Handle, Value},
+};
 
 /// The relative tolerance where neither the user nor the FMU states one.
 const TOLERANCE: f64 = 1e-8;

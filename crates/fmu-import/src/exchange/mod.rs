@@ -13,11 +13,13 @@ mod march;
 mod rosenbrock;
 mod sparse;
 
-use crate::call::Call;
-use crate::component::Base;
-use crate::simulation::{Experiment, Simulation, Within};
-use crate::symbols::Saved;
-use crate::value::{Content, Handle, Value};
+use crate::{
+    call::Call,
+    component::Base,
+    simulation::{Experiment, Simulation, Within},
+    symbols::Saved,
+    value::{Content, Handle, Value},
+};
 pub(crate) use clocks::Clocks;
 pub(crate) use equations::Functions;
 use equations::Ramp;

@@ -4,8 +4,10 @@
 //! One method serves stiff and other systems: the derivatives over the states are taken by differences at each step,
 //! so that none of them is ever old.
 
-use super::jacobian::{Jacobian, Place, Rates};
-use super::sparse::Triangles;
+use super::{
+    jacobian::{Jacobian, Place, Rates},
+    sparse::Triangles,
+};
 use crate::call::Call;
 
 const GAMMA: f64 = 0.25;

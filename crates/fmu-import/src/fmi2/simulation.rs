@@ -1,15 +1,19 @@
 //! A component of FMI 2.0.
 
-use std::ffi::{CStr, c_int};
-use std::ptr;
+use std::{
+    ffi::{CStr, c_int},
+    ptr,
+};
 
 use super::functions::{Access, Functions, Get, Set};
-use crate::call::Call;
-use crate::caller::Caller;
-use crate::component::{Base, Common, c_string};
-use crate::description::Interface;
-use crate::simulation::{Batch, Birth, Experiment, Simulation, Within};
-use crate::value::{Content, Handle, Value};
+use crate::{
+    call::Call,
+    caller::Caller,
+    component::{Base, Common, c_string},
+    description::Interface,
+    simulation::{Batch, Birth, Experiment, Simulation, Within},
+    value::{Content, Handle, Value},
+};
 
 /// A component for Co-Simulation; the equations of one for Model Exchange stand on it.
 #[derive(Debug)]

@@ -1,13 +1,13 @@
 //! The steps of a component of FMI 2.0, with those that return before they are done.
 
-use std::ffi::c_int;
-use std::time::Duration;
+use std::{ffi::c_int, time::Duration};
 
-use super::functions::GetStatus;
-use super::simulation::Model;
-use crate::call::{Call, End, Status};
-use crate::simulation::{Batch, Simulation};
-use crate::symbols::Function;
+use super::{functions::GetStatus, simulation::Model};
+use crate::{
+    call::{Call, End, Status},
+    simulation::{Batch, Simulation},
+    symbols::Function,
+};
 
 /// The questions about a step, as `fmi2StatusKind` numbers them.
 const DO_STEP_STATUS: c_int = 0;

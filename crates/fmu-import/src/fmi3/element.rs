@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::call::Call;
-use crate::description::{Description, Storage};
-use crate::value::Value;
+use crate::{
+    call::Call,
+    description::{Description, Storage},
+    value::Value,
+};
 
 /// An element of a variable: its place in the binary, and its start value where the description has one.
 #[derive(Clone, Debug)]

@@ -3,20 +3,22 @@
 //! One for Co-Simulation without event mode handles its events within its steps, and inputs may be set between any two of
 //! them. With event mode a step may end early, and `exchange` handles the events.
 
-use std::collections::HashMap;
-use std::ptr;
-use std::sync::Arc;
+use std::{collections::HashMap, ptr, sync::Arc};
 
-use super::element::Element;
-use super::functions::{Functions, Instantiates, LogMessage};
-use crate::call::{Call, End, Status};
-use crate::caller::Caller;
-use crate::component::{Base, Common, c_string};
-use crate::description::Storage;
-use crate::logger::fmu_import_log;
-use crate::simulation::{Birth, Experiment, Simulation, Within};
-use crate::symbols::Saved;
-use crate::value::{Handle, Value};
+use super::{
+    element::Element,
+    functions::{Functions, Instantiates, LogMessage},
+};
+use crate::{
+    call::{Call, End, Status},
+    caller::Caller,
+    component::{Base, Common, c_string},
+    description::Storage,
+    logger::fmu_import_log,
+    simulation::{Birth, Experiment, Simulation, Within},
+    symbols::Saved,
+    value::{Handle, Value},
+};
 
 const DO_STEP: &str = "fmi3DoStep";
 

@@ -1,16 +1,18 @@
 //! Reading and writing the elements of variables of FMI 3.0.
 
-use std::ffi::{CStr, CString, c_char};
-use std::sync::Arc;
-use std::{ptr, slice};
+use std::{
+    ffi::{CStr, CString, c_char},
+    ptr, slice,
+    sync::Arc,
+};
 
-use super::element::Element;
-use super::functions::Access;
-use super::simulation::Model;
-use crate::call::{Call, Status};
-use crate::component::c_string;
-use crate::description::Storage;
-use crate::value::{Value, bytes_of, hexadecimal};
+use super::{element::Element, functions::Access, simulation::Model};
+use crate::{
+    call::{Call, Status},
+    component::c_string,
+    description::Storage,
+    value::{Value, bytes_of, hexadecimal},
+};
 
 impl Model {
     /// Reads one element. All elements of an array are read at once, so that reading one after the other takes one call.

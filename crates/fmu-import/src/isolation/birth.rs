@@ -1,17 +1,23 @@
 //! Start and end of a forked child.
 
-use std::fs::File;
-use std::io;
-use std::os::fd::{AsRawFd, OwnedFd, RawFd};
+use std::{
+    fs::File,
+    io,
+    os::fd::{AsRawFd, OwnedFd, RawFd},
+};
 
-use rustix::io::fcntl_dupfd_cloexec;
-use rustix::process::{Pid, getppid, setpgid};
+use rustix::{
+    io::fcntl_dupfd_cloexec,
+    process::{Pid, getppid, setpgid},
+};
 
-use super::child::Child;
-use super::frame::{self, Inbox};
-use super::keeper::{Keeper, Process};
-use super::loss::{DONE, MUTE};
-use super::system::{pipe, usual_signals};
+use super::{
+    child::Child,
+    frame::{self, Inbox},
+    keeper::{Keeper, Process},
+    loss::{DONE, MUTE},
+    system::{pipe, usual_signals},
+};
 
 impl Keeper {
     /// Forks a child that does `work`, and ends without running any destructor when that returns.

@@ -4,11 +4,15 @@
 //! Only where this process may make groups below its own; elsewhere there are none, and nobody is told: what
 //! [`offspring`](super::offspring) does is enough for all but processes that hide on purpose.
 
-use std::fs;
-use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    sync::{
+        OnceLock,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::{Duration, Instant},
+};
 
 /// The beginning of the names of groups; the number of the process that made a group follows.
 const NAME: &str = "orchestrator-";

@@ -3,12 +3,17 @@
 //! A child has a process group of its own, but an FMU may leave it (`setsid`) or start daemons. As a
 //! *subreaper* (`prctl(2)`) this process inherits whatever its children leave behind, and ends it.
 
-use std::fs;
-use std::time::{Duration, Instant};
+use std::{
+    fs,
+    time::{Duration, Instant},
+};
 
-use rustix::param::page_size;
-use rustix::process::{
-    Pid, Resource, Rlimit, Signal, WaitOptions, getrlimit, kill_process, kill_process_group, setrlimit, wait, waitpid,
+use rustix::{
+    param::page_size,
+    process::{
+        Pid, Resource, Rlimit, Signal, WaitOptions, getrlimit, kill_process, kill_process_group, setrlimit, wait,
+        waitpid,
+    },
 };
 
 use super::system::ignore_signals;

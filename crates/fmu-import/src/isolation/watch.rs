@@ -5,9 +5,11 @@
 //! has ended misses nothing, and where nothing was written that costs one system call. On other systems names,
 //! sizes and times are compared.
 
-use std::collections::BTreeMap;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
 
 /// The files and folders below a folder, each with its size and times.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -137,11 +139,12 @@ impl Events {
 
 #[cfg(target_os = "linux")]
 mod linux {
-    use std::mem::MaybeUninit;
-    use std::os::fd::OwnedFd;
+    use std::{mem::MaybeUninit, os::fd::OwnedFd};
 
-    use rustix::fs::inotify::{self, CreateFlags, ReadFlags, Reader, WatchFlags};
-    use rustix::io::Errno;
+    use rustix::{
+        fs::inotify::{self, CreateFlags, ReadFlags, Reader, WatchFlags},
+        io::Errno,
+    };
 
     use super::{Seen, Snapshot};
 

@@ -7,10 +7,12 @@ use std::collections::HashMap;
 
 use roxmltree::Node;
 
-use crate::description::{About, Description, Interface, Kind, Place, Storage, Timing, Variability, Variable};
-use crate::parse::{Reader, Types, item, text, truth};
-use crate::value::bytes_of;
-use crate::xml::{child, children, elements};
+use crate::{
+    description::{About, Description, Interface, Kind, Place, Storage, Timing, Variability, Variable},
+    parse::{Reader, Types, item, text, truth},
+    value::bytes_of,
+    xml::{child, children, elements},
+};
 
 /// More elements than an array can have that is useful by its elements.
 const MOST_ELEMENTS: usize = 100_000;

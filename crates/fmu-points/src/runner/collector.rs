@@ -1,8 +1,10 @@
 //! Collects one variable while a point runs.
 
 use super::resampled::Draws;
-use crate::notices::Replicates;
-use crate::task::{Delay, Detail, MeasuredCurve, Probe};
+use crate::{
+    notices::Replicates,
+    task::{Delay, Detail, MeasuredCurve, Probe},
+};
 use curves::{Curve, Pair, Sampler, delay};
 use sampling::statistics::{Accumulator, MeanOverPeriods, MeanOverTurns};
 

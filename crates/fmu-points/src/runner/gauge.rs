@@ -4,8 +4,7 @@
 use std::ops::Range;
 
 use super::collector::Collector;
-use crate::notices::Replicates;
-use crate::task::Probe;
+use crate::{notices::Replicates, task::Probe};
 use fmu_import::{Call, Instance};
 
 /// A probe, and what it has seen so far.

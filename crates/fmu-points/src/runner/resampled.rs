@@ -1,7 +1,6 @@
 //! The curves that a measured one may truly have been, by its uncertainty.
 
-use crate::notices::Replicates;
-use crate::task::Resampling;
+use crate::{notices::Replicates, task::Resampling};
 use curves::{Metric, Pair};
 use sampling::recording::RowErrors;
 

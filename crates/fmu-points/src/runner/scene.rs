@@ -2,14 +2,17 @@
 
 use std::ops::Range;
 
-use super::gauge::Gauge;
-use super::watched::Watched;
-use crate::names::behind;
-use crate::notices::Notices;
-use crate::task::{Detail, Probe, Product, SensorError, Slot, Task, place};
+use super::{gauge::Gauge, watched::Watched};
+use crate::{
+    names::behind,
+    notices::Notices,
+    task::{Detail, Probe, Product, SensorError, Slot, Task, place},
+};
 use fmu_import::{Call, Content, End, Instance};
-use sampling::random::{Purpose, Random};
-use sampling::statistics::Direction;
+use sampling::{
+    random::{Purpose, Random},
+    statistics::Direction,
+};
 
 /// A case, and what is gathered while it is simulated.
 #[derive(Debug)]

@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use super::collector::Collector;
-use super::steps::Together;
+use super::{collector::Collector, steps::Together};
 use crate::task::Task;
 use fmu_import::{Call, Instance};
 

@@ -1,24 +1,29 @@
 //! Unix: process groups, signals, `/proc` where there is one.
 
-use std::fs::{self, File};
-use std::io;
-use std::mem::ManuallyDrop;
-use std::net::UdpSocket;
-use std::os::fd::{AsFd, FromRawFd, OwnedFd};
-use std::os::unix::fs::{DirBuilderExt, MetadataExt};
-use std::os::unix::net::UnixDatagram;
-use std::os::unix::process::{CommandExt, ExitStatusExt};
-use std::path::{Path, PathBuf};
-use std::process::{ChildStdout, Command, ExitStatus};
-use std::time::Duration;
+use std::{
+    fs::{self, File},
+    io,
+    mem::ManuallyDrop,
+    net::UdpSocket,
+    os::{
+        fd::{AsFd, FromRawFd, OwnedFd},
+        unix::{
+            fs::{DirBuilderExt, MetadataExt},
+            net::UnixDatagram,
+            process::{CommandExt, ExitStatusExt},
+        },
+    },
+    path::{Path, PathBuf},
+    process::{ChildStdout, Command, ExitStatus},
+    time::Duration,
+};
 
-use fmu_import::isolation::frame::Inbox;
-use fmu_import::isolation::offspring;
-use fmu_import::isolation::words::Words;
-use fmu_import::isolation::{Keeper, Loss};
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::process::{Pid, Signal, geteuid, kill_process_group};
-use rustix::stdio::dup2_stdin;
+use fmu_import::isolation::{Keeper, Loss, frame::Inbox, offspring, words::Words};
+use rustix::{
+    event::{PollFd, PollFlags, Timespec, poll},
+    process::{Pid, Signal, geteuid, kill_process_group},
+    stdio::dup2_stdin,
+};
 
 pub(crate) use fmu_import::isolation::offspring::{
     adopt_orphans, end_all, end_marked, is_stopped, kill_group as kill_worker,

@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::schedule::{CommunicationPoints, Schedule};
-use super::slot::Slot;
+use super::{
+    schedule::{CommunicationPoints, Schedule},
+    slot::Slot,
+};
 
 /// Rows within this part of a step of a communication point count as on it: times in a file are rounded.
 const NEAR: f64 = 1e-3;

@@ -1,11 +1,12 @@
 //! The contact of a journal whose clearance changes: tables at several clearances, and polynomials between them.
 
 use super::{Contact, ContactTable, LOGARITHMS, NO_CONTACT, NODES, Node, Place, QUANTITIES, Surface, Touch};
-use crate::roughness::Reach;
-use crate::spline::below;
-use std::cell::OnceCell;
-use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use crate::{roughness::Reach, spline::below};
+use std::{
+    cell::OnceCell,
+    collections::BTreeMap,
+    sync::{Arc, Mutex, OnceLock, PoisonError},
+};
 
 /// The contact of an aligned, round journal over its eccentricity ratio and its radial clearance.
 ///

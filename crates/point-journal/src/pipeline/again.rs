@@ -5,19 +5,17 @@
 //! allows, and some drawn from all: in a new process whose unwritten memory holds other bytes, from another path, and on another host
 //! where there is one.
 
-use std::collections::BTreeMap;
-use std::ops::ControlFlow;
-use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::{
+    collections::BTreeMap,
+    ops::ControlFlow,
+    sync::atomic::Ordering,
+    time::{Duration, Instant},
+};
 
-use rand::rngs::StdRng;
-use rand::seq::SliceRandom;
-use rand::{RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng, rngs::StdRng, seq::SliceRandom};
 
 use crate::{Error, Outcome, pipeline::Model};
-use fmu_points::crew::Crew;
-use fmu_points::task::Case;
-use fmu_points::{Conduct, Event, Job, Post, stop};
+use fmu_points::{Conduct, Event, Job, Post, crew::Crew, stop, task::Case};
 
 /// A point of an index that is known.
 pub(super) type Known<'a> = &'a dyn Fn(u64) -> Job;

@@ -1,12 +1,12 @@
 //! The folder in which a run keeps what it has computed.
 
-use std::fs;
-use std::path::Path;
+use std::{fs, path::Path};
 
-use crate::files::DRAFT;
-use crate::{Error, Finished, Header, Journal, Lock, lines};
-use fmu_points::scratch::{self, Scratch};
-use fmu_points::stop;
+use crate::{Error, Finished, Header, Journal, Lock, files::DRAFT, lines};
+use fmu_points::{
+    scratch::{self, Scratch},
+    stop,
+};
 
 /// A folder that is taken for a run.
 #[derive(Debug)]

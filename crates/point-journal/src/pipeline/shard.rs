@@ -1,7 +1,6 @@
 //! Parts of a set of points.
 
-use std::fmt;
-use std::str::FromStr;
+use std::{fmt, str::FromStr};
 
 use serde::{Deserialize, Serialize};
 

@@ -3,8 +3,10 @@
 //! plain sequences are all but useless in large bases, permuted ones are uniformly distributed.
 
 use super::rule::{Inputs, Numbers, Registered, Rule};
-use crate::distribution::BELOW_ONE;
-use crate::random::{self, Purpose};
+use crate::{
+    distribution::BELOW_ONE,
+    random::{self, Purpose},
+};
 
 /// Bits of a coordinate that the permuted digits settle: as many as a number holds. What lies beyond them is random.
 const BITS: f64 = 53.0;

@@ -2,8 +2,7 @@
 
 use std::fmt::Debug;
 
-use super::correlation::Correlation;
-use super::joint::Joint;
+use super::{correlation::Correlation, joint::Joint};
 use crate::distribution::Distribution;
 
 /// A rule that gives every point a place in the unit cube.

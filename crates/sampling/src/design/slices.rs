@@ -1,8 +1,10 @@
 //! A table that says in which slice of every input each point lies.
 
 use super::rule::Rule;
-use crate::distribution::BELOW_ONE;
-use crate::random::{self, Purpose};
+use crate::{
+    distribution::BELOW_ONE,
+    random::{self, Purpose},
+};
 
 /// A table of slices: a Latin hypercube when each column is a permutation.
 #[derive(Clone, Debug)]

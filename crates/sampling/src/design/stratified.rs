@@ -8,9 +8,11 @@
 
 use nalgebra::DMatrix;
 
-use super::correlation::Correlation;
-use super::rule::{Inputs, Rule};
-use super::slices::{Slices, ranks};
+use super::{
+    correlation::Correlation,
+    rule::{Inputs, Rule},
+    slices::{Slices, ranks},
+};
 use crate::distribution::normal_quantile;
 
 /// All points must be known at once; more of them than these need no slices.

@@ -2,13 +2,16 @@
 
 use std::borrow::Cow;
 
-use minijinja::value::{Serde, Value as Cell};
-use minijinja::{AutoEscape, Environment, context};
-use quick_xml::escape::escape;
-use quick_xml::events::attributes::Attribute;
+use minijinja::{
+    AutoEscape, Environment, context,
+    value::{Serde, Value as Cell},
+};
+use quick_xml::{escape::escape, events::attributes::Attribute};
 
-use fmu_import::units::{Conversion, Unit};
-use fmu_import::{Description, Kind, Value, Variable};
+use fmu_import::{
+    Description, Kind, Value, Variable,
+    units::{Conversion, Unit},
+};
 use fmu_points::tell::is_hidden;
 
 /// A parameter set with these values, in the FMU's units.

@@ -2,16 +2,14 @@
 
 use std::path::Path;
 
-use crate::commands::isolated::Columns;
-use crate::error::Error;
-use fmu_import::Description;
-use fmu_import::quantity::Scale;
+use crate::{commands::isolated::Columns, error::Error};
+use fmu_import::{Description, quantity::Scale};
 use fmu_points::task::{Schedule, Series};
 use number_tables::{How, Table};
-use study::inputs::{
-    covers, doubts, follow, is_discrete, is_integrated, many_steps, slot_while_running, takes_any_step,
+use study::{
+    inputs::{covers, doubts, follow, is_discrete, is_integrated, many_steps, slot_while_running, takes_any_step},
+    plan::find,
 };
-use study::plan::find;
 
 /// The variables of `--record`.
 pub(super) fn columns(lists: &[String], fmu: &Description) -> Result<Columns, Error> {

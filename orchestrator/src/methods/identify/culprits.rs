@@ -2,26 +2,14 @@
 
 use std::collections::BTreeSet;
 
-use calibration::fit::Fit;
-use calibration::local::End;
-use calibration::next::Group;
-use calibration::outcome::IdentificationOutcome;
-use calibration::problem::{Free, NoPrediction, Problem, Query, Simulate, Spacing};
-use calibration::remembered::Remembered;
-use calibration::rounds::{Searched, Task};
-use calibration::suspects::{Confusion, Constant, Fault, Inquiry, Sensor, Suspect};
-use fmu_import::units::Conversion;
-use fmu_import::{Content, Description, Value};
-use fmu_points::names::behind;
-use fmu_points::task::{SensorError, Slot};
+use calibration::{fit::Fit, local::End, next::Group, outcome::IdentificationOutcome, problem::{Free, NoPrediction, Problem, Query, Simulate, Spacing}, remembered::Remembered, rounds::{Searched, Task}, suspects::{Confusion, Constant, Fault, Inquiry, Sensor, Suspect}};
+use fmu_import::{Content, Description, Value, units::Conversion};
+use fmu_points::{names::behind, task::{SensorError, Slot}};
 use indexmap::IndexMap;
-use result_document::format::number;
-use result_document::{Block, Document};
+use result_document::{Block, Document, format::number};
 use study::cases::SEPARATOR;
 
-use crate::identify::bind::Bound;
-use crate::identify::model::{Extended, FmuModel};
-use crate::results::confusions;
+use crate::{identify::{bind::Bound, model::{Extended, FmuModel}}, results::confusions};
 
 /// Looks for what would explain the misfit at the first optimum, by further runs.
 ///

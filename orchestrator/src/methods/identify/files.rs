@@ -1,18 +1,13 @@
 //! The files of an identification.
 
 use crate::error::Error;
-use calibration::outcome::IdentificationOutcome;
-use calibration::text;
-use fmu_import::quantity::Quantity;
-use fmu_import::units::known;
+use calibration::{text, outcome::IdentificationOutcome};
+use fmu_import::{quantity::Quantity, units::known};
 use fmu_points::names::behind;
 use number_tables::csv_file::{self, CsvFile};
 use point_journal::files::{write_table, write_text, write_texts};
 use std::path::{Path, PathBuf};
-use study::cases::SEPARATOR;
-use study::inputs::{GAIN, OFFSET};
-use study::limit::part;
-use study::{Identification, Study};
+use study::{Identification, Study, cases::SEPARATOR, inputs::{GAIN, OFFSET}, limit::part};
 
 /// Writes all files.
 pub(super) fn write(

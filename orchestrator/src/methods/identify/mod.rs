@@ -6,47 +6,20 @@ mod files;
 mod posterior;
 mod surrogate;
 
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::{path::{Path, PathBuf}, process::ExitCode, time::{Duration, Instant}};
 
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
-use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet};
-use super::known::Finished;
-use super::setup::{Source, SourceParts};
-use crate::error::Error;
-use crate::identify::bind::Bound;
-use crate::identify::from_study;
-use crate::identify::model::{Finer, FmuModel};
-use crate::identify::offsets;
-use crate::options::{Means, Work};
-use crate::results::origin::Origin;
-use crate::session::Request;
-use calibration::capped::Capped;
-use calibration::failures::Excluded;
-use calibration::fit;
-use calibration::local::End;
-use calibration::next::NextOutcome;
-use calibration::numerical::NumericalError;
-use calibration::objective::Objective;
-use calibration::outcome::IdentificationOutcome;
-use calibration::problem::{NoPrediction, Simulate};
-use calibration::remembered::Remembered;
-use calibration::rounds::{self, Searched};
-use calibration::sample::Sample;
-use calibration::sample::outcome::Evidence;
-use calibration::search::{self, Progress, SearchError};
+use super::{asking::{self, Analysis, AnalysisResult, Delivery, PointSet}, known::Finished, setup::{Source, SourceParts}};
+use crate::{error::Error, identify::{from_study, offsets, bind::Bound, model::{Finer, FmuModel}}, options::{Means, Work}, results::origin::Origin, session::Request};
+use calibration::{fit, capped::Capped, failures::Excluded, local::End, next::NextOutcome, numerical::NumericalError, objective::Objective, outcome::IdentificationOutcome, problem::{NoPrediction, Simulate}, remembered::Remembered, rounds::{self, Searched}, sample::{Sample, outcome::Evidence}, search::{self, Progress, SearchError}};
 use fmu_import::Package;
 use fmu_points::names::{did_you_mean, nearest};
-use point_journal::files::write_json;
-use point_journal::pipeline::Pipeline;
-use point_journal::pipeline::folder::Earlier;
+use point_journal::{files::write_json, pipeline::{Pipeline, folder::Earlier}};
 use result_document::Document;
 use sampling::design::cube;
-use study::concern::{Code, Concern};
-use study::{Identification, Study};
+use study::{Identification, Study, concern::{Code, Concern}};
 use surrogate::Known;
 
 /// The result's file in a folder of results.

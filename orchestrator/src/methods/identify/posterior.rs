@@ -1,26 +1,15 @@
 //! `identify --posterior`: a sample of the posterior, and its file.
 
-use std::path::Path;
-use std::time::Instant;
+use std::{path::Path, time::Instant};
 
 use serde::Deserialize;
 
 use super::files::remove;
-use crate::error::Error;
-use crate::identify::bind::Bound;
-use calibration::local::End;
-use calibration::objective::Objective;
-use calibration::optima::Optimum;
-use calibration::outcome::IdentificationOutcome;
-use calibration::problem::Problem;
-use calibration::sample::outcome::{Evidence, PosteriorOutcome};
-use calibration::sample::{FEWEST, Sample, SampleError, Settings, sample, text};
-use calibration::search::SearchError;
-use number_tables::csv_file;
-use number_tables::files;
+use crate::{error::Error, identify::bind::Bound};
+use calibration::{local::End, objective::Objective, optima::Optimum, outcome::IdentificationOutcome, problem::Problem, sample::{FEWEST, Sample, SampleError, Settings, sample, text, outcome::{Evidence, PosteriorOutcome}}, search::SearchError};
+use number_tables::{csv_file, files};
 use point_journal::files::write_atomically;
-use study::identification::PosteriorStart;
-use study::{Identification, Study};
+use study::{Identification, Study, identification::PosteriorStart};
 
 /// The most particles: more would be the table's work, not the posterior's.
 const MOST: u64 = 1_000_000;

@@ -3,17 +3,9 @@
 
 use std::path::Path;
 
-use super::super::known::{digest_of, points_of};
-use super::{Asked, Fit};
-use crate::error::Error;
-use crate::identify::bind::Bound;
-use calibration::objective::{Misfit, Objective};
-use calibration::optima::Optimum;
-use calibration::problem::{Prediction, Query, Simulate};
-use calibration::rounds;
-use calibration::search::SearchError;
-use calibration::surrogate::outcome::{RunAgain, SurrogateOutcome};
-use calibration::surrogate::{Replaced, Task, fewest, replaced as made};
+use super::{Asked, Fit, super::known::{digest_of, points_of}};
+use crate::{error::Error, identify::bind::Bound};
+use calibration::{rounds, objective::{Misfit, Objective}, optima::Optimum, problem::{Prediction, Query, Simulate}, search::SearchError, surrogate::{Replaced, Task, fewest, replaced as made, outcome::{RunAgain, SurrogateOutcome}}};
 use sampling::design::cube;
 
 /// Runs of each case beside those of the surrogate: one before the first, one once more, half the steps, and two optima.

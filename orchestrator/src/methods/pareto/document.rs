@@ -1,9 +1,7 @@
 //! The document of trade-offs: the best compromise, and the front, pair by pair of criteria.
 
 use parameter_regions::pareto::study::{CONFLICT, Member, Pareto};
-use result_document::format::{count, number};
-use result_document::svg::{Frame, area, circle, path};
-use result_document::{Block, Column, Document, Figure, Key, Table, numbers, words};
+use result_document::{Block, Column, Document, Figure, Key, Table, numbers, words, format::{count, number}, svg::{Frame, area, circle, path}};
 
 /// Most pairs of criteria that are drawn; pairs in conflict come first.
 const MOST_PLOTS: usize = 6;

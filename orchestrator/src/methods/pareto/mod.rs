@@ -6,10 +6,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::asking::{AnalysisResult, Delivery};
-use super::known::{self, Finished};
-use crate::error::Error;
-use crate::results::origin::Origin;
+use super::{asking::{AnalysisResult, Delivery}, known::{self, Finished}};
+use crate::{error::Error, results::origin::Origin};
 use parameter_regions::pareto::study::trade_off;
 use point_journal::pipeline::folder::Earlier;
 use result_document::Document;

@@ -1,11 +1,8 @@
 //! Fresh runs of the model inside the box.
 
-use super::super::asking;
-use super::{Points, ROUNDS, joint};
-use crate::error::Error;
-use crate::session::Session;
-use parameter_regions::robustness::{Robustness, rows};
-use parameter_regions::table::PointTable;
+use super::{Points, ROUNDS, joint, super::asking};
+use crate::{error::Error, session::Session};
+use parameter_regions::{robustness::{Robustness, rows}, table::PointTable};
 use point_journal::pipeline::Pipeline;
 
 /// The most draws to search for points inside a small region.

@@ -3,14 +3,8 @@
 use std::fmt::Write;
 
 use crate::results::words::capitalised;
-use parameter_regions::robustness::Robustness;
-use parameter_regions::robustness::maps::{CELLS, Map};
-use parameter_regions::robustness::margins::Margin;
-use parameter_regions::robustness::region::Region;
-use parameter_regions::robustness::stand::Quality;
-use result_document::format::{number, percent, with_unit};
-use result_document::svg::{Frame, path};
-use result_document::{Block, Document, Figure, Key, Table, numbers, words};
+use parameter_regions::robustness::{Robustness, maps::{CELLS, Map}, margins::Margin, region::Region, stand::Quality};
+use result_document::{Block, Document, Figure, Key, Table, numbers, words, format::{number, percent, with_unit}, svg::{Frame, path}};
 
 /// The document of a result.
 pub fn document(result: &Robustness) -> Document {

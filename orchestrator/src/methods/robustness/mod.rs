@@ -7,20 +7,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
-use super::known::{self, Finished};
-use crate::error::Error;
-use crate::options::Work;
-use crate::results::origin::Origin;
-use crate::session::{Request, Session};
+use super::{asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes}, known::{self, Finished}};
+use crate::{error::Error, options::Work, results::origin::Origin, session::{Request, Session}};
 use confirm::Confirmation;
-use parameter_regions::robustness::{Robustness, refined, region, rows};
-use parameter_regions::table::PointTable;
+use parameter_regions::{robustness::{Robustness, refined, region, rows}, table::PointTable};
 use point_journal::pipeline::Pipeline;
 use result_document::Document;
 use sampling::design::{Design, Method, Sampling, cube};
-use study::Study;
-use study::plan::Plan;
+use study::{Study, plan::Plan};
 
 pub use document::document;
 

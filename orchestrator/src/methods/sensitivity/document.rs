@@ -2,11 +2,8 @@
 
 use super::outputs::{Output, Sensitivity};
 use crate::results::words::capitalised;
-use result_document::format::number;
-use result_document::svg::{area, path, picture, text, ticks};
-use result_document::{Block, Document, Figure, Key, Table, words};
-use sensitivity::Estimate;
-use sensitivity::method::Measure;
+use result_document::{Block, Document, Figure, Key, Table, words, format::number, svg::{area, path, picture, text, ticks}};
+use sensitivity::{Estimate, method::Measure};
 
 /// The document of a result.
 pub fn document(result: &Sensitivity) -> Document {

@@ -10,25 +10,18 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use nalgebra::DMatrix;
 
-use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
-use super::known::Finished;
-use crate::error::Error;
-use crate::options::Work;
-use crate::results::{points, table};
-use crate::session::{Request, Session};
-use ::sensitivity::method::{self, Settled, Space};
-use ::sensitivity::{RUNS, named};
+use super::{asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes}, known::Finished};
+use crate::{error::Error, options::Work, results::{points, table}, session::{Request, Session}};
+use ::sensitivity::{RUNS, named, method::{self, Settled, Space}};
 use number_tables::csv_file;
 use outputs::from_runs;
 use parameter_regions::table::PointTable;
-use point_journal::pipeline::Pipeline;
+use point_journal::{pipeline::Pipeline, files::{make_folder, write_table}};
 use result_document::Document;
-use study::Study;
-use study::plan::Plan;
+use study::{Study, plan::Plan};
 
 pub use document::document;
 pub use outputs::Sensitivity;
-use point_journal::files::{make_folder, write_table};
 
 /// The result's file in a folder of results.
 pub const FILE: &str = "sensitivity.json";

@@ -2,9 +2,7 @@
 
 use super::failures;
 use parameter_regions::table::PointTable;
-use sensitivity::method::{FromRuns, Measure, Settled, Told};
-use sensitivity::sobol::Indices;
-use sensitivity::{Estimate, RUNS, dominant};
+use sensitivity::{Estimate, RUNS, dominant, method::{FromRuns, Measure, Settled, Told}, sobol::Indices};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 

@@ -2,8 +2,7 @@
 
 use conformity::decision::Decision;
 use parameter_regions::tolerances::stated::{Parameter, Tolerances, Wanted};
-use result_document::format::number;
-use result_document::{Block, Document, Table, numbers, words};
+use result_document::{Block, Document, Table, numbers, words, format::number};
 
 /// The document of a result.
 pub fn document(result: &Tolerances) -> Document {

@@ -1,8 +1,6 @@
 //! The goal of the tolerances.
 
-use crate::error::Error;
-use crate::judge::{Judge, share};
-use crate::results::table;
+use crate::{error::Error, judge::{Judge, share}, results::table};
 use conformity::risk::Guard;
 use parameter_regions::tolerances::stated::Wanted;
 use std::path::Path;

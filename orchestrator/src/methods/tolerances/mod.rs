@@ -8,28 +8,17 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
-use super::known::{self, Finished};
-use crate::error::Error;
-use crate::options::Work;
-use crate::results::summary::ParameterSummary;
-use crate::results::table;
-use crate::session::{Request, Session};
+use super::{asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes}, known::{self, Finished}};
+use crate::{error::Error, options::Work, results::{table, summary::ParameterSummary}, session::{Request, Session}};
 use goal::Goal;
 use number_tables::files::FileError;
-use parameter_regions::robustness::stand::Stand;
-use parameter_regions::table::PointTable;
-use parameter_regions::tolerances::stated::{Parameter, Tolerances};
-use parameter_regions::tolerances::{Problem, Sample};
-use point_journal::pipeline::Pipeline;
-use result_document::Document;
-use result_document::format::number;
+use parameter_regions::{robustness::stand::Stand, table::PointTable, tolerances::{Problem, Sample, stated::{Parameter, Tolerances}}};
+use point_journal::{Outcome, pipeline::Pipeline};
+use result_document::{Document, format::number};
 use sampling::design::Joint;
-use study::Study;
-use study::plan::{Input, Plan};
+use study::{Study, plan::{Input, Plan}};
 
 pub use document::document;
-use point_journal::Outcome;
 
 /// The result's file in a folder of results.
 pub const FILE: &str = "tolerances.json";
