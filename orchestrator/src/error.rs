@@ -10,6 +10,9 @@ use fmu_points::{RunError, failure::Failure, scratch::ScratchError};
 use number_tables::files::FileError;
 use study::{OpenError, unusable};
 
+/// What is done, or why it cannot be.
+pub type Result<T = (), E = Error> = std::result::Result<T, E>;
+
 /// Why something cannot be done.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {

@@ -43,14 +43,14 @@ pub struct Criterion {
     /// Statistic that turns the signal into one number.
     pub statistic: Statistic,
     /// The number that the statistic needs, where it needs one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub detail: Option<Detail>,
     /// The level of an event with its unit, as the study gives it, and the way in which the signal comes to it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub level: Option<String>,
     /// How a whole curve is compared, in place of a statistic. The value is 0 or 1 then for equal curves, and so is the
     /// measured value.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub metric: Option<Metric>,
     /// The unit of the numbers.
     pub unit: Option<String>,
@@ -58,25 +58,25 @@ pub struct Criterion {
     #[serde(flatten)]
     pub limits: Limits,
     /// Where the nominal value comes from, where that is no measurement.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub nominal_from: Option<NominalFrom>,
     /// The accuracy or the limit as the study states it.
     pub stated_tolerance: String,
     /// The measured value beside a limit that stands alone.
-    #[serde(default, rename = "measured", skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "measured", skip_serializing_if = "Option::is_none")]
     pub reading: Option<f64>,
     /// Of a limit that stands alone: in units of this it counts how far a value is beyond it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub distance_unit: Option<f64>,
     /// The uncertainty of the measured value, where the study states it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<Uncertainty>,
     /// The criterion from whose measured value this one's is derived.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub derived_from: Option<String>,
     /// The correlation of the errors of any two rows of the measured curve, where it has an uncertainty. The risk is that over
     /// draws of the curve then.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub row_correlation: Option<f64>,
     /// The group in which it is counted.
     pub group: Option<String>,
@@ -265,8 +265,10 @@ impl Judge {
             warnings: Vec::new(),
         };
         for (name, text) in &study.criteria {
-            let variable = fmu.map(|fmu| find(fmu, text.variable.as_ref())).transpose();
-            let variable = variable.map_err(|message| study.error_at(&text.variable, message))?;
+            let variable = fmu
+                .map(|fmu| find(fmu, text.variable.as_ref()))
+                .transpose()
+                .map_err(|message| study.error_at(&text.variable, message))?;
             requirements::check_variable(study, text, variable)?;
             let scale = text.scale(fmu.zip(variable)).map_err(|message| study.error_of(name, message))?;
             let mut criterion = match text.reference {

@@ -7,7 +7,7 @@ use std::{
     time::Duration,
 };
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use clap::Args;
 use fmu_points::{Isolation, Launcher, Limits, crew::Place, system};
 use point_journal::pipeline::{Shard, folder::Earlier};
@@ -42,7 +42,7 @@ impl Shards {
     ///
     /// # Errors
     /// When there is no such part.
-    pub fn chosen(&self) -> Result<Option<Shard>, Error> {
+    pub fn chosen(&self) -> Result<Option<Shard>> {
         match (self.shard_index, self.shards) {
             (Some(index), Some(of)) if index < of => {
                 let number = index + 1;
@@ -114,10 +114,9 @@ pub struct Afar {
 
 impl Afar {
     /// How workers are started elsewhere, if they are, `jobs` of them unless hosts say otherwise.
-    fn launcher(&self, jobs: usize) -> Result<Option<Launcher>, Error> {
+    fn launcher(&self, jobs: usize) -> Result<Option<Launcher>> {
         let Some(command) = &self.launcher else { return Ok(None) };
-        let launcher = Launcher::new(command, jobs);
-        let mut launcher = launcher.map_err(|message| Error::option("launcher", message))?;
+        let mut launcher = Launcher::new(command, jobs).map_err(|message| Error::option("launcher", message))?;
         if self.hosts.is_none() && launcher.wants_hosts() {
             return Err(Error::option("launcher", "{host} stands for a name of a file of hosts: add --hosts FILE"));
         }
@@ -155,7 +154,7 @@ impl Means {
     ///
     /// # Errors
     /// When the hosts cannot be used.
-    pub fn jobs_of(&self, points: usize) -> Result<usize, Error> {
+    pub fn jobs_of(&self, points: usize) -> Result<usize> {
         let jobs = self.jobs().min(points.max(1));
         let launcher = self.afar.launcher(jobs)?;
         Ok(launcher.map_or(jobs, |launcher| launcher.slots()))
@@ -165,7 +164,7 @@ impl Means {
     ///
     /// # Errors
     /// When a limit cannot be used.
-    pub fn place(&self, jobs: usize) -> Result<Place, Error> {
+    pub fn place(&self, jobs: usize) -> Result<Place> {
         let limits = self.limits(jobs)?;
         let launcher = self.afar.launcher(jobs)?;
         if self.isolation == Isolation::None {
@@ -186,7 +185,7 @@ impl Means {
     ///
     /// # Errors
     /// When a limit cannot be used.
-    pub fn limits(&self, jobs: usize) -> Result<Limits, Error> {
+    pub fn limits(&self, jobs: usize) -> Result<Limits> {
         let time = time("point-timeout", self.point_timeout)?;
         let memory = match &self.memory_limit {
             Some(text) => size(text).ok_or_else(|| {
@@ -244,7 +243,7 @@ fn size(text: &str) -> Option<u64> {
 }
 
 /// A time that an option gives, s.
-fn time(option: &'static str, seconds: f64) -> Result<Duration, Error> {
+fn time(option: &'static str, seconds: f64) -> Result<Duration> {
     let time = Duration::try_from_secs_f64(seconds).ok();
     time.filter(|time| !time.is_zero())
         .ok_or_else(|| Error::option(option, format!("{seconds:?} s is not a positive time")))

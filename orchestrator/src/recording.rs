@@ -147,7 +147,7 @@ struct Signal {
 impl Signal {
     /// Which doubtful samples do not count.
     fn dropped(&self) -> Drop {
-        let has = |what: Doubtful| self.drop.as_ref().is_some_and(|drop| drop.contains(&what));
+        let has = |what| self.drop.as_ref().is_some_and(|drop| drop.contains(&what));
         Drop { is_stated: self.drop.is_some(), spikes: has(Doubtful::Spikes), clipped: has(Doubtful::Clipped) }
     }
 
@@ -392,7 +392,7 @@ impl Recorded<'_> {
     /// When times fall, or come again and no one says which row counts.
     fn in_order(&self, file: usize, name: &str, rows: &mut Vec<(f64, f64)>) -> Result<usize, FileError> {
         let (table, time) = &self.tables[file];
-        let wrong = |message: String| FileError::new(table.path(), format!("time `{name}`: {message}"));
+        let wrong = |message| FileError::new(table.path(), format!("time `{name}`: {message}"));
         if let Some(pair) = rows.windows(2).find(|pair| pair[1].0 < pair[0].0) {
             return Err(wrong(format!(
                 "the clock jumps back from {} s to {} s: cut the file there",
@@ -423,7 +423,7 @@ impl Recorded<'_> {
     /// A channel in its own unit, or in `si`.
     fn channel(&self, key: &str, signal: &Signal, name: &str, si: Option<&str>) -> Result<Channel, FileError> {
         let settings = self.settings;
-        let wrong = |message: String| settings.wrong(format!("{key}: {message}"));
+        let wrong = |message| settings.wrong(format!("{key}: {message}"));
         let column = settings.needed(signal.column.as_ref(), key, "column")?;
         let file = self.file_of(key, signal, column)?;
         let table = &self.tables[file].0;
@@ -494,8 +494,8 @@ impl Recorded<'_> {
                 settings.wrong(format!("{key}: there is no file {file}; {} were given", self.tables.len()))
             });
         }
-        let have = |file: &usize| self.tables[*file].0.get(column).is_some();
-        let having: Vec<usize> = (0..self.tables.len()).filter(have).collect();
+        let having: Vec<usize> =
+            (0..self.tables.len()).filter(|file| self.tables[*file].0.get(column).is_some()).collect();
         match having.as_slice() {
             [file] => Ok(*file),
             [] => {
@@ -525,7 +525,7 @@ impl Recorded<'_> {
                     (channel.unit.clone(), Driven::Recorded(channel))
                 }
             };
-            let wrong = |message: String| settings.wrong(format!("{key}: {message}"));
+            let wrong = |message| settings.wrong(format!("{key}: {message}"));
             let tolerance = match (&values, &input.tolerance) {
                 (Driven::Recorded(_), Some(stated)) => of_zero(stated, &unit).map_err(wrong)?,
                 _ => None,
@@ -567,8 +567,12 @@ impl Recorded<'_> {
             start,
             confidence: settings.confidence.unwrap_or(0.99),
         };
-        let ends = recording.signals().filter_map(|signal| signal.time.last());
-        let end = ends.copied().chain(settings.window.map(|[_, to]| to)).fold(f64::INFINITY, f64::min);
+        let end = recording
+            .signals()
+            .filter_map(|signal| signal.time.last())
+            .copied()
+            .chain(settings.window.map(|[_, to]| to))
+            .fold(f64::INFINITY, f64::min);
         match start.filter(|start| start.is_nan() || *start >= end) {
             Some(start) => Err(settings.wrong(format!(
                 "line {}: start: {start} s is not before {} s, where a signal or the window ends; give an earlier time",

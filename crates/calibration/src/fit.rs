@@ -26,9 +26,8 @@ impl IdentificationOutcome {
     pub fn look_along(&mut self, curves: &[Group], estimates: &[Estimate]) {
         let orders = curves.iter().filter_map(|curve| {
             let is_its = |e: &&Estimate| e.quantities.contains(&curve.values[0][1]);
-            let residuals = curve.values.iter();
             let residuals: Vec<f64> =
-                residuals.map(|&[case, quantity]| self.cases[case].residuals[quantity].missed()).collect();
+                curve.values.iter().map(|&[case, quantity]| self.cases[case].residuals[quantity].missed()).collect();
             Order::of(&curve.name, &residuals, estimates.iter().find(is_its))
         });
         self.orders = orders.collect();

@@ -144,17 +144,19 @@ pub fn of_values(problem: &Problem, optimum: &Optimum, groups: &[Group]) -> (Opt
             Farthest { case, quantity, studentised, leverage, probability: (count * chance).min(1.0) }
         });
     let covariance = rows.factor.inverse();
-    let free = (0..problem.free.len()).filter_map(|k| Some((k, rows.open.iter().position(|&open| open == k)?)));
-    let influence = free
+    let influence = (0..problem.free.len())
+        .filter_map(|k| Some((k, rows.open.iter().position(|&open| open == k)?)))
         .map(|(k, place)| {
             let deviation = covariance[(place, place)].sqrt();
-            let change = |(case, quantity, (pull, leverage)): &(usize, usize, (DVector<f64>, f64))| {
-                let residual = rows.optimum.minimum.misfit.residuals[case * problem.quantities.len() + quantity];
-                let (case, quantity) = named(*case, *quantity);
-                let change = pull[place] * residual / (1.0 - leverage.min(THROUGH)) / deviation;
-                Moved { case, quantity, change }
-            };
-            let mut values: Vec<Moved> = all.iter().map(change).collect();
+            let mut values: Vec<Moved> = all
+                .iter()
+                .map(|(case, quantity, (pull, leverage))| {
+                    let residual = rows.optimum.minimum.misfit.residuals[case * problem.quantities.len() + quantity];
+                    let (case, quantity) = named(*case, *quantity);
+                    let change = pull[place] * residual / (1.0 - leverage.min(THROUGH)) / deviation;
+                    Moved { case, quantity, change }
+                })
+                .collect();
             values.sort_by(|a, b| b.change.abs().total_cmp(&a.change.abs()));
             values.truncate(SHOWN);
             let budget = budget(&rows, &covariance, place, (groups, &all));

@@ -84,7 +84,7 @@ impl NextOutcome {
         let (n, sources) = (problem.unknowns(), errors.sources());
         let full = errors.with_sources(&precision, along);
         let free = &problem.free[parameter];
-        let measurement = |work: String, more: DMatrix<f64>| {
+        let measurement = |work, more: DMatrix<f64>| {
             let covariance = Cholesky::new(&full + more)?.inverse();
             let left = (0..problem.free.len()).map(|k| covariance[(k, k)].sqrt() / deviation(k)).collect::<Vec<f64>>();
             Some(Measurement { work, deviation: free.spread(deviation(parameter) * left[parameter]), left })

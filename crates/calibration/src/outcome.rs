@@ -389,12 +389,11 @@ fn case(
 }
 
 fn latents(problem: &Problem, optimum: &Optimum, index: usize) -> Vec<LatentOutcome> {
-    let unknowns = problem.latents_of(index);
     problem
         .latents
         .iter()
         .zip(&problem.cases[index].latents)
-        .zip(unknowns)
+        .zip(problem.latents_of(index))
         .map(|((latent, interval), unknown)| LatentOutcome {
             name: latent.name.clone(),
             value: interval.value(optimum.minimum.places[unknown]),

@@ -126,8 +126,7 @@ impl Posterior {
             covariance += less * &slopes * slopes.transpose();
             means += change * slopes;
         }
-        let quantile = self.cut(unknown, means[last], covariance[(last, last)]);
-        let [low, high] = interval([0.0, 1.0], quantile);
+        let [low, high] = interval([0.0, 1.0], self.cut(unknown, means[last], covariance[(last, last)]));
         let place = self.places[unknown];
         [low.min(place), high.max(place)]
     }

@@ -49,14 +49,17 @@ impl Stated {
 
     /// What the logarithm of the likelihood has beyond that of normal errors, given the sources' most probable values by these.
     pub(crate) fn ln_beyond(&self, problem: &Problem, errors: &Errors, predicted: &[Vec<f64>], sources: &[f64]) -> f64 {
-        let values = self.values.iter().map(|value| {
-            let (case, quantity) = (value.case, value.quantity);
-            let error = problem.cases[case].measured[quantity].value - predicted[case][quantity];
-            let accuracy = errors.accuracy(case, quantity);
-            let normal = -0.5 * (error / accuracy).powi(2) - accuracy.ln();
-            value.law.ln_density(error) - normal + 0.5 * std::f64::consts::TAU.ln()
-        });
-        values.chain(self.rectangles.iter().map(|rectangle| rectangle.ln_ratio(sources))).sum()
+        self.values
+            .iter()
+            .map(|value| {
+                let (case, quantity) = (value.case, value.quantity);
+                let error = problem.cases[case].measured[quantity].value - predicted[case][quantity];
+                let accuracy = errors.accuracy(case, quantity);
+                let normal = -0.5 * (error / accuracy).powi(2) - accuracy.ln();
+                value.law.ln_density(error) - normal + 0.5 * std::f64::consts::TAU.ln()
+            })
+            .chain(self.rectangles.iter().map(|rectangle| rectangle.ln_ratio(sources)))
+            .sum()
     }
 
     /// Mean and standard deviation of each channel's error, given those by normal errors.
@@ -80,18 +83,20 @@ impl Stated {
 fn rectangles(problem: &Problem, errors: &Errors) -> Vec<Rectangle> {
     /// A smaller covariance is rounding.
     const NOTHING: f64 = 1e-9;
-    let sources = problem.sources.iter().enumerate();
-    let numbers: Vec<usize> = sources.filter(|(_, source)| source.rectangular).map(|(number, _)| number).collect();
-    let all = numbers.iter().map(|&source| {
-        let mut unit = DVector::zeros(errors.sources());
-        unit[source] = 1.0;
-        Rectangle { source, covariances: errors.solved(&unit) }
-    });
-    all.filter(|rectangle| {
-        let mut others = numbers.iter().filter(|&&other| other != rectangle.source);
-        others.all(|&other| rectangle.covariances[other].abs() <= NOTHING)
-    })
-    .collect()
+    let numbers: Vec<usize> =
+        problem.sources.iter().enumerate().filter(|(_, source)| source.rectangular).map(|(number, _)| number).collect();
+    numbers
+        .iter()
+        .map(|&source| {
+            let mut unit = DVector::zeros(errors.sources());
+            unit[source] = 1.0;
+            Rectangle { source, covariances: errors.solved(&unit) }
+        })
+        .filter(|rectangle| {
+            let mut others = numbers.iter().filter(|&&other| other != rectangle.source);
+            others.all(|&other| rectangle.covariances[other].abs() <= NOTHING)
+        })
+        .collect()
 }
 
 impl Rectangle {

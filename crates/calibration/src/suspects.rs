@@ -464,8 +464,7 @@ impl Inquiry<'_> {
     fn constant(&self, constant: &Constant<'_>, place: f64) -> Result<Suspect, NoPrediction> {
         let problem = self.with(constant);
         let model = Remembered::new(&*constant.model, []);
-        let start = self.placed(place.clamp(0.02, 0.98));
-        let minimum = self.minimised(&problem, &model, start)?;
+        let minimum = self.minimised(&problem, &model, self.placed(place.clamp(0.02, 0.98)))?;
         let free = &constant.free;
         let value = free.value(minimum.places[self.problem.free.len()]);
         let departure = match constant.usual {

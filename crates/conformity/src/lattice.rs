@@ -86,8 +86,7 @@ impl Lattice {
         let (size, of_one) = (self.factor.len(), 1.0 / points as f64);
         let mut product = 1.0;
         for k in 0..size {
-            let deviation = self.factor[k][k];
-            let [lower, upper] = self.range(k, known, deviation);
+            let [lower, upper] = self.range(k, known, self.factor[k][k]);
             if lower >= upper {
                 return 0.0;
             }

@@ -44,7 +44,7 @@ pub struct Uncertainty {
     pub noise: f64,
     /// Of how many readings the value is the mean and `noise` the standard deviation; none where `noise` is known and
     /// the value is one reading.
-    #[serde(default, skip_serializing_if = "is_default")]
+    #[serde(skip_serializing_if = "is_default")]
     pub repeats: Option<u32>,
 }
 

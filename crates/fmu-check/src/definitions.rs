@@ -17,10 +17,10 @@ pub(crate) fn alike(document: &Document<'_>, path: &'static str, attributes: &[&
     let is = |node: &Node<'_, '_>, step: &str| step == "*" || node.tag_name().name() == step;
     let mut steps = path.split('/');
     let last = steps.next_back().unwrap_or_default();
-    let parents = steps.fold(vec![document.root], |nodes, step| {
-        nodes.into_iter().flat_map(elements).filter(|node| is(node, step)).collect()
-    });
-    parents
+    steps
+        .fold(vec![document.root], |nodes, step| {
+            nodes.into_iter().flat_map(elements).filter(|node| is(node, step)).collect()
+        })
         .into_iter()
         .filter_map(|parent| {
             let nodes = || elements(parent).filter(|node| is(node, last));
@@ -31,8 +31,8 @@ pub(crate) fn alike(document: &Document<'_>, path: &'static str, attributes: &[&
 
 /// Units are converted by a factor.
 pub(crate) fn factors(document: &Document<'_>) -> Vec<Hit> {
-    let units = document.all("UnitDefinitions", "Unit");
-    units
+    document
+        .all("UnitDefinitions", "Unit")
         .flat_map(elements)
         .filter_map(|node| {
             let nothing = node.attribute("factor")?.trim().parse::<f64>() == Ok(0.0);

@@ -56,8 +56,8 @@ pub(crate) fn with_step(schedule: Schedule, step: f64) -> Schedule {
 /// Other values of real parameters: a little more than the start, within the range.
 pub(crate) fn changed(fmu: &Description) -> Vec<(u32, Value)> {
     const MORE: f64 = 1.01;
-    let parameters = fmu.with(Causality::Parameter).filter(|variable| variable.is_settable());
-    parameters
+    fmu.with(Causality::Parameter)
+        .filter(|variable| variable.is_settable())
         .filter_map(|variable| {
             let Kind::Real { start: Some(start), min, max, .. } = variable.kind else { return None };
             let value = [start * MORE, start / MORE].into_iter().find(|value| {

@@ -88,8 +88,7 @@ pub fn check(fmu: &Path, conditions: &Conditions) -> Result<Findings, CheckError
         Err(error @ FmuError { fault: FmuFault::Archive(ArchiveError::System), .. }) => return Err(error.into()),
         Err(FmuError { fault, .. }) if fault.is_in_fmu() => match fault {
             FmuFault::Description(fault) => {
-                let hit = Hit::of(document::NAME, fault.to_string());
-                findings.add("description-readable", hit);
+                findings.add("description-readable", Hit::of(document::NAME, fault.to_string()));
             }
             FmuFault::Archive(ArchiveError::NoDescription) => {
                 findings.add(

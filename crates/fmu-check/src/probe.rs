@@ -11,7 +11,7 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-use fmu_import::{Call, Handle, Instance, Library, Package, Status, Value, Version};
+use fmu_import::{Call, Called, Handle, Instance, Library, Package, Status, Value, Version};
 use fmu_points::{
     single::{bytes, read},
     system,
@@ -137,8 +137,7 @@ struct Live {
 impl Probe<'_> {
     /// Tells what comes next.
     fn at(&mut self, stage: &str) {
-        let stage = stage.replace(Version::Two.prefix(), self.version.prefix());
-        (self.tell)(bytes(&Told::Stage(stage)));
+        (self.tell)(bytes(&Told::Stage(stage.replace(Version::Two.prefix(), self.version.prefix()))));
     }
 
     /// Tells what has been seen so far.
@@ -225,7 +224,7 @@ impl Probe<'_> {
     /// Initialises.
     fn start(&mut self, live: &mut Live, changed: &[(u32, Value)], when: &str) {
         self.at(&format!("the initialisation{when}"));
-        let mut begin = || -> Result<(), Call> {
+        let mut begin = || -> Called {
             let (instance, schedule) = (&mut live.instance, &self.schedule);
             instance.setup_experiment(schedule.start, schedule.stop, schedule.tolerance)?;
             for (reference, value) in changed.iter().chain(&self.setup.set) {
@@ -296,7 +295,7 @@ impl Probe<'_> {
 }
 
 /// Adds a row.
-fn note(instance: &mut Instance, setup: &Setup, time: f64, run: &mut Run) -> Result<(), Call> {
+fn note(instance: &mut Instance, setup: &Setup, time: f64, run: &mut Run) -> Called {
     let folder = setup.fmu.to_string_lossy();
     let row = setup.columns.iter().map(|column| {
         Ok(match instance.value(*column)? {
@@ -305,7 +304,7 @@ fn note(instance: &mut Instance, setup: &Setup, time: f64, run: &mut Run) -> Res
             number => number,
         })
     });
-    let row = row.collect::<Result<_, Call>>()?;
+    let row = row.collect::<Called<_>>()?;
     run.times.push(time);
     run.rows.push(row);
     Ok(())

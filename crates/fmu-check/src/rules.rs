@@ -62,8 +62,7 @@ const SECTIONS: [(&str, &str); 18] = [
 
 /// The rule of this name, which one of the files of this crate writes.
 pub(crate) fn named(id: &str) -> &'static Rule {
-    let rule = RULES.iter().find(|rule| rule.id == id);
-    rule.unwrap_or_else(|| panic!("there is no rule `{id}`"))
+    RULES.iter().find(|rule| rule.id == id).unwrap_or_else(|| panic!("there is no rule `{id}`"))
 }
 
 impl Rule {

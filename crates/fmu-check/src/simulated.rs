@@ -10,7 +10,7 @@ use fmu_import::{Causality, Description, Variable, Version};
 /// The FMU's declarations and remarks, apart from its values.
 pub(crate) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach> {
     let mut breaches = Vec::new();
-    let mut tell = |rule, text: String| breaches.push((rule, Hit::plain(text)));
+    let mut tell = |rule, text| breaches.push((rule, Hit::plain(text)));
     if fmu.capabilities.needs_execution_tool {
         tell("execution-tool", "it needs the tool that wrote it (needsExecutionTool)".to_owned());
     }

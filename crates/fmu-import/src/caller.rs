@@ -3,7 +3,7 @@
 use std::ffi::c_int;
 
 use crate::{
-    call::{Call, Status},
+    call::{Call, Called, Status},
     floating_point::{Mode, within},
     logger::Log,
 };
@@ -35,7 +35,7 @@ impl Caller {
 
     /// Judges the status that a function returned.
     #[inline]
-    pub(crate) fn check(&mut self, function: &'static str, status: c_int) -> Result<(), Call> {
+    pub(crate) fn check(&mut self, function: &'static str, status: c_int) -> Called {
         match status {
             0 => Ok(()),
             1 => {

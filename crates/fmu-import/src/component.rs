@@ -6,7 +6,7 @@ use std::{
 };
 
 use crate::{
-    call::Call,
+    call::Called,
     caller::Caller,
     symbols::{Component, Function, LibraryError, Plain, Saved, Symbols, Text},
     version::Version,
@@ -83,32 +83,28 @@ impl Base {
 
     /// Calls a function of the component in its own floating-point mode, and judges what it returns.
     #[inline(always)]
-    pub(crate) fn call<F: Copy>(
-        &mut self,
-        function: Function<F>,
-        call: impl FnOnce(F, Component) -> c_int,
-    ) -> Result<(), Call> {
+    pub(crate) fn call<F: Copy>(&mut self, function: Function<F>, call: impl FnOnce(F, Component) -> c_int) -> Called {
         let (code, component) = (function.get()?, self.component);
         let status = self.caller.call(|| call(code, component));
         self.caller.check(function.name, status)
     }
 
     /// Calls a function of nothing but the component.
-    pub(crate) fn plain(&mut self, function: Function<Plain>) -> Result<(), Call> {
+    pub(crate) fn plain(&mut self, function: Function<Plain>) -> Called {
         // SAFETY: the component is alive.
         self.call(function, |call, component| unsafe { call(component) })
     }
 
-    pub(crate) fn exit_initialization_mode(&mut self) -> Result<(), Call> {
+    pub(crate) fn exit_initialization_mode(&mut self) -> Called {
         self.plain(self.common.exit_initialization_mode)
     }
 
-    pub(crate) fn reset(&mut self) -> Result<(), Call> {
+    pub(crate) fn reset(&mut self) -> Called {
         self.plain(self.common.reset)
     }
 
     /// Ends the simulation; nothing is done where the FMU has no function for that.
-    pub(crate) fn terminate(&mut self) -> Result<(), Call> {
+    pub(crate) fn terminate(&mut self) -> Called {
         match self.common.terminate {
             terminate if terminate.is_there() => self.plain(terminate),
             _ => Ok(()),
@@ -122,12 +118,12 @@ impl Base {
         self.call(get, |get, of| unsafe { get(of, &raw mut state) }).ok().map(|()| state)
     }
 
-    pub(crate) fn restore(&mut self, state: Saved) -> Result<(), Call> {
+    pub(crate) fn restore(&mut self, state: Saved) -> Called {
         // SAFETY: the component is alive, and the state is one of its own.
         self.call(self.common.set_state, |set, of| unsafe { set(of, state) })
     }
 
-    pub(crate) fn forget(&mut self, mut state: Saved) -> Result<(), Call> {
+    pub(crate) fn forget(&mut self, mut state: Saved) -> Called {
         let free = self.common.free_state;
         // SAFETY: the component is alive, and the state is one of its own, used no more.
         self.call(free, |free, of| unsafe { free(of, &raw mut state) })

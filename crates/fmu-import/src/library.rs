@@ -11,7 +11,7 @@ use tempfile::TempDir;
 pub use crate::symbols::LibraryError;
 use crate::{
     archive,
-    call::Call,
+    call::Called,
     caller::Caller,
     component::Common,
     description::{Causality, Description, ExchangeSizes, Interface, Kind, Variability, Variable},
@@ -114,7 +114,7 @@ impl Library {
     }
 
     /// Creates a component.
-    pub(crate) fn instantiate(&self, name: &str) -> Result<Box<dyn Simulation>, Call> {
+    pub(crate) fn instantiate(&self, name: &str) -> Called<Box<dyn Simulation>> {
         let is_exchange = self.birth.interface == Interface::ModelExchange;
         let handles = is_exchange || self.clocks.are_there();
         let mut exchange = self.exchange.filter(|_| handles);
@@ -138,7 +138,7 @@ impl Library {
     }
 
     /// A component alone; `events` says whether events are handled here.
-    fn component(&self, name: &str, events: bool) -> Result<Box<dyn Simulation>, Call> {
+    fn component(&self, name: &str, events: bool) -> Called<Box<dyn Simulation>> {
         let (birth, common, caller) = (&self.birth, self.common, Caller::new(self.mode));
         Ok(match &self.functions {
             Functions::Two(functions) => Box::new(fmi2::Model::new(**functions, common, birth, caller, name)?),

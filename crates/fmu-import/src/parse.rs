@@ -257,8 +257,9 @@ impl Reader {
     /// The declarations of Model Exchange of FMI 2.0 beside its capabilities.
     fn exchange(&mut self, root: Node<'_, '_>, node: Node<'_, '_>) -> ExchangeSizes {
         let structure = child(root, "ModelStructure");
-        let derivatives = structure.and_then(|structure| child(structure, "Derivatives"));
-        let listed = derivatives.map_or(0, |list| children(list, "Unknown").count());
+        let listed = structure
+            .and_then(|structure| child(structure, "Derivatives"))
+            .map_or(0, |list| children(list, "Unknown").count());
         // Without its states an FMU would stand still and look well.
         let states = if listed == 0 { rates(root) } else { listed };
         if states > listed {

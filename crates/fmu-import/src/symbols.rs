@@ -8,7 +8,10 @@ use std::{
 use libloading::Library as Loaded;
 use thiserror::Error;
 
-use crate::{call::Call, version::Version};
+use crate::{
+    call::{Call, Called},
+    version::Version,
+};
 
 /// Why a binary cannot be loaded.
 #[derive(Debug, Error)]
@@ -124,7 +127,7 @@ impl<F: Copy> Function<F> {
 
     /// The function, or why it cannot be called.
     #[inline]
-    pub(crate) fn get(self) -> Result<F, Call> {
+    pub(crate) fn get(self) -> Called<F> {
         self.code.ok_or_else(|| Call::missing(self.name))
     }
 }

@@ -40,8 +40,7 @@ pub(crate) struct Greeting {
 impl Greeting {
     /// That of this program.
     pub(crate) fn own() -> Self {
-        let program = system::program().and_then(File::open);
-        let digest = program.and_then(fmu_import::sha256);
+        let digest = system::program().and_then(File::open).and_then(fmu_import::sha256);
         let named =
             std::fs::read_to_string("/proc/sys/kernel/hostname").ok().or_else(|| std::env::var("COMPUTERNAME").ok());
         Self {

@@ -89,11 +89,11 @@ pub(crate) fn joined(cases: &[Part], mut outcomes: Vec<Outcome>) -> Outcome {
         };
         said.into_iter().for_each(|said| notices.add(said, &case.name));
     }
-    let from = |&case: &usize| outcomes[case].as_ref().err().map(|trouble| trouble.from);
-    let failed = (0..outcomes.len()).filter(|&case| outcomes[case].is_err());
-    let Some(worst) = failed.min_by_key(from) else {
-        let values = outcomes.into_iter().flatten();
-        let values = values.flat_map(|simulated| simulated.values);
+    let Some(worst) = (0..outcomes.len())
+        .filter(|&case| outcomes[case].is_err())
+        .min_by_key(|&case| outcomes[case].as_ref().err().map(|trouble| trouble.from))
+    else {
+        let values = outcomes.into_iter().flatten().flat_map(|simulated| simulated.values);
         return Ok(Simulated { values: values.collect(), notices: (!notices.is_empty()).then(|| Box::new(notices)) });
     };
     let values: Vec<Option<f64>> =

@@ -43,8 +43,7 @@ impl Launcher {
         if words.is_empty() {
             return Err(format!("`{command}` is not a command"));
         }
-        let program = std::env::current_exe();
-        let program = program.map_err(|error| format!("this program's own path: {error}"))?;
+        let program = std::env::current_exe().map_err(|error| format!("this program's own path: {error}"))?;
         Ok(Self {
             words,
             hosts: vec![Host { name: None, slots }],

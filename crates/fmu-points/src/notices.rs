@@ -42,7 +42,7 @@ pub struct Notices {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Limit {
     /// The case; none where a point has one simulation only.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub case: Option<String>,
     /// What the FMU says.
     pub message: String,

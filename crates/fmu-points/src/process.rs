@@ -302,8 +302,7 @@ impl Drop for Running {
     fn drop(&mut self) {
         // A worker ends its children and itself when nobody can send it orders any more.
         self.orders = None;
-        let patience = Duration::from_millis(300);
-        let sound = self.wait_for_end(patience).is_some_and(|end| end.success());
+        let sound = self.wait_for_end(Duration::from_millis(300)).is_some_and(|end| end.success());
         if !sound {
             system::kill_group(self.child.id());
             let _ = self.child.kill();

@@ -6,7 +6,7 @@
 use std::{
     collections::{BTreeMap, BTreeSet},
     fs::File,
-    io::{self, Read},
+    io::Read,
     path::Path,
     sync::{
         Arc, Mutex, MutexGuard,
@@ -239,8 +239,7 @@ impl Team {
             slots: lane.place.name.is_some().then_some(lane.place.slots),
             ..self.terms.clone()
         };
-        let text = serde_json::to_vec(&terms).expect("terms are plain data");
-        link.open(text, terms.ticket);
+        link.open(serde_json::to_vec(&terms).expect("terms are plain data"), terms.ticket);
         let mut shipped = None;
         loop {
             match link.wait(stopped) {
@@ -277,7 +276,7 @@ impl Team {
     /// The next part of the FMU, from its beginning where none is under way; an empty one at its end.
     fn part(&self, shipped: &mut Option<File>) -> Result<Vec<u8>, String> {
         let path = &self.terms.fmu;
-        let told = |error: io::Error| format!("{}: {error}", path.display());
+        let told = |error| format!("{}: {error}", path.display());
         let file = match shipped.take() {
             Some(file) => file,
             None => File::open(path).map_err(told)?,
@@ -489,8 +488,7 @@ impl Remote {
         let (end, open) = team.order(&mut lane, &order, jobs, self.results(), post);
         match end {
             End::Done(took) => {
-                let took = Duration::try_from_secs_f64(took).unwrap_or_default();
-                self.overhead = begun.elapsed().saturating_sub(took);
+                self.overhead = begun.elapsed().saturating_sub(Duration::try_from_secs_f64(took).unwrap_or_default());
                 Ok(open.into_values().collect())
             }
             End::Stopped => {

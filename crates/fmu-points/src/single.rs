@@ -69,8 +69,7 @@ impl Recorder<'_> {
     fn answer(&self, cases: &[Case], job: &Job) -> Result<Answer, RunError> {
         let mut answer = None;
         let mut process = self.process(cases)?;
-        let jobs = std::slice::from_ref(job);
-        let run = process.run(Order::New, jobs, &|| false, &|| true, &mut |reply| {
+        let run = process.run(Order::New, std::slice::from_ref(job), &|| false, &|| true, &mut |reply| {
             answer = Some(reply.answer);
         });
         match (answer, run) {

@@ -76,7 +76,8 @@ mod tests {
 
     #[test]
     fn relative_paths_become_absolute() {
-        let here = env::current_dir().unwrap().to_str().unwrap();
+        let here = env::current_dir().unwrap();
+        let here = here.to_str().unwrap();
         let made = |name: &str, list: &str| from_here(name, list.as_ref()).into_string().unwrap();
         assert_eq!(made("PATH", "/bin:own::/x/../y"), format!("/bin:{here}/own:{here}:/x/../y"));
         assert_eq!(made("LD_PRELOAD", "libm.so.6:own/a.so"), format!("libm.so.6:{here}/own/a.so"));

@@ -91,7 +91,7 @@ impl Profile {
     /// Returns [`ProfileError`] when the file cannot be read or a line is wrong; the message names file and line.
     pub fn from_csv(path: &Path) -> Result<Self, ProfileError> {
         let file = path.display().to_string();
-        let unreadable = |reason: String| ProfileError::Unreadable { file: file.clone(), reason };
+        let unreadable = |reason| ProfileError::Unreadable { file: file.clone(), reason };
         let text = std::fs::read_to_string(path).map_err(|error| unreadable(error.to_string()))?;
         Self::from_text(&text, &file)
     }
@@ -101,7 +101,7 @@ impl Profile {
     /// # Errors
     /// Returns [`ProfileError::Line`] when a line is wrong.
     pub fn from_text(text: &str, file: &str) -> Result<Self, ProfileError> {
-        let wrong = |line: usize, reason: String| ProfileError::Line { file: file.to_owned(), line, reason };
+        let wrong = |line: usize, reason| ProfileError::Line { file: file.to_owned(), line, reason };
         let mut lines = text
             .lines()
             .enumerate()

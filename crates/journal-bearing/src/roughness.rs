@@ -219,8 +219,7 @@ fn share(ratio: f64) -> f64 {
 
 /// The gap of the flow at a film ratio and its mean gap.
 fn flow_gap(ratio: f64, mean: f64) -> f64 {
-    let least = ratio.max(LEAST_FOR_FLOW);
-    let factor = 1.0 - share(ratio) * (1.0 - pressure_flow_factor(least));
+    let factor = 1.0 - share(ratio) * (1.0 - pressure_flow_factor(ratio.max(LEAST_FOR_FLOW)));
     if ratio >= LEAST_FOR_FLOW {
         return ratio * factor.cbrt();
     }

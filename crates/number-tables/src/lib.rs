@@ -231,11 +231,10 @@ impl<'a> Reading<'a> {
         let places: Vec<usize> =
             columns.iter().map(|(names, purpose)| find(path, &header, names, purpose)).collect::<Result<_, _>>()?;
         let units = places.iter().map(|&place| name_and_unit(&header[place]).1).collect();
-        let label = |name: &String| name.eq_ignore_ascii_case("point");
         Ok(Self {
             path,
             places,
-            label: header.iter().position(label),
+            label: header.iter().position(|name| name.eq_ignore_ascii_case("point")),
             header,
             table: Table { rows: Vec::new(), labels: Vec::new(), units },
         })
@@ -246,13 +245,15 @@ impl<'a> Reading<'a> {
             .places
             .iter()
             .map(|&place| {
-                let number = row.number(place).or_else(|| (gaps && row.text(place).is_empty()).then_some(f64::NAN));
-                number.or_else(|| truth(&row.text(place))).ok_or_else(|| {
-                    let (column, text) = (shown(&self.header[place]), shown(&row.text(place)));
-                    let remedy = remedy(&text);
-                    FileError::new(self.path, format!("column `{column}`: `{text}` is not a number{remedy}"))
-                        .at(row.line())
-                })
+                row.number(place)
+                    .or_else(|| (gaps && row.text(place).is_empty()).then_some(f64::NAN))
+                    .or_else(|| truth(&row.text(place)))
+                    .ok_or_else(|| {
+                        let (column, text) = (shown(&self.header[place]), shown(&row.text(place)));
+                        let remedy = remedy(&text);
+                        FileError::new(self.path, format!("column `{column}`: `{text}` is not a number{remedy}"))
+                            .at(row.line())
+                    })
             })
             .collect::<Result<_, _>>()?;
         let Table { rows, labels, .. } = &mut self.table;

@@ -55,8 +55,11 @@ impl RecordedTable {
     /// When it cannot be read or is no plain table, with the command that makes one.
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let mut begin = Vec::new();
-        let file = files::open(path).map_err(|error| FileError::read(path, error))?;
-        file.take(8).read_to_end(&mut begin).map_err(|error| FileError::read(path, error))?;
+        files::open(path)
+            .map_err(|error| FileError::read(path, error))?
+            .take(8)
+            .read_to_end(&mut begin)
+            .map_err(|error| FileError::read(path, error))?;
         if BINARY.iter().any(|known| begin.starts_with(known)) {
             return Err(FileError::new(path, format!("not a plain table; {}", convert(path))));
         }
@@ -226,8 +229,7 @@ impl RecordedTable {
     /// When the two are not known to be the same, and when there is none.
     pub fn unit(&self, name: &str, wanted: Option<&str>) -> Result<String, FileError> {
         let found = self.column(name)?.unit.as_deref();
-        let unit = crate::agreed(name, found, wanted).map_err(|message| self.wrong(message))?;
-        let unit = unit.ok_or_else(|| {
+        let unit = crate::agreed(name, found, wanted).map_err(|message| self.wrong(message))?.ok_or_else(|| {
             self.wrong(format!(
                 "column `{name}` has no unit; write `{name} [unit]` in the file, or add `unit` to it in the settings"
             ))
@@ -262,7 +264,8 @@ mod tests {
     use super::*;
 
     fn read(text: &[u8]) -> Result<RecordedTable, FileError> {
-        let path = tempfile::tempdir().unwrap().path().join("m.csv");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.csv");
         std::fs::write(&path, text).unwrap();
         RecordedTable::read(&path)
     }
@@ -304,7 +307,8 @@ mod tests {
 
     #[test]
     fn studies_know_the_time_by_its_unit_too() {
-        let path = tempfile::tempdir().unwrap().path().join("m.csv");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.csv");
         for (names, times) in [
             ("u,t [s]", Some([1.0, 3.0])),
             ("u,Time(ms)", Some([1.0, 3.0])),
@@ -313,8 +317,8 @@ mod tests {
             ("u,v", None),
         ] {
             std::fs::write(&path, format!("{names}\n0,1\n2,3\n")).unwrap();
-            let found = crate::Table::read(&path, &[crate::time_column(None)])
-                .map(|table| [table.rows[0][0], table.rows[1][0]]);
+            let read = crate::Table::read(&path, &[crate::time_column(None)]);
+            let found = read.map(|table| [table.rows[0][0], table.rows[1][0]]);
             match times {
                 Some(times) => assert_eq!(found.unwrap(), times, "{names}"),
                 None => assert!(found.unwrap_err().to_string().contains("say time = "), "{names}"),

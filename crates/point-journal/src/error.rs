@@ -8,6 +8,9 @@ use std::{
 use fmu_points::{RunError, scratch::ScratchError};
 use number_tables::files::FileError;
 
+/// What is done, or why it cannot be.
+pub type Result<T = (), E = Error> = std::result::Result<T, E>;
+
 /// Why a folder's journal cannot be written or read, or points cannot be run.
 #[derive(Debug, thiserror::Error)]
 pub enum Error {

@@ -9,7 +9,7 @@ use std::{
 use serde::Deserialize;
 
 use crate::{
-    Error, Outcome,
+    Error, Outcome, Result,
     header::Header,
     lines::{Line, Lines, open, path_in},
     note::{Note, PASSED, SAME_SET, SET},
@@ -43,7 +43,7 @@ pub struct Finished {
 const NOWHERE: u64 = u64::MAX;
 
 /// One position per point, 8 bytes each.
-fn places(folder: &Path, points: u64) -> Result<Vec<u64>, Error> {
+fn places(folder: &Path, points: u64) -> Result<Vec<u64>> {
     let mut places = Vec::new();
     let count = usize::try_from(points).unwrap_or(usize::MAX);
     places.try_reserve_exact(count).map_err(|_| {
@@ -58,7 +58,7 @@ impl Finished {
     ///
     /// # Errors
     /// When there is none, when its header is lost, and when the system says no.
-    pub fn read(folder: &Path) -> Result<Self, Error> {
+    pub fn read(folder: &Path) -> Result<Self> {
         let (mut lines, header) = open(folder)?;
         header.check_form(folder)?;
         let mut finished = Self {
@@ -184,7 +184,7 @@ impl Finished {
     ///
     /// # Errors
     /// When the journal cannot be opened.
-    pub fn outcomes(&self) -> Result<Outcomes<'_>, Error> {
+    pub fn outcomes(&self) -> Result<Outcomes<'_>> {
         let file = File::open(&self.path).map_err(Error::io(&self.path))?;
         Ok(Outcomes { finished: self, lines: Lines::new(file), width: None })
     }
@@ -207,7 +207,7 @@ impl Outcomes<'_> {
     ///
     /// # Errors
     /// When the journal cannot be read any more.
-    pub fn get(&mut self, index: u64) -> Result<Option<Outcome>, Error> {
+    pub fn get(&mut self, index: u64) -> Result<Option<Outcome>> {
         Ok(self.get_noted(index)?.map(|(outcome, _)| outcome))
     }
 
@@ -215,7 +215,7 @@ impl Outcomes<'_> {
     ///
     /// # Errors
     /// When the journal cannot be read any more.
-    pub fn get_noted(&mut self, index: u64) -> Result<Option<Noted>, Error> {
+    pub fn get_noted(&mut self, index: u64) -> Result<Option<Noted>> {
         let path = &self.finished.path;
         let Some(place) = self.finished.place(index) else { return Ok(None) };
         self.lines.seek(place).map_err(Error::io(path))?;

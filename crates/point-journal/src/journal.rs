@@ -27,7 +27,7 @@ use std::{
 use tempfile::NamedTempFile;
 
 use crate::{
-    Error, Outcome,
+    Error, Outcome, Result,
     files::{draft, keep, make_folder},
     finished::Finished,
     header::Header,
@@ -53,7 +53,7 @@ impl Journal {
     ///
     /// # Errors
     /// When there is one already, and when the system says no.
-    pub fn create(folder: &Path, header: &Header) -> Result<Self, Error> {
+    pub fn create(folder: &Path, header: &Header) -> Result<Self> {
         let (draft, journal) = Self::draft(folder, header)?;
         draft.persist_noclobber(&journal.path).map_err(|error| match error.error.kind() {
             io::ErrorKind::AlreadyExists => Error::Begun(folder.to_owned()),
@@ -67,7 +67,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn rewrite(folder: &Path, header: &Header) -> Result<(), Error> {
+    pub fn rewrite(folder: &Path, header: &Header) -> Result {
         let path = path_in(folder);
         let (draft, mut anew) = Self::draft(folder, header)?;
         let (mut lines, _) = open(folder)?;
@@ -83,7 +83,7 @@ impl Journal {
     }
 
     /// A journal with its first line, which is not yet in its place.
-    fn draft(folder: &Path, header: &Header) -> Result<(NamedTempFile, Self), Error> {
+    fn draft(folder: &Path, header: &Header) -> Result<(NamedTempFile, Self)> {
         make_folder(folder)?;
         let draft = draft(folder).map_err(Error::io(folder))?;
         let mut journal = Self::open(folder, draft.path(), header)?;
@@ -98,7 +98,7 @@ impl Journal {
     ///
     /// # Errors
     /// When there is none, when it belongs to something else, and when the system says no.
-    pub fn resume(folder: &Path, header: &Header) -> Result<(Self, Finished), Error> {
+    pub fn resume(folder: &Path, header: &Header) -> Result<(Self, Finished)> {
         header.check(&lines::header(folder)?, folder)?;
         let path = path_in(folder);
         let mut finished = Finished::read(folder)?;
@@ -114,7 +114,7 @@ impl Journal {
     }
 
     /// Opens a file to append the lines of a folder's journal to it.
-    fn open(folder: &Path, file: &Path, header: &Header) -> Result<Self, Error> {
+    fn open(folder: &Path, file: &Path, header: &Header) -> Result<Self> {
         let path = path_in(folder);
         let opened = OpenOptions::new().append(true).open(file);
         Ok(Self {
@@ -129,15 +129,14 @@ impl Journal {
 
     /// The folder that it is in.
     pub fn folder(&self) -> &Path {
-        let folder = self.path.parent();
-        folder.expect("a journal is a file in a folder")
+        self.path.parent().expect("a journal is a file in a folder")
     }
 
     /// Notes a finished point; [`flush`](Self::flush) hands it to the system.
     ///
     /// # Errors
     /// When the outcome cannot be written as text.
-    pub fn append(&mut self, index: u64, outcome: &Outcome, notices: Option<&Notices>) -> Result<(), Error> {
+    pub fn append(&mut self, index: u64, outcome: &Outcome, notices: Option<&Notices>) -> Result {
         // Writing to a String cannot fail.
         let _ = match outcome {
             Ok(values) => {
@@ -161,7 +160,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn note(&mut self, note: &Note) -> Result<(), Error> {
+    pub fn note(&mut self, note: &Note) -> Result {
         self.append_note(note);
         self.flush_when_full()
     }
@@ -175,7 +174,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn append_set(&mut self, first: u64, sum: &str) -> Result<(), Error> {
+    pub fn append_set(&mut self, first: u64, sum: &str) -> Result {
         // That of the set before is in the journal twice then, also where that was a matter of a moment.
         self.append_same_set();
         self.append_line(&format!("{SET} {first} {sum}"));
@@ -208,12 +207,12 @@ impl Journal {
         self.finish_line();
     }
 
-    fn flush_when_full(&mut self) -> Result<(), Error> {
+    fn flush_when_full(&mut self) -> Result {
         const FULL: usize = 1 << 16;
         if self.buffer.len() > FULL { self.flush() } else { Ok(()) }
     }
 
-    fn copy_line(&mut self, line: &str) -> Result<(), Error> {
+    fn copy_line(&mut self, line: &str) -> Result {
         self.append_line(line);
         self.flush_when_full()
     }
@@ -230,7 +229,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the system says no, such as on a full disk.
-    pub fn flush(&mut self) -> Result<(), Error> {
+    pub fn flush(&mut self) -> Result {
         let result = self.file.write_all(&self.buffer);
         self.buffer.clear();
         result.map_err(Error::io(&self.path))
@@ -241,7 +240,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn sync(&mut self) -> Result<(), Error> {
+    pub fn sync(&mut self) -> Result {
         self.append_header();
         self.append_same_set();
         self.flush()?;
@@ -259,7 +258,7 @@ fn damage(lines: u64) -> Option<String> {
 ///
 /// # Errors
 /// When either cannot be read or written.
-pub fn copy(folder: &Path, into: &mut Journal) -> Result<(), Error> {
+pub fn copy(folder: &Path, into: &mut Journal) -> Result {
     let finished = Finished::read(folder)?;
     let path = path_in(folder);
     if let Some(what) = damage(finished.damaged) {

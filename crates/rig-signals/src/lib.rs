@@ -223,7 +223,7 @@ fn frozen(channel: &Channel, time: &[f64], cleaned: &Cleaned) -> Option<String> 
 }
 
 fn check(recording: &RigRecording) -> Result<(), SignalError> {
-    let wrong = |text: String| Err(SignalError::Setting(text));
+    let wrong = |text| Err(SignalError::Setting(text));
     let confidence = recording.confidence;
     let lengths = recording.bearing.iter().flat_map(|bearing| {
         [("bearing's diameter", bearing.diameter, "m"), ("longest delay", bearing.longest_delay, "s")]

@@ -56,8 +56,7 @@ impl FromRuns for Shapley {
     }
 
     fn tell(&self, design: &[Vec<f64>], values: &[f64], settled: &Settled) -> Told {
-        let parameters = design.first().map_or(0, Vec::len);
-        let effects = effects(values, parameters, settled);
+        let effects = effects(values, design.first().map_or(0, Vec::len), settled);
         Told::from_iter([("shapley".to_owned(), json!(effects))])
     }
 

@@ -66,7 +66,7 @@ impl Binder<'_> {
             .iter()
             .map(|(name, parameter)| {
                 let variable = self.variable(name)?;
-                let at = |message: String| self.study.error_of(name, message);
+                let at = |message| self.study.error_of(name, message);
                 let slot = slot_of(variable).map_err(at)?;
                 let input = self.parameter(variable, parameter).map_err(at)?;
                 Ok((input, slot))
@@ -167,7 +167,7 @@ impl Binder<'_> {
         variable: &Variable,
         schedule: &Schedule,
     ) -> Result<Option<Detail>, FileError> {
-        let named = |message: String| self.study.error_of(name, message);
+        let named = |message| self.study.error_of(name, message);
         let detail = text.detail().map_err(named)?;
         let is_whole = text.turns.is_some() || text.periods.is_some();
         let needs_lines = detail.is_some() || is_whole || text.statistic.is_some_and(Statistic::needs_lines);
@@ -203,7 +203,7 @@ impl Binder<'_> {
 
     /// The angle over whose whole turns the mean of a variable is taken.
     fn turns(&self, name: &Spanned<String>, of: &Variable) -> Result<Detail, FileError> {
-        let at = |message: String| self.study.error_at(name, message);
+        let at = |message| self.study.error_at(name, message);
         let angle = self.variable(name)?;
         let handle = angle.number_handle();
         let handle = handle
@@ -300,7 +300,7 @@ impl Binder<'_> {
     fn fixed(&self) -> Result<Vec<(u32, Value)>, FileError> {
         let mut values = self.set()?;
         for (name, setting) in &self.study.fixed {
-            let at = |message: String| self.study.error_at(setting, message);
+            let at = |message| self.study.error_at(setting, message);
             let variable = self.variable(name)?;
             match size_of(self.fmu, variable, setting.as_ref()).map_err(at)? {
                 None => {

@@ -34,8 +34,7 @@ impl Study {
             }
             for (name, text) in of_case {
                 let full = format!("{}{SEPARATOR}{}", case.name.as_ref(), name.as_ref());
-                let text = CriterionText { case: Some(number), ..text.clone() };
-                all.insert(Name::new(name.span(), full), text);
+                all.insert(Name::new(name.span(), full), CriterionText { case: Some(number), ..text.clone() });
             }
         }
         self.criteria = all;
@@ -45,7 +44,7 @@ impl Study {
     fn check_cases(&self) -> Result<(), FileError> {
         for (number, case) in self.cases.iter().enumerate() {
             let name = case.name.as_ref();
-            let wrong = |message: String| Err(self.error_at(&case.name, message));
+            let wrong = |message| Err(self.error_at(&case.name, message));
             if name.trim().is_empty() || name.contains(SEPARATOR) || name.contains(char::is_control) {
                 return wrong(format!(
                     "a case needs a name of printable characters without `{SEPARATOR}`, which stands between case and \

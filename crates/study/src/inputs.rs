@@ -39,9 +39,9 @@ pub(super) struct Recordings {
 pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> Result<Recordings, FileError> {
     let (mut errors, mut concerns) = (Vec::new(), Vec::new());
     let mut bind = |(name, recording): (&Name, &RecordingText)| {
-        let wrong = |message: String| study.error_at(name, message);
+        let wrong = |message| study.error_at(name, message);
         let key = name.as_ref().as_str();
-        let named = |message: String| study.error_of(name, message);
+        let named = |message| study.error_of(name, message);
         if schedule.leap {
             return Err(study.error_of(name, "leap would hold the input; remove one of them"));
         }
@@ -59,7 +59,7 @@ pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> R
         ];
         let mut table =
             Table::read(&path, &columns).map_err(|error| study.error_at(&recording.file, error.to_string()))?;
-        let in_file = |message: String| named(format!("{}: {message}", path.display()));
+        let in_file = |message| named(format!("{}: {message}", path.display()));
         in_seconds(&mut table, time).map_err(in_file)?;
         let unit = number_tables::agreed(column, table.units[1].as_deref(), recording.unit.as_deref());
         let scale = Scale::new(unit.map_err(in_file)?, fmu, variable).map_err(named)?;
@@ -114,8 +114,9 @@ impl InputError {
                 Some("%") => None,
                 _ => Some(scale.number(stated, Sense::Difference)?),
             };
-            let number = number.filter(|number| *number > 0.0 && number.is_finite());
-            number.ok_or_else(|| format!("the {what} {stated} must be a positive number in the input's unit"))
+            number
+                .filter(|number| *number > 0.0 && number.is_finite())
+                .ok_or_else(|| format!("the {what} {stated} must be a positive number in the input's unit"))
         };
         let mut all = Vec::new();
         let mut add = |name: &str, error, unit: Option<&str>, spread, conversion| {

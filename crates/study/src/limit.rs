@@ -17,14 +17,14 @@ pub fn limit(text: &CriterionText, metric: Metric, scale: &Scale<'_>) -> Result<
             Ok((0.0, tolerance, format!("{label} at most {stated}")))
         }
         (Kind::Relative, Some(stated), _) => {
-            let tolerance = part(stated).filter(|tolerance| *tolerance > 0.0);
-            let tolerance =
-                tolerance.ok_or_else(|| format!("the tolerance {stated} must be a positive share, such as \"5 %\""))?;
+            let tolerance = part(stated)
+                .filter(|tolerance| *tolerance > 0.0)
+                .ok_or_else(|| format!("the tolerance {stated} must be a positive share, such as \"5 %\""))?;
             Ok((0.0, tolerance, format!("{label} at most {stated}")))
         }
         (_, _, Some(stated)) => {
-            let least = part(stated).filter(|least| *least > 0.0 && *least <= 1.0);
-            let least = least
+            let least = part(stated)
+                .filter(|least| *least > 0.0 && *least <= 1.0)
                 .ok_or_else(|| format!("`least` = {stated} must be more than 0 and at most 1, such as \"90 %\""))?;
             if least == 1.0 && metric == Metric::Iso18571 {
                 return Err("only equal curves have a rating of 1; give `least` below 1".to_owned());

@@ -50,7 +50,7 @@ pub(super) struct Binder<'a> {
 impl Binder<'_> {
     /// Reads the measured curve.
     pub(super) fn bind(&self) -> Result<MeasuredCurve, FileError> {
-        let named = |message: String| self.study.error_of(self.name, message);
+        let named = |message| self.study.error_of(self.name, message);
         let Recorded { curve, expanded, first } = self.read()?;
         let delay = self.delay().map_err(named)?;
         if self.metric == Metric::Iso18571 && matches!(delay, Delay::Within(_)) {
@@ -109,7 +109,7 @@ impl Binder<'_> {
     /// The parts of the rows' errors (shared, gain, own), without noise and with it; none where no uncertainty is stated.
     fn errors(&self, curve: &Curve, expanded: Option<&[f64]>) -> Result<Option<(CurveErrors, CurveErrors)>, FileError> {
         let reference = self.reference;
-        let named = |message: String| self.study.error_of(self.name, message);
+        let named = |message| self.study.error_of(self.name, message);
         let is_rectangular = reference.uncertainty_distribution == Some(Distribution::Rectangular);
         let stray = reference.coverage.is_some()
             && (is_rectangular || !reference.has_uncertainty() && reference.gain_uncertainty.is_none());
@@ -191,8 +191,8 @@ impl Binder<'_> {
     /// The rows that count, and the expanded uncertainty of each, in the criterion's unit.
     fn read(&self) -> Result<Recorded, FileError> {
         let reference = self.reference;
-        let named = |message: String| self.study.error_of(self.name, message);
-        let at_file = |message: String| self.study.error_at(&reference.file, message);
+        let named = |message| self.study.error_of(self.name, message);
+        let at_file = |message| self.study.error_at(&reference.file, message);
         let path = self.study.path_of(reference.file.as_ref());
         let time = reference.time.as_deref().unwrap_or("time");
         let column = self.column();
@@ -204,7 +204,7 @@ impl Binder<'_> {
             columns.push(number_tables::column(column, "the uncertainty"));
         }
         let mut table = Table::read(&path, &columns).map_err(|error| at_file(error.to_string()))?;
-        let in_file = |message: String| at_file(format!("{}: {message}", path.display()));
+        let in_file = |message| at_file(format!("{}: {message}", path.display()));
         in_seconds(&mut table, time).map_err(in_file)?;
         let unit = number_tables::agreed(column, table.units[1].as_deref(), reference.unit.as_deref());
         let conversion =

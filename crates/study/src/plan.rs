@@ -274,8 +274,7 @@ impl Plan {
 
     /// Concerns about parameters from samples of so few points.
     pub fn concerns_of_samples(&self, points: u64) -> Vec<Concern> {
-        let few = self.joints.iter().filter(|joint| (joint.count() as u64) < points);
-        few.map(|joint| {
+        self.joints.iter().filter(|joint| (joint.count() as u64) < points).map(|joint| {
             let names = joint.inputs().iter().map(|&k| self.inputs[k].name.as_str()).collect::<Vec<_>>().join(", ");
             Concern::new(Code::RepeatedSample, format!(
                 "{names}: {points} points repeat the {} rows of the sample, so the interval of the verified share is too narrow",

@@ -41,8 +41,7 @@ pub(super) fn read(study: &Study, inputs: &[Input]) -> Result<Vec<Together>, Fil
         if text.distribution != Shape::Sample {
             continue;
         }
-        let file = text.file.as_ref();
-        let file = file.expect("a sample without a file has no distribution");
+        let file = text.file.as_ref().expect("a sample without a file has no distribution");
         let (_, members) = files.entry(study.one_path(file.as_ref())).or_insert_with(|| (file, Vec::new()));
         members.push(Member { index, name, text });
     }

@@ -84,7 +84,7 @@ pub fn size_of(fmu: &Description, variable: &Variable, setting: &Setting) -> Res
 /// # Errors
 /// When the type, the unit or the number doesn't fit.
 pub fn value_of(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Value, String> {
-    let named = |message: String| format!("{}: {message}", variable.name);
+    let named = |message| format!("{}: {message}", variable.name);
     settable(variable).map_err(named)?;
     value(fmu, variable, setting).map_err(named)
 }
@@ -96,10 +96,7 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
         Setting::Number(number) => number.to_string(),
         Setting::Text(text) => text.clone(),
     };
-    let whole = || {
-        let number = text.trim().parse::<i128>();
-        number.map_err(|_| format!("`{text}` is not a whole number"))
-    };
+    let whole = || text.trim().parse::<i128>().map_err(|_| format!("`{text}` is not a whole number"));
     match &variable.kind {
         Kind::Real { .. } => {
             let quantity: Quantity = text.parse()?;

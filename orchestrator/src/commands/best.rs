@@ -1,6 +1,6 @@
 //! The best point as a parameter set of SSP.
 
-use crate::{error::Error, results::Summary};
+use crate::{error::Result, results::Summary};
 use fmu_import::{Description, Value, Variable};
 use point_journal::files::write_text;
 use std::path::Path;
@@ -9,7 +9,7 @@ use study::{plan::Plan, ssv};
 const SET: &str = "best.ssv";
 
 /// Writes `best.ssv` with all start values of the best point.
-pub(super) fn write(folder: &Path, plan: &Plan, fmu: &Description, summary: &Summary) -> Result<(), Error> {
+pub(super) fn write(folder: &Path, plan: &Plan, fmu: &Description, summary: &Summary) -> Result {
     let Some(best) = &summary.best_point else {
         // An earlier run may have left one.
         let _ = std::fs::remove_file(folder.join(SET));

@@ -15,7 +15,7 @@ use serde::Deserialize;
 use super::{output, simulate};
 use crate::{
     cli::{Check, Format},
-    error::Error,
+    error::{Error, Result},
     junit::{self, Outcome, Test},
 };
 
@@ -37,7 +37,7 @@ struct Entry {
     reason: String,
 }
 
-pub(super) fn run(options: &Check) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Check) -> Result<ExitCode> {
     let begun = Instant::now();
     let known = options.ignore.as_deref().map(known).transpose()?;
     let patience = Duration::try_from_secs_f64(options.patience).unwrap_or(Duration::MAX);
@@ -60,8 +60,7 @@ pub(super) fn run(options: &Check) -> Result<ExitCode, Error> {
     });
     let enough = if options.gate.strict { Severity::Warning } else { Severity::Error };
     if let Some(file) = &options.gate.junit {
-        let seconds = begun.elapsed().as_secs_f64();
-        junit::write(file, "check", &tests(&findings, enough), seconds)?;
+        junit::write(file, "check", &tests(&findings, enough), begun.elapsed().as_secs_f64())?;
     }
     Ok(match findings.worst() {
         Some(severity) if severity >= enough => ExitCode::FAILURE,
@@ -70,7 +69,7 @@ pub(super) fn run(options: &Check) -> Result<ExitCode, Error> {
 }
 
 /// The start values that the user gives.
-fn start_values(options: &Check) -> Result<Vec<(u32, Value)>, Error> {
+fn start_values(options: &Check) -> Result<Vec<(u32, Value)>> {
     if options.step.is_some_and(|step| !(step > 0.0 && step.is_finite())) {
         return Err(Error::option("step", "it must be a positive, finite number of seconds".to_owned()));
     }
@@ -88,7 +87,7 @@ fn start_values(options: &Check) -> Result<Vec<(u32, Value)>, Error> {
 }
 
 /// Reads the findings that are known.
-fn known(path: &Path) -> Result<Known, Error> {
+fn known(path: &Path) -> Result<Known> {
     let text = fs::read_to_string(path).map_err(Error::io(path))?;
     let known: Known = toml::from_str(&text).map_err(|error| {
         let line = error.span().map_or(1, |span| text[..span.start].lines().count());
@@ -119,9 +118,10 @@ fn tests(findings: &Findings, enough: Severity) -> Vec<Test> {
         let text = format!("{}: {text} [{}]", severity.word(), finding.rule.source);
         if severity >= enough { (finding, Outcome::Failed(text)) } else { (finding, Outcome::Skipped(text)) }
     });
-    let known = findings.ignored.iter();
-    let known =
-        known.map(|(finding, reason)| (finding, Outcome::Skipped(format!("known: {reason} ({})", finding.hit.full()))));
+    let known = findings
+        .ignored
+        .iter()
+        .map(|(finding, reason)| (finding, Outcome::Skipped(format!("known: {reason} ({})", finding.hit.full()))));
     let each = found.chain(known).map(|(finding, outcome)| {
         let name = format!("{}: {}", finding.rule.id, finding.hit.text);
         Test::new(&format!("{fmu}.check"), &name, outcome)

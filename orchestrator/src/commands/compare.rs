@@ -6,11 +6,11 @@ use super::output;
 use crate::{
     cli,
     compare::{compare, write},
-    error::Error,
+    error::Result,
     junit,
 };
 
-pub(super) fn run(options: &cli::Compare) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &cli::Compare) -> Result<ExitCode> {
     let comparison = compare(&options.old, &options.new)?;
     if let Some(folder) = &options.output {
         write(&comparison, folder)?;

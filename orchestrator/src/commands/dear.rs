@@ -5,7 +5,7 @@ use std::{fs, path::Path, process::ExitCode, time::Instant};
 use super::{cost, gate, output, table, verify};
 use crate::{
     cli::Verify,
-    error::Error,
+    error::{Error, Result},
     methods::{
         asking::{self, Delivery},
         sensitivity,
@@ -22,7 +22,7 @@ use crate::{
 use sampling::design::Design;
 
 /// Runs the command.
-pub(super) fn run(options: &Verify, runs: u64) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Verify, runs: u64) -> Result<ExitCode> {
     let folder = options.work.folder();
     let verification = open(options, runs, &folder)?;
     if options.dry_run {
@@ -34,7 +34,7 @@ pub(super) fn run(options: &Verify, runs: u64) -> Result<ExitCode, Error> {
 }
 
 /// Runs `sensitivity --budget N`: the points are those of `verify --budget N`, and what is there of them is not run again.
-pub(super) fn sensitivity(mut options: sensitivity::Options, runs: u64) -> Result<Delivery, Error> {
+pub(super) fn sensitivity(mut options: sensitivity::Options, runs: u64) -> Result<Delivery> {
     let folder = options.work.folder();
     let mut verify = Verify::of(&options.work.study);
     let then = Request::read(&folder).ok().and_then(|request| request.budget);
@@ -51,7 +51,7 @@ pub(super) fn sensitivity(mut options: sensitivity::Options, runs: u64) -> Resul
 }
 
 /// Says what a budget costs and what it can be expected to answer.
-fn tried(options: &Verify, mut verification: Verification, folder: &Path) -> Result<ExitCode, Error> {
+fn tried(options: &Verify, mut verification: Verification, folder: &Path) -> Result<ExitCode> {
     let spent = verification.session.request.budget.clone().unwrap_or_default();
     // The first points are plain; the others take as long.
     let places = (0..spent.points() as u64).collect();
@@ -71,7 +71,7 @@ fn net(verification: &Verification) -> Design {
 }
 
 /// Runs the points, and completes the folder.
-fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> Result<Summary, Error> {
+fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> Result<Summary> {
     let begun = Instant::now();
     let means = &options.work.means;
     let net = net(&verification);
@@ -126,7 +126,7 @@ fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> 
 }
 
 /// The study with its budget, which goes on from what the folder holds where that is resumed.
-fn open(options: &Verify, runs: u64, folder: &Path) -> Result<Verification, Error> {
+fn open(options: &Verify, runs: u64, folder: &Path) -> Result<Verification> {
     let resumed = options.work.resuming.resume && Request::is_in(folder);
     let then = if resumed { Request::read(folder)?.budget } else { None };
     let mut request = verify::request(options)?;

@@ -4,7 +4,7 @@ use std::{path::Path, process::ExitCode};
 
 use crate::{
     cli::Gate,
-    error::Error,
+    error::Result,
     junit::{self, Outcome, Test},
     methods::asking::exit_code,
     results::{Summary, summary::Count},
@@ -17,7 +17,7 @@ use indexmap::IndexMap;
 use study::concern::{Concern, Severity};
 
 /// The exit code of a verdict. Writes its tests where they are wanted.
-pub(super) fn verdict(summary: &Summary, gate: &Gate) -> Result<ExitCode, Error> {
+pub(super) fn verdict(summary: &Summary, gate: &Gate) -> Result<ExitCode> {
     if let Some(file) = &gate.junit {
         let seconds = summary.run.as_ref().map_or(0.0, |run| run.wall_seconds);
         junit::write(file, &name(summary), &tests(summary, gate.strict), seconds)?;
@@ -80,8 +80,7 @@ pub(super) fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
         }
     });
     let cases = summary.cases.iter().map(|(name, case)| {
-        let outcome = counted("all criteria of the case", &case.count);
-        Test::new(&format!("{study}.{name}"), "all criteria", outcome)
+        Test::new(&format!("{study}.{name}"), "all criteria", counted("all criteria of the case", &case.count))
     });
     let mut named: IndexMap<String, usize> = IndexMap::new();
     let doubts = warnings(summary).map(|concern| {

@@ -5,11 +5,11 @@ use std::{fmt::Write, process::ExitCode};
 use serde_json::json;
 
 use super::output;
-use crate::{cli::Inspect, error::Error, results::points::number};
+use crate::{cli::Inspect, error::Result, results::points::number};
 use fmu_import::{Causality, Description, Kind, Package, Variable, units::Conversion};
 use fmu_points::tell::one_line;
 
-pub(super) fn run(options: &Inspect) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Inspect) -> Result<ExitCode> {
     let package = Package::open(&options.fmu)?;
     let fmu = package.description();
     let platforms = package.platforms();

@@ -7,7 +7,10 @@ use std::{
     time::Instant,
 };
 
-use crate::{error::Error, results::points::number};
+use crate::{
+    error::{Error, Result},
+    results::points::number,
+};
 use fmu_import::{Causality, Description, Handle, Package, Value, Variable};
 use fmu_points::{
     Answer, Job, Limits, RunError,
@@ -87,7 +90,7 @@ pub(super) struct Isolated {
 }
 
 impl Isolated {
-    pub(super) fn new(package: &mut Package) -> Result<Self, Error> {
+    pub(super) fn new(package: &mut Package) -> Result<Self> {
         let scratch = stop::scratch()?;
         let rooms = scratch.path().to_owned();
         let fmu = package.unpack(&rooms)?;
@@ -95,7 +98,7 @@ impl Isolated {
     }
 
     /// The same from another path than that of all other commands: an FMU whose results depend on where it lies shows it there.
-    pub(super) fn elsewhere(package: &mut Package) -> Result<Self, Error> {
+    pub(super) fn elsewhere(package: &mut Package) -> Result<Self> {
         let scratch = stop::scratch()?;
         let folder = scratch.path().join("again");
         std::fs::create_dir(&folder).map_err(Error::io(&folder))?;
@@ -143,8 +146,7 @@ impl Isolated {
         });
         stop::give_way();
         // Rows before the failure are kept.
-        let flushed = csv.flush().map_err(Error::io(path));
-        recorded.and(flushed).map(|()| last)
+        recorded.and(csv.flush().map_err(Error::io(path))).map(|()| last)
     }
 
     /// Simulates, and hands over time and values at every communication point; at `until` it has failed.
@@ -154,7 +156,7 @@ impl Isolated {
         variables: &[Handle],
         until: Option<Instant>,
         mut take: impl FnMut(f64, &[Value]),
-    ) -> Result<(), Error> {
+    ) -> Result {
         let mut recording = self.recorder([task].into_iter()).of(task)?;
         recording.record(&[], variables, until, |time, values| {
             take(time, values);

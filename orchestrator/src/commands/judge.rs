@@ -5,7 +5,7 @@ use std::{collections::HashSet, path::Path, process::ExitCode, time::Instant};
 use super::{complete, gate, output, table};
 use crate::{
     cli,
-    error::Error,
+    error::Result,
     judge::Judge,
     methods::asking::warn,
     results::{
@@ -22,7 +22,7 @@ use number_tables::Table;
 use point_journal::{Lock, files::write_text, lines, pipeline::folder::Earlier};
 use study::Study;
 
-pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &cli::Judge) -> Result<ExitCode> {
     let begun = Instant::now();
     let study = Study::read(&options.study)?;
     // The FMU only helps to convert units; without it the table must be in the study's.
@@ -33,8 +33,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
     let conversions = conversions(&study, &judge, fmu)?;
     let mut rows = Table::read_results(&options.table, &columns(&study))?;
     // The rows of a table need not be in the order of the points, so that nobody knows which belong to one net.
-    let sample = Sample::of(&study, rows.rows.len() as u64, 1);
-    let mut tally = Tally::new(&judge, sample);
+    let mut tally = Tally::new(&judge, Sample::of(&study, rows.rows.len() as u64, 1));
     let mut survey = Survey::new(&judge, None);
     let (mut seen, mut repeated) = (HashSet::new(), 0);
     let folder = options.output.as_deref();
@@ -75,13 +74,12 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
         write_text(&folder.join("study.toml"), study.text())?;
         complete(folder);
     }
-    let folder = options.output.as_deref();
-    output::print(&table::told(&summary, folder, options.verbose));
+    output::print(&table::told(&summary, options.output.as_deref(), options.verbose));
     gate::verdict(&summary, &options.gate)
 }
 
 /// Takes the folder for the results. It keeps the request, unless it holds that of a run of the same study.
-fn take(options: &cli::Judge, study: &Study, folder: &Path) -> Result<Lock, Error> {
+fn take(options: &cli::Judge, study: &Study, folder: &Path) -> Result<Lock> {
     let request =
         Request { study: options.study.clone(), points_from: Some(options.table.clone()), ..Request::default() };
     let earlier = if options.force { Earlier::Replaced } else { Earlier::Complete };
@@ -115,7 +113,7 @@ fn columns(study: &Study) -> Vec<(Vec<String>, String)> {
 }
 
 /// From each column's unit to the criterion's.
-fn conversions(study: &Study, judge: &Judge, fmu: Option<&Description>) -> Result<Vec<Conversion>, Error> {
+fn conversions(study: &Study, judge: &Judge, fmu: Option<&Description>) -> Result<Vec<Conversion>> {
     let pairs = study.criteria.iter().zip(&judge.criteria);
     let conversion = |(name, text): (&study::Name, &study::CriterionText), unit| {
         let Some(column_unit) = text.column_unit.as_deref() else { return Ok(Conversion::IDENTITY) };

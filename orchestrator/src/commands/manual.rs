@@ -4,12 +4,12 @@ use std::process::ExitCode;
 
 use crate::{
     cli::{Cli, Manual},
-    error::Error,
+    error::{Error, Result},
 };
 use clap::CommandFactory;
 use point_journal::files::make_folder;
 
-pub(super) fn run(options: &Manual) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Manual) -> Result<ExitCode> {
     let folder = &options.folder;
     make_folder(folder)?;
     clap_mangen::generate_to(Cli::command(), folder).map_err(Error::io(folder))?;

@@ -10,7 +10,7 @@ use std::{
 use super::verify;
 use crate::{
     cli::Merge,
-    error::Error,
+    error::{Error, Result},
     methods::setup::{Place, Source},
     reruns::Wish,
     results::{MOST_EXTRA_RUNS, summary::Run},
@@ -19,7 +19,7 @@ use crate::{
 use fmu_points::Limits;
 use point_journal::{Header, journal, lines, pipeline::folder::Earlier};
 
-pub(super) fn run(options: &Merge) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Merge) -> Result<ExitCode> {
     let start = Instant::now();
     let Merge { folders, output, .. } = options;
     let [first, ..] = &folders[..] else { return Err(Error::Missing(output.clone())) };
@@ -72,7 +72,7 @@ pub(super) fn run(options: &Merge) -> Result<ExitCode, Error> {
 }
 
 /// Refuses folders that are not of one study, before anything is written; names their shards.
-fn shards(folders: &[PathBuf], of: &Header) -> Result<Vec<String>, Error> {
+fn shards(folders: &[PathBuf], of: &Header) -> Result<Vec<String>> {
     let name = |folder: &PathBuf| {
         let then = lines::header(folder)?;
         // Only the part differs from one to the other.

@@ -25,7 +25,7 @@ use std::{ffi::OsString, path::Path, process::ExitCode};
 
 use crate::{
     cli::{Cli, Command},
-    error::Error,
+    error::{Error, Result},
     junit::{self, Outcome, Test},
     methods::{Method, asking::Delivery, rare},
     report::Report,
@@ -41,7 +41,7 @@ pub const MISTAKE: u8 = 2;
 ///
 /// # Errors
 /// With one clear line, for a mistake in what was asked for.
-pub fn run(cli: Cli) -> Result<ExitCode, Error> {
+pub fn run(cli: Cli) -> Result<ExitCode> {
     let junit = cli.command.junit().map(Path::to_owned);
     let done = dispatch(cli);
     if let (Err(error), Some(file)) = (&done, junit) {
@@ -72,7 +72,7 @@ pub fn note_misread(mistake: &str) {
     }
 }
 
-fn dispatch(cli: Cli) -> Result<ExitCode, Error> {
+fn dispatch(cli: Cli) -> Result<ExitCode> {
     match cli.command {
         Command::Inspect(options) => inspect::run(&options),
         Command::Check(options) => check::run(&options),
@@ -105,7 +105,7 @@ fn dispatch(cli: Cli) -> Result<ExitCode, Error> {
 
 /// Delivers the result of a method: to its file, to the terminal, and to the page of a finished study in the same folder,
 /// where it belongs to that study.
-fn deliver(delivery: Delivery) -> Result<ExitCode, Error> {
+fn deliver(delivery: Delivery) -> Result<ExitCode> {
     let Delivery { result, folder, .. } = &delivery;
     result.write(folder)?;
     if let (Some(origin), true) = (&result.origin, folder.join("summary.json").exists()) {
@@ -132,8 +132,9 @@ fn deliver(delivery: Delivery) -> Result<ExitCode, Error> {
 
 /// Writes the page of a verdict, which is known and written: what fails here costs itself alone.
 fn complete(folder: &Path) {
-    let page = Report::from_folder(folder).and_then(|report| report.write(folder));
-    page.map_or_else(|error| left_out("there is no page", &error), drop);
+    Report::from_folder(folder)
+        .and_then(|report| report.write(folder))
+        .map_or_else(|error| left_out("there is no page", &error), drop);
 }
 
 fn left_out(what: &str, error: &dyn std::error::Error) {

@@ -6,7 +6,7 @@ use super::{gate, output, verify};
 use crate::{
     cli::{Pack, Verify},
     compare::{compare, write},
-    error::Error,
+    error::{Error, Result},
     junit::{self, Outcome, Test},
     options::folder_of,
     packed::{altered, changed, choose, digests, pack, settle},
@@ -21,7 +21,7 @@ use study::Study;
 const CARRIED: &str = "carried";
 
 /// `pack`: puts a study with its results into a copy of its FMU.
-pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Pack) -> Result<ExitCode> {
     let study = Study::read(&options.study)?;
     check_output(options, &study)?;
     let results = match &options.from {
@@ -76,7 +76,7 @@ pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
 }
 
 /// Refuses to replace a file without the user's word, and the study's own FMU with it.
-fn check_output(options: &Pack, study: &Study) -> Result<(), Error> {
+fn check_output(options: &Pack, study: &Study) -> Result {
     let there = fs::canonicalize(&options.output).ok();
     let refuse = |message: &str| Err(Error::option("output", format!("{} {message}", options.output.display())));
     match there {
@@ -95,7 +95,7 @@ pub(super) fn is_fmu(path: &Path) -> bool {
 }
 
 /// `verify MODEL.fmu`: runs the study that the FMU carries, and compares with the result that it carries.
-pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
+pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode> {
     let fmu = options.work.study.clone();
     let mut package = Package::open(&fmu)?;
     let (carried, others) = choose(&mut package, options.carried.as_deref())?;

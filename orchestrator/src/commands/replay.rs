@@ -12,7 +12,7 @@ use super::{
 };
 use crate::{
     cli::Replay,
-    error::Error,
+    error::{Error, Result},
     judge::Judge,
     results::{points::number, table},
     session::Verification,
@@ -27,7 +27,7 @@ use point_journal::{
     pipeline::{Model, difference},
 };
 
-pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Replay) -> Result<ExitCode> {
     let mut verification = Verification::reopen(&options.folder, options.fmu.clone())?;
     let source = &verification.source;
     let index = source.index_of(options.point).ok_or_else(|| {
@@ -62,8 +62,7 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
         if let Some(file) = kept {
             keep(file, &path)?;
         }
-        let of = case[0].name.as_ref();
-        let of = of.map(|name| format!(" of the case {name}")).unwrap_or_default();
+        let of = case[0].name.as_ref().map(|name| format!(" of the case {name}")).unwrap_or_default();
         files += &format!("trajectory{of} in {}\n", path.display());
     }
     let mut text = format!("point {}\n", options.point);
@@ -110,9 +109,9 @@ fn recorded(folder: &Path, index: u64) -> Option<Outcome> {
 }
 
 /// The cases whose trajectories are written, each with its file.
-fn wanted(options: &Replay, cases: &[Case]) -> Result<Vec<(usize, PathBuf)>, Error> {
+fn wanted(options: &Replay, cases: &[Case]) -> Result<Vec<(usize, PathBuf)>> {
     let point = options.point;
-    let wrong = |option, message: String| Err(Error::option(option, message));
+    let wrong = |option, message| Err(Error::option(option, message));
     let names: Vec<&str> = cases.iter().filter_map(|case| case.name.as_deref()).collect();
     let chosen = match &options.case {
         None => None,
@@ -133,8 +132,8 @@ fn wanted(options: &Replay, cases: &[Case]) -> Result<Vec<(usize, PathBuf)>, Err
     let usual = |case: usize| {
         if names.is_empty() { format!("point-{point}.csv") } else { format!("point-{point}-case-{}.csv", case + 1) }
     };
-    let numbers = chosen.map_or(0..cases.len(), |case| case..case + 1);
-    Ok(numbers
+    Ok(chosen
+        .map_or(0..cases.len(), |case| case..case + 1)
         .map(|case| {
             let given = options.output.clone();
             (case, given.unwrap_or_else(|| options.folder.join(usual(case))))

@@ -8,7 +8,10 @@ use super::{
     isolated::{Columns, Isolated},
     output,
 };
-use crate::{cli::Simulate, error::Error};
+use crate::{
+    cli::Simulate,
+    error::{Error, Result},
+};
 use fmu_import::{Causality, Description, Package, Value, Variable};
 use fmu_points::task::{Schedule, Task};
 use study::{
@@ -18,7 +21,7 @@ use study::{
     ssv,
 };
 
-pub(super) fn run(options: &Simulate) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Simulate) -> Result<ExitCode> {
     let mut package = Package::open(&options.fmu)?;
     let set = settings(&options.set, &mut package)?;
     let fmu = package.description();
@@ -73,7 +76,7 @@ pub(super) fn schedule(
     start: Option<f64>,
     stop: Option<f64>,
     step: Option<f64>,
-) -> Result<Schedule, Error> {
+) -> Result<Schedule> {
     let suggested = Schedule::suggested(fmu);
     let start = start.unwrap_or(suggested.start);
     let stop = stop.unwrap_or(suggested.stop);
@@ -96,8 +99,8 @@ pub(super) fn schedule(
 }
 
 /// Start values from `NAME=VALUE`; the package gets the sizes of arrays among them.
-pub(super) fn settings(texts: &[String], package: &mut Package) -> Result<Vec<(u32, Value)>, Error> {
-    let wrong = |message: String| Error::option("set", message);
+pub(super) fn settings(texts: &[String], package: &mut Package) -> Result<Vec<(u32, Value)>> {
+    let wrong = |message| Error::option("set", message);
     let mut sizes = Vec::new();
     for text in texts {
         // A name may be one that only these sizes give.

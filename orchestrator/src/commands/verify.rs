@@ -7,7 +7,7 @@ use indexmap::{IndexMap, IndexSet};
 use super::{best, complete, cost, gate, left_out, output, table};
 use crate::{
     cli::{Gate, Verify},
-    error::Error,
+    error::{Error, Result},
     methods::{
         asking, identify,
         setup::{self, Place, Source, Work},
@@ -32,14 +32,14 @@ use study::plan::bare;
 const MOST_POINTS: u64 = 1_000_000;
 
 /// Refuses to write a verdict of a part of the points.
-fn refuse_verdict_of_part(options: &Verify) -> Result<(), Error> {
+fn refuse_verdict_of_part(options: &Verify) -> Result {
     if options.gate.junit.is_some() && options.shards.chosen()?.is_some() {
         return Err(Error::option("junit", "a part of the points has no verdict; give this option to `merge`"));
     }
     Ok(())
 }
 
-pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Verify) -> Result<ExitCode> {
     let begun = Instant::now();
     refuse_verdict_of_part(options)?;
     let mut verification = Verification::open(request(options)?)?;
@@ -127,20 +127,20 @@ fn explain(options: &Verify, folder: &Path, summary: &mut Summary) {
 }
 
 /// When the study may end before its last point. Refuses options that the study's design cannot follow.
-fn check(options: &Verify, verification: &Verification, looked: &Looked) -> Result<Option<Ending>, Error> {
+fn check(options: &Verify, verification: &Verification, looked: &Looked) -> Result<Option<Ending>> {
     let method = verification.session.study.design.method;
     if options.points.is_some() && method.is_by_levels() {
         return Err(Error::option("points", "the design has as many points as the levels make; change `levels`"));
     }
-    let ending = options.until;
-    ending
+    options
+        .until
         .map(|until| verification.ending(until, &looked.history))
         .transpose()
         .map_err(|message| Error::option("until", message))
 }
 
 /// Lets a run with fewer points go on with more, where these are the first ones of the longer run.
-fn extend(verification: &Verification, folder: &Path) -> Result<(), Error> {
+fn extend(verification: &Verification, folder: &Path) -> Result {
     let header = &verification.header;
     let then = match lines::header(folder) {
         Ok(then) if header.extends(&then) => then,
@@ -174,7 +174,7 @@ pub(super) fn conclude(
     mut summary: Summary,
     wish: &Wish,
     (gate, verbose): (&Gate, bool),
-) -> Result<ExitCode, Error> {
+) -> Result<ExitCode> {
     finish(verification, folder, &mut summary, wish);
     output::print(&table::told(&summary, Some(folder), verbose));
     gate::verdict(&summary, gate)
@@ -191,8 +191,8 @@ fn run_again(verification: &mut Verification, folder: &Path, summary: &mut Summa
     reruns::run(verification, folder, summary, wish)
         .unwrap_or_else(|error| left_out("no point was run once more", &error));
     let Session { plan, package, .. } = &verification.session;
-    let best = best::write(folder, plan, package.description(), summary);
-    best.unwrap_or_else(|error| left_out("the best point is in no file", &error));
+    best::write(folder, plan, package.description(), summary)
+        .unwrap_or_else(|error| left_out("the best point is in no file", &error));
 }
 
 /// A number of things.
@@ -271,7 +271,7 @@ fn set(session: &Session) -> String {
     lines.into_iter().collect()
 }
 
-pub(super) fn request(options: &Verify) -> Result<Request, Error> {
+pub(super) fn request(options: &Verify) -> Result<Request> {
     Ok(Request {
         study: options.work.study.clone(),
         fmu: options.work.means.fmu.clone(),
@@ -290,7 +290,7 @@ fn compute(
     pipeline: &mut Pipeline<'_>,
     ending: Option<&Ending>,
     jobs: usize,
-) -> Result<bool, Error> {
+) -> Result<bool> {
     let judge = &verification.session.judge;
     let job = |index| verification.job(index);
     let finished = pipeline.finished();
@@ -309,8 +309,7 @@ fn compute(
         }
     }
     // The workers share out what is left, so they have to know how much that is.
-    let left = verification.expected().saturating_sub(pipeline.done());
-    let left = usize::try_from(left).unwrap_or(usize::MAX);
+    let left = usize::try_from(verification.expected().saturating_sub(pipeline.done())).unwrap_or(usize::MAX);
     let open = verification.indexes().filter(|index| !finished.as_ref().is_some_and(|f| f.has(*index))).take(left);
     let (begun, mut done) = (Instant::now(), 0);
     pipeline.compute(open, &job, |index, outcome| {

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{Change, Comparison, said};
-use crate::{error::Error, judge::Criterion, plain};
+use crate::{error::Result, judge::Criterion, plain};
 use point_journal::files::{make_folder, write_json};
 use result_document::{
     Block, Document, Figure, Key, Table,
@@ -178,7 +178,7 @@ pub(super) fn scatter(
 ///
 /// # Errors
 /// When the system says no.
-pub fn write(comparison: &Comparison, folder: &Path) -> Result<(), Error> {
+pub fn write(comparison: &Comparison, folder: &Path) -> Result {
     make_folder(folder)?;
     write_json(&folder.join("compare.json"), comparison)?;
     let title = comparison.headline();

@@ -9,7 +9,7 @@ use indexmap::IndexMap;
 use serde::Serialize;
 
 use crate::{
-    error::Error,
+    error::Result,
     judge::Criterion,
     junit::{Outcome, Test},
     results::{
@@ -181,7 +181,7 @@ fn is_rounding(old: f64, new: f64, scale: f64) -> bool {
 ///
 /// # Errors
 /// When one of them holds no finished study, or a damaged one.
-pub fn compare(old: &Path, new: &Path) -> Result<Comparison, Error> {
+pub fn compare(old: &Path, new: &Path) -> Result<Comparison> {
     let before = table::read(old)?;
     let now = table::read(new)?;
     Ok(between([old, new], [&before, &now]))

@@ -136,8 +136,7 @@ impl<'a> Input<'a> {
         name: &Name,
         text: &FreeText,
     ) -> Result<(Free, Self), FileError> {
-        let unit = text.unit.as_deref().or(text.min.unit.as_deref());
-        let input = Self::new(study, fmu, name, unit)?;
+        let input = Self::new(study, fmu, name, text.unit.as_deref().or(text.min.unit.as_deref()))?;
         let free = free(name.as_ref(), text, &input.scale).map_err(|message| study.error_of(name, message))?;
         Ok((free, input))
     }
@@ -352,7 +351,7 @@ impl Binder<'_> {
     }
 
     fn probe(&self, text: &MeasuredText) -> Result<(Probe, Scale<'_>), FileError> {
-        let at = |message: String| self.study.error_at::<String>(&text.variable, message);
+        let at = |message| self.study.error_at::<String>(&text.variable, message);
         let variable = find(self.fmu, text.variable.as_ref()).map_err(at)?;
         let probe = Probe::of(variable, text.statistic)
             .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;

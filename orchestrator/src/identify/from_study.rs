@@ -159,8 +159,11 @@ fn as_normal(study: &Study, judge: &Judge, plan: &Plan) -> Option<String> {
             .uncertainty
             .is_some_and(|u| u.repeats.is_some() || u.distribution == uncertainty::Distribution::Rectangular)
     };
-    let all = study.criteria.keys().zip(&judge.criteria).zip(plan.placed_probes());
-    let names: Vec<&str> = all
+    let names: Vec<&str> = study
+        .criteria
+        .keys()
+        .zip(&judge.criteria)
+        .zip(plan.placed_probes())
         .filter(|((_, criterion), (_, probe))| of_curve(probe) || of_value(criterion))
         .map(|((name, _), _)| name.as_ref().as_str())
         .collect();
@@ -467,8 +470,7 @@ impl Tied {
         uncertainty: &Uncertainty,
         shared: &mut Shared,
     ) -> (f64, Option<Law>) {
-        let value = criterion.measured().value.unwrap_or(criterion.limits.about);
-        let law = uncertainty.law(value);
+        let law = uncertainty.law(criterion.measured().value.unwrap_or(criterion.limits.about));
         let Ok(place) = self.numbers.binary_search(&number) else {
             let accuracy = law.among(self.means).as_normal();
             return (accuracy, Some(law).filter(|law| !law.is_normal()));

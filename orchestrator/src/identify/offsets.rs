@@ -59,8 +59,8 @@ pub fn held(bound: &Bound) -> Option<String> {
         let moves = series.values.iter().any(|value| *value != series.values[0]);
         moves && !series.hold && !series.ramp
     };
-    let held = tasks().flat_map(|task| task.inputs.iter().filter(is_held));
-    let names: IndexSet<&str> = held.map(|series| series.slot.name.as_str()).collect();
+    let names: IndexSet<&str> =
+        tasks().flat_map(|task| task.inputs.iter().filter(is_held)).map(|series| series.slot.name.as_str()).collect();
     let step = tasks().map(|task| task.schedule.step).reduce(f64::max)?;
     (!names.is_empty()).then(|| {
         format!(

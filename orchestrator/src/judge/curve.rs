@@ -29,7 +29,7 @@ pub(super) fn criterion(
     text: &CriterionText,
     scale: &Scale<'_>,
 ) -> Result<Criterion, FileError> {
-    let at = |message: String| study.error_of(name, message);
+    let at = |message| study.error_of(name, message);
     let metric = text.metric.ok_or_else(|| {
         let names: Vec<String> = Metric::ALL.iter().map(|metric| metric.name()).collect();
         at(format!("a curve needs `metric`: {}", names.join(", ")))

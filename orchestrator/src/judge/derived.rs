@@ -29,7 +29,7 @@ impl Judge {
             if text.derived.is_none() {
                 continue;
             }
-            let wrong = |message: String| study.error_of(name, message);
+            let wrong = |message| study.error_of(name, message);
             if self.criteria[number].uncertainty.is_some() {
                 return Err(wrong("its error follows from those of its factors; remove `uncertainty` and the keys beside it, or `derived`".to_owned()));
             }

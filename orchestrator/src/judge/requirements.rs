@@ -63,10 +63,13 @@ impl Judge {
 
     /// A model that agrees with its own values has been compared with nothing.
     fn warn_of_own_values(&mut self, study: &Study) {
-        let own =
-            self.criteria.iter().zip(study.criteria.keys()).filter(|(criterion, _)| criterion.nominal_from.is_some());
-        let (names, places): (Vec<&str>, Vec<&Name>) =
-            own.map(|(criterion, place)| (criterion.name.as_str(), place)).unzip();
+        let (names, places): (Vec<&str>, Vec<&Name>) = self
+            .criteria
+            .iter()
+            .zip(study.criteria.keys())
+            .filter(|(criterion, _)| criterion.nominal_from.is_some())
+            .map(|(criterion, place)| (criterion.name.as_str(), place))
+            .unzip();
         let Some(place) = places.first() else { return };
         let warning = study
             .error_at(

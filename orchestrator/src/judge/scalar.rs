@@ -20,7 +20,7 @@ pub(super) fn criterion(
     text: &CriterionText,
     scale: &Scale<'_>,
 ) -> Result<Criterion, FileError> {
-    let at = |message: String| study.error_of(name, message);
+    let at = |message| study.error_of(name, message);
     curve::refuse_keys(text).map_err(at)?;
     let alone = match (&text.at_most, &text.at_least) {
         (Some(most), _) => Some((most, "at most", Limits::at_most as fn(f64) -> Limits)),

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::{
-    error::Error,
+    error::{Error, Result},
     options::folder_of,
     results::{Summary, origin::Origin, table},
     session::Request,
@@ -25,7 +25,7 @@ pub(super) fn absolute(path: &Path) -> PathBuf {
 }
 
 /// The points of a finished study, for an analysis of `study`.
-pub(super) fn points_of(folder: &Path, study: &Study) -> Result<(Summary, PointTable), Error> {
+pub(super) fn points_of(folder: &Path, study: &Study) -> Result<(Summary, PointTable)> {
     let (summary, table) = table::read(folder)?;
     if study.digest() != summary.provenance.study_sha256 {
         return Err(Error::option(
@@ -50,7 +50,7 @@ pub(super) fn points_of(folder: &Path, study: &Study) -> Result<(Summary, PointT
 }
 
 /// The rows of a finished study's points that are a sample of the space; those that `--budget` chose near limits are not.
-pub(super) fn sample_of(folder: &Path, summary: &Summary, rows: usize) -> Result<Vec<usize>, Error> {
+pub(super) fn sample_of(folder: &Path, summary: &Summary, rows: usize) -> Result<Vec<usize>> {
     if summary.surrogate.is_none() {
         return Ok((0..rows).collect());
     }
@@ -65,7 +65,7 @@ pub(super) fn sample_of(folder: &Path, summary: &Summary, rows: usize) -> Result
 }
 
 /// A digest that identifies the points of a finished study.
-pub(super) fn digest_of(folder: &Path) -> Result<String, Error> {
+pub(super) fn digest_of(folder: &Path) -> Result<String> {
     let path = folder.join("points.csv");
     files::digest(&path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => Error::Missing(folder.to_owned()),

@@ -11,7 +11,7 @@ use super::{
     known::Finished,
 };
 use crate::{
-    error::Error,
+    error::{Error, Result},
     options::Work,
     results::surrogate::limits,
     session::{Request, Session, budget::Budget},
@@ -61,7 +61,7 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 ///
 /// # Errors
 /// When the options or the study cannot be used.
-pub fn run(options: &Options) -> Result<Delivery, Error> {
+pub fn run(options: &Options) -> Result<Delivery> {
     let mut analysis = Rare { event: options.event, budget: options.budget.unwrap_or(USUAL_RUNS), seed: 1 };
     let session = asking::open(&options.work, &analysis)?;
     analysis.seed = options.seed.unwrap_or(session.study.design.seed);
@@ -72,7 +72,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
 }
 
 /// Refuses studies of which a rare share says nothing.
-fn refuse(session: &Session, event: RareEvent) -> Result<(), Error> {
+fn refuse(session: &Session, event: RareEvent) -> Result {
     if event != RareEvent::Failed && session.judge.has_own_values() {
         return Err(session
             .study
@@ -118,7 +118,7 @@ impl Analysis for Rare {
 
     type Source = Session;
 
-    fn points(&self, _: &Session) -> Result<PointSet, Error> {
+    fn points(&self, _: &Session) -> Result<PointSet> {
         Ok(PointSet {
             seed: self.seed,
             // The search ends when it knows enough.
@@ -128,18 +128,18 @@ impl Analysis for Rare {
         })
     }
 
-    fn open(&self, request: Request) -> Result<Session, Error> {
+    fn open(&self, request: Request) -> Result<Session> {
         // `check` refuses samples with a reason of its own.
         asking::session(request, Takes::ALL)
     }
 
-    fn check(&self, session: &Session) -> Result<(), Error> {
-        let budget = Budget::new(self.budget, 1, session.plan.cases.len().max(1), None);
-        budget.map_err(|message| Error::option("budget", message))?;
+    fn check(&self, session: &Session) -> Result {
+        Budget::new(self.budget, 1, session.plan.cases.len().max(1), None)
+            .map_err(|message| Error::option("budget", message))?;
         refuse(session, self.event)
     }
 
-    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult, Error> {
+    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult> {
         let Session { plan, judge, .. } = session;
         let cases = plan.cases.len().max(1);
         let limits = limits(judge, 0.0);
@@ -156,7 +156,7 @@ impl Analysis for Rare {
             seed: self.seed,
         };
         pipeline.repeat_at_most(1);
-        let answer = search.answer(&mut |scores| -> Result<_, Error> {
+        let answer = search.answer(&mut |scores| -> Result<_> {
             let points: Vec<Vec<f64>> = scores.iter().map(|scores| plan.at_scores(scores)).collect();
             Ok(pipeline.ask(&points)?.into_iter().map(Result::ok).collect())
         })?;
@@ -204,8 +204,7 @@ impl Statement {
         let Session { plan, judge, .. } = session;
         let confidence = judge.rule.map_or(USUAL, |rule| rule.confidence);
         let point = |&run: &usize| {
-            let values = plan.at_scores(&answer.scores[run]);
-            plan.inputs.iter().map(|input| input.name.clone()).zip(values).collect()
+            plan.inputs.iter().map(|input| input.name.clone()).zip(plan.at_scores(&answer.scores[run])).collect()
         };
         let share = answer.share.as_ref().ok();
         let interval = share.map(|share| share.interval(confidence));

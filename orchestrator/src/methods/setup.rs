@@ -1,7 +1,7 @@
 //! The set-up of a run, whatever it is for: its folder, its processes, and the pipeline from one to the other.
 
 use crate::{
-    error::Error,
+    error::{Error, Result},
     options::Means,
     session::{Request, Session, Verification},
 };
@@ -93,8 +93,8 @@ impl Place<'_> {
         &self,
         source: SourceParts<'_>,
         header: &Header,
-        prepare: impl FnOnce() -> Result<(), Error>,
-    ) -> Result<RunFolder, Error> {
+        prepare: impl FnOnce() -> Result,
+    ) -> Result<RunFolder> {
         let SourceParts { request, study, .. } = source;
         request.check(self.output, self.analysis, Some(study), self.earlier)?;
         if self.analysis.is_none() {
@@ -132,38 +132,31 @@ pub fn run<S: Source, T>(
     header: &Header,
     folder: RunFolder,
     work: Work<'_>,
-    ask: impl FnOnce(&S, &mut Pipeline<'_>) -> Result<T, Error>,
-) -> Result<(T, Kept), Error> {
+    ask: impl FnOnce(&S, &mut Pipeline<'_>) -> Result<T>,
+) -> Result<(T, Kept)> {
     let place = folder.journal.folder().to_owned();
-    let told = run_in(source, header, folder, work, ask);
-    if lines::path_in(&place).exists() {
+    let RunFolder { journal, finished, kept } = folder;
+    let told = || {
+        let crew = Crew::new(source.package(), work.means.place(work.jobs)?, kept.scratch.path(), work.jobs)?;
+        let source = &*source;
+        let parts = source.parts();
+        let part = Part::of(parts.request.shard, header);
+        let mut pipeline = Pipeline::new(parts.model, (&crew, parts.cases), journal, finished, part);
+        let told = ask(source, &mut pipeline);
+        if told.is_ok() && work.ends {
+            pipeline.end()?
+        } else {
+            pipeline.pause()?
+        }
         told
+    };
+    let told = told();
+    if lines::path_in(&place).exists() {
+        Ok((told?, kept))
     } else {
         Err(Error::Refused(format!(
             "{}: this folder, or the journal in it, was removed or moved while points ran; run the command again",
             place.display()
         )))
     }
-}
-
-fn run_in<S: Source, T>(
-    source: &mut S,
-    header: &Header,
-    folder: RunFolder,
-    work: Work<'_>,
-    ask: impl FnOnce(&S, &mut Pipeline<'_>) -> Result<T, Error>,
-) -> Result<(T, Kept), Error> {
-    let RunFolder { kept, .. } = folder;
-    let crew = Crew::new(source.package(), work.means.place(work.jobs)?, kept.scratch.path(), work.jobs)?;
-    let source = &*source;
-    let parts = source.parts();
-    let part = Part::of(parts.request.shard, header);
-    let mut pipeline = Pipeline::new(parts.model, (&crew, parts.cases), folder.journal, folder.finished, part);
-    let told = ask(source, &mut pipeline);
-    if told.is_ok() && work.ends {
-        pipeline.end()?
-    } else {
-        pipeline.pause()?
-    }
-    Ok((told?, kept))
 }

@@ -10,7 +10,11 @@ use std::{
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use crate::{error::Error, results::Summary, session::Request};
+use crate::{
+    error::{Error, Result},
+    results::Summary,
+    session::Request,
+};
 use fmu_import::{Package, digest, percent_encoded};
 use manifest::Related;
 use point_journal::files::{draft, keep, make_folder, write_text};
@@ -69,7 +73,7 @@ pub struct Carried {
 ///
 /// # Errors
 /// When one of them cannot be read.
-pub fn digests(package: &mut Package) -> Result<IndexMap<String, String>, Error> {
+pub fn digests(package: &mut Package) -> Result<IndexMap<String, String>> {
     let mut entries: Vec<String> = package
         .entries()
         .into_iter()
@@ -103,7 +107,7 @@ pub fn changed(then: &IndexMap<String, String>, now: &IndexMap<String, String>) 
 ///
 /// # Errors
 /// When one of them cannot be read.
-pub fn altered(package: &mut Package, carried: &Carried) -> Result<Vec<String>, Error> {
+pub fn altered(package: &mut Package, carried: &Carried) -> Result<Vec<String>> {
     let prefix = format!("{FOLDER}{}/", carried.name);
     let mut now = IndexMap::new();
     for entry in package.entries() {
@@ -125,7 +129,7 @@ fn is_file(below: &str) -> bool {
 ///
 /// # Errors
 /// When what ties one of them to the FMU is damaged.
-pub fn studies(package: &mut Package) -> Result<Vec<Carried>, Error> {
+pub fn studies(package: &mut Package) -> Result<Vec<Carried>> {
     let entries = package.entries();
     let named = entries.iter().filter_map(|entry| {
         let name = entry.strip_prefix(FOLDER)?.strip_suffix(TIES)?.strip_suffix('/')?;
@@ -159,7 +163,7 @@ pub fn studies(package: &mut Package) -> Result<Vec<Carried>, Error> {
 ///
 /// # Errors
 /// When there is none.
-pub fn choose(package: &mut Package, name: Option<&str>) -> Result<(Carried, Vec<String>), Error> {
+pub fn choose(package: &mut Package, name: Option<&str>) -> Result<(Carried, Vec<String>)> {
     let mut all = studies(package)?;
     let names: Vec<String> = all.iter().map(|study| study.name.clone()).collect();
     let path = package.path().display();
@@ -211,8 +215,8 @@ pub fn settle<T>(
     package: &mut Package,
     carried: &Carried,
     place: &Path,
-    take: impl FnOnce(&Study) -> Result<Option<T>, Error>,
-) -> Result<Option<TempDir>, Error> {
+    take: impl FnOnce(&Study) -> Result<Option<T>>,
+) -> Result<Option<TempDir>> {
     let aside = TempDir::new().map_err(Error::io(&std::env::temp_dir()))?;
     unpack(package, &carried.name, aside.path())?;
     let of_package = package.path().join(format!("{FOLDER}{}", carried.name));
@@ -246,7 +250,7 @@ pub fn settle<T>(
 ///
 /// # Errors
 /// When one of them is damaged or has a path that leads elsewhere, and when the system says no.
-fn unpack(package: &mut Package, name: &str, folder: &Path) -> Result<(), Error> {
+fn unpack(package: &mut Package, name: &str, folder: &Path) -> Result {
     let prefix = format!("{FOLDER}{name}/");
     let mut total = 0;
     for entry in package.entries() {
@@ -292,13 +296,7 @@ impl File {
 ///
 /// # Errors
 /// When a file cannot be read or written, or lies where it cannot be packed.
-pub fn pack(
-    package: &mut Package,
-    study: &Study,
-    results: &Path,
-    summary: &Summary,
-    output: &Path,
-) -> Result<String, Error> {
+pub fn pack(package: &mut Package, study: &Study, results: &Path, summary: &Summary, output: &Path) -> Result<String> {
     let stem = study.path().file_stem().unwrap_or_default().to_string_lossy();
     let name: String =
         stem.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' }).collect();
@@ -374,7 +372,7 @@ pub fn pack(
 
 /// Where a study and the files that it names lie in the FMU, such that it finds them as it does now: the study's place, and
 /// each file's path with its place.
-fn layout(study: &Study) -> Result<(String, Vec<(PathBuf, String)>), Error> {
+fn layout(study: &Study) -> Result<(String, Vec<(PathBuf, String)>)> {
     let mut files: Vec<&Path> = study.files();
     files.sort_unstable();
     files.dedup();
@@ -405,8 +403,7 @@ fn layout(study: &Study) -> Result<(String, Vec<(PathBuf, String)>), Error> {
         format!("study/{}", below.join("/"))
     };
     let named = files.iter().map(|file| (study.path_of(file), place(file)));
-    let own = own.file_name().unwrap_or_default();
-    Ok((place(Path::new(own)), named.collect()))
+    Ok((place(Path::new(own.file_name().unwrap_or_default())), named.collect()))
 }
 
 /// How many folders a relative path leads up.

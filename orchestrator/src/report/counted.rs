@@ -89,8 +89,10 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
             if error.is_normal() {
                 format!("{expanded}{unit} (k = {})", number(stated.coverage, 3))
             } else {
-                let freedom = error.freedom_within(error.standard());
-                let freedom = freedom.map(|f| format!(", {} degrees of freedom", of_freedom(f))).unwrap_or_default();
+                let freedom = error
+                    .freedom_within(error.standard())
+                    .map(|f| format!(", {} degrees of freedom", of_freedom(f)))
+                    .unwrap_or_default();
                 format!("{expanded}{unit} (95.45 %: k = {}{freedom})", number(error.expanded / error.standard(), 3))
             }
         }

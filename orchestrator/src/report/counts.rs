@@ -73,7 +73,7 @@ fn guarded(judgement: &Judgement, total: usize) -> Option<(String, Count)> {
 }
 
 pub(super) fn count_rows(table: &PointTable, summary: &Summary, judgement: &Judgement) -> Vec<CountRow> {
-    let row = |name: &str, kind, count: Count| CountRow { name: name.to_owned(), kind, count, ..CountRow::default() };
+    let row = |name: &str, kind, count| CountRow { name: name.to_owned(), kind, count, ..CountRow::default() };
     let criterion = |k: usize| {
         let (c, v) = (&table.criteria[k], &summary.criteria[k]);
         CountRow {

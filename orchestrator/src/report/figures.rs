@@ -22,8 +22,7 @@ pub fn plane(
     frame.y.to = CAPTION;
     let mut out = frame.axes(&with_unit(x.name, x.unit), Some(&with_unit(y.name, y.unit)));
     out.push_str(&acceptance(&frame, x, y));
-    let every = points.len().div_ceil(MOST_MARKS).max(1);
-    let points: Vec<usize> = points.iter().copied().step_by(every).collect();
+    let points: Vec<usize> = points.iter().copied().step_by(points.len().div_ceil(MOST_MARKS).max(1)).collect();
     out.push_str(&marks(table, &frame, x, y, &points));
     let inside = (0..table.len()).filter(|&i| within(x, i) && within(y, i)).count();
     let in_box = match x.is_criterion || y.is_criterion {

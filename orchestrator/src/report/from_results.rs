@@ -2,7 +2,7 @@
 
 use super::{Report, history, judgement::Judgement, outlook::comparison, whatif::WhatIf};
 use crate::{
-    error::Error,
+    error::{Error, Result},
     methods::{self, known::Finished},
     results::{Summary, answer, choice, table, words::capitalised},
 };
@@ -15,7 +15,7 @@ impl Report {
     ///
     /// # Errors
     /// When there is no finished study in the folder, or one of the files is damaged.
-    pub fn from_folder(folder: &Path) -> Result<Self, Error> {
+    pub fn from_folder(folder: &Path) -> Result<Self> {
         let (summary, table) = table::read_some(folder, choice::MOST)?;
         let study_text = std::fs::read_to_string(folder.join("study.toml")).unwrap_or_default();
         let study = Study::parse(&folder.join("study.toml"), study_text.clone()).ok();

@@ -15,7 +15,10 @@ mod planes;
 pub(crate) mod recording;
 pub(crate) mod whatif;
 
-use crate::{error::Error, results::Summary};
+use crate::{
+    error::{Error, Result},
+    results::Summary,
+};
 use base64::{Engine, engine::general_purpose::STANDARD};
 use figures::Series;
 use flate2::{Compression, write::GzEncoder};
@@ -72,7 +75,7 @@ impl Report {
     }
 
     /// Writes `report.html` and `plots/*.svg` into a folder, and returns the page's path.
-    pub fn write(&self, folder: &Path) -> Result<PathBuf, Error> {
+    pub fn write(&self, folder: &Path) -> Result<PathBuf> {
         let (html, pictures) = page::render(self)?;
         let plots = folder.join("plots");
         // As files are: a link is replaced, never written through.
@@ -95,7 +98,7 @@ impl Report {
     }
 }
 
-fn write_file(path: &Path, text: &str) -> Result<(), Error> {
+fn write_file(path: &Path, text: &str) -> Result {
     Ok(write_text(path, &*visible(text))?)
 }
 

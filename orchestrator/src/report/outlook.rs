@@ -8,11 +8,9 @@ use result_document::{Document, Table, format::number, numbers, words};
 pub fn comparison(summary: &Summary) -> Option<Document> {
     let mut told = Document::new("comparison", "Model's error", "The model's own error");
     let row = |(name, comparison): (&String, &Comparison)| {
-        let criterion = summary.criteria.get(name);
-        let unit = criterion.and_then(|c| c.criterion.unit.as_ref());
+        let unit = summary.criteria.get(name).and_then(|c| c.criterion.unit.as_ref());
         let name = unit.map_or_else(|| name.clone(), |unit| format!("{name} ({unit})"));
-        let numbers = compared(comparison).into_iter();
-        std::iter::once(name).chain(numbers).collect()
+        std::iter::once(name).chain(compared(comparison).into_iter()).collect()
     };
     told.table(Table {
         name: "Validation comparison".into(),

@@ -41,8 +41,7 @@ impl Measured {
 
     /// All values that a picture must have room for.
     pub(super) fn extremes(&self) -> Vec<f64> {
-        let edges = self.edges().into_iter().flatten().flatten();
-        self.values.iter().copied().chain(edges).collect()
+        self.values.iter().copied().chain(self.edges().into_iter().flatten().flatten()).collect()
     }
 
     /// The band, the curve, and its first and last time, between which the model is judged.

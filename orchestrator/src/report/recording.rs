@@ -1,7 +1,7 @@
 //! The page of a recording: the delay with its uncertainty, the signals before and after, what
 //! the tests of stationarity say, and the criteria.
 
-use crate::{error::Error, plain::Page};
+use crate::{error::Result, plain::Page};
 use point_journal::files::{make_folder, write_text};
 use result_document::{
     Block, Document, Figure, Key, Table,
@@ -36,13 +36,7 @@ impl<'a> Trace<'a> {
 ///
 /// # Errors
 /// When a file cannot be written.
-pub fn write(
-    recording: &RigRecording,
-    result: &Synchronised,
-    title: &str,
-    amplitudes: bool,
-    folder: &Path,
-) -> Result<(), Error> {
+pub fn write(recording: &RigRecording, result: &Synchronised, title: &str, amplitudes: bool, folder: &Path) -> Result {
     let bearing = recording.bearing.as_ref();
     let [start, end] = [result.time.first(), result.time.last()].map(|t| number(t.copied().unwrap_or(0.0), 5));
     let mut measured = Document::new("measured", "Measured values", "Measured values");

@@ -96,7 +96,7 @@ fn write_case(
             if !kept {
                 return Ok(());
             }
-            let csv = |error: csv::Error| Halt::from(std::io::Error::from(error));
+            let csv = |error| Halt::from(std::io::Error::from(error));
             table.write_field(number.format(time)).map_err(csv)?;
             for (&value, &k) in row.iter().zip(&signals.criteria) {
                 let value = plan.outputs[k].value(value);

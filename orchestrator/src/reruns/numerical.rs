@@ -85,8 +85,7 @@ fn with_half_the_step(reruns: &Reruns<'_>, summary: &Summary) -> Result<Vec<Doub
             tried.push((job.index, coarse, finer));
         }
     }
-    let placed = reruns.plan().placed_probes();
-    Ok(criteria().zip(placed).enumerate().filter_map(|(k, (criterion, (case, _)))| {
+    Ok(criteria().zip(reruns.plan().placed_probes()).enumerate().filter_map(|(k, (criterion, (case, _)))| {
         let change = |(_, coarse, finer): &&(u64, Vec<f64>, Vec<f64>)| (finer[k] - coarse[k]).abs();
         let most = tried.iter().filter(|tried| change(tried).is_finite()).max_by(|a, b| change(a).total_cmp(&change(b)))?;
         let is_notable = 2.0 * change(&most) > PART * criterion.room();
@@ -145,13 +144,13 @@ fn numerical(reruns: &Reruns<'_>) -> Vec<Numerical> {
     let mut largest = vec![Numerical::default(); session.judge.criteria.len()];
     for index in 0..POINTS.min(verification.source.len()) {
         let values = verification.job(index).values;
-        let run = |by: Refined, times: u32| {
+        let run = |by, times: u32| {
             let finer: Vec<Case> = cases.iter().map(|case| refined_case(case, by, times)).collect();
             let answer = reruns.answer(&finer, values.clone()).ok()?;
             session.outcome(answer).ok()
         };
         let Some(coarse) = run(Refined::Step, 0) else { continue };
-        let runs = |by: Refined| Some([run(by, 1)?, run(by, 2)?]);
+        let runs = |by| Some([run(by, 1)?, run(by, 2)?]);
         let steps = runs(Refined::Step);
         // Without a tolerance the FMU chooses its own, which nobody knows.
         let tolerances = tolerance.then(|| runs(Refined::Tolerance)).flatten();

@@ -87,8 +87,7 @@ pub(super) fn observe(reruns: &Reruns<'_>, folder: &Path, summary: &mut Summary)
                 .filter(|(criterion, _)| *criterion == k)
                 .for_each(|(_, Motion { swing, drift })| moved.add(*point, *swing, *drift));
         }
-        let without_runs = settled.observed.is_empty();
-        summary.concerns.extend(concerns(&count.criterion, &moved, without_runs));
+        summary.concerns.extend(concerns(&count.criterion, &moved, settled.observed.is_empty()));
         settled.criteria.insert(count.criterion.name.clone(), moved);
     }
     let left_out = late.then(|| {
@@ -165,14 +164,14 @@ fn one(reruns: &Reruns<'_>, point: u64, case: usize, recording: &mut Option<Reco
         }
         let mut time = Vec::new();
         let mut columns = vec![Vec::new(); signals.criteria.len()];
-        let budget = Some(&reruns.budget);
-        let ended = reruns.record(recording.as_mut(), &task, &values, &signals, budget, &mut |at, row| {
-            time.push(at);
-            for ((column, &value), &k) in columns.iter_mut().zip(row).zip(&signals.criteria) {
-                column.push(plan.outputs[k].value(value));
-            }
-            Ok(())
-        });
+        let ended =
+            reruns.record(recording.as_mut(), &task, &values, &signals, Some(&reruns.budget), &mut |at, row| {
+                time.push(at);
+                for ((column, &value), &k) in columns.iter_mut().zip(row).zip(&signals.criteria) {
+                    column.push(plan.outputs[k].value(value));
+                }
+                Ok(())
+            });
         let until = time.last().copied().unwrap_or(f64::NEG_INFINITY);
         // Further than the study is enough where the FMU goes no further. A run that the clock cuts counts as none: it would
         // tell another drift each time.

@@ -11,7 +11,7 @@ pub struct Asides {
     /// Points with warnings (`fmi2Warning`, or messages logged as such), and how many these were.
     pub warnings: Warnings,
     /// Points beyond what the model is valid for; none where the FMU has no log category for that.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub validity: Option<Validity>,
     /// Points whose simulation the FMU ended before the stop time, as the standard allows.
     pub ended_early: Points,

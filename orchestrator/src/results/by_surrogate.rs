@@ -23,7 +23,7 @@ pub struct BySurrogate {
     /// Whether the surrogate does not hold, so that plain points were counted.
     pub refuted: bool,
     /// Why it does not.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
 }
 

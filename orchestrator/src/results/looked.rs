@@ -7,7 +7,7 @@ use std::{fs, io::ErrorKind, path::Path};
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use conformity::looks::History;
 use point_journal::{Header, files::write_json};
 
@@ -39,7 +39,7 @@ impl Looked {
     ///
     /// # Errors
     /// When they are there and cannot be read.
-    pub fn read(folder: &Path, study: &Header) -> Result<Self, Error> {
+    pub fn read(folder: &Path, study: &Header) -> Result<Self> {
         let none = || Self { study: study.clone(), history: History::default(), others: Vec::new() };
         let path = folder.join(FILE);
         let text = match fs::read(&path) {
@@ -59,7 +59,7 @@ impl Looked {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn write(&self, folder: &Path) -> Result<(), Error> {
+    pub fn write(&self, folder: &Path) -> Result {
         Ok(write_json(&folder.join(FILE), self)?)
     }
 }

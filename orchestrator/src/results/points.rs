@@ -11,7 +11,7 @@ use super::{
     summary::Summary,
 };
 use crate::{
-    error::Error,
+    error::{Error, Result},
     judge::{Judge, PointVerdict},
 };
 use conformity::{measured::Assessed, risk::Guard};
@@ -162,8 +162,8 @@ pub fn number(value: f64) -> String {
 ///
 /// # Errors
 /// When it cannot be read, or does not belong to the summary.
-pub fn read(path: &Path, summary: &Summary, most: u64) -> Result<PointTable, Error> {
-    let failed = |error: csv::Error| Error::content(path, error);
+pub fn read(path: &Path, summary: &Summary, most: u64) -> Result<PointTable> {
+    let failed = |error| Error::content(path, error);
     let mut reader = csv::Reader::from_path(path).map_err(failed)?;
     let verified = 1 + summary.parameters.len() + 2 * summary.criteria.len();
     let header = reader.headers().map_err(failed)?;

@@ -24,7 +24,7 @@ pub struct Settled {
     /// Their end, s: later than that of the study, where the FMU allowed it.
     pub until: f64,
     /// Why some points were not observed, where that is so.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
     /// The largest motion of each criterion's value.
     pub criteria: IndexMap<String, Moved>,

@@ -65,10 +65,10 @@ pub struct Summary {
     #[serde(default)]
     pub concerns: Vec<Concern>,
     /// Whether the results had settled when the runs ended.
-    #[serde(default, rename = "rest", skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "rest", skip_serializing_if = "Option::is_none")]
     pub settled: Option<Settled>,
     /// The work that was left out because it would have taken too long or been too large: a sentence.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub left_out: Option<String>,
     /// What would explain that the model is not verified, where that was sought: sentences.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -77,7 +77,7 @@ pub struct Summary {
     #[serde(default)]
     pub validation: IndexMap<String, Comparison>,
     /// What a surrogate of few runs tells, where points were chosen by one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub surrogate: Option<BySurrogate>,
     /// How the points were computed, and whether the FMU gave the same again.
     #[serde(flatten)]
@@ -111,7 +111,7 @@ pub struct Provenance {
     /// The design's seed.
     pub seed: Option<u64>,
     /// How many independently scrambled nets a Sobol design consists of, where it is more than one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub replicates: Option<u64>,
 }
 
@@ -239,13 +239,13 @@ pub struct CriterionCount {
     #[serde(default)]
     pub only_failure: u64,
     /// The least and the greatest value at a point; none where no point has one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub reached: Option<[f64; 2]>,
     /// The risks of this criterion alone, where its uncertainty is known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub risk: Option<Risk>,
     /// Of a measured curve: why it is not known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub risk_not_stated: Option<String>,
     /// The criterion.
     #[serde(flatten)]

@@ -112,8 +112,7 @@ impl<'a> Survey<'a> {
         summary.concerns.extend(unmoved);
         let failed = failed::concern(summary, || self.place(|(_, failed, _)| *failed));
         summary.concerns.extend(failed);
-        let beyond = self.beyond_validity(summary);
-        summary.concerns.extend(beyond);
+        summary.concerns.extend(self.beyond_validity(summary));
         let held = summary.asides.as_ref().and_then(|asides| asides.held.remark(HELD));
         summary.concerns.extend(held.map(|text| Concern::new(Code::Held, text).remedied(ONE_JOB)));
         for (k, criterion) in criteria() {

@@ -244,11 +244,10 @@ impl<'a> Tally<'a> {
     }
 
     fn by_case(&self) -> IndexMap<String, CaseCount> {
-        let counts = self.held.iter().zip(&self.lost);
         self.judge
             .cases
             .iter()
-            .zip(counts)
+            .zip(self.held.iter().zip(&self.lost))
             .map(|(case, (held, lost))| {
                 let members = self.judge.criteria[case.members.clone()].iter();
                 let count = CaseCount {
@@ -268,10 +267,7 @@ impl<'a> Tally<'a> {
         let ruling = judge.rule.map(|rule| Ruling { rule, looks: self.looks, count: self.look });
         let statement = match ruling {
             _ if self.is_dependent => self.risk.statement_of_no_sample(),
-            Some(Ruling { rule, looks, .. }) => {
-                let confidence = looks.band_confidence(rule.confidence);
-                self.risk.statement_at(confidence)
-            }
+            Some(Ruling { rule, looks, .. }) => self.risk.statement_at(looks.band_confidence(rule.confidence)),
             None => self.risk.statement(),
         };
         let mut conclusion = Conclusion::new(ruling, &statement, points);
@@ -288,8 +284,7 @@ impl<'a> Tally<'a> {
             unmeasured(&mut conclusion, points);
         }
         let all = self.count(&self.stated.verified);
-        let criteria = self.by_criterion().into_iter().enumerate();
-        let criteria = criteria.map(|(k, (name, count))| {
+        let criteria = self.by_criterion().into_iter().enumerate().map(|(k, (name, count))| {
             let (criterion, risk) = (&judge.criteria[k], &statement.criteria[k]);
             let count = CriterionCount {
                 count,

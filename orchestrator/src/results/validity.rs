@@ -11,7 +11,7 @@ use std::{
 use serde::{Deserialize, Serialize};
 use tempfile::NamedTempFile;
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use conformity::conclusion::grouped;
 use fmu_import::{
     Description,
@@ -70,7 +70,7 @@ impl Validity {
     ///
     /// # Errors
     /// When the journal cannot be read.
-    pub fn of_journal(fmu: &Description, folder: &Path) -> Result<Option<String>, Error> {
+    pub fn of_journal(fmu: &Description, folder: &Path) -> Result<Option<String>> {
         let Some(mut validity) = Self::of(fmu) else { return Ok(None) };
         let finished = Finished::read(folder)?;
         let mut outcomes = finished.outcomes()?;
@@ -161,7 +161,7 @@ impl Writer {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn finish(self, folder: &Path) -> Result<(), Error> {
+    pub fn finish(self, folder: &Path) -> Result {
         let path = folder.join(FILE);
         match self.0 {
             Some((mut csv, file)) => {

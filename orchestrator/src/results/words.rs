@@ -102,8 +102,7 @@ fn bands(conclusion: &Conclusion) -> String {
 
 pub(super) fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String {
     let Some(share) = risk.not_conforming_given_accepted else {
-        let expected = summary.expected_verified.unwrap_or(0.0);
-        let expected = counted(expected);
+        let expected = counted(summary.expected_verified.unwrap_or(0.0));
         return match &*expected {
             "0.0" => "No point is likely to agree with the true values.".to_owned(),
             some => format!("Of all points {some} are expected to agree with the true values."),

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Session, Until};
 use crate::{
-    error::Error,
+    error::{Error, Result},
     judge::Judge,
     results::{
         Summary,
@@ -114,7 +114,7 @@ impl Budget {
 ///
 /// # Errors
 /// When there is none of so many dimensions, and when the study's design stands for no sample.
-pub fn sample(session: &Session) -> Result<Design, Error> {
+pub fn sample(session: &Session) -> Result<Design> {
     let design = &session.study.design;
     if design.method.is_by_levels() {
         return Err(Error::option("budget", "the points of a grid are no sample of the space; use another `method`"));
@@ -181,7 +181,7 @@ pub fn run(
     net: &Design,
     pipeline: &mut Pipeline<'_>,
     until: Option<(Until, &History)>,
-) -> Result<Told, Error> {
+) -> Result<Told> {
     let budget = session.request.budget.clone().unwrap_or_default();
     let Session { plan, judge, .. } = session;
     let sample: Vec<Vec<f64>> = (0..net.len()).map(|index| net.point(index)).collect();

@@ -17,7 +17,7 @@ use super::{
     budget::{self, Told},
 };
 use crate::{
-    error::Error,
+    error::{Error, Result},
     judge::{Judge, PointVerdict},
     results::{
         Looked,
@@ -49,7 +49,7 @@ impl Verification {
         ending: Option<&Ending>,
         looked: &mut Looked,
         told: Option<&Told>,
-    ) -> Result<Summary, Error> {
+    ) -> Result<Summary> {
         let session = &self.session;
         let finished = Finished::read(folder)?;
         let mut outcomes = finished.outcomes()?;
@@ -114,8 +114,7 @@ impl Verification {
         summary.settled = Some(survey.to_watch(&summary));
         summary.concerns.extend(session.plan.concerns());
         if summary.provenance.method != "table" {
-            let repeated = session.plan.concerns_of_samples(summary.points);
-            summary.concerns.extend(repeated);
+            summary.concerns.extend(session.plan.concerns_of_samples(summary.points));
         }
         let exact = session.plan.input_errors.iter().filter(|error| self.source.lacks(&session.plan.inputs, error));
         summary.concerns.extend(exact.map(|error| taken_as_exact(&error.name, "the points of a table")));
@@ -177,7 +176,7 @@ impl FileSet {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn new(folder: &Path, inputs: &[Input], judge: &Judge) -> Result<Self, Error> {
+    pub fn new(folder: &Path, inputs: &[Input], judge: &Judge) -> Result<Self> {
         let begin = || -> io::Result<Self> {
             fs::create_dir_all(folder)?;
             let file = draft(folder)?;
@@ -198,13 +197,7 @@ impl FileSet {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn write(
-        &mut self,
-        label: u64,
-        parameters: &[f64],
-        outcome: &Outcome,
-        verdict: &PointVerdict,
-    ) -> Result<(), Error> {
+    pub fn write(&mut self, label: u64, parameters: &[f64], outcome: &Outcome, verdict: &PointVerdict) -> Result {
         self.points.write(label, parameters, outcome, verdict).map_err(Error::io(&self.folder))
     }
 
@@ -212,7 +205,7 @@ impl FileSet {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn write_limits(&mut self, label: u64, limits: &[Limit]) -> Result<(), Error> {
+    pub fn write_limits(&mut self, label: u64, limits: &[Limit]) -> Result {
         self.limits.write(&self.folder, label, limits).map_err(Error::io(&self.folder))
     }
 
@@ -220,7 +213,7 @@ impl FileSet {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn finish(self, summary: &Summary) -> Result<(), Error> {
+    pub fn finish(self, summary: &Summary) -> Result {
         let path = self.folder.join("points.csv");
         self.points.finish().map_err(Error::io(&path))?;
         let file = match self.guard {

@@ -9,7 +9,7 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use super::budget::Budget;
-use crate::error::Error;
+use crate::error::{Error, Result};
 use point_journal::{
     files::{write_json, write_text},
     pipeline::{Shard, folder::Earlier},
@@ -35,7 +35,7 @@ pub struct Request {
     /// A part of the points.
     pub shard: Option<Shard>,
     /// A number of runs that chosen points share, instead of a design.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub budget: Option<Budget>,
     /// The folder of the files that the study names, where that is not its own.
     #[serde(skip)]
@@ -60,13 +60,7 @@ impl Request {
     ///
     /// # Errors
     /// Names what the folder holds.
-    pub fn check(
-        &self,
-        folder: &Path,
-        analysis: Option<&str>,
-        study: Option<&Study>,
-        earlier: Earlier,
-    ) -> Result<(), Error> {
+    pub fn check(&self, folder: &Path, analysis: Option<&str>, study: Option<&Study>, earlier: Earlier) -> Result {
         let inner = analysis.map(|name| folder.join(name));
         for place in [folder].into_iter().chain(inner.as_deref()) {
             if earlier == Earlier::Replaced || !Self::is_in(place) {
@@ -96,7 +90,7 @@ impl Request {
     ///
     /// # Errors
     /// Names the first such file.
-    pub fn check_files(&self, folder: &Path, earlier: Earlier) -> Result<(), Error> {
+    pub fn check_files(&self, folder: &Path, earlier: Earlier) -> Result {
         if earlier == Earlier::Replaced || Self::is_in(folder) {
             return Ok(());
         }
@@ -124,7 +118,7 @@ impl Request {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn write(&self, folder: &Path, study: &Study) -> Result<(), Error> {
+    pub fn write(&self, folder: &Path, study: &Study) -> Result {
         let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         let fmu = self.fmu.clone().unwrap_or_else(|| study.fmu_path());
         let kept = Self {
@@ -141,7 +135,7 @@ impl Request {
     ///
     /// # Errors
     /// When there is none.
-    pub fn read(folder: &Path) -> Result<Self, Error> {
+    pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(FILE);
         let text = fs::read(&path).map_err(|_| Error::Missing(folder.to_owned()))?;
         let mut request: Self = serde_json::from_slice(&text).map_err(|error| Error::content(&path, error))?;

@@ -373,8 +373,7 @@ impl<'a> Walk<'a> {
             .collect();
         self.movers.truncate(1);
         self.shape(&weights);
-        let count = self.particles.len();
-        self.particles = resampled(&self.particles, &weights, count, &mut self.random);
+        self.particles = resampled(&self.particles, &weights, self.particles.len(), &mut self.random);
         self.settle(UNMOVED[1], observe)
     }
 

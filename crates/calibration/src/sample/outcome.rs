@@ -95,7 +95,7 @@ pub struct Evidence {
     /// What the logarithm lies between even where the sample cannot be relied on: the estimate has no bias and is not negative,
     /// so it exceeds the evidence twenty times with a probability of 5 % at most (Markov's inequality); and no mean over the
     /// prior exceeds the best fit that the search has reached.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub bounds: Option<[f64; 2]>,
     /// A digest of the measured values: evidences of other data cannot be compared.
     pub data: String,
@@ -335,14 +335,14 @@ impl PosteriorOutcome {
                 )
             }),
         ];
-        let optima = self.optima.iter();
-        let missed = optima.filter(|share| share.within == 0.0 && share.approximation > SEEN).map(|share| {
-            format!(
-                "no particle is near optimum {}, which has {:.0} % by the optima's normal approximations",
-                share.optimum,
-                100.0 * share.approximation
-            )
-        });
+        let missed =
+            self.optima.iter().filter(|share| share.within == 0.0 && share.approximation > SEEN).map(|share| {
+                format!(
+                    "no particle is near optimum {}, which has {:.0} % by the optima's normal approximations",
+                    share.optimum,
+                    100.0 * share.approximation
+                )
+            });
         doubts.into_iter().flatten().chain(missed).collect()
     }
 
@@ -356,8 +356,11 @@ impl PosteriorOutcome {
                  is known of them: if the truth lies there, the sample does not hold it"
             ));
         }
-        let last = sample.stages.iter().filter(|stage| stage.exponent >= 1.0);
-        let [asked, failed] = last.fold([0, 0], |[asked, failed], stage| [asked + stage.asked, failed + stage.failed]);
+        let [asked, failed] = sample
+            .stages
+            .iter()
+            .filter(|stage| stage.exponent >= 1.0)
+            .fold([0, 0], |[asked, failed], stage| [asked + stage.asked, failed + stage.failed]);
         if failed > 0 {
             notes.push(format!(
                 "{failed} of {asked} last steps led there: the sample borders on these places and is cut where they begin"
@@ -449,8 +452,7 @@ impl<'a> Near<'a> {
     }
 
     fn distance(optimum: &Optimum, particle: &Particle) -> f64 {
-        let centre = &optimum.minimum.places;
-        optimum.posterior.distance(centre, &particle.places)
+        optimum.posterior.distance(&optimum.minimum.places, &particle.places)
     }
 
     /// The optimum that is nearest to a particle.
@@ -550,10 +552,9 @@ fn free(problem: &Problem, sample: &Sample) -> Vec<Marginal> {
 fn latents(problem: &Problem, sample: &Sample) -> Vec<Vec<Marginal>> {
     (0..problem.cases.len())
         .map(|case| {
-            let pairs = problem.latents.iter().zip(&problem.cases[case].latents);
             problem
                 .latents_of(case)
-                .zip(pairs)
+                .zip(problem.latents.iter().zip(&problem.cases[case].latents))
                 .map(|(unknown, (latent, interval))| {
                     let named = (&latent.name[..], &latent.unit, Spacing::Linear);
                     marginal(sample, unknown, [0.0, 1.0], named, &|place| interval.value(place))

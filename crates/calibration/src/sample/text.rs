@@ -135,8 +135,11 @@ pub fn head(problem: &Problem) -> Vec<String> {
 
 /// The units of the table's columns, as a comment.
 pub fn units(problem: &Problem) -> String {
-    let free = problem.free.iter().map(|free| (&free.name, &free.unit));
-    free.chain(problem.latents.iter().map(|latent| (&latent.name, &latent.unit)))
+    problem
+        .free
+        .iter()
+        .map(|free| (&free.name, &free.unit))
+        .chain(problem.latents.iter().map(|latent| (&latent.name, &latent.unit)))
         .map(|(name, unit)| {
             let unit = unit.as_deref().unwrap_or("1");
             format!("{name} in {unit}")

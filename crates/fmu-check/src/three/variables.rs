@@ -35,8 +35,7 @@ pub(crate) fn variabilities(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<Str
 
 /// Numbers that the schema takes and no model can start from.
 pub(crate) fn not_finite(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
-    let start = scalar.start().filter(|_| scalar.is_float())?;
-    let wrong = start.split_whitespace().find(|text| {
+    let wrong = scalar.start().filter(|_| scalar.is_float())?.split_whitespace().find(|text| {
         let value = text.parse::<f64>();
         value.is_ok_and(|value| !value.is_finite())
     })?;
@@ -154,15 +153,17 @@ fn is_clocked(scalar: &Scalar<'_>) -> bool {
 pub(crate) fn structure(document: &Document<'_>) -> Vec<Hit> {
     let all: Vec<Node<'_, '_>> = named(document.root, "ModelStructure").flat_map(elements).collect();
     let mut seen = HashSet::new();
-    let second = all.iter().find(|node| {
-        let of = reference(**node);
-        of.is_some_and(|of| !seen.insert((node.tag_name().name(), of)))
-    });
-    let second = second.map(|node| {
-        let kind = node.tag_name().name();
-        let of = node.attribute("valueReference").unwrap_or_default();
-        at(*node, format!("a second {kind} {of}: remove it"))
-    });
+    let second = all
+        .iter()
+        .find(|node| {
+            let of = reference(**node);
+            of.is_some_and(|of| !seen.insert((node.tag_name().name(), of)))
+        })
+        .map(|node| {
+            let kind = node.tag_name().name();
+            let of = node.attribute("valueReference").unwrap_or_default();
+            at(*node, format!("a second {kind} {of}: remove it"))
+        });
     let counts = all.iter().filter_map(|node| {
         let kinds = node.attribute("dependenciesKind")?;
         let count = |text: Option<&str>| text.unwrap_or_default().split_whitespace().count();

@@ -12,8 +12,7 @@ pub fn folder(uri: &str) -> Option<PathBuf> {
         Some(rest) => decode(local_path(rest)?)?,
         None => uri.to_owned(),
     };
-    let path = without_slash_before_drive(&path);
-    let folder = PathBuf::from(path);
+    let folder = PathBuf::from(without_slash_before_drive(&path));
     folder.is_absolute().then_some(folder)
 }
 

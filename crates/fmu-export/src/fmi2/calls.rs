@@ -194,6 +194,5 @@ unsafe fn make<M: Model>(
 unsafe fn tell<T>(value: *mut T, known: Option<T>) -> Outcome {
     // SAFETY: as the host vouches.
     let place = unsafe { place(value, "value") }?;
-    let unknown = Refusal::Unsupported("this kind of status is not provided");
-    answer(place, known.ok_or(unknown)?)
+    answer(place, known.ok_or(Refusal::Unsupported("this kind of status is not provided"))?)
 }

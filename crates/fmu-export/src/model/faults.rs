@@ -31,7 +31,7 @@ pub fn faults<M: Model>() -> Vec<String> {
     check_arrays::<M>(&mut faults);
     let start = M::default();
     for variable in M::variables() {
-        let mut fault = |text: String| faults.push(format!("{}: {text}", variable.name));
+        let mut fault = |text| faults.push(format!("{}: {text}", variable.name));
         check_role(variable, &mut fault);
         check_kind(variable, &start, &mut fault);
     }
@@ -124,8 +124,8 @@ fn check_events<M: Model>(faults: &mut Vec<String>) {
         faults.push("a model with events has no INNER_STEP".to_owned());
     }
     for name in indicators::<M>() {
-        let real = |variable: &Variable<M>| matches!(variable.kind, Kind::Real(_));
-        if !known(name).is_some_and(real) || without::<M>().contains(name) {
+        if !known(name).is_some_and(|variable| matches!(variable.kind, Kind::Real(_))) || without::<M>().contains(name)
+        {
             faults.push(format!("{name}: an indicator is a real variable, also in Model Exchange"));
         }
     }

@@ -105,15 +105,16 @@ fn built(messages: &str, manifest: &Path) -> Option<PathBuf> {
         let message: serde_json::Value = serde_json::from_str(line).ok()?;
         let ours =
             message["reason"] == "compiler-artifact" && Path::new(message["manifest_path"].as_str()?) == manifest;
-        let paths = message["filenames"]
+        message["filenames"]
             .as_array()
             .filter(|_| ours)?
             .iter()
-            .filter_map(|file| Some(PathBuf::from(file.as_str()?)));
-        paths.into_iter().find(|path| {
-            let extension = path.extension().unwrap_or_default();
-            ["so", "dll", "dylib"].iter().any(|known| extension == *known)
-        })
+            .filter_map(|file| Some(PathBuf::from(file.as_str()?)))
+            .into_iter()
+            .find(|path| {
+                let extension = path.extension().unwrap_or_default();
+                ["so", "dll", "dylib"].iter().any(|known| extension == *known)
+            })
     })
 }
 

@@ -7,7 +7,7 @@ use std::{collections::HashMap, ffi::c_int};
 
 use super::are_near;
 use crate::{
-    call::{Call, Status},
+    call::{Call, Called, Status},
     description::{Causality, Description, Kind, Ticking, Timing, Variable},
     simulation::Simulation,
     symbols::{Component, Function, Symbols},
@@ -28,24 +28,22 @@ struct Functions {
 
 impl Functions {
     /// Which of these clocks are active.
-    fn active(self, model: &mut dyn Simulation, clocks: &[u32]) -> Result<Vec<bool>, Call> {
+    fn active(self, model: &mut dyn Simulation, clocks: &[u32]) -> Called<Vec<bool>> {
         let mut active = vec![0; clocks.len()];
         let into = active.as_mut_ptr();
         // SAFETY: the component is alive, and there is room for as many flags as clocks.
-        let get =
-            |get: unsafe extern "C" fn(_, _, _, _) -> _, of| unsafe { get(of, clocks.as_ptr(), clocks.len(), into) };
-        model.base_mut().call(self.get, get)?;
+        model.base_mut().call(self.get, |get, of| unsafe { get(of, clocks.as_ptr(), clocks.len(), into) })?;
         Ok(active.iter().map(|flag| *flag != 0).collect())
     }
 
-    fn activate(self, model: &mut dyn Simulation, clocks: &[u32]) -> Result<(), Call> {
+    fn activate(self, model: &mut dyn Simulation, clocks: &[u32]) -> Called {
         let active = vec![1; clocks.len()];
         // SAFETY: the component is alive, and there are as many flags as clocks.
         model.base_mut().call(self.set, |set, of| unsafe { set(of, clocks.as_ptr(), clocks.len(), active.as_ptr()) })
     }
 
     /// The interval of a clock, s, with its qualifier.
-    fn interval(self, model: &mut dyn Simulation, clock: u32) -> Result<(f64, c_int), Call> {
+    fn interval(self, model: &mut dyn Simulation, clock: u32) -> Called<(f64, c_int)> {
         let (mut interval, mut qualifier) = (0.0, CHANGED);
         // SAFETY: the component is alive, and all three places are of one element.
         model.base_mut().call(self.get_interval, |get, of| unsafe {
@@ -61,7 +59,7 @@ impl Functions {
         Ok((interval, qualifier))
     }
 
-    fn shift(self, model: &mut dyn Simulation, clock: u32) -> Result<f64, Call> {
+    fn shift(self, model: &mut dyn Simulation, clock: u32) -> Called<f64> {
         let mut shift = 0.0;
         // SAFETY: the component is alive, and both places are of one element.
         model.base_mut().call(self.get_shift, |get, of| unsafe { get(of, &raw const clock, 1, &raw mut shift) })?;
@@ -110,7 +108,7 @@ impl Clock {
     }
 
     /// Asks for the first tick after a start, s.
-    fn begin(&mut self, functions: Functions, model: &mut dyn Simulation, start: f64) -> Result<(), Call> {
+    fn begin(&mut self, functions: Functions, model: &mut dyn Simulation, start: f64) -> Called {
         if self.timing.by == Ticking::Triggered {
             return Ok(());
         }
@@ -140,7 +138,7 @@ impl Clock {
     }
 
     /// Asks for the next tick after a round of events at a time, s, where that may have become known.
-    fn follow(&mut self, functions: Functions, model: &mut dyn Simulation, time: f64) -> Result<(), Call> {
+    fn follow(&mut self, functions: Functions, model: &mut dyn Simulation, time: f64) -> Called {
         let may_be_new = match self.timing.by {
             Ticking::Changing => self.is_active,
             Ticking::Countdown => true,
@@ -264,7 +262,7 @@ impl Clocks {
     }
 
     /// Asks for the first ticks, and reads what clocks compute, in initialisation mode; `set` are the inputs set before.
-    pub(super) fn begin(&mut self, model: &mut dyn Simulation, start: f64, set: &[(u32, Value)]) -> Result<(), Call> {
+    pub(super) fn begin(&mut self, model: &mut dyn Simulation, start: f64, set: &[(u32, Value)]) -> Called {
         let Some(functions) = self.functions else { return Ok(()) };
         for clock in self.all.iter_mut().filter(|clock| clock.is_input) {
             clock.begin(functions, model, start)?;
@@ -288,7 +286,7 @@ impl Clocks {
     }
 
     /// Lets the inputs tick that are due at a time, s, with the inputs that wait for them, and reads what ticks compute.
-    pub(super) fn tick(&mut self, model: &mut dyn Simulation, time: f64) -> Result<(), Call> {
+    pub(super) fn tick(&mut self, model: &mut dyn Simulation, time: f64) -> Called {
         let Some(functions) = self.functions else { return Ok(()) };
         for clock in &mut self.all {
             clock.is_active = clock.is_due(time);
@@ -330,7 +328,7 @@ impl Clocks {
     }
 
     /// Asks for the next ticks after a round of events at a time, s; whether that has one at the same time.
-    pub(super) fn follow(&mut self, model: &mut dyn Simulation, time: f64) -> Result<bool, Call> {
+    pub(super) fn follow(&mut self, model: &mut dyn Simulation, time: f64) -> Called<bool> {
         let Some(functions) = self.functions else { return Ok(false) };
         for clock in self.all.iter_mut().filter(|clock| clock.is_input) {
             clock.follow(functions, model, time)?;

@@ -9,7 +9,7 @@ use super::{
     rosenbrock::Rosenbrock,
 };
 use crate::{
-    call::{Call, End, Status},
+    call::{Call, Called, End, Status},
     description::ExchangeSizes,
     simulation::{Experiment, Simulation},
     value::{Handle, Value},
@@ -124,7 +124,7 @@ struct Taken {
 
 impl Exchange {
     /// Follows the equations from one communication point to another, s.
-    pub(super) fn advance(&mut self, from: f64, to: f64) -> Result<(), Call> {
+    pub(super) fn advance(&mut self, from: f64, to: f64) -> Called {
         // By rounding, the last step may have ended a little later; time never goes back for an FMU.
         let reached = self.march.time;
         self.march.time = if are_near(reached, from) { reached.max(from) } else { from };
@@ -184,21 +184,21 @@ impl Exchange {
     }
 
     /// Whether an indicator is on another side than it was.
-    fn has_crossed(&mut self) -> Result<bool, Call> {
+    fn has_crossed(&mut self) -> Called<bool> {
         let mut now = vec![0.0; self.march.indicators.len()];
         self.plant.indicators(&mut now)?;
         Ok(crossed(&self.march.indicators, &now))
     }
 
     /// Handles the events of the present time.
-    fn events(&mut self) -> Result<(), Call> {
+    fn events(&mut self) -> Called {
         self.plant.enter_events()?;
         self.mode = Mode::Events;
         self.settle()
     }
 
     /// Makes rounds of events until nothing changes, and leaves event mode, unless the FMU ends the simulation.
-    pub(super) fn settle(&mut self) -> Result<(), Call> {
+    pub(super) fn settle(&mut self) -> Called {
         // At first no states have been read.
         let is_first = self.march.step == 0.0;
         let (mut states, mut nominals) = (is_first, is_first);
@@ -242,7 +242,7 @@ impl Exchange {
     }
 
     /// Takes one step towards a time, s. Whether an event is to be handled at its end.
-    fn stride(&mut self, to: f64) -> Result<bool, Call> {
+    fn stride(&mut self, to: f64) -> Called<bool> {
         if self.plant.steps() {
             let (time, step) = (self.march.time, to - self.march.time);
             let (reached, event) = self.plant.model.part(time, step)?;
@@ -263,7 +263,7 @@ impl Exchange {
     }
 
     /// Finds a step whose error is allowed, and cuts it where an event indicator changes its side.
-    fn taken(&mut self, to: f64) -> Result<Taken, Call> {
+    fn taken(&mut self, to: f64) -> Called<Taken> {
         let time = self.march.time;
         let left = to - time;
         let least = 8.0 * f64::EPSILON * time.abs().max(to.abs());
@@ -303,7 +303,7 @@ impl Exchange {
     }
 
     /// Cuts a step at the first moment, to the resolution of time, after which an indicator has changed its side.
-    fn cut(&mut self, length: f64, allowed: &[f64], states: Vec<f64>) -> Result<Taken, Call> {
+    fn cut(&mut self, length: f64, allowed: &[f64], states: Vec<f64>) -> Called<Taken> {
         let mut taken = Taken { length, crossed: self.crosses(length, &states)?, states };
         if !taken.crossed {
             return Ok(taken);
@@ -331,7 +331,7 @@ impl Exchange {
     }
 
     /// Whether an indicator has changed its side after a step.
-    fn crosses(&mut self, h: f64, states: &[f64]) -> Result<bool, Call> {
+    fn crosses(&mut self, h: f64, states: &[f64]) -> Called<bool> {
         if self.march.indicators.is_empty() {
             return Ok(false);
         }
@@ -340,7 +340,7 @@ impl Exchange {
     }
 
     /// Linearises at the present time; no rates are asked for after `to`, s.
-    fn linearise(&mut self, to: f64) -> Result<(), Call> {
+    fn linearise(&mut self, to: f64) -> Called {
         let Self { plant, march, .. } = self;
         let (time, ahead) = (march.time, march.step.min(to - march.time));
         let mut rates = |t: f64, x: &[f64], into: &mut [f64]| plant.rates_at(t, x, into);
@@ -356,7 +356,7 @@ impl Exchange {
         Err(plant.failed(why))
     }
 
-    fn attempt(&mut self, h: f64, allowed: &[f64], end: &mut [f64]) -> Result<Option<f64>, Call> {
+    fn attempt(&mut self, h: f64, allowed: &[f64], end: &mut [f64]) -> Called<Option<f64>> {
         let Self { plant, march, .. } = self;
         let mut rates = |t: f64, x: &[f64], into: &mut [f64]| plant.rates_at(t, x, into);
         let method = &mut march.method;

@@ -8,7 +8,7 @@ use super::{
     jacobian::{Jacobian, Place, Rates},
     sparse::Triangles,
 };
-use crate::call::Call;
+use crate::call::Called;
 
 const GAMMA: f64 = 0.25;
 /// The times of the stages.
@@ -76,7 +76,7 @@ impl Rosenbrock {
         states: &[f64],
         nominals: &[f64],
         h: f64,
-    ) -> Result<bool, Call> {
+    ) -> Called<bool> {
         if states.is_empty() {
             return Ok(true);
         }
@@ -119,7 +119,7 @@ impl Rosenbrock {
         h: f64,
         allowed: &[f64],
         end: &mut [f64],
-    ) -> Result<Option<f64>, Call> {
+    ) -> Called<Option<f64>> {
         let n = states.len();
         if n == 0 {
             return Ok(Some(0.0));

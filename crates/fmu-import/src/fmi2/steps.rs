@@ -4,7 +4,7 @@ use std::{ffi::c_int, time::Duration};
 
 use super::{functions::GetStatus, simulation::Model};
 use crate::{
-    call::{Call, End, Status},
+    call::{Call, Called, End, Status},
     simulation::{Batch, Simulation},
     symbols::Function,
 };
@@ -22,7 +22,7 @@ enum Halt {
 
 impl Model {
     /// Takes the steps. Returns how many were taken and read, and why not all.
-    pub(super) fn take(&mut self, mut batch: Batch<'_>) -> (usize, Result<(), Call>) {
+    pub(super) fn take(&mut self, mut batch: Batch<'_>) -> (usize, Called) {
         let mut done = 0;
         loop {
             let outcome = match self.usual_steps(&mut batch, &mut done) {
@@ -34,10 +34,7 @@ impl Model {
                         references => self.reals(references, batch.row(done)),
                     })
                 }
-                Ok(Some(Halt::Read(status))) => {
-                    let function = self.functions.real.get.name;
-                    self.base.caller.check(function, status)
-                }
+                Ok(Some(Halt::Read(status))) => self.base.caller.check(self.functions.real.get.name, status),
                 Err(call) => Err(call),
             };
             if outcome.is_err() {
@@ -49,7 +46,7 @@ impl Model {
 
     /// Takes steps from `done` on until one returns anything but `fmi2OK`, reads after each, and counts them.
     #[inline(never)]
-    fn usual_steps(&mut self, batch: &mut Batch<'_>, done: &mut usize) -> Result<Option<Halt>, Call> {
+    fn usual_steps(&mut self, batch: &mut Batch<'_>, done: &mut usize) -> Called<Option<Halt>> {
         let do_step = self.functions.do_step.get()?;
         let get_real = self.functions.real.get.get()?;
         let (component, width) = (self.base.component, batch.references.len());
@@ -79,7 +76,7 @@ impl Model {
     }
 
     #[cold]
-    pub(super) fn slow_step(&mut self, mut status: c_int, time: f64, step: f64) -> Result<(), Call> {
+    pub(super) fn slow_step(&mut self, mut status: c_int, time: f64, step: f64) -> Called {
         while Status::from(status) == Status::Pending {
             std::thread::sleep(Duration::from_micros(100));
             status = self.pending_step()?;
@@ -97,7 +94,7 @@ impl Model {
     }
 
     /// The present status of a step that returned before it was done.
-    fn pending_step(&mut self) -> Result<c_int, Call> {
+    fn pending_step(&mut self) -> Called<c_int> {
         let forsaken = |why: &str| Call {
             function: "fmi2DoStep",
             status: Status::Pending,

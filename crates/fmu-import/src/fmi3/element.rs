@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::{
-    call::Call,
+    call::{Call, Called},
     description::{Description, Storage},
     value::Value,
 };
@@ -45,7 +45,7 @@ impl Element {
     }
 
     /// The element of a number.
-    pub(super) fn of(elements: &[Self], number: u32) -> Result<&Self, Call> {
+    pub(super) fn of(elements: &[Self], number: u32) -> Called<&Self> {
         elements
             .get(number as usize)
             .ok_or_else(|| Call::impossible("fmi3Get", format!("there is no element {number}")))

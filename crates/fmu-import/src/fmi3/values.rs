@@ -8,7 +8,7 @@ use std::{
 
 use super::{element::Element, functions::Access, simulation::Model};
 use crate::{
-    call::{Call, Status},
+    call::{Call, Called, Status},
     component::c_string,
     description::Storage,
     value::{Value, bytes_of, hexadecimal},
@@ -16,7 +16,7 @@ use crate::{
 
 impl Model {
     /// Reads one element. All elements of an array are read at once, so that reading one after the other takes one call.
-    pub(super) fn read(&mut self, number: u32) -> Result<Value, Call> {
+    pub(super) fn read(&mut self, number: u32) -> Called<Value> {
         let elements = Arc::clone(&self.elements);
         let element = Element::of(&elements, number)?;
         match &self.array {
@@ -35,7 +35,7 @@ impl Model {
     }
 
     /// The values of all elements of a variable.
-    fn read_array(&mut self, element: &Element) -> Result<Vec<Value>, Call> {
+    fn read_array(&mut self, element: &Element) -> Called<Vec<Value>> {
         let functions = self.functions;
         Ok(match element.storage {
             Storage::Float32 => self
@@ -65,7 +65,7 @@ impl Model {
 
     /// Writes one element. The others of its array keep their values: before the initialisation those that were written
     /// or with which the FMU starts, as some FMUs tell none then.
-    pub(super) fn write(&mut self, number: u32, value: &Value) -> Result<(), Call> {
+    pub(super) fn write(&mut self, number: u32, value: &Value) -> Called {
         let functions = self.functions;
         let elements = Arc::clone(&self.elements);
         let element = Element::of(&elements, number)?;
@@ -113,8 +113,8 @@ impl Model {
             return Some(values.clone());
         }
         let first = number as usize - element.index;
-        let array = self.elements.get(first..first + element.of)?;
-        array
+        self.elements
+            .get(first..first + element.of)?
             .iter()
             .enumerate()
             .map(|(index, other)| {
@@ -125,7 +125,7 @@ impl Model {
     }
 
     /// The values of all elements of a variable, at least one.
-    pub(super) fn all<T: Copy>(&mut self, access: Access<T>, element: &Element, blank: T) -> Result<Vec<T>, Call> {
+    pub(super) fn all<T: Copy>(&mut self, access: Access<T>, element: &Element, blank: T) -> Called<Vec<T>> {
         let mut values = vec![blank; element.of];
         let (reference, into) = (&raw const element.reference, values.as_mut_ptr());
         // SAFETY: there is one reference, and room for as many values as the variable has.
@@ -133,12 +133,7 @@ impl Model {
         Ok(values)
     }
 
-    fn put<T: Copy + Default>(
-        &mut self,
-        access: Access<T>,
-        new: New<'_>,
-        fit: impl Fn(&Value) -> Option<T>,
-    ) -> Result<(), Call> {
+    fn put<T: Copy + Default>(&mut self, access: Access<T>, new: New<'_>, fit: impl Fn(&Value) -> Option<T>) -> Called {
         let values = self.merged(new, access.set.name, fit, |model| model.all(access, new.element, T::default()))?;
         self.put_all(access, new.element, &values)
     }
@@ -150,8 +145,8 @@ impl Model {
         new: New<'_>,
         function: &'static str,
         fit: impl Fn(&Value) -> Option<T>,
-        told: impl FnOnce(&mut Self) -> Result<Vec<T>, Call>,
-    ) -> Result<Vec<T>, Call> {
+        told: impl FnOnce(&mut Self) -> Called<Vec<T>>,
+    ) -> Called<Vec<T>> {
         let fit = |value| fit(value).ok_or_else(|| unfit(value, new.element, function));
         if let Some(all) = new.all {
             return all.iter().map(fit).collect();
@@ -173,13 +168,13 @@ impl Model {
         call
     }
 
-    fn put_all<T>(&mut self, access: Access<T>, element: &Element, values: &[T]) -> Result<(), Call> {
+    fn put_all<T>(&mut self, access: Access<T>, element: &Element, values: &[T]) -> Called {
         let (reference, from) = (&raw const element.reference, values.as_ptr());
         // SAFETY: there is one reference, and as many values as the variable has.
         self.base.call(access.set, |set, of| unsafe { set(of, reference, 1, from, values.len()) })
     }
 
-    fn integers<T>(&mut self, access: Access<T>, element: &Element) -> Result<Vec<Value>, Call>
+    fn integers<T>(&mut self, access: Access<T>, element: &Element) -> Called<Vec<Value>>
     where
         T: Copy + Default,
         i128: From<T>,
@@ -188,9 +183,8 @@ impl Model {
     }
 
     /// The texts of a variable, copied: the FMU's own ones are valid until the next call only.
-    fn texts(&mut self, element: &Element) -> Result<Vec<CString>, Call> {
-        let access = self.functions.string;
-        let texts = self.all(access, element, ptr::null::<c_char>())?;
+    fn texts(&mut self, element: &Element) -> Called<Vec<CString>> {
+        let texts = self.all(self.functions.string, element, ptr::null::<c_char>())?;
         let copy = |text: &*const c_char| {
             if text.is_null() {
                 return CString::default();
@@ -202,7 +196,7 @@ impl Model {
     }
 
     /// The bytes of a binary variable, copied as the texts are.
-    fn binaries(&mut self, element: &Element) -> Result<Vec<Vec<u8>>, Call> {
+    fn binaries(&mut self, element: &Element) -> Called<Vec<Vec<u8>>> {
         let mut sizes = vec![0; element.of];
         let mut places = vec![ptr::null::<u8>(); element.of];
         let (reference, of_each, into) = (&raw const element.reference, sizes.as_mut_ptr(), places.as_mut_ptr());
@@ -217,7 +211,7 @@ impl Model {
         Ok(places.iter().zip(&sizes).map(copy).collect())
     }
 
-    fn put_binary(&mut self, new: New<'_>) -> Result<(), Call> {
+    fn put_binary(&mut self, new: New<'_>) -> Called {
         let (element, set) = (new.element, self.functions.binary.set);
         let all = self.merged(
             new,
@@ -235,7 +229,7 @@ impl Model {
         self.base.call(set, |set, of| unsafe { set(of, reference, 1, sizes, places, element.of) })
     }
 
-    fn put_text(&mut self, new: New<'_>) -> Result<(), Call> {
+    fn put_text(&mut self, new: New<'_>) -> Called {
         let (element, access) = (new.element, self.functions.string);
         let pointers: Vec<*const c_char> = self
             .merged(

@@ -43,8 +43,7 @@ impl Keeper {
             pid => {
                 // Parent and child both do so, whoever comes first.
                 let _ = setpgid(Pid::from_raw(pid), Pid::from_raw(pid));
-                let process = Process(pid as u32);
-                Ok(Child::new(process, answers.into(), orders.into(), ticket))
+                Ok(Child::new(Process(pid as u32), answers.into(), orders.into(), ticket))
             }
         }
     }

@@ -78,7 +78,7 @@ impl Reader {
         into: &mut Description,
     ) -> Option<Written<'a>> {
         let name = self.name(node)?;
-        let mut refuse = |why: String| {
+        let mut refuse = |why| {
             into.unusable.insert(name.clone(), why);
             None
         };

@@ -51,8 +51,7 @@ impl Draws {
                     *truth += width * f64::from(*error);
                 }
             }
-            let value = metric.compare(&Pair { reference: &truth, ..*pair });
-            note(&self.resampling, replicate, value, &mut conforming);
+            note(&self.resampling, replicate, metric.compare(&Pair { reference: &truth, ..*pair }), &mut conforming);
         }
         conforming
     }

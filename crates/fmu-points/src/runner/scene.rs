@@ -8,7 +8,7 @@ use crate::{
     notices::Notices,
     task::{Detail, Probe, Product, SensorError, Slot, Task, place},
 };
-use fmu_import::{Call, Content, End, Instance};
+use fmu_import::{Called, Content, End, Instance};
 use sampling::{
     random::{Purpose, Random},
     statistics::Direction,
@@ -114,7 +114,7 @@ impl Scene {
     }
 
     /// Sets the start values and initialises.
-    pub(super) fn start(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
+    pub(super) fn start(&mut self, instance: &mut Instance, values: &[f64]) -> Called {
         correct(&mut self.task, &mut self.recorded, values);
         let (task, schedule) = (&self.task, &self.task.schedule);
         instance.setup_experiment(schedule.start, schedule.stop, schedule.tolerance)?;
@@ -147,7 +147,7 @@ impl Scene {
     }
 
     /// Sets the inputs that change over time.
-    fn feed(&self, instance: &mut Instance, time: f64) -> Result<(), Call> {
+    fn feed(&self, instance: &mut Instance, time: f64) -> Called {
         for series in &self.task.inputs {
             let value = series.slot.value(series.at(time));
             instance.set(series.slot.handle.reference, &value)?;
@@ -156,7 +156,7 @@ impl Scene {
     }
 
     /// Goes from one communication point to the next, with a step to each time at which a recorded input turns.
-    pub(super) fn step(&self, instance: &mut Instance, [begin, end]: [f64; 2]) -> Result<(), Call> {
+    pub(super) fn step(&self, instance: &mut Instance, [begin, end]: [f64; 2]) -> Called {
         let ahead = &self.stops[self.stops.partition_point(|&stop| stop <= begin)..];
         let between = ahead.iter().copied().take_while(|&stop| stop < end);
         let mut time = begin;
@@ -208,7 +208,7 @@ impl Scene {
     }
 
     /// The results, with the statistics of most variables taken over `span` seconds.
-    pub(super) fn finish(&mut self, instance: &mut Instance, span: f64, notices: &mut Notices) -> Result<(), Call> {
+    pub(super) fn finish(&mut self, instance: &mut Instance, span: f64, notices: &mut Notices) -> Called {
         let watched = &mut self.watched;
         for (probes, collector) in watched.probes.iter().zip(&mut watched.collectors) {
             collector.results(span, &mut self.results[probes.clone()]);

@@ -14,7 +14,7 @@ use std::{
 
 use rand::{RngExt, SeedableRng, rngs::StdRng, seq::SliceRandom};
 
-use crate::{Error, Outcome, pipeline::Model};
+use crate::{Outcome, Result, pipeline::Model};
 use fmu_points::{Conduct, Event, Job, Post, crew::Crew, stop, task::Case};
 
 /// A point of an index that is known.
@@ -117,7 +117,7 @@ impl Again {
     }
 
     /// Runs the points again and compares. Those of a run that is to end at once do not.
-    pub(super) fn run(&mut self, crew: &Crew, model: &dyn Model) -> Result<(), Error> {
+    pub(super) fn run(&mut self, crew: &Crew, model: &dyn Model) -> Result {
         let stopped = || stop::flag().load(Ordering::Relaxed);
         let (begun, whole) = (Instant::now(), self.begun.elapsed());
         let first = std::mem::take(&mut self.points);

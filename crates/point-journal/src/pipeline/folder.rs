@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path};
 
-use crate::{Error, Finished, Header, Journal, Lock, files::DRAFT, lines};
+use crate::{Error, Finished, Header, Journal, Lock, Result, files::DRAFT, lines};
 use fmu_points::{
     scratch::{self, Scratch},
     stop,
@@ -44,7 +44,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// When the folder holds something else, and when the system says no.
-    pub fn open(lock: Lock, folder: &Path, header: &Header, earlier: Earlier, complete: bool) -> Result<Self, Error> {
+    pub fn open(lock: Lock, folder: &Path, header: &Header, earlier: Earlier, complete: bool) -> Result<Self> {
         // What killed runs left: nobody else is at work here.
         scratch::remove_starting_with(folder, &[DRAFT]);
         let (journal, finished) = journal(folder, header, earlier, complete)?;
@@ -52,12 +52,7 @@ impl RunFolder {
     }
 }
 
-fn journal(
-    folder: &Path,
-    header: &Header,
-    earlier: Earlier,
-    complete: bool,
-) -> Result<(Journal, Option<Finished>), Error> {
+fn journal(folder: &Path, header: &Header, earlier: Earlier, complete: bool) -> Result<(Journal, Option<Finished>)> {
     let path = lines::path_in(folder);
     if path.exists() {
         if earlier == Earlier::Resumed {

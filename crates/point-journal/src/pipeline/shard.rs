@@ -42,8 +42,7 @@ impl Part {
     /// Whether the point of this index belongs to the part.
     pub fn has(&self, index: u64) -> bool {
         let Shard { number, of } = self.shard;
-        let dealt = self.dealt_in_runs();
-        let (round, place) = match index.checked_sub(dealt) {
+        let (round, place) = match index.checked_sub(self.dealt_in_runs()) {
             None => (index / RUN / of, index / RUN % of),
             Some(rest) => (!(rest / of), rest % of),
         };

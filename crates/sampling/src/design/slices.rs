@@ -36,8 +36,7 @@ impl Slices {
 impl Rule for Slices {
     fn uniform(&self, index: u64, dimension: u32) -> f64 {
         let point = usize::try_from(index).unwrap_or(0) % self.points;
-        let slice = self.columns[dimension as usize][point];
-        Self::place(self.seed, self.points, slice, dimension)
+        Self::place(self.seed, self.points, self.columns[dimension as usize][point], dimension)
     }
 }
 

@@ -44,8 +44,7 @@ pub(super) fn correlated(
     let scores = DMatrix::from_fn(points, varying.len(), |slice, dimension| {
         normal_quantile(Slices::place(seed, points, slice as u32, dimension as u32))
     });
-    let columns = paired(start, &scores, &wanted.l());
-    Ok(Slices::new(seed, points, columns))
+    Ok(Slices::new(seed, points, paired(start, &scores, &wanted.l())))
 }
 
 /// So many points, where a table may have them.
@@ -90,8 +89,7 @@ fn coefficients(columns: &DMatrix<f64>) -> DMatrix<f64> {
     for mut column in centred.column_iter_mut() {
         let mean = column.mean();
         column.add_scalar_mut(-mean);
-        let length = column.norm();
-        column.unscale_mut(length);
+        column.unscale_mut(column.norm());
     }
     centred.transpose() * centred
 }

@@ -2,7 +2,10 @@
 
 use std::path::Path;
 
-use crate::{commands::isolated::Columns, error::Error};
+use crate::{
+    commands::isolated::Columns,
+    error::{Error, Result},
+};
 use fmu_import::{Description, quantity::Scale};
 use fmu_points::task::{Schedule, Series};
 use number_tables::{How, Table};
@@ -12,7 +15,7 @@ use study::{
 };
 
 /// The variables of `--record`.
-pub(super) fn columns(lists: &[String], fmu: &Description) -> Result<Columns, Error> {
+pub(super) fn columns(lists: &[String], fmu: &Description) -> Result<Columns> {
     let names = lists.iter().flat_map(|list| names(list, |name| fmu.variables.contains_key(name)));
     Ok(Columns::of(
         names
@@ -54,21 +57,15 @@ fn end_of_name(list: &str) -> usize {
 }
 
 /// The inputs of `--input`: each column beside the time is one, as under `[inputs]` in a study.
-pub(super) fn inputs(
-    path: &Path,
-    ends_hold: bool,
-    fmu: &Description,
-    schedule: &Schedule,
-) -> Result<Vec<Series>, Error> {
+pub(super) fn inputs(path: &Path, ends_hold: bool, fmu: &Description, schedule: &Schedule) -> Result<Vec<Series>> {
     const TIME: &str = "time";
-    let how = How { comments: true, gaps: false };
-    let header = number_tables::open(path, how)?.names().to_vec();
-    let inputs = header
+    let inputs = number_tables::open(path, How { comments: true, gaps: false })?
+        .names()
+        .to_vec()
         .iter()
         .filter(|name| *name != TIME)
         .map(|column| {
-            let wrong =
-                |message: String| Error::option("input", format!("{}: column `{column}`: {message}", path.display()));
+            let wrong = |message| Error::option("input", format!("{}: column `{column}`: {message}", path.display()));
             let (name, unit) = split(column, fmu);
             let variable = find(fmu, name).map_err(wrong)?;
             let slot = slot_while_running(variable).map_err(wrong)?;
@@ -89,7 +86,7 @@ pub(super) fn inputs(
             }
             Ok(series)
         })
-        .collect::<Result<Vec<Series>, Error>>()?;
+        .collect::<Result<Vec<Series>>>()?;
     if inputs.is_empty() {
         return Err(Error::option(
             "input",

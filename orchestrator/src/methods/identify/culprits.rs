@@ -261,8 +261,7 @@ pub(super) fn headline(outcome: &IdentificationOutcome) -> Option<String> {
             "Nothing that was tried explains all of it: two things may be wrong, or the model lacks something. Likeliest cause of \
              most of it"
         };
-    let equals = suspects[1..].iter().filter(|other| other.cost[1] - first.cost[1] < NEAR);
-    let mut equals: Vec<String> = equals.map(|other| match other.fault {
+    let mut equals: Vec<String> = suspects[1..].iter().filter(|other| other.cost[1] - first.cost[1] < NEAR).map(|other| match other.fault {
         Fault::Range | Fault::Constant => other.name.clone(),
         Fault::Offset | Fault::Gain => format!("the sensor of {}", other.name),
         Fault::Delay => format!("the times of {}", other.name),

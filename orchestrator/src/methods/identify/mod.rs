@@ -12,7 +12,7 @@ use clap::Args;
 use serde::{Deserialize, Serialize};
 
 use super::{asking::{self, Analysis, AnalysisResult, Delivery, PointSet}, known::Finished, setup::{Source, SourceParts}};
-use crate::{error::Error, identify::{from_study, offsets, bind::Bound, model::{Finer, FmuModel}}, options::{Means, Work}, results::origin::Origin, session::Request};
+use crate::{error::{Error, Result}, identify::{from_study, offsets, bind::Bound, model::{Finer, FmuModel}}, options::{Means, Work}, results::origin::Origin, session::Request};
 use calibration::{fit, capped::Capped, failures::Excluded, local::End, next::NextOutcome, numerical::NumericalError, objective::Objective, outcome::IdentificationOutcome, problem::{NoPrediction, Simulate}, remembered::Remembered, rounds::{self, Searched}, sample::{Sample, outcome::Evidence}, search::{self, Progress, SearchError}};
 use fmu_import::Package;
 use fmu_points::names::{did_you_mean, nearest};
@@ -58,7 +58,7 @@ struct Section {
 ///
 /// # Errors
 /// Says why nothing was sought or found.
-pub(crate) fn causes(study: &Path, means: &Means, earlier: Earlier, folder: &Path) -> Result<Vec<String>, Error> {
+pub(crate) fn causes(study: &Path, means: &Means, earlier: Earlier, folder: &Path) -> Result<Vec<String>> {
     let asked = Asked::default();
     let fit = asked.open(asking::request(study, means))?;
     let Delivery { result, folder, .. } = asking::run_by(fit, &asked, (means, earlier), folder.to_owned())?;
@@ -70,7 +70,7 @@ pub(crate) fn causes(study: &Path, means: &Means, earlier: Earlier, folder: &Pat
 ///
 /// # Errors
 /// When the options or the study cannot be used, and when the search fails.
-pub fn run(options: &Options) -> Result<Delivery, Error> {
+pub fn run(options: &Options) -> Result<Delivery> {
     let Options { work, asked } = options;
     let mut fit = asking::open(work, asked)?;
     let folder = work.folder();
@@ -140,7 +140,7 @@ impl Analysis for Asked {
 
     type Source = Fit;
 
-    fn open(&self, request: Request) -> Result<Fit, Error> {
+    fn open(&self, request: Request) -> Result<Fit> {
         let seed = self.seed.or(request.seed);
         let study = Study::read(&request.study)?;
         let settings = self.settings(&study, seed)?;
@@ -152,7 +152,7 @@ impl Analysis for Asked {
         Ok(Fit { request: Request { seed, ..request }, study, settings, package, bound, known: Known::default() })
     }
 
-    fn points(&self, fit: &Fit) -> Result<PointSet, Error> {
+    fn points(&self, fit: &Fit) -> Result<PointSet> {
         let Fit { study, settings, .. } = fit;
         let table = settings.cases.as_ref().map(|path| {
             let path = files::resolve(study, path.as_ref());
@@ -166,7 +166,7 @@ impl Analysis for Asked {
         })
     }
 
-    fn check(&self, fit: &Fit) -> Result<(), Error> {
+    fn check(&self, fit: &Fit) -> Result {
         let Fit { study, settings, bound, .. } = fit;
         if let Some(name) = &self.narrow {
             let free = bound.problem.free.iter().map(|free| free.name.as_str());
@@ -180,7 +180,7 @@ impl Analysis for Asked {
         surrogate::check(fit, self)
     }
 
-    fn find(&self, fit: &Fit, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult, Error> {
+    fn find(&self, fit: &Fit, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult> {
         let (mut outcome, sample) = find(self, fit, pipeline)?;
         if let (Some(other), Some(evidence)) = (self.other(&fit.settings, &fit.bound)?, &mut outcome.evidence) {
             evidence.compare(&other).unwrap_or_else(|message| {
@@ -222,7 +222,7 @@ impl Analysis for Asked {
 
 impl Asked {
     /// The evidence that this one's is weighed against.
-    fn other(&self, settings: &Identification, bound: &Bound) -> Result<Option<Evidence>, Error> {
+    fn other(&self, settings: &Identification, bound: &Bound) -> Result<Option<Evidence>> {
         let Some(path) = &self.against else {
             return Ok(None)
         };
@@ -233,7 +233,7 @@ impl Asked {
     }
 
     /// The study's settings, overridden by the command line. A study with criteria need not have any.
-    fn settings(&self, study: &Study, seed: Option<u64>) -> Result<Identification, Error> {
+    fn settings(&self, study: &Study, seed: Option<u64>) -> Result<Identification> {
         let mut settings = study.identify.clone().or_else(|| (!study.criteria.is_empty()).then(Identification::default)).ok_or_else(|| {
             study.error(
                 "identify needs to know what is measured: add [criteria], or a section [identify] (`orchestrator identify --help`)",
@@ -254,7 +254,7 @@ fn find(
     options: &Asked,
     fit: &Fit,
     pipeline: &mut Pipeline<'_>,
-) -> Result<(IdentificationOutcome, Option<Sample>), Error> {
+) -> Result<(IdentificationOutcome, Option<Sample>)> {
     let Fit { study, settings, package, bound, .. } = fit;
     let starts = starts(study, settings, bound.problem.free.len())?;
     let limits = search::Effort {
@@ -316,8 +316,7 @@ fn find(
         }
         if let Some(replaced) = by {
             // Only the model's own runs tell where it fails.
-            let ended = replaced.screened.iter().copied();
-            outcome.excluded = Excluded::new(&bound.problem, &replaced.failures, ended);
+            outcome.excluded = Excluded::new(&bound.problem, &replaced.failures, replaced.screened.iter().copied());
         }
         let objective = Objective::new(&searched.problem, sampled, settings.difference);
         let sample = match rough {
@@ -381,6 +380,6 @@ fn so_far(progress: &Progress) -> String {
 }
 
 /// Starts from a scrambled Sobol net between the bounds.
-fn starts(study: &Study, settings: &Identification, unknowns: usize) -> Result<Vec<Vec<f64>>, Error> {
+fn starts(study: &Study, settings: &Identification, unknowns: usize) -> Result<Vec<Vec<f64>>> {
     Ok(cube(unknowns, settings.starts, settings.seed, 1).map_err(|message| study.error(format!("[identify] {message}")))?)
 }

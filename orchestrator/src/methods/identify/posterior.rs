@@ -5,7 +5,7 @@ use std::{path::Path, time::Instant};
 use serde::Deserialize;
 
 use super::files::remove;
-use crate::{error::Error, identify::bind::Bound};
+use crate::{error::{Error, Result}, identify::bind::Bound};
 use calibration::{local::End, objective::Objective, optima::Optimum, outcome::IdentificationOutcome, problem::Problem, sample::{FEWEST, Sample, SampleError, Settings, sample, text, outcome::{Evidence, PosteriorOutcome}}, search::SearchError};
 use number_tables::{csv_file, files};
 use point_journal::files::write_atomically;
@@ -21,7 +21,7 @@ const EACH: u64 = 20;
 const FILE: &str = "posterior.csv";
 
 /// Refuses numbers of particles that would say nothing.
-pub(super) fn check(study: &Study, settings: &Identification, bound: &Bound, by_option: bool) -> Result<(), Error> {
+pub(super) fn check(study: &Study, settings: &Identification, bound: &Bound, by_option: bool) -> Result {
     let Some(particles) = &settings.posterior else {
         return Ok(())
     };
@@ -37,7 +37,7 @@ pub(super) fn check(study: &Study, settings: &Identification, bound: &Bound, by_
 }
 
 /// The evidence of another result, given its file or its folder.
-pub(super) fn other(path: &Path, problem: &Problem) -> Result<Evidence, Error> {
+pub(super) fn other(path: &Path, problem: &Problem) -> Result<Evidence> {
     #[derive(Deserialize)]
     struct Other {
         evidence: Option<Evidence>,
@@ -92,7 +92,7 @@ pub(super) fn write(
     settings: &Identification,
     bound: &Bound,
     sample: Option<&Sample>,
-) -> Result<(), Error> {
+) -> Result {
     let path = folder.join(FILE);
     let Some(sample) = sample else {
         return remove(&path)

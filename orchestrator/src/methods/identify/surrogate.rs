@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use super::{Asked, Fit, super::known::{digest_of, points_of}};
-use crate::{error::Error, identify::bind::Bound};
+use crate::{error::{Error, Result}, identify::bind::Bound};
 use calibration::{rounds, objective::{Misfit, Objective}, optima::Optimum, problem::{Prediction, Query, Simulate}, search::SearchError, surrogate::{Replaced, Task, fewest, replaced as made, outcome::{RunAgain, SurrogateOutcome}}};
 use sampling::design::cube;
 
@@ -30,7 +30,7 @@ pub(super) struct Known {
 impl Known {
     /// The points of a folder whose values are those that a search asks for: the same FMU and study, each varied parameter an
     /// unknown, each measured value that of a criterion. A curve has more rows than the points tell.
-    pub(super) fn of(fit: &Fit, folder: &Path) -> Result<Self, Error> {
+    pub(super) fn of(fit: &Fit, folder: &Path) -> Result<Self> {
         let Fit { study, package, bound, .. } = fit;
         let problem = &bound.problem;
         let is_plain = bound.curves.is_empty()
@@ -90,7 +90,7 @@ pub(super) fn asked(runs: u64, bound: &Bound) -> u64 {
 }
 
 /// Refuses numbers of runs from which no surrogate can be made.
-pub(super) fn check(Fit { bound, known, .. }: &Fit, options: &Asked) -> Result<(), Error> {
+pub(super) fn check(Fit { bound, known, .. }: &Fit, options: &Asked) -> Result {
     let Some(runs) = options.budget else { return Ok(()) };
     let cases = bound.problem.cases.len() as u64;
     let least = cases * (fewest(&bound.problem, known.places.len()) as u64 + BESIDE);

@@ -1,7 +1,7 @@
 //! Fresh runs of the model inside the box.
 
 use super::{Points, ROUNDS, joint, super::asking};
-use crate::{error::Error, session::Session};
+use crate::{error::{Error, Result}, session::Session};
 use parameter_regions::{robustness::{Robustness, rows}, table::PointTable};
 use point_journal::pipeline::Pipeline;
 
@@ -24,7 +24,7 @@ impl Confirmation<'_, '_> {
     /// Runs independent points of the study's distributions inside the box, and notes the outcome. Where a statement does
     /// not hold, the surrogates learn from these runs, and their new statements are confirmed by new runs: points that
     /// judge a statement must be independent of the points that it was made from.
-    pub(super) fn of(&mut self, mut result: Robustness) -> Result<Robustness, Error> {
+    pub(super) fn of(&mut self, mut result: Robustness) -> Result<Robustness> {
         let inputs = self.session.plan.inputs.iter().map(|input| &input.name);
         if !inputs.eq(self.known.all.parameters.iter().map(|p| &p.name)) {
             return Err(Error::option("confirm", "the study's parameters are not those of the points"));
@@ -48,7 +48,7 @@ impl Confirmation<'_, '_> {
     }
 
     /// Fresh runs inside the box, noted there.
-    fn judge(&mut self, result: &mut Robustness, round: u64) -> Result<PointTable, Error> {
+    fn judge(&mut self, result: &mut Robustness, round: u64) -> Result<PointTable> {
         let parameters = &self.known.all.parameters;
         let places: Vec<usize> =
             (0..parameters.len()).filter(|&k| result.parameters.contains(&parameters[k].name)).collect();
@@ -63,7 +63,7 @@ impl Confirmation<'_, '_> {
     }
 
     /// The first points of a sequence of independent ones that lie inside.
-    fn inside(&self, round: u64, inside: impl Fn(&[f64]) -> bool) -> Result<Vec<Vec<f64>>, Error> {
+    fn inside(&self, round: u64, inside: impl Fn(&[f64]) -> bool) -> Result<Vec<Vec<f64>>> {
         let plan = &self.session.plan;
         // Far from the seeds that people give to studies.
         let seed = !self.seed.wrapping_mul(ROUNDS).wrapping_add(round);
@@ -71,7 +71,7 @@ impl Confirmation<'_, '_> {
         Ok((0..MOST_DRAWS).map(|index| points.point(index)).filter(|x| inside(x)).take(self.points).collect())
     }
 
-    fn run(&mut self, points: Vec<Vec<f64>>) -> Result<PointTable, Error> {
+    fn run(&mut self, points: Vec<Vec<f64>>) -> Result<PointTable> {
         let outcomes = self.pipeline.ask(&points)?;
         Ok(asking::table(self.session, &points, outcomes))
     }

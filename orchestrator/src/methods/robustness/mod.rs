@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes}, known::{self, Finished}};
-use crate::{error::Error, options::Work, results::origin::Origin, session::{Request, Session}};
+use crate::{error::{Error, Result}, options::Work, results::origin::Origin, session::{Request, Session}};
 use confirm::Confirmation;
 use parameter_regions::{robustness::{Robustness, refined, region, rows}, table::PointTable};
 use point_journal::pipeline::Pipeline;
@@ -60,7 +60,7 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 ///
 /// # Errors
 /// When the options, the study or its points cannot be used.
-pub fn run(options: &Options) -> Result<Delivery, Error> {
+pub fn run(options: &Options) -> Result<Delivery> {
     let work = &options.work;
     let from = known::from(options.from.as_deref(), work.output.as_deref(), &work.study);
     let study = Study::read(&work.study)?;
@@ -102,7 +102,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
 }
 
 /// The probability that the box must hold.
-fn level(options: &Options, study: &Study) -> Result<f64, Error> {
+fn level(options: &Options, study: &Study) -> Result<f64> {
     const MESSAGE: &str = "must lie between 0 and 1";
     let inside = |level: f64| level > 0.0 && level < 1.0;
     match (options.level, &study.robustness.level) {
@@ -131,7 +131,7 @@ pub struct Asked {
 
 impl Asked {
     /// The points of the finished study, to which results they belong, and a large sample of its distributions.
-    fn known(&self, study: &Study, plan: Option<&Plan>) -> Result<(Origin, Points, Vec<Vec<f64>>), Error> {
+    fn known(&self, study: &Study, plan: Option<&Plan>) -> Result<(Origin, Points, Vec<Vec<f64>>)> {
         let (summary, table) = known::points_of(&self.from, study)?;
         let cloud = cloud(plan, &table, self.seed)?;
         let sample = known::sample_of(&self.from, &summary, table.len())?;
@@ -140,7 +140,7 @@ impl Asked {
         Ok((Origin::of_points(&summary), Points { sample: table.subset(&sample), all: table.subset(&rows) }, cloud))
     }
 
-    fn stated(&self, points: &Points, cloud: &[Vec<f64>]) -> Result<Robustness, Error> {
+    fn stated(&self, points: &Points, cloud: &[Vec<f64>]) -> Result<Robustness> {
         points.stated(&points.all, cloud, self.level).ok_or_else(|| {
             Error::option("from", "the points are too few for a surrogate, or no parameter varies: verify more points")
         })
@@ -168,11 +168,11 @@ impl Analysis for Asked {
 
     type Source = Session;
 
-    fn open(&self, request: Request) -> Result<Session, Error> {
+    fn open(&self, request: Request) -> Result<Session> {
         asking::session(request, Takes::ALL)
     }
 
-    fn points(&self, _: &Session) -> Result<PointSet, Error> {
+    fn points(&self, _: &Session) -> Result<PointSet> {
         Ok(PointSet {
             seed: self.seed,
             // Further rounds follow where a statement does not hold.
@@ -182,7 +182,7 @@ impl Analysis for Asked {
         })
     }
 
-    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult, Error> {
+    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult> {
         let (origin, known, cloud) = self.known(&session.study, Some(&session.plan))?;
         let stated = self.stated(&known, &cloud)?;
         if self.rounds < ROUNDS {
@@ -199,7 +199,7 @@ impl Analysis for Asked {
 
 /// A large sample from the study's distributions, in the order of the table's parameters; from the
 /// points themselves where the FMU is not there to convert units.
-fn cloud(plan: Option<&Plan>, table: &PointTable, seed: u64) -> Result<Vec<Vec<f64>>, Error> {
+fn cloud(plan: Option<&Plan>, table: &PointTable, seed: u64) -> Result<Vec<Vec<f64>>> {
     const SIZE: u64 = 65_536;
     let names = || table.parameters.iter().map(|p| &p.name);
     match plan {

@@ -11,7 +11,7 @@ use clap::Args;
 use nalgebra::DMatrix;
 
 use super::{asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes}, known::Finished};
-use crate::{error::Error, options::Work, results::{points, table}, session::{Request, Session}};
+use crate::{error::{Error, Result}, options::Work, results::{points, table}, session::{Request, Session}};
 use ::sensitivity::{RUNS, named, method::{self, Settled, Space}};
 use number_tables::csv_file;
 use outputs::from_runs;
@@ -67,7 +67,7 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 ///
 /// # Errors
 /// When the options, the study or its points cannot be used.
-pub fn run(options: &Options) -> Result<Delivery, Error> {
+pub fn run(options: &Options) -> Result<Delivery> {
     let study = Study::read(&options.work.study)?;
     let analysis = Asked::new(options, &study)?;
     if let Some(from) = &options.from {
@@ -78,7 +78,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
 }
 
 /// Indices from the points in a folder.
-fn of_points(options: &Options, from: &Path, seed: u64) -> Result<Delivery, Error> {
+fn of_points(options: &Options, from: &Path, seed: u64) -> Result<Delivery> {
     let work = &options.work;
     let request = Request { study: work.study.clone(), fmu: work.means.fmu.clone(), ..Request::default() };
     let session = Session::open(request)?;
@@ -100,7 +100,7 @@ pub struct Asked {
 
 impl Asked {
     /// The settings from the options, else from the study, else the defaults.
-    fn new(options: &Options, study: &Study) -> Result<Self, Error> {
+    fn new(options: &Options, study: &Study) -> Result<Self> {
         let said = &study.sensitivity;
         let method = said.method.as_ref().map(|name| {
             named(name.as_ref()).map_err(|message| study.error_at(name, message))
@@ -124,7 +124,7 @@ impl Asked {
         })
     }
 
-    fn method(&self) -> Result<&'static dyn method::FromRuns, Error> {
+    fn method(&self) -> Result<&'static dyn method::FromRuns> {
         named(&self.method).map_err(|message| Error::option("method", message))
     }
 
@@ -138,12 +138,12 @@ impl Analysis for Asked {
 
     type Source = Session;
 
-    fn open(&self, request: Request) -> Result<Session, Error> {
+    fn open(&self, request: Request) -> Result<Session> {
         let takes = Takes { correlations: self.method()?.facts().takes_correlations, samples: false };
         asking::session(request, takes)
     }
 
-    fn points(&self, session: &Session) -> Result<PointSet, Error> {
+    fn points(&self, session: &Session) -> Result<PointSet> {
         let method = self.method()?;
         enough(self.size).map_err(|message| Error::option(method.facts().option, message))?;
         Ok(PointSet {
@@ -154,7 +154,7 @@ impl Analysis for Asked {
         })
     }
 
-    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult, Error> {
+    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult> {
         let method = self.method()?;
         let design = method
             .design(&space(&session.plan), &self.settled())
@@ -184,7 +184,7 @@ fn space(plan: &Plan) -> Space {
 }
 
 /// Simulates points of the unit cube of the parameters that vary.
-fn simulate(session: &Session, pipeline: &mut Pipeline<'_>, cube: &[Vec<f64>]) -> Result<PointTable, Error> {
+fn simulate(session: &Session, pipeline: &mut Pipeline<'_>, cube: &[Vec<f64>]) -> Result<PointTable> {
     let plan = &session.plan;
     let points: Vec<Vec<f64>> = cube.iter().map(|u| plan.from_cube(u)).collect();
     let outcomes = pipeline.ask(&points)?;
@@ -193,7 +193,7 @@ fn simulate(session: &Session, pipeline: &mut Pipeline<'_>, cube: &[Vec<f64>]) -
 }
 
 /// Writes the runs in the order of their design, for other programs to analyse.
-fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), Error> {
+fn keep_runs(folder: &Path, rows: &PointTable) -> Result {
     make_folder(folder)?;
     let parameters = rows.parameters.iter().map(|p| (&*p.name, &*p.values));
     let criteria = rows.criteria.iter().map(|c| (&*c.name, &*c.values));

@@ -1,6 +1,6 @@
 //! The goal of the tolerances.
 
-use crate::{error::Error, judge::{Judge, share}, results::table};
+use crate::{error::{Error, Result}, judge::{Judge, share}, results::table};
 use conformity::risk::Guard;
 use parameter_regions::tolerances::stated::Wanted;
 use std::path::Path;
@@ -22,7 +22,7 @@ pub(super) struct Goal<'a> {
 
 impl<'a> Goal<'a> {
     /// The study's goal; a guard band that limits a risk is that of the finished study in `from`.
-    pub(super) fn new(study: &Study, judge: &'a Judge, from: &Path) -> Result<Self, Error> {
+    pub(super) fn new(study: &Study, judge: &'a Judge, from: &Path) -> Result<Self> {
         const USUAL: f64 = 0.95;
         let said = &study.tolerances;
         let required = judge.rule.map(|rule| rule.share);
@@ -78,7 +78,7 @@ impl<'a> Goal<'a> {
     }
 }
 
-fn guard(study: &Study, judge: &Judge, from: &Path) -> Result<f64, Error> {
+fn guard(study: &Study, judge: &Judge, from: &Path) -> Result<f64> {
     let band = match judge.guard {
         Guard::Given(factor) => Some(factor),
         Guard::EachPoint { .. } => Some(0.0),

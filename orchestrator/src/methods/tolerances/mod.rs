@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use super::{asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes}, known::{self, Finished}};
-use crate::{error::Error, options::Work, results::{table, summary::ParameterSummary}, session::{Request, Session}};
+use crate::{error::{Error, Result}, options::Work, results::{table, summary::ParameterSummary}, session::{Request, Session}};
 use goal::Goal;
 use number_tables::files::FileError;
 use parameter_regions::{robustness::stand::Stand, table::PointTable, tolerances::{Problem, Sample, stated::{Parameter, Tolerances}}};
@@ -59,7 +59,7 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 ///
 /// # Errors
 /// When the options, the study or its points cannot be used.
-pub fn run(options: &Options) -> Result<Delivery, Error> {
+pub fn run(options: &Options) -> Result<Delivery> {
     let path = &options.work.study;
     let said = &Study::read(path)?.tolerances;
     if let Some(runs) = options.budget.filter(|runs| *runs <= BESIDE) {
@@ -96,12 +96,11 @@ impl Analysis for Asked {
 
     type Source = Session;
 
-    fn open(&self, request: Request) -> Result<Session, Error> {
-        let takes = Takes { correlations: false, samples: true };
-        asking::session(request, takes)
+    fn open(&self, request: Request) -> Result<Session> {
+        asking::session(request, Takes { correlations: false, samples: true })
     }
 
-    fn points(&self, session: &Session) -> Result<PointSet, Error> {
+    fn points(&self, session: &Session) -> Result<PointSet> {
         let known = self.by_surrogate || self.known(session)?.is_some();
         Ok(PointSet {
             seed: self.seed,
@@ -112,12 +111,12 @@ impl Analysis for Asked {
         })
     }
 
-    fn check(&self, session: &Session) -> Result<(), Error> {
+    fn check(&self, session: &Session) -> Result {
         let goal = Goal::new(&session.study, &session.judge, &self.from)?;
         self.problem(session, &goal).map(drop)
     }
 
-    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult, Error> {
+    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult> {
         let goal = Goal::new(&session.study, &session.judge, &self.from)?;
         let problem = self.problem(session, &goal)?;
         let stand = self.by_surrogate.then(|| self.stand(session)).transpose()?;
@@ -178,7 +177,7 @@ impl Analysis for Asked {
 
 impl Asked {
     /// The points of the finished study, if they were drawn from the parameters' distributions.
-    fn known(&self, session: &Session) -> Result<Option<PointTable>, Error> {
+    fn known(&self, session: &Session) -> Result<Option<PointTable>> {
         if !self.from.join("summary.json").exists() {
             return Ok(None);
         }
@@ -191,14 +190,14 @@ impl Asked {
     }
 
     /// A surrogate of the finished study's points, however they were chosen.
-    fn stand(&self, session: &Session) -> Result<Stand, Error> {
+    fn stand(&self, session: &Session) -> Result<Stand> {
         let (_, table) = known::points_of(&self.from, &session.study)?;
         Stand::fit(&table).ok_or_else(|| {
             Error::option("budget", "the points are too few for a surrogate: `verify STUDY --budget N` makes more")
         })
     }
 
-    fn problem(&self, session: &Session, goal: &Goal<'_>) -> Result<Problem, Error> {
+    fn problem(&self, session: &Session, goal: &Goal<'_>) -> Result<Problem> {
         let Session { study, plan, .. } = session;
         let with_tolerances = plan.with_tolerances();
         if with_tolerances.is_empty() {
@@ -236,8 +235,7 @@ fn most(session: &Session, problem: &Problem, sample: &Sample, proportions: &[f6
 
 /// The places among the inputs of the numbers of a point: those with tolerances, then those from samples.
 fn of_points(plan: &Plan) -> Vec<usize> {
-    let from_samples = plan.joints.iter().flat_map(Joint::inputs).copied();
-    plan.with_tolerances().into_iter().chain(from_samples).collect()
+    plan.with_tolerances().into_iter().chain(plan.joints.iter().flat_map(Joint::inputs).copied()).collect()
 }
 
 /// Relative cost of a narrower tolerance, for each parameter that has one.
@@ -319,7 +317,7 @@ struct Runs<'a, 'b> {
 
 impl Runs<'_, '_> {
     /// The results of points; none for those that fail.
-    fn outcomes(&mut self, points: &[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>, Error> {
+    fn outcomes(&mut self, points: &[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>> {
         let inputs = &self.session.plan.inputs;
         let full = |point: &Vec<f64>| -> Vec<f64> {
             let mut all: Vec<f64> = inputs.iter().map(|input| input.distribution.centre()).collect();

@@ -39,8 +39,7 @@ impl Keeper {
         let answers = process.stdout.take().ok_or_else(missing)?;
         self.words.listen(process.stderr.take().ok_or_else(missing)?);
         frame::write(&mut orders, 0, &ticket.to_le_bytes())?;
-        let process = Process { process, group };
-        Ok(Child::new(process, Arrivals::of(answers), orders, ticket))
+        Ok(Child::new(Process { process, group }, Arrivals::of(answers), orders, ticket))
     }
 }
 
