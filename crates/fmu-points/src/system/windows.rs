@@ -1,15 +1,16 @@
 //! Windows: job objects in place of process groups and signals. A worker's job ends what its worker has started.
 
-use std::{
-    fs::File,
-    io,
-    os::windows::io::{AsHandle, OwnedHandle},
-    path::{Path, PathBuf},
-    process::{ChildStdout, ExitStatus},
-    time::Duration,
-};
+use std::fs::File;
+use std::io;
+use std::os::windows::io::{AsHandle, OwnedHandle};
+use std::path::{Path, PathBuf};
+use std::process::{ChildStdout, ExitStatus};
+use std::time::Duration;
 
-use fmu_import::isolation::{Keeper, Loss, frame::Inbox, pipe::Arrivals, process};
+use fmu_import::isolation::frame::Inbox;
+use fmu_import::isolation::pipe::Arrivals;
+use fmu_import::isolation::process;
+use fmu_import::isolation::{Keeper, Loss};
 
 pub use fmu_import::isolation::process::memory_of_machine;
 pub(crate) use fmu_import::isolation::process::{detach, detach as set_apart};
@@ -115,7 +116,8 @@ impl Streams {
 
     /// The keeper of the worker's children; with `echo`, what they print is shown on standard error.
     pub(crate) fn keeper(self, echo: bool, seed: u64) -> io::Result<Keeper> {
-        let error: Option<OwnedHandle> = echo.then(|| io::stderr().as_handle().try_clone_to_owned()).transpose()?;
+        let error = echo.then(|| io::stderr().as_handle().try_clone_to_owned());
+        let error: Option<OwnedHandle> = error.transpose()?;
         Ok(Keeper::new(error.map(File::from), seed))
     }
 }

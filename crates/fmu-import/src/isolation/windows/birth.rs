@@ -1,25 +1,19 @@
 //! Start of a child: a program of its own, which takes its [`Place`] from its standard streams.
 
-use std::{
-    fs::File,
-    io,
-    os::windows::io::{AsHandle, AsRawHandle, OwnedHandle},
-    process::{Command, Stdio},
-};
+use std::fs::File;
+use std::io;
+use std::os::windows::io::{AsHandle, AsRawHandle, OwnedHandle};
+use std::process::{Command, Stdio};
 
 use windows_sys::Win32::System::Console::{STD_INPUT_HANDLE, STD_OUTPUT_HANDLE, SetStdHandle};
 
-use super::{
-    job::ControlGroup,
-    keeper::{Keeper, Process},
-    pipe::Arrivals,
-    process,
-};
-use crate::isolation::{
-    child::Child,
-    frame::{self, Inbox},
-    loss::MUTE,
-};
+use super::job::ControlGroup;
+use super::keeper::{Keeper, Process};
+use super::pipe::Arrivals;
+use super::process;
+use crate::isolation::child::Child;
+use crate::isolation::frame::{self, Inbox};
+use crate::isolation::loss::MUTE;
 
 impl Keeper {
     /// Starts a program as a child: it has to begin with [`Place::take`].
@@ -39,7 +33,8 @@ impl Keeper {
         let answers = process.stdout.take().ok_or_else(missing)?;
         self.words.listen(process.stderr.take().ok_or_else(missing)?);
         frame::write(&mut orders, 0, &ticket.to_le_bytes())?;
-        Ok(Child::new(Process { process, group }, Arrivals::of(answers), orders, ticket))
+        let process = Process { process, group };
+        Ok(Child::new(process, Arrivals::of(answers), orders, ticket))
     }
 }
 

@@ -1,22 +1,18 @@
 //! Memory, end and modes of processes.
 
-use std::{
-    os::windows::{
-        io::{AsRawHandle, FromRawHandle, OwnedHandle},
-        process::CommandExt,
-    },
-    process::{Command, ExitStatus},
-};
+use std::os::windows::io::{AsRawHandle, FromRawHandle, OwnedHandle};
+use std::os::windows::process::CommandExt;
+use std::process::{Command, ExitStatus};
 
-use windows_sys::Win32::System::{
-    Console::GetConsoleCP,
-    Diagnostics::Debug::{SEM_FAILCRITICALERRORS, SEM_NOGPFAULTERRORBOX, SEM_NOOPENFILEERRORBOX, SetErrorMode},
-    ProcessStatus::{K32GetProcessMemoryInfo, PROCESS_MEMORY_COUNTERS},
-    SystemInformation::{GlobalMemoryStatusEx, MEMORYSTATUSEX},
-    Threading::{
-        CREATE_NEW_PROCESS_GROUP, CREATE_NO_WINDOW, GetCurrentProcess, OpenProcess, PROCESS_QUERY_LIMITED_INFORMATION,
-        TerminateProcess,
-    },
+use windows_sys::Win32::System::Console::GetConsoleCP;
+use windows_sys::Win32::System::Diagnostics::Debug::{
+    SEM_FAILCRITICALERRORS, SEM_NOGPFAULTERRORBOX, SEM_NOOPENFILEERRORBOX, SetErrorMode,
+};
+use windows_sys::Win32::System::ProcessStatus::{K32GetProcessMemoryInfo, PROCESS_MEMORY_COUNTERS};
+use windows_sys::Win32::System::SystemInformation::{GlobalMemoryStatusEx, MEMORYSTATUSEX};
+use windows_sys::Win32::System::Threading::{
+    CREATE_NEW_PROCESS_GROUP, CREATE_NO_WINDOW, GetCurrentProcess, OpenProcess, PROCESS_QUERY_LIMITED_INFORMATION,
+    TerminateProcess,
 };
 
 use crate::isolation::loss::{Loss, MUTE};
@@ -36,7 +32,9 @@ pub(super) fn open(pid: u32, access: u32) -> Option<OwnedHandle> {
 
 /// The memory that a process occupies, bytes; 0 where that is not known.
 pub fn resident(pid: u32) -> u64 {
-    let Some(process) = open(pid, PROCESS_QUERY_LIMITED_INFORMATION) else { return 0 };
+    let Some(process) = open(pid, PROCESS_QUERY_LIMITED_INFORMATION) else {
+        return 0;
+    };
     let mut counters = PROCESS_MEMORY_COUNTERS::default();
     let size = size_of_val(&counters) as u32;
     // SAFETY: a valid handle, and a struct of the size that is named.
