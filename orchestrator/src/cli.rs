@@ -5,8 +5,7 @@ mod study;
 
 use std::path::{Path, PathBuf};
 
-use clap::error::ErrorKind;
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, error::ErrorKind};
 
 use crate::methods::Method;
 pub use fmu::{Check, Format, Init, Inspect, Simulate, Synchronise};
@@ -48,15 +47,20 @@ fn told(message: &str) -> String {
     ];
     let message = message.strip_prefix("error: ").unwrap_or(message);
     // Behind it stand the usage and where to find more.
-    let ends = ["\n\nUsage:", "\n\nFor more"].map(|end| message.find(end));
-    let end = ends.into_iter().flatten().min().unwrap_or(message.len());
-    let parts = message[..end].split("\n\n");
-    let parts = parts.map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "));
-    let parts: Vec<String> = parts.filter(|part| !part.starts_with("tip: to pass")).collect();
+    let end = ["\n\nUsage:", "\n\nFor more"]
+        .map(|end| message.find(end))
+        .into_iter()
+        .flatten()
+        .min()
+        .unwrap_or(message.len());
+    let parts: Vec<String> = message[..end]
+        .split("\n\n")
+        .map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "))
+        .filter(|part| !part.starts_with("tip: to pass"))
+        .collect();
     let line = elsewhere(&parts[0]).unwrap_or_else(|| parts.join("; "));
     let line = line + "; --help shows what there is";
-    let replaced = |text: String, (from, to): &(&str, &str)| text.replace(from, to);
-    WORDS.iter().fold(line, replaced)
+    WORDS.iter().fold(line, |text, (from, to)| text.replace(from, to))
 }
 
 /// What clap cannot know of an argument that it does not expect.

@@ -1,14 +1,17 @@
 //! Why something cannot be done, as the user reads it.
 
-use std::io;
-use std::path::{Path, PathBuf};
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
 
 use fmu_import::FmuError;
-use fmu_points::RunError;
-use fmu_points::failure::Failure;
-use fmu_points::scratch::ScratchError;
+use fmu_points::{RunError, failure::Failure, scratch::ScratchError};
 use number_tables::files::FileError;
 use study::{OpenError, unusable};
+
+/// What is done, or why it cannot be.
+pub type Result<T = (), E = Error> = std::result::Result<T, E>;
 
 /// Why something cannot be done.
 #[derive(Debug, thiserror::Error)]

@@ -8,30 +8,30 @@ mod scalar;
 
 pub(crate) use requirements::share;
 
-use std::collections::HashSet;
-use std::ops::Range;
+use std::{collections::HashSet, ops::Range};
 
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
-use conformity::decision::Rule;
-use conformity::measured::{Assessed, Limits, Measured, Measurement};
-use conformity::risk::Guard;
-use conformity::uncertainty::Uncertainty;
+use conformity::{
+    decision::Rule,
+    measured::{Assessed, Limits, Measured, Measurement},
+    risk::Guard,
+    uncertainty::Uncertainty,
+};
 use curves::{Kind, Metric};
 use fmu_import::{Description, Variable};
-use fmu_points::failure::Failure;
-use fmu_points::names::{behind, did_you_mean, nearest};
-use fmu_points::task::Detail;
+use fmu_points::{
+    failure::Failure,
+    names::{behind, did_you_mean, nearest},
+    task::Detail,
+};
 use number_tables::files::FileError;
 use parameter_regions::table::CriterionColumn;
-use sampling::statistics::Statistic;
-use sampling::statistics::moments::length;
+use sampling::statistics::{Statistic, moments::length};
 
 pub(crate) use scalar::sense;
-use study::concern::Concern;
-use study::plan::find;
-use study::{NominalFrom, Study};
+use study::{NominalFrom, Study, concern::Concern, plan::find};
 
 /// Measured value of one quantity with its tolerance, in the study's unit.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -43,14 +43,14 @@ pub struct Criterion {
     /// Statistic that turns the signal into one number.
     pub statistic: Statistic,
     /// The number that the statistic needs, where it needs one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub detail: Option<Detail>,
     /// The level of an event with its unit, as the study gives it, and the way in which the signal comes to it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub level: Option<String>,
     /// How a whole curve is compared, in place of a statistic. The value is 0 or 1 then for equal curves, and so is the
     /// measured value.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub metric: Option<Metric>,
     /// The unit of the numbers.
     pub unit: Option<String>,
@@ -58,25 +58,25 @@ pub struct Criterion {
     #[serde(flatten)]
     pub limits: Limits,
     /// Where the nominal value comes from, where that is no measurement.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub nominal_from: Option<NominalFrom>,
     /// The accuracy or the limit as the study states it.
     pub stated_tolerance: String,
     /// The measured value beside a limit that stands alone.
-    #[serde(default, rename = "measured", skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "measured", skip_serializing_if = "Option::is_none")]
     pub reading: Option<f64>,
     /// Of a limit that stands alone: in units of this it counts how far a value is beyond it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub distance_unit: Option<f64>,
     /// The uncertainty of the measured value, where the study states it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub uncertainty: Option<Uncertainty>,
     /// The criterion from whose measured value this one's is derived.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub derived_from: Option<String>,
     /// The correlation of the errors of any two rows of the measured curve, where it has an uncertainty. The risk is that over
     /// draws of the curve then.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub row_correlation: Option<f64>,
     /// The group in which it is counted.
     pub group: Option<String>,
@@ -87,8 +87,7 @@ impl Criterion {
     pub fn measured(&self) -> Measured {
         let limits = self.limits;
         let is_nominal = !limits.is_one_sided() && self.nominal_from.is_none();
-        let nominal = Some(limits.about).filter(|_| is_nominal);
-        let value = nominal.or(self.reading);
+        let value = Some(limits.about).filter(|_| is_nominal).or(self.reading);
         // Without a reading it is a gauge's error at the limit that counts.
         let at = value.unwrap_or(limits.about);
         let error = self.uncertainty.map(|u| u.law(at));
@@ -119,10 +118,7 @@ impl Criterion {
 
     /// The value with the [deviation](Self::deviation) 0: the measured one.
     fn target(&self) -> f64 {
-        let inwards = match self.limits.minus.is_infinite() {
-            true => -1.0,
-            false => 1.0,
-        };
+        let inwards = if self.limits.minus.is_infinite() { -1.0 } else { 1.0 };
         self.limits.about + inwards * self.distance_unit.unwrap_or(0.0)
     }
 
@@ -159,7 +155,7 @@ impl Criterion {
             (None, None) => self.statistic.label().to_owned(),
         };
         let level = self.level.as_deref();
-        let level = level.map_or_else(String::new, |level| format!(", {level}"));
+        let level = level.map(|level| format!(", {level}")).unwrap_or_default();
         format!("{label} of {}{level}", self.variable)
     }
 
@@ -252,9 +248,10 @@ impl Judge {
     /// With line and column, when a number or a unit does not fit, and when there are no criteria.
     pub fn new(study: &Study, fmu: Option<&Description>) -> Result<Self, FileError> {
         if study.criteria.is_empty() {
-            let message = "no criteria: add at least one [criteria.NAME] with variable, nominal \
-                           and tolerance";
-            return Err(study.error(message));
+            return Err(study.error(
+                "no criteria: add at least one [criteria.NAME] with variable, nominal \
+                           and tolerance",
+            ));
         }
         check_columns(study)?;
         let mut judge = Self {
@@ -268,11 +265,12 @@ impl Judge {
             warnings: Vec::new(),
         };
         for (name, text) in &study.criteria {
-            let variable = fmu.map(|fmu| find(fmu, text.variable.as_ref())).transpose();
-            let variable = variable.map_err(|message| study.error_at(&text.variable, message))?;
+            let variable = fmu
+                .map(|fmu| find(fmu, text.variable.as_ref()))
+                .transpose()
+                .map_err(|message| study.error_at(&text.variable, message))?;
             requirements::check_variable(study, text, variable)?;
-            let scale = text.scale(fmu.zip(variable));
-            let scale = scale.map_err(|message| study.error_of(name, message))?;
+            let scale = text.scale(fmu.zip(variable)).map_err(|message| study.error_of(name, message))?;
             let mut criterion = match text.reference {
                 Some(_) => curve::criterion(study, name, text, &scale)?,
                 None => scalar::criterion(study, name, text, &scale)?,
@@ -312,8 +310,11 @@ impl Judge {
     /// Judges the values of one point; `None` is a point that failed.
     pub fn verdict(&self, values: Option<&[f64]>) -> PointVerdict {
         let value = |number: usize| values.and_then(|values| values.get(number));
-        let criteria = self.criteria.iter().enumerate();
-        let passed = criteria.map(|(number, criterion)| value(number).is_some_and(|&v| criterion.accepts(v)));
+        let passed = self
+            .criteria
+            .iter()
+            .enumerate()
+            .map(|(number, criterion)| value(number).is_some_and(|&v| criterion.accepts(v)));
         PointVerdict { passed: passed.collect(), together: None }
     }
 
@@ -327,9 +328,7 @@ impl Judge {
         let mut passed = vec![false; self.criteria.len()];
         for case in &self.cases {
             let values = case.members.clone().map(|k| failure.value(k));
-            let Some(values) = values.collect::<Option<Vec<f64>>>() else {
-                continue;
-            };
+            let Some(values) = values.collect::<Option<Vec<f64>>>() else { continue };
             for (k, value) in case.members.clone().zip(values) {
                 passed[k] = self.criteria[k].accepts(value);
             }
@@ -365,11 +364,12 @@ impl Judge {
 /// The study's cases; their criteria follow one another.
 fn cases(study: &Study) -> Vec<JudgedCase> {
     let mut first = 0;
-    let cases = study.cases.iter().enumerate();
-    cases
+    study
+        .cases
+        .iter()
+        .enumerate()
         .map(|(number, case)| {
-            let criteria = study.criteria.values();
-            let count = criteria.filter(|text| text.case == Some(number)).count();
+            let count = study.criteria.values().filter(|text| text.case == Some(number)).count();
             let members = first..first + count;
             first = members.end;
             JudgedCase { name: case.name.as_ref().clone(), held_out: case.held_out, members }
@@ -385,13 +385,13 @@ fn check_columns(study: &Study) -> Result<(), FileError> {
     for name in study.criteria.keys() {
         let text = name.as_ref();
         if text.trim().is_empty() || text.contains(char::is_control) {
-            let message = "a criterion needs a name of printable characters";
-            return Err(study.error_at(name, message));
+            return Err(study.error_at(name, "a criterion needs a name of printable characters"));
         }
         for column in [text.clone(), format!("{text}.ok")] {
             if !columns.insert(column.clone()) {
-                let message = format!("points.csv would have two columns `{column}`; rename the criterion");
-                return Err(study.error_at(name, message));
+                return Err(
+                    study.error_at(name, format!("points.csv would have two columns `{column}`; rename the criterion"))
+                );
             }
         }
     }

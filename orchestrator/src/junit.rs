@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::Error;
+use crate::error::Result;
 use fmu_points::tell::visible;
 use point_journal::files::{make_folder, write_text};
 use result_document::format::escape;
@@ -58,10 +58,7 @@ impl Test {
 impl Outcome {
     /// Passed, or failed for a reason.
     pub fn of(passed: bool, why: impl FnOnce() -> String) -> Self {
-        match passed {
-            true => Self::Passed,
-            false => Self::Failed(why()),
-        }
+        if passed { Self::Passed } else { Self::Failed(why()) }
     }
 
     fn word(&self) -> &'static str {
@@ -79,7 +76,7 @@ impl Outcome {
 ///
 /// # Errors
 /// When the system says no.
-pub fn write(file: &Path, suite: &str, tests: &[Test], seconds: f64) -> Result<(), Error> {
+pub fn write(file: &Path, suite: &str, tests: &[Test], seconds: f64) -> Result {
     if let Some(folder) = file.parent().filter(|folder| !folder.as_os_str().is_empty()) {
         make_folder(folder)?;
     }

@@ -1,17 +1,16 @@
 //! Options of every command that runs points of a study: processes, limits, resuming; and the shards of `verify`.
 
-use std::num::NonZeroUsize;
-use std::path::{Path, PathBuf};
-use std::thread::available_parallelism;
-use std::time::Duration;
+use std::{
+    num::NonZeroUsize,
+    path::{Path, PathBuf},
+    thread::available_parallelism,
+    time::Duration,
+};
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use clap::Args;
-use fmu_points::Limits;
-use fmu_points::crew::Place;
-use fmu_points::{Isolation, Launcher, system};
-use point_journal::pipeline::Shard;
-use point_journal::pipeline::folder::Earlier;
+use fmu_points::{Isolation, Launcher, Limits, crew::Place, system};
+use point_journal::pipeline::{Shard, folder::Earlier};
 
 /// Resuming.
 #[derive(Debug, Args)]
@@ -43,7 +42,7 @@ impl Shards {
     ///
     /// # Errors
     /// When there is no such part.
-    pub fn chosen(&self) -> Result<Option<Shard>, Error> {
+    pub fn chosen(&self) -> Result<Option<Shard>> {
         match (self.shard_index, self.shards) {
             (Some(index), Some(of)) if index < of => {
                 let number = index + 1;
@@ -115,12 +114,9 @@ pub struct Afar {
 
 impl Afar {
     /// How workers are started elsewhere, if they are, `jobs` of them unless hosts say otherwise.
-    fn launcher(&self, jobs: usize) -> Result<Option<Launcher>, Error> {
-        let Some(command) = &self.launcher else {
-            return Ok(None);
-        };
-        let launcher = Launcher::new(command, jobs);
-        let mut launcher = launcher.map_err(|message| Error::option("launcher", message))?;
+    fn launcher(&self, jobs: usize) -> Result<Option<Launcher>> {
+        let Some(command) = &self.launcher else { return Ok(None) };
+        let mut launcher = Launcher::new(command, jobs).map_err(|message| Error::option("launcher", message))?;
         if self.hosts.is_none() && launcher.wants_hosts() {
             return Err(Error::option("launcher", "{host} stands for a name of a file of hosts: add --hosts FILE"));
         }
@@ -143,8 +139,7 @@ impl Afar {
 impl Means {
     /// How many simulations at a time: as many as cores, unless the user says otherwise.
     pub fn jobs(&self) -> usize {
-        let cores = || available_parallelism().map_or(1, Into::into);
-        self.jobs.map_or_else(cores, NonZeroUsize::get)
+        self.jobs.map_or_else(|| available_parallelism().map_or(1, Into::into), NonZeroUsize::get)
     }
 
     /// How many simulations at a time in this machine.
@@ -159,7 +154,7 @@ impl Means {
     ///
     /// # Errors
     /// When the hosts cannot be used.
-    pub fn jobs_of(&self, points: usize) -> Result<usize, Error> {
+    pub fn jobs_of(&self, points: usize) -> Result<usize> {
         let jobs = self.jobs().min(points.max(1));
         let launcher = self.afar.launcher(jobs)?;
         Ok(launcher.map_or(jobs, |launcher| launcher.slots()))
@@ -169,7 +164,7 @@ impl Means {
     ///
     /// # Errors
     /// When a limit cannot be used.
-    pub fn place(&self, jobs: usize) -> Result<Place, Error> {
+    pub fn place(&self, jobs: usize) -> Result<Place> {
         let limits = self.limits(jobs)?;
         let launcher = self.afar.launcher(jobs)?;
         if self.isolation == Isolation::None {
@@ -181,9 +176,7 @@ impl Means {
                 )),
             };
         }
-        let Some(mut launcher) = launcher else {
-            return Ok(Place::Processes(limits, self.isolation));
-        };
+        let Some(mut launcher) = launcher else { return Ok(Place::Processes(limits, self.isolation)) };
         launcher.memory = self.memory_limit.as_ref().map(|_| limits.memory);
         Ok(Place::Elsewhere(limits, self.isolation, launcher))
     }
@@ -192,12 +185,11 @@ impl Means {
     ///
     /// # Errors
     /// When a limit cannot be used.
-    pub fn limits(&self, jobs: usize) -> Result<Limits, Error> {
+    pub fn limits(&self, jobs: usize) -> Result<Limits> {
         let time = time("point-timeout", self.point_timeout)?;
         let memory = match &self.memory_limit {
             Some(text) => size(text).ok_or_else(|| {
-                let message = format!("`{text}` is not a size of at least 1 MB, such as 500MB or 2GB");
-                Error::option("memory-limit", message)
+                Error::option("memory-limit", format!("`{text}` is not a size of at least 1 MB, such as 500MB or 2GB"))
             })?,
             None => system::share_of_memory(jobs),
         };
@@ -251,12 +243,10 @@ fn size(text: &str) -> Option<u64> {
 }
 
 /// A time that an option gives, s.
-fn time(option: &'static str, seconds: f64) -> Result<Duration, Error> {
+fn time(option: &'static str, seconds: f64) -> Result<Duration> {
     let time = Duration::try_from_secs_f64(seconds).ok();
-    time.filter(|time| !time.is_zero()).ok_or_else(|| {
-        let message = format!("{seconds:?} s is not a positive time");
-        Error::option(option, message)
-    })
+    time.filter(|time| !time.is_zero())
+        .ok_or_else(|| Error::option(option, format!("{seconds:?} s is not a positive time")))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::Error;
+use crate::error::Result;
 use fmu_points::tell::visible;
 use minijinja::{Environment, context};
 use point_journal::files::write_text;
@@ -28,7 +28,7 @@ impl Page<'_> {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn write(&self, file: &Path) -> Result<(), Error> {
+    pub fn write(&self, file: &Path) -> Result {
         let sections: String = self.documents.iter().map(Document::as_html).collect();
         let page = context! {
             kicker => self.kicker,

@@ -1,20 +1,28 @@
 //! The settings file of `synchronise`: the columns of recordings and their treatment.
 
-use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::{
+    ops::Range,
+    path::{Path, PathBuf},
+};
 
 use serde::{Deserialize, Deserializer};
 use toml::Spanned;
 
-use fmu_import::quantity::Quantity;
-use fmu_import::units::{Conversion, known};
+use fmu_import::{
+    quantity::Quantity,
+    units::{Conversion, known},
+};
 use fmu_points::names::behind;
-use number_tables::files::{self, FileError};
-use number_tables::recorded::RecordedTable;
+use number_tables::{
+    files::{self, FileError},
+    recorded::RecordedTable,
+};
 use result_document::format::number;
-use rig_signals::case::{Drive, Driven};
-use rig_signals::smooth::Smoothing;
-use rig_signals::{Accuracy, Bearing, Channel, Derived, Drop, RigRecording, Synchronised};
+use rig_signals::{
+    Accuracy, Bearing, Channel, Derived, Drop, RigRecording, Synchronised,
+    case::{Drive, Driven},
+    smooth::Smoothing,
+};
 use study::exactly_two;
 
 /// The settings of a recording.
@@ -139,7 +147,7 @@ struct Signal {
 impl Signal {
     /// Which doubtful samples do not count.
     fn dropped(&self) -> Drop {
-        let has = |what: Doubtful| self.drop.as_ref().is_some_and(|drop| drop.contains(&what));
+        let has = |what| self.drop.as_ref().is_some_and(|drop| drop.contains(&what));
         Drop { is_stated: self.drop.is_some(), spikes: has(Doubtful::Spikes), clipped: has(Doubtful::Clipped) }
     }
 
@@ -181,9 +189,10 @@ impl Settings {
         let line = |span: Range<usize>| text[..span.start].matches('\n').count() + 1;
         let settings: Self = toml::from_str(&text).map_err(|error| {
             let line = error.span().map_or(1, line);
-            let remedy = match error.message().contains("unknown field `format`") {
-                true => "; stamps become seconds before: `python -m fmu_orchestrator convert FILE --format ...`",
-                false => "",
+            let remedy = if error.message().contains("unknown field `format`") {
+                "; stamps become seconds before: `python -m fmu_orchestrator convert FILE --format ...`"
+            } else {
+                ""
             };
             FileError::new(path, format!("line {line}: {}{remedy}", error.message()))
         })?;
@@ -208,9 +217,13 @@ impl Settings {
         }
         let mut tables = Vec::new();
         for (place, path) in measured.iter().enumerate() {
-            let own = self.files.get(place);
-            let time = own.and_then(|file| file.time.as_ref()).or(self.time.as_ref());
-            let time = time.cloned().unwrap_or_default();
+            let time = self
+                .files
+                .get(place)
+                .and_then(|file| file.time.as_ref())
+                .or(self.time.as_ref())
+                .cloned()
+                .unwrap_or_default();
             tables.push((RecordedTable::read(path)?, time));
         }
         Ok(Recorded { settings: self, tables })
@@ -239,14 +252,16 @@ impl Settings {
         let named = |signal: &Signal, name: &str| {
             let name = signal.name.clone().unwrap_or_else(|| name.to_owned());
             let tolerance = signal.tolerance.as_ref()?;
-            let text = match signal.is_plain() && tolerance.unit.as_deref() != Some("%") {
-                true => tolerance.number.to_string(),
-                false => tolerance.to_string(),
+            let text = if signal.is_plain() && tolerance.unit.as_deref() != Some("%") {
+                tolerance.number.to_string()
+            } else {
+                tolerance.to_string()
             };
             Some((name, text))
         };
-        let both = [(&self.load, "F_N"), (&self.torque, "M")];
-        let both = both.into_iter().filter_map(|(signal, name)| named(signal.as_ref()?, name));
+        let both = [(&self.load, "F_N"), (&self.torque, "M")]
+            .into_iter()
+            .filter_map(|(signal, name)| named(signal.as_ref()?, name));
         let others = self.signals.iter().filter_map(|(name, signal)| named(signal, name));
         both.chain(others).collect()
     }
@@ -256,8 +271,7 @@ impl Settings {
         if name.is_empty() || name.contains('/') {
             return Err(self.wrong(format!("--case {name}: the name of a case must not be empty and has no `/`")));
         }
-        let tolerances = self.tolerances();
-        match tolerances.iter().find(|(_, tolerance)| tolerance.ends_with('%')) {
+        match self.tolerances().iter().find(|(_, tolerance)| tolerance.ends_with('%')) {
             Some((signal, tolerance)) => Err(self.wrong(format!(
                 "{signal}: the tolerance {tolerance} of a curve is not a part of anything; give it with a unit"
             ))),
@@ -268,8 +282,7 @@ impl Settings {
     /// A quantity in an SI unit.
     fn si(&self, key: &str, quantity: &Quantity, si_unit: &str) -> Result<f64, FileError> {
         let unit = quantity.unit.as_deref().unwrap_or(si_unit);
-        let way = conversion(unit, si_unit).map_err(|message| self.wrong(format!("{key}: {message}")))?;
-        Ok(way.value(quantity.number))
+        Ok(conversion(unit, si_unit).map_err(|message| self.wrong(format!("{key}: {message}")))?.value(quantity.number))
     }
 
     fn needed<'a, T>(&self, what: Option<&'a T>, of: &str, key: &str) -> Result<&'a T, FileError> {
@@ -288,8 +301,7 @@ impl Recorded<'_> {
     pub fn notes(&self) -> Vec<String> {
         let plain = self.settings.plain().filter_map(|(key, signal)| {
             let column = signal.column.as_deref()?;
-            let table = self.tables.iter().find_map(|(table, _)| table.get(column))?;
-            let unit = table.unit.as_deref()?;
+            let unit = self.tables.iter().find_map(|(table, _)| table.get(column))?.unit.as_deref()?;
             Some(format!("{key}: the model has no unit, so the values are those in `{unit}`, as they are"))
         });
         (0..self.tables.len()).filter_map(|file| self.about_time(file)).chain(plain).collect()
@@ -315,10 +327,11 @@ impl Recorded<'_> {
     /// How far the noise of a row alone is beyond the tolerance of a curve.
     pub fn too_tight(&self, recorded: &RigRecording, result: &Synchronised) -> Vec<String> {
         let settings = self.settings;
-        let both = [("F_N", &settings.load), ("M", &settings.torque)];
-        let both = both.into_iter().filter_map(|(name, signal)| Some((name, signal.as_ref()?)));
+        let both = [("F_N", &settings.load), ("M", &settings.torque)]
+            .into_iter()
+            .filter_map(|(name, signal)| Some((name, signal.as_ref()?)));
         let signals = settings.signals.iter().map(|(name, signal)| (name.as_str(), signal));
-        let note = |(name, signal): (&str, &Signal)| {
+        both.chain(signals).filter_map(|(name, signal)| {
             let name = signal.name.as_deref().unwrap_or(name);
             let channel = recorded.signals().find(|channel| channel.name == name)?;
             let mut means = result.findings.iter().filter(|f| f.name == name && f.statistic == "mean");
@@ -330,15 +343,13 @@ impl Recorded<'_> {
                 number(row, 3),
                 unit = behind(Some(channel.unit.as_str()).filter(|unit| *unit != "1"))
             ))
-        };
-        both.chain(signals).filter_map(note).collect()
+        }).collect()
     }
 
     /// The name of the column of a file's times.
     fn time_name<'b>(&'b self, file: usize, signal: Option<&'b Signal>) -> Result<&'b str, FileError> {
         let (table, time) = &self.tables[file];
-        let own = signal.and_then(|signal| signal.time.as_deref());
-        own.or(time.column.as_deref()).map_or_else(|| table.time(), Ok)
+        signal.and_then(|signal| signal.time.as_deref()).or(time.column.as_deref()).map_or_else(|| table.time(), Ok)
     }
 
     /// The times of a file's rows, s.
@@ -381,7 +392,7 @@ impl Recorded<'_> {
     /// When times fall, or come again and no one says which row counts.
     fn in_order(&self, file: usize, name: &str, rows: &mut Vec<(f64, f64)>) -> Result<usize, FileError> {
         let (table, time) = &self.tables[file];
-        let wrong = |message: String| FileError::new(table.path(), format!("time `{name}`: {message}"));
+        let wrong = |message| FileError::new(table.path(), format!("time `{name}`: {message}"));
         if let Some(pair) = rows.windows(2).find(|pair| pair[1].0 < pair[0].0) {
             return Err(wrong(format!(
                 "the clock jumps back from {} s to {} s: cut the file there",
@@ -412,7 +423,7 @@ impl Recorded<'_> {
     /// A channel in its own unit, or in `si`.
     fn channel(&self, key: &str, signal: &Signal, name: &str, si: Option<&str>) -> Result<Channel, FileError> {
         let settings = self.settings;
-        let wrong = |message: String| settings.wrong(format!("{key}: {message}"));
+        let wrong = |message| settings.wrong(format!("{key}: {message}"));
         let column = settings.needed(signal.column.as_ref(), key, "column")?;
         let file = self.file_of(key, signal, column)?;
         let table = &self.tables[file].0;
@@ -429,8 +440,7 @@ impl Recorded<'_> {
         };
         let offset = match &signal.offset {
             Some(Quantity { number, unit: Some(own) }) => {
-                let way = conversion(own, &unit);
-                way.map_err(|message| wrong(format!("offset: {message}")))?.difference(*number)
+                conversion(own, &unit).map_err(|message| wrong(format!("offset: {message}")))?.difference(*number)
             }
             plain => plain.as_ref().map_or(0.0, |offset| offset.number),
         };
@@ -438,10 +448,13 @@ impl Recorded<'_> {
         let to_unit = scaled.then(way);
         let marks = signal.missing.iter().map(|mark| mark.as_str().map_or_else(|| mark.to_string(), str::to_owned));
         let (cells, missing) = table.values(column, &marks.collect::<Vec<_>>())?;
-        let times = self.times(file, signal)?;
-        let pairs = times.iter().zip(&cells);
-        let known = pairs.filter(|(time, value)| time.is_finite() && value.is_finite());
-        let mut rows: Vec<(f64, f64)> = known.map(|(time, value)| (*time, to_unit.value(*value))).collect();
+        let mut rows: Vec<(f64, f64)> = self
+            .times(file, signal)?
+            .iter()
+            .zip(&cells)
+            .filter(|(time, value)| time.is_finite() && value.is_finite())
+            .map(|(time, value)| (*time, to_unit.value(*value)))
+            .collect();
         let empty = table.column(column)?.empty;
         let timeless = table.rows - rows.len() - empty - missing;
         let (time_column, repeated) = match self.tables[file].1.rate {
@@ -477,13 +490,12 @@ impl Recorded<'_> {
     fn file_of(&self, key: &str, signal: &Signal, column: &str) -> Result<usize, FileError> {
         let settings = self.settings;
         if let Some(file) = signal.file {
-            let place = file.checked_sub(1).filter(|place| *place < self.tables.len());
-            return place.ok_or_else(|| {
+            return file.checked_sub(1).filter(|place| *place < self.tables.len()).ok_or_else(|| {
                 settings.wrong(format!("{key}: there is no file {file}; {} were given", self.tables.len()))
             });
         }
-        let have = |file: &usize| self.tables[*file].0.get(column).is_some();
-        let having: Vec<usize> = (0..self.tables.len()).filter(have).collect();
+        let having: Vec<usize> =
+            (0..self.tables.len()).filter(|file| self.tables[*file].0.get(column).is_some()).collect();
         match having.as_slice() {
             [file] => Ok(*file),
             [] => {
@@ -513,7 +525,7 @@ impl Recorded<'_> {
                     (channel.unit.clone(), Driven::Recorded(channel))
                 }
             };
-            let wrong = |message: String| settings.wrong(format!("{key}: {message}"));
+            let wrong = |message| settings.wrong(format!("{key}: {message}"));
             let tolerance = match (&values, &input.tolerance) {
                 (Driven::Recorded(_), Some(stated)) => of_zero(stated, &unit).map_err(wrong)?,
                 _ => None,
@@ -555,9 +567,12 @@ impl Recorded<'_> {
             start,
             confidence: settings.confidence.unwrap_or(0.99),
         };
-        let ends = recording.signals().filter_map(|signal| signal.time.last());
-        let window = settings.window.map(|[_, to]| to);
-        let end = ends.copied().chain(window).fold(f64::INFINITY, f64::min);
+        let end = recording
+            .signals()
+            .filter_map(|signal| signal.time.last())
+            .copied()
+            .chain(settings.window.map(|[_, to]| to))
+            .fold(f64::INFINITY, f64::min);
         match start.filter(|start| start.is_nan() || *start >= end) {
             Some(start) => Err(settings.wrong(format!(
                 "line {}: start: {start} s is not before {} s, where a signal or the window ends; give an earlier time",

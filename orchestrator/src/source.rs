@@ -2,13 +2,9 @@
 
 use std::path::Path;
 
-use number_tables::files::FileError;
-use number_tables::{Column, Table};
-use sampling::design::Design;
-use sampling::distribution::Distribution;
-use study::inputs::InputError;
-use study::plan::Input;
-use study::{ParameterText, Study};
+use number_tables::{Column, Table, files::FileError};
+use sampling::{design::Design, distribution::Distribution};
+use study::{ParameterText, Study, inputs::InputError, plan::Input};
 
 /// The points of a run, by index from 0.
 #[derive(Clone, Debug)]
@@ -35,8 +31,7 @@ impl Source {
     pub fn from_table(study: &Study, inputs: &[Input], path: &Path) -> Result<Self, FileError> {
         let read = |with_errors: bool| Self::read(study, inputs, path, with_errors);
         let has_errors = inputs.len() > study.parameters.len();
-        let with_errors = has_errors.then(|| read(true).ok()).flatten();
-        with_errors.map_or_else(|| read(false), Ok)
+        has_errors.then(|| read(true).ok()).flatten().map_or_else(|| read(false), Ok)
     }
 
     fn read(study: &Study, inputs: &[Input], path: &Path, with_errors: bool) -> Result<Self, FileError> {
@@ -47,23 +42,22 @@ impl Source {
             (_, None) if !with_errors => Some(0.0),
             _ => None,
         };
-        let columns = pairs().filter(|&pair| constant(pair).is_none());
-        let columns = columns.map(|(parameter, input)| {
-            let column = parameter.and_then(|parameter| parameter.column.as_ref());
-            (column.into_iter().chain([&input.name]).cloned().collect(), format!("the parameter {}", input.name))
-        });
-        let columns: Vec<Column> = columns.collect();
+        let columns: Vec<Column> = pairs()
+            .filter(|&pair| constant(pair).is_none())
+            .map(|(parameter, input)| {
+                let column = parameter.and_then(|parameter| parameter.column.as_ref());
+                (column.into_iter().chain([&input.name]).cloned().collect(), format!("the parameter {}", input.name))
+            })
+            .collect();
         let mut table = Table::read_points(path, &columns)?;
-        let given = inputs.iter().zip(pairs().map(constant));
-        let given = given.filter(|(_, constant)| constant.is_none());
+        let given = inputs.iter().zip(pairs().map(constant)).filter(|(_, constant)| constant.is_none());
         for (column, (input, _)) in given.enumerate() {
             input.round(&mut table, column, path);
         }
         for row in &mut table.rows {
             let mut given = row.iter().copied();
             let values = pairs().map(|pair| {
-                let value = constant(pair).or_else(|| given.next());
-                value.expect("a row has a cell of each column that was asked for")
+                constant(pair).or_else(|| given.next()).expect("a row has a cell of each column that was asked for")
             });
             *row = values.collect();
         }

@@ -25,20 +25,14 @@ pub fn rounded(number: f64, significant: i32) -> String {
 /// The digits that tell the ends of an interval apart by a hundredth of its width, and six at least.
 pub fn enough([low, high]: [f64; 2]) -> i32 {
     let part = low.abs().max(high.abs()) / (high - low);
-    let more = match part.is_finite() && part > 1.0 {
-        true => part.log10().ceil() as i32 + 2,
-        false => 0,
-    };
+    let more = if part.is_finite() && part > 1.0 { part.log10().ceil() as i32 + 2 } else { 0 };
     more.clamp(6, 15)
 }
 
 /// The number, or 0 where it differs from 0 by less than a millionth of what matters.
 pub fn cleared(number: f64, matters: f64) -> f64 {
     const NOTHING: f64 = 1e-6;
-    match number.abs() < NOTHING * matters {
-        true => 0.0,
-        false => number,
-    }
+    if number.abs() < NOTHING * matters { 0.0 } else { number }
 }
 
 /// A unit as it stands behind a number: nothing for a number without one.

@@ -41,9 +41,8 @@ impl Errors {
     /// The errors of a problem.
     pub fn new(problem: &Problem) -> Self {
         let sources = problem.sources.len();
-        let cases = problem.cases.iter();
         let accuracy: Vec<Vec<f64>> =
-            cases.map(|case| case.measured.iter().map(|value| value.accuracy).collect()).collect();
+            problem.cases.iter().map(|case| case.measured.iter().map(|value| value.accuracy).collect()).collect();
         let mut effects = vec![vec![Vec::new(); sources]; accuracy.len()];
         for (number, source) in problem.sources.iter().enumerate() {
             for effect in &source.effects {
@@ -64,23 +63,20 @@ impl Errors {
         }
         let factor =
             (sources > 0).then(|| Cholesky::new(matrix).expect("the identity and squares have a positive sum"));
-        let singles = accuracy.iter().flatten();
-        let singles = singles.map(|accuracy| -accuracy.ln() - 0.5 * std::f64::consts::TAU.ln());
+        let singles = accuracy.iter().flatten().map(|accuracy| -accuracy.ln() - 0.5 * std::f64::consts::TAU.ln());
         let shared = factor.as_ref().map_or(0.0, |factor| factor.l_dirty().diagonal().map(f64::ln).sum());
         Self { peak: singles.sum::<f64>() - shared, accuracy, effects, factor, sources }
     }
 
     /// `M`.
     pub(crate) fn matrix(&self) -> DMatrix<f64> {
-        let factor = self.factor.as_ref().map(Cholesky::l);
-        factor.map_or_else(|| DMatrix::zeros(0, 0), |l| &l * l.transpose())
+        self.factor.as_ref().map(Cholesky::l).map_or_else(|| DMatrix::zeros(0, 0), |l| &l * l.transpose())
     }
 
     /// The row of `V` of a value.
     pub(crate) fn effects(&self, case: usize, quantity: usize) -> DVector<f64> {
         let effect = |column: &Vec<(usize, f64)>| -> f64 {
-            let touching = column.iter().filter(|(place, _)| *place == quantity);
-            touching.map(|(_, part)| part).sum()
+            column.iter().filter(|(place, _)| *place == quantity).map(|(_, part)| part).sum()
         };
         DVector::from_iterator(self.sources, self.effects[case].iter().map(effect))
     }
@@ -124,11 +120,14 @@ impl Errors {
 
     /// The misfits over the accuracies, case by case.
     fn plain(&self, problem: &Problem, predicted: &[Vec<f64>]) -> DVector<f64> {
-        let cases = problem.cases.iter().zip(predicted).zip(&self.accuracy);
-        let misfits = cases.flat_map(|((case, predicted), accuracy)| {
-            let values = case.measured.iter().zip(predicted).zip(accuracy);
-            values.map(|((measured, predicted), accuracy)| (predicted - measured.value) / accuracy)
-        });
+        let misfits =
+            problem.cases.iter().zip(predicted).zip(&self.accuracy).flat_map(|((case, predicted), accuracy)| {
+                case.measured
+                    .iter()
+                    .zip(predicted)
+                    .zip(accuracy)
+                    .map(|((measured, predicted), accuracy)| (predicted - measured.value) / accuracy)
+            });
         DVector::from_vec(misfits.collect())
     }
 
@@ -161,12 +160,15 @@ impl Errors {
 
     /// Mean and standard deviation of each channel's error, given the sources' most probable values for one set of unknowns.
     pub(crate) fn channels(&self, problem: &Problem, sources: &[f64]) -> Vec<[f64; 2]> {
-        let channels = problem.channels.iter().map(|channel| {
-            let weights = channel.weights(self.sources);
-            let mean = weights.iter().zip(sources).map(|(weight, value)| weight * value);
-            let column = DMatrix::from_column_slice(self.sources, 1, weights.as_slice());
-            [mean.sum(), self.halved(column).norm()]
-        });
-        channels.collect()
+        problem
+            .channels
+            .iter()
+            .map(|channel| {
+                let weights = channel.weights(self.sources);
+                let mean = weights.iter().zip(sources).map(|(weight, value)| weight * value);
+                let column = DMatrix::from_column_slice(self.sources, 1, weights.as_slice());
+                [mean.sum(), self.halved(column).norm()]
+            })
+            .collect()
     }
 }

@@ -1,7 +1,9 @@
 //! By how much a right model misses measured values whose noise is known, or an estimate.
 
-use statrs::distribution::{ChiSquared, ContinuousCDF, FisherSnedecor};
-use statrs::statistics::Distribution;
+use statrs::{
+    distribution::{ChiSquared, ContinuousCDF, FisherSnedecor},
+    statistics::Distribution,
+};
 
 use super::problem::{Estimate, Problem};
 

@@ -2,8 +2,10 @@
 
 use serde::Serialize;
 
-use super::digits::{rounded, shown};
-use super::problem::Problem;
+use super::{
+    digits::{rounded, shown},
+    problem::Problem,
+};
 
 /// The places that were asked for, and those of them at which a run failed.
 #[derive(Clone, Debug, Default)]
@@ -80,24 +82,29 @@ impl Excluded {
 impl Range {
     /// The sides of a box, given the places of its ends.
     pub fn all(problem: &Problem, ends: &[[f64; 2]]) -> Vec<Self> {
-        let pairs = problem.free.iter().zip(ends);
-        let ranges = pairs.map(|(free, ends)| Self {
-            name: free.name.clone(),
-            unit: free.unit.clone(),
-            range: ends.map(|place| free.value(place)),
-        });
-        ranges.collect()
+        problem
+            .free
+            .iter()
+            .zip(ends)
+            .map(|(free, ends)| Self {
+                name: free.name.clone(),
+                unit: free.unit.clone(),
+                range: ends.map(|place| free.value(place)),
+            })
+            .collect()
     }
 }
 
 /// A box in words.
 pub fn words(within: &[Range]) -> String {
-    let range = |side: &Range| {
-        let [low, high] = side.range.map(|end| rounded(end, 4));
-        let words = format!("{} {low} .. {high} {}", side.name, shown(&side.unit));
-        words.trim_end().to_owned()
-    };
-    within.iter().map(range).collect::<Vec<_>>().join(", ")
+    within
+        .iter()
+        .map(|side| {
+            let [low, high] = side.range.map(|end| rounded(end, 4));
+            format!("{} {low} .. {high} {}", side.name, shown(&side.unit)).trim_end().to_owned()
+        })
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// Failed runs around an optimum: it may lie beyond them.

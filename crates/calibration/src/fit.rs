@@ -2,12 +2,9 @@
 
 use serde::Serialize;
 
-use super::digits::rounded;
-use super::influence::Farthest;
-use super::next::Group;
-use super::order::Order;
-use super::outcome::IdentificationOutcome;
-use super::problem::Estimate;
+use super::{
+    digits::rounded, influence::Farthest, next::Group, order::Order, outcome::IdentificationOutcome, problem::Estimate,
+};
 
 /// A right model misses by more with this probability, or its residuals are more in order: then the fit is in doubt.
 const DOUBTFUL: f64 = 0.05;
@@ -29,9 +26,8 @@ impl IdentificationOutcome {
     pub fn look_along(&mut self, curves: &[Group], estimates: &[Estimate]) {
         let orders = curves.iter().filter_map(|curve| {
             let is_its = |e: &&Estimate| e.quantities.contains(&curve.values[0][1]);
-            let residuals = curve.values.iter();
-            let residuals = residuals.map(|&[case, quantity]| self.cases[case].residuals[quantity].missed());
-            let residuals: Vec<f64> = residuals.collect();
+            let residuals: Vec<f64> =
+                curve.values.iter().map(|&[case, quantity]| self.cases[case].residuals[quantity].missed()).collect();
             Order::of(&curve.name, &residuals, estimates.iter().find(is_its))
         });
         self.orders = orders.collect();

@@ -11,10 +11,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use super::errors::Errors;
-use super::next::Group;
-use super::optima::Optimum;
-use super::problem::Problem;
+use super::{errors::Errors, next::Group, optima::Optimum, problem::Problem};
 
 /// The value with the largest studentised residual.
 #[derive(Clone, Debug, Serialize)]
@@ -79,8 +76,9 @@ impl<'a> Rows<'a> {
         let posterior = &optimum.posterior;
         let full = errors.with_sources(&posterior.precision, &posterior.slopes[1]);
         let n = problem.unknowns();
-        let inside = |k: &usize| *k >= n || (optimum.minimum.places[*k] > 0.0 && optimum.minimum.places[*k] < 1.0);
-        let open: Vec<usize> = (0..full.nrows()).filter(inside).collect();
+        let open: Vec<usize> = (0..full.nrows())
+            .filter(|k| *k >= n || (optimum.minimum.places[*k] > 0.0 && optimum.minimum.places[*k] < 1.0))
+            .collect();
         let factor = Cholesky::new(full.select_rows(&open).select_columns(&open))?;
         Some(Self { problem, open, factor, errors, optimum })
     }
@@ -91,8 +89,10 @@ impl<'a> Rows<'a> {
         let value = case * self.problem.quantities.len() + quantity;
         let slopes = self.optimum.posterior.slopes[0].row(value);
         let effects = self.errors.effects(case, quantity);
-        let of = |&k: &usize| if k < n { slopes[k] } else { effects[k - n] };
-        let row = DVector::from_iterator(self.open.len(), self.open.iter().map(of));
+        let row = DVector::from_iterator(
+            self.open.len(),
+            self.open.iter().map(|&k| if k < n { slopes[k] } else { effects[k - n] }),
+        );
         let pull = self.factor.solve(&row);
         let leverage = pull.dot(&row).clamp(0.0, 1.0);
         (pull, leverage)
@@ -102,8 +102,11 @@ impl<'a> Rows<'a> {
     fn residual(&self, case: usize, quantity: usize) -> f64 {
         let problem = self.problem;
         let residual = self.optimum.minimum.misfit.residuals[case * problem.quantities.len() + quantity];
-        let own = problem.not_normal.iter().find(|value| (value.case, value.quantity) == (case, quantity));
-        own.map_or(residual, |value| value.law.score(residual * problem.cases[case].measured[quantity].accuracy))
+        problem
+            .not_normal
+            .iter()
+            .find(|value| (value.case, value.quantity) == (case, quantity))
+            .map_or(residual, |value| value.law.score(residual * problem.cases[case].measured[quantity].accuracy))
     }
 
     /// The probability of a residual as large, of one value.
@@ -123,33 +126,37 @@ pub fn of_values(problem: &Problem, optimum: &Optimum, groups: &[Group]) -> (Opt
     /// Of a value that the fit goes through, whatever it is, the residual tells nothing.
     const THROUGH: f64 = 1.0 - 1e-6;
     let Some(rows) = Rows::new(problem, optimum) else { return (None, Vec::new()) };
-    let places = (0..problem.cases.len()).flat_map(|case| (0..problem.quantities.len()).map(move |q| (case, q)));
-    let all: Vec<_> = places.map(|(case, quantity)| (case, quantity, rows.pull(case, quantity))).collect();
+    let all: Vec<_> = (0..problem.cases.len())
+        .flat_map(|case| (0..problem.quantities.len()).map(move |q| (case, q)))
+        .map(|(case, quantity)| (case, quantity, rows.pull(case, quantity)))
+        .collect();
     let named =
         |case: usize, quantity: usize| (problem.cases[case].label.clone(), problem.quantities[quantity].name.clone());
-    let told = all.iter().filter(|(.., (_, leverage))| *leverage < THROUGH);
-    let studentised = told.map(|(case, quantity, (_, leverage))| {
-        let studentised = rows.residual(*case, *quantity) / (1.0 - leverage).sqrt();
-        (rows.chance(studentised, *quantity), *case, *quantity, studentised, *leverage)
-    });
+    let studentised =
+        all.iter().filter(|(.., (_, leverage))| *leverage < THROUGH).map(|(case, quantity, (_, leverage))| {
+            let studentised = rows.residual(*case, *quantity) / (1.0 - leverage).sqrt();
+            (rows.chance(studentised, *quantity), *case, *quantity, studentised, *leverage)
+        });
     let count = all.len() as f64;
-    let farthest = studentised.min_by(|a, b| a.0.total_cmp(&b.0));
-    let farthest = farthest.map(|(chance, number, quantity, studentised, leverage)| {
-        let (case, quantity) = named(number, quantity);
-        Farthest { case, quantity, studentised, leverage, probability: (count * chance).min(1.0) }
-    });
+    let farthest =
+        studentised.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(chance, number, quantity, studentised, leverage)| {
+            let (case, quantity) = named(number, quantity);
+            Farthest { case, quantity, studentised, leverage, probability: (count * chance).min(1.0) }
+        });
     let covariance = rows.factor.inverse();
-    let free = (0..problem.free.len()).filter_map(|k| Some((k, rows.open.iter().position(|&open| open == k)?)));
-    let influence = free
+    let influence = (0..problem.free.len())
+        .filter_map(|k| Some((k, rows.open.iter().position(|&open| open == k)?)))
         .map(|(k, place)| {
             let deviation = covariance[(place, place)].sqrt();
-            let change = |(case, quantity, (pull, leverage)): &(usize, usize, (DVector<f64>, f64))| {
-                let residual = rows.optimum.minimum.misfit.residuals[case * problem.quantities.len() + quantity];
-                let (case, quantity) = named(*case, *quantity);
-                let change = pull[place] * residual / (1.0 - leverage.min(THROUGH)) / deviation;
-                Moved { case, quantity, change }
-            };
-            let mut values: Vec<Moved> = all.iter().map(change).collect();
+            let mut values: Vec<Moved> = all
+                .iter()
+                .map(|(case, quantity, (pull, leverage))| {
+                    let residual = rows.optimum.minimum.misfit.residuals[case * problem.quantities.len() + quantity];
+                    let (case, quantity) = named(*case, *quantity);
+                    let change = pull[place] * residual / (1.0 - leverage.min(THROUGH)) / deviation;
+                    Moved { case, quantity, change }
+                })
+                .collect();
             values.sort_by(|a, b| b.change.abs().total_cmp(&a.change.abs()));
             values.truncate(SHOWN);
             let budget = budget(&rows, &covariance, place, (groups, &all));

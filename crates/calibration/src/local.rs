@@ -7,8 +7,10 @@
 use nalgebra::{Cholesky, DVector};
 use std::time::Instant;
 
-use super::objective::{Differences, Linear, Misfit, Objective};
-use super::problem::NoPrediction;
+use super::{
+    objective::{Differences, Linear, Misfit, Objective},
+    problem::NoPrediction,
+};
 
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
@@ -119,9 +121,7 @@ fn goes_on(
 
 /// Places after a step, between the bounds.
 fn moved(places: &[f64], step: &DVector<f64>) -> Vec<f64> {
-    let pairs = places.iter().zip(step);
-    let moved = pairs.map(|(place, step)| (place + step).clamp(0.0, 1.0));
-    moved.collect()
+    places.iter().zip(step).map(|(place, step)| (place + step).clamp(0.0, 1.0)).collect()
 }
 
 /// Levenberg's damping after Nielsen: little where the linearised problem predicts well.
@@ -195,12 +195,15 @@ pub(crate) fn bounded_step(linear: &Linear, places: &[f64], held: &[usize]) -> D
         let Some(further) = Cholesky::new(matrix).map(|factor| factor.solve(&-pull.select_rows(&open))) else {
             return step;
         };
-        let room = |(&index, &change): (&usize, &f64)| {
-            let end = if change > 0.0 { 1.0 } else { 0.0 };
-            let part = (end - places[index] - step[index]) / change;
-            (change != 0.0 && part < 1.0).then_some((part.max(0.0), index, end))
-        };
-        let first = open.iter().zip(&further).filter_map(room).min_by(|a, b| a.0.total_cmp(&b.0));
+        let first = open
+            .iter()
+            .zip(&further)
+            .filter_map(|(&index, &change)| {
+                let end = if change > 0.0 { 1.0 } else { 0.0 };
+                let part = (end - places[index] - step[index]) / change;
+                (change != 0.0 && part < 1.0).then_some((part.max(0.0), index, end))
+            })
+            .min_by(|a, b| a.0.total_cmp(&b.0));
         for (&index, &change) in open.iter().zip(&further) {
             step[index] += first.map_or(1.0, |(part, ..)| part) * change;
         }
@@ -213,8 +216,8 @@ pub(crate) fn bounded_step(linear: &Linear, places: &[f64], held: &[usize]) -> D
             place if place <= 0.0 => -pull[index],
             _ => pull[index],
         };
-        let closed = (0..n).filter(|index| fixed[*index] && !held.contains(index));
-        match closed.filter(|index| inward(index) > 0.0).max_by(|a, b| inward(a).total_cmp(&inward(b))) {
+        let closed = (0..n).filter(|index| fixed[*index] && !held.contains(index) && inward(index) > 0.0);
+        match closed.max_by(|a, b| inward(a).total_cmp(&inward(b))) {
             Some(index) => fixed[index] = false,
             None => break,
         }

@@ -8,11 +8,13 @@
 use nalgebra::{Cholesky, DMatrix};
 use serde::Serialize;
 
-use super::digits::{rounded, shown};
-use super::errors::Errors;
-use super::optima::Optimum;
-use super::problem::{Problem, Spacing};
-use super::sample::Sample;
+use super::{
+    digits::{rounded, shown},
+    errors::Errors,
+    optima::Optimum,
+    problem::{Problem, Spacing},
+    sample::Sample,
+};
 
 /// A calibration leaves this part of a shared error's uncertainty.
 const CALIBRATED: f64 = 0.1;
@@ -72,16 +74,17 @@ impl NextOutcome {
         parameter: usize,
     ) -> Self {
         let posterior = &optimum.posterior;
-        let sampled = sample.map(|sample| covariance(sample, problem.unknowns()));
-        let sampled = sampled.and_then(|covariance| Some((Cholesky::new(covariance.clone())?.inverse(), covariance)));
-        let (precision, now) = sampled.unwrap_or_else(|| (posterior.precision.clone(), posterior.covariance.clone()));
+        let (precision, now) = sample
+            .map(|sample| covariance(sample, problem.unknowns()))
+            .and_then(|covariance| Some((Cholesky::new(covariance.clone())?.inverse(), covariance)))
+            .unwrap_or_else(|| (posterior.precision.clone(), posterior.covariance.clone()));
         let deviation = |unknown: usize| now[(unknown, unknown)].sqrt();
         let errors = Errors::new(problem);
         let [slopes, along] = &posterior.slopes;
         let (n, sources) = (problem.unknowns(), errors.sources());
         let full = errors.with_sources(&precision, along);
         let free = &problem.free[parameter];
-        let measurement = |work: String, more: DMatrix<f64>| {
+        let measurement = |work, more: DMatrix<f64>| {
             let covariance = Cholesky::new(&full + more)?.inverse();
             let left = (0..problem.free.len()).map(|k| covariance[(k, k)].sqrt() / deviation(k)).collect::<Vec<f64>>();
             Some(Measurement { work, deviation: free.spread(deviation(parameter) * left[parameter]), left })
@@ -102,9 +105,10 @@ impl NextOutcome {
                 more[(n + source, n + source)] = CALIBRATED.powi(-2) - 1.0;
             }
             let limit = rounded(100.0 * CALIBRATED, 2);
-            let work =
-                format!("calibrate {}: {} to {limit} % of its stated limits", channel.name, channel.kind.words());
-            measurement(work, more)
+            measurement(
+                format!("calibrate {}: {} to {limit} % of its stated limits", channel.name, channel.kind.words()),
+                more,
+            )
         });
         let mut measurements: Vec<Measurement> = again.chain(calibrated).collect();
         measurements.sort_by(|a, b| a.left[parameter].total_cmp(&b.left[parameter]));
@@ -119,20 +123,19 @@ impl NextOutcome {
 
     /// The measurements that narrow the parameter noticeably.
     pub fn worthwhile(&self) -> impl Iterator<Item = &Measurement> {
-        let narrower = |measurement: &&Measurement| match self.scale {
-            Spacing::Linear => measurement.deviation < WORTH * self.deviation,
-            Spacing::Log => measurement.deviation.ln() < WORTH * self.deviation.ln(),
-        };
-        self.measurements.iter().filter(narrower).take(SHOWN)
+        self.measurements
+            .iter()
+            .filter(|measurement| match self.scale {
+                Spacing::Linear => measurement.deviation < WORTH * self.deviation,
+                Spacing::Log => measurement.deviation.ln() < WORTH * self.deviation.ln(),
+            })
+            .take(SHOWN)
     }
 
     /// A standard deviation for people.
     pub fn words(&self, deviation: f64) -> String {
         match self.scale {
-            Spacing::Linear => {
-                let text = format!("{} {}", rounded(deviation, 2), shown(&self.unit));
-                text.trim_end().to_owned()
-            }
+            Spacing::Linear => format!("{} {}", rounded(deviation, 2), shown(&self.unit)).trim_end().to_owned(),
             Spacing::Log => format!("{} %", rounded(100.0 * (deviation - 1.0), 2)),
         }
     }
@@ -141,13 +144,13 @@ impl NextOutcome {
 /// The covariance of the first unknowns' places in a sample.
 fn covariance(sample: &Sample, unknowns: usize) -> DMatrix<f64> {
     let count = sample.particles.len() as f64;
-    let column = |unknown: usize| {
-        let places = sample.particles.iter().map(|particle| particle.places[unknown]);
-        let places: Vec<f64> = places.collect();
-        let mean = places.iter().sum::<f64>() / count;
-        places.into_iter().map(|place| place - mean).collect::<Vec<f64>>()
-    };
-    let columns: Vec<Vec<f64>> = (0..unknowns).map(column).collect();
+    let columns: Vec<Vec<f64>> = (0..unknowns)
+        .map(|unknown| {
+            let places: Vec<f64> = sample.particles.iter().map(|particle| particle.places[unknown]).collect();
+            let mean = places.iter().sum::<f64>() / count;
+            places.into_iter().map(|place| place - mean).collect::<Vec<f64>>()
+        })
+        .collect();
     DMatrix::from_fn(unknowns, unknowns, |a, b| {
         let products = columns[a].iter().zip(&columns[b]).map(|(a, b)| a * b);
         products.sum::<f64>() / (count - 1.0)

@@ -5,10 +5,12 @@
 use nalgebra::DVector;
 use serde::Serialize;
 
-use super::digits::{rounded, shown};
-use super::objective::Misfit;
-use super::optima::Optimum;
-use super::problem::Problem;
+use super::{
+    digits::{rounded, shown},
+    objective::Misfit,
+    optima::Optimum,
+    problem::Problem,
+};
 
 /// A larger part of half an interval, or of two standard uncertainties of a value, is notable.
 const PART: f64 = 1.0 / 3.0;
@@ -80,8 +82,7 @@ impl NumericalError {
                 part: (moved - place).abs() / (0.5 * (high - low)),
             }
         });
-        let most = (0..rows).max_by(|&a, &b| change[a].abs().total_cmp(&change[b].abs()));
-        let value = most.map(|row| {
+        let value = (0..rows).max_by(|&a, &b| change[a].abs().total_cmp(&change[b].abs())).map(|row| {
             let (case, k) = (row / problem.quantities.len(), row % problem.quantities.len());
             let several = problem.cases.len() > 1;
             Changed {
@@ -101,8 +102,7 @@ impl NumericalError {
 
     /// What speaks against the steps; none where the error is small.
     pub fn doubt(&self) -> Option<String> {
-        let moved = self.free.iter().filter(|moved| moved.part > PART);
-        let moved: Vec<String> = moved.map(Moved::words).collect();
+        let moved: Vec<String> = self.free.iter().filter(|moved| moved.part > PART).map(Moved::words).collect();
         let changed = self.value.as_ref().filter(|value| value.part > PART);
         let told = match (&moved[..], changed) {
             ([], None) => return None,
@@ -128,9 +128,8 @@ impl Changed {
     fn words(&self) -> String {
         let [from, to] = [self.predicted, self.finer].map(|v| rounded(v, 4));
         let case = self.case.as_ref();
-        let case = case.map_or_else(String::new, |case| format!(" of case {case}"));
-        let text = format!("{}{case} from {from} to {to} {}", self.quantity, shown(&self.unit));
-        text.trim_end().to_owned()
+        let case = case.map(|case| format!(" of case {case}")).unwrap_or_default();
+        format!("{}{case} from {from} to {to} {}", self.quantity, shown(&self.unit)).trim_end().to_owned()
     }
 }
 

@@ -10,9 +10,11 @@ use std::cell::RefCell;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::errors::Errors;
-use super::failures::Failures;
-use super::problem::{NoPrediction, Prediction, Problem, Query, Simulate};
+use super::{
+    errors::Errors,
+    failures::Failures,
+    problem::{NoPrediction, Prediction, Problem, Query, Simulate},
+};
 
 /// How derivatives are taken.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -131,8 +133,7 @@ impl<'a> Objective<'a> {
     /// When a simulation fails.
     pub fn misfit(&self, places: &[f64]) -> Result<Misfit, NoPrediction> {
         let mut misfits = self.misfits(std::slice::from_ref(&places))?;
-        let misfit = misfits.pop().expect("one set has one misfit");
-        misfit.map_err(NoPrediction::Here)
+        misfits.pop().expect("one set has one misfit").map_err(NoPrediction::Here)
     }
 
     /// The misfits at several sets of unknowns, or why there is none.
@@ -145,15 +146,16 @@ impl<'a> Objective<'a> {
             let places = places.as_ref();
             (0..cases).map(move |case| self.query(case, places))
         });
-        let predictions = self.predict(&queries.collect::<Vec<_>>())?;
-        let mut predictions = predictions.into_iter();
-        let misfits = sets.iter().map(|places| {
-            let of_set: Vec<Prediction> = predictions.by_ref().take(cases).collect();
-            let predicted: Result<_, String> = of_set.into_iter().collect();
-            self.note(places.as_ref(), &predicted);
-            Ok(self.of_predicted(places.as_ref(), predicted?))
-        });
-        Ok(misfits.collect())
+        let mut predictions = self.predict(&queries.collect::<Vec<_>>())?.into_iter();
+        Ok(sets
+            .iter()
+            .map(|places| {
+                let of_set: Vec<Prediction> = predictions.by_ref().take(cases).collect();
+                let predicted: Result<_, String> = of_set.into_iter().collect();
+                self.note(places.as_ref(), &predicted);
+                Ok(self.of_predicted(places.as_ref(), predicted?))
+            })
+            .collect())
     }
 
     fn note<T>(&self, places: &[f64], predicted: &Result<T, String>) {
@@ -163,15 +165,18 @@ impl<'a> Objective<'a> {
     }
 
     fn of_predicted(&self, places: &[f64], predicted: Vec<Vec<f64>>) -> Misfit {
-        let data = self.errors.residuals(self.problem, &predicted);
-        let data = data.iter().copied();
-        let residuals: Vec<f64> = data.chain(self.prior_residuals(places)).collect();
+        let residuals: Vec<f64> = self
+            .errors
+            .residuals(self.problem, &predicted)
+            .iter()
+            .copied()
+            .chain(self.prior_residuals(places))
+            .collect();
         Misfit { predicted, residuals: DVector::from_vec(residuals) }
     }
 
     fn prior_residuals(&self, places: &[f64]) -> impl Iterator<Item = f64> {
-        let pairs = self.problem.free.iter().zip(places);
-        pairs.filter_map(|(free, place)| {
+        self.problem.free.iter().zip(places).filter_map(|(free, place)| {
             let (centre, deviation) = free.prior_place()?;
             Some((place - centre) / deviation)
         })
@@ -198,10 +203,12 @@ impl<'a> Objective<'a> {
         for (case, (jobs, columns)) in cases.enumerate() {
             let residuals = misfit.residuals.rows(case * quantities, quantities);
             // A place counts only where the runs of all cases end, so one that fails hides the others' slopes, too.
-            let known = jobs.iter().zip(columns);
-            let known = known.filter_map(|(job, column)| Some((job.unknown, column.as_ref()?)));
-            let known = known.filter(|(unknown, _)| !linear.surrounded.contains(unknown));
-            let known: Vec<(usize, &DVector<f64>)> = known.collect();
+            let known: Vec<(usize, &DVector<f64>)> = jobs
+                .iter()
+                .zip(columns)
+                .filter_map(|(job, column)| Some((job.unknown, column.as_ref()?)))
+                .filter(|(unknown, _)| !linear.surrounded.contains(unknown))
+                .collect();
             for &(a, first) in &known {
                 let place = (case * quantities, a);
                 linear.slopes.view_mut(place, (quantities, 1)).copy_from(first);
@@ -230,15 +237,15 @@ impl<'a> Objective<'a> {
     /// All simulations for derivatives, case by case. Towards the middle, where there is room.
     fn displacements(&self, places: &[f64]) -> Vec<Displaced> {
         let sign = |place: f64| if place > 0.5 { -1.0 } else { 1.0 };
-        let displaced = |case| {
-            let unknowns = (0..self.problem.free.len()).chain(self.problem.latents_of(case));
-            unknowns.map(move |unknown| Displaced {
-                case,
-                unknown,
-                place: places[unknown] + sign(places[unknown]) * self.difference,
+        (0..self.problem.cases.len())
+            .flat_map(|case| {
+                (0..self.problem.free.len()).chain(self.problem.latents_of(case)).map(move |unknown| Displaced {
+                    case,
+                    unknown,
+                    place: places[unknown] + sign(places[unknown]) * self.difference,
+                })
             })
-        };
-        (0..self.problem.cases.len()).flat_map(displaced).collect()
+            .collect()
     }
 
     /// Derivatives of the cases' weighted misfits, each over the place of one unknown; `None` where runs fail on both sides.
@@ -266,16 +273,19 @@ impl<'a> Objective<'a> {
         let wanted = |(job, there): &(&Displaced, &Prediction)| {
             inside(job) && (differences == Differences::Central || there.is_err())
         };
-        let pairs = jobs.iter().zip(&there).filter(wanted);
-        let opposite: Vec<Query> = pairs.map(|(job, _)| at(job, mirrored(job))).collect();
+        let opposite: Vec<Query> =
+            jobs.iter().zip(&there).filter(wanted).map(|(job, _)| at(job, mirrored(job))).collect();
         let mut opposite = self.predict(&opposite)?.into_iter();
-        let columns = jobs.iter().zip(&there).map(|(job, there)| {
-            let opposite = wanted(&(job, there)).then(|| opposite.next()).flatten();
-            let here = &misfit.predicted[job.case];
-            let distance = job.place - places[job.unknown];
-            self.derivative(job, here, there, opposite.as_ref(), distance)
-        });
-        Ok(columns.collect())
+        Ok(jobs
+            .iter()
+            .zip(&there)
+            .map(|(job, there)| {
+                let opposite = wanted(&(job, there)).then(|| opposite.next()).flatten();
+                let here = &misfit.predicted[job.case];
+                let distance = job.place - places[job.unknown];
+                self.derivative(job, here, there, opposite.as_ref(), distance)
+            })
+            .collect())
     }
 
     /// Derivatives of a case's weighted misfits over the place of one unknown, from the predictions `here`, at
@@ -294,8 +304,11 @@ impl<'a> Objective<'a> {
             (Err(_), Some(Ok(behind))) => (here, &behind[..], distance),
             (Err(_), _) => return None,
         };
-        let slopes = ahead.iter().zip(behind).enumerate();
-        let slopes = slopes.map(|(k, (a, b))| (a - b) / distance / self.errors.accuracy(job.case, k));
+        let slopes = ahead
+            .iter()
+            .zip(behind)
+            .enumerate()
+            .map(|(k, (a, b))| (a - b) / distance / self.errors.accuracy(job.case, k));
         Some(DVector::from_iterator(here.len(), slopes))
     }
 }
@@ -311,9 +324,8 @@ pub(super) fn finite(prediction: Prediction) -> Prediction {
 
 /// The unknowns of which a derivative is missing.
 fn surrounded(jobs: &[Displaced], columns: &[Option<DVector<f64>>]) -> Vec<usize> {
-    let pairs = jobs.iter().zip(columns);
-    let lost = pairs.filter(|(_, column)| column.is_none());
-    let mut unknowns: Vec<usize> = lost.map(|(job, _)| job.unknown).collect();
+    let mut unknowns: Vec<usize> =
+        jobs.iter().zip(columns).filter(|(_, column)| column.is_none()).map(|(job, _)| job.unknown).collect();
     unknowns.sort_unstable();
     unknowns.dedup();
     unknowns

@@ -14,11 +14,13 @@
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::failures::Edge;
-use super::local::{Limits, Minimum, minimise};
-use super::objective::{Differences, Misfit, Objective};
-use super::posterior::Posterior;
-use super::problem::NoPrediction;
+use super::{
+    failures::Edge,
+    local::{Limits, Minimum, minimise},
+    objective::{Differences, Misfit, Objective},
+    posterior::Posterior,
+    problem::NoPrediction,
+};
 
 /// Minima whose sum of squares is larger than the least by more have a density of less than 1e-4 of the greatest.
 const RELEVANT: f64 = 18.5;
@@ -134,8 +136,7 @@ impl Optimum {
                 let end = self.intervals[index].ends[side];
                 end > 0.0 && end < 1.0 && rise > 0.0
             });
-            let sets = open.iter();
-            let sets = sets.map(|&(index, side, _)| self.along(index, self.intervals[index].ends[side]));
+            let sets = open.iter().map(|&(index, side, _)| self.along(index, self.intervals[index].ends[side]));
             let misfits = objective.misfits(&sets.collect::<Vec<_>>())?;
             let mut short = Vec::new();
             for (&(index, side, predicted), misfit) in open.iter().zip(misfits) {
@@ -159,9 +160,12 @@ impl Optimum {
     fn along(&self, index: usize, end: f64) -> Vec<f64> {
         let covariance = &self.posterior.covariance;
         let step = (end - self.minimum.places[index]) / covariance[(index, index)];
-        let places = self.minimum.places.iter().enumerate();
-        let moved = places.map(|(k, place)| (place + step * covariance[(k, index)]).clamp(0.0, 1.0));
-        moved.collect()
+        self.minimum
+            .places
+            .iter()
+            .enumerate()
+            .map(|(k, place)| (place + step * covariance[(k, index)]).clamp(0.0, 1.0))
+            .collect()
     }
 
     /// Looks at the ends of the 95 % region along its axes: do runs fail there?
@@ -197,14 +201,12 @@ impl<'a, 'b> Optima<'a, 'b> {
     /// How many minima could be the right one.
     pub fn count(&self) -> usize {
         let least = self.least();
-        let relevant = |optimum: &&Optimum| optimum.minimum.misfit.cost() <= least + RELEVANT;
-        self.optima.iter().filter(relevant).count()
+        self.optima.iter().filter(|optimum| optimum.minimum.misfit.cost() <= least + RELEVANT).count()
     }
 
     /// The least sum of squares so far; infinite without a minimum.
     pub fn least(&self) -> f64 {
-        let costs = self.optima.iter().map(|optimum| optimum.minimum.misfit.cost());
-        costs.fold(f64::INFINITY, f64::min)
+        self.optima.iter().map(|optimum| optimum.minimum.misfit.cost()).fold(f64::INFINITY, f64::min)
     }
 
     /// Adds the end of a local search: to the minimum that it belongs to, or as a new one. Ends that are too improbable
@@ -260,10 +262,7 @@ impl<'a, 'b> Optima<'a, 'b> {
     /// was bent rose by `whole`.
     fn connected(&self, a: &Minimum, b: &Minimum, (bends, whole): (usize, f64)) -> Result<bool, NoPrediction> {
         let higher = a.misfit.cost().max(b.misfit.cost());
-        let at = |part: f64| -> Vec<f64> {
-            let pairs = a.places.iter().zip(&b.places);
-            pairs.map(|(a, b)| a + part * (b - a)).collect()
-        };
+        let at = |part: f64| -> Vec<f64> { a.places.iter().zip(&b.places).map(|(a, b)| a + part * (b - a)).collect() };
         let line = (1..=BETWEEN).map(|k| at(k as f64 / (BETWEEN + 1) as f64));
         let misfits = self.objective.misfits(&line.collect::<Vec<_>>())?;
         let rise =
@@ -308,22 +307,23 @@ impl<'a, 'b> Optima<'a, 'b> {
 /// Whether a place is on the way between two others: nearer to each than they are to each other, and at neither.
 fn between(a: &[f64], middle: &[f64], b: &[f64]) -> bool {
     const AT_AN_END: f64 = 0.05;
-    let distance = |x: &[f64], y: &[f64]| {
-        let squares = x.iter().zip(y).map(|(x, y)| (x - y).powi(2));
-        squares.sum::<f64>().sqrt()
-    };
+    let distance = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| (x - y).powi(2)).sum::<f64>().sqrt();
     let way = distance(a, b);
-    let parts = [distance(a, middle), distance(middle, b)];
-    parts.iter().all(|part| (AT_AN_END * way..way).contains(part))
+    [distance(a, middle), distance(middle, b)].iter().all(|part| (AT_AN_END * way..way).contains(part))
 }
 
 /// The logarithm of the part of a Gaussian posterior that lies between the bounds, one unknown after the other.
 fn log_inside(optimum: &Optimum) -> f64 {
     let normal = Normal::standard();
-    let part = |(unknown, place): (usize, &f64)| {
-        let deviation = optimum.posterior.deviation(unknown);
-        normal.cdf((1.0 - place) / deviation) - normal.cdf(-place / deviation)
-    };
-    let parts = optimum.minimum.places.iter().enumerate().map(part);
-    parts.map(f64::ln).sum()
+    optimum
+        .minimum
+        .places
+        .iter()
+        .enumerate()
+        .map(|(unknown, place)| {
+            let deviation = optimum.posterior.deviation(unknown);
+            normal.cdf((1.0 - place) / deviation) - normal.cdf(-place / deviation)
+        })
+        .map(f64::ln)
+        .sum()
 }

@@ -3,21 +3,23 @@
 use sampling::statistics::moments::sorted;
 use serde::Serialize;
 
-use super::expected::Expected;
-use super::failures::{Edge, Excluded};
-use super::influence::{Farthest, Influence};
-use super::local::{End, Minimum};
-use super::next::NextOutcome;
-use super::numerical::NumericalError;
-use super::optima::{Approximation, Optimum};
-use super::order::Order;
-use super::posterior::{Direction, UNDETERMINED};
-use super::problem::{Problem, Spacing};
-use super::sample::outcome::{Evidence, PosteriorOutcome};
-use super::search::Progress;
-use super::shared::SharedOutcome;
-use super::surrogate::outcome::SurrogateOutcome;
-use super::suspects::Suspect;
+use super::{
+    expected::Expected,
+    failures::{Edge, Excluded},
+    influence::{Farthest, Influence},
+    local::{End, Minimum},
+    next::NextOutcome,
+    numerical::NumericalError,
+    optima::{Approximation, Optimum},
+    order::Order,
+    posterior::{Direction, UNDETERMINED},
+    problem::{Problem, Spacing},
+    sample::outcome::{Evidence, PosteriorOutcome},
+    search::Progress,
+    shared::SharedOutcome,
+    surrogate::outcome::SurrogateOutcome,
+    suspects::Suspect,
+};
 
 /// The standard deviations to both sides that hold 95 % of a Gaussian.
 const NINETY_FIVE: f64 = 1.959_964;
@@ -146,12 +148,15 @@ pub struct FreeOutcome {
 
 /// The channels' shared errors by their normal approximations.
 fn shared(problem: &Problem, known: &[[f64; 2]]) -> Vec<SharedOutcome> {
-    let channels = problem.channels.iter().zip(known);
-    let outcomes = channels.map(|(channel, &[value, deviation])| {
-        let interval = [-1.0, 1.0].map(|side| value + side * NINETY_FIVE * deviation);
-        SharedOutcome::new(channel, [value, deviation], interval)
-    });
-    outcomes.collect()
+    problem
+        .channels
+        .iter()
+        .zip(known)
+        .map(|(channel, &[value, deviation])| {
+            let interval = [-1.0, 1.0].map(|side| value + side * NINETY_FIVE * deviation);
+            SharedOutcome::new(channel, [value, deviation], interval)
+        })
+        .collect()
 }
 
 /// A combination of free parameters.
@@ -242,8 +247,7 @@ impl IdentificationOutcome {
         let n = problem.free.len();
         let cost = minimum.misfit.cost();
         let data_cost = minimum.misfit.data_cost(problem);
-        let places = minimum.places.iter();
-        let inside = places.filter(|&&place| bound(place).is_none()).count();
+        let inside = minimum.places.iter().filter(|&&place| bound(place).is_none()).count();
         // A shared error is an unknown with a prior: one square more, and one unknown more.
         let squares = minimum.misfit.residuals.len() - problem.sources.len();
         let expected = Expected::new(problem, squares, inside);
@@ -253,8 +257,11 @@ impl IdentificationOutcome {
         let outcomes: Vec<_> = optima.iter().map(|each| optimum(problem, each)).collect();
         let OptimumOutcome { free, latents, .. } = &outcomes[0];
         let shifts = problem.shifts(minimum.misfit.sources(problem));
-        let case = |(index, latents): (usize, &Vec<_>)| case(problem, minimum, (latents, &shifts[index]), index);
-        let cases: Vec<_> = latents.iter().enumerate().map(case).collect();
+        let cases: Vec<_> = latents
+            .iter()
+            .enumerate()
+            .map(|(index, latents)| case(problem, minimum, (latents, &shifts[index]), index))
+            .collect();
         Self {
             notes: Vec::new(),
             ambiguous: optima.len() > 1,
@@ -288,15 +295,17 @@ impl IdentificationOutcome {
 /// What Student's errors add to the sum of squares by which a fit is judged: the squares of their normal scores, in place of
 /// those over the wider accuracies that stand for them in the search.
 fn beyond_normal(problem: &Problem, minimum: &Minimum) -> f64 {
-    let values = problem.not_normal.iter();
-    let values = values.filter(|value| value.law.student > 0.0);
-    let more = values.map(|value| {
-        let place = value.case * problem.quantities.len() + value.quantity;
-        let residual = minimum.misfit.residuals[place];
-        let accuracy = problem.cases[value.case].measured[value.quantity].accuracy;
-        value.law.score(residual * accuracy).powi(2) - residual.powi(2)
-    });
-    more.sum()
+    problem
+        .not_normal
+        .iter()
+        .filter(|value| value.law.student > 0.0)
+        .map(|value| {
+            let place = value.case * problem.quantities.len() + value.quantity;
+            let residual = minimum.misfit.residuals[place];
+            let accuracy = problem.cases[value.case].measured[value.quantity].accuracy;
+            value.law.score(residual * accuracy).powi(2) - residual.powi(2)
+        })
+        .sum()
 }
 
 fn optimum(problem: &Problem, optimum: &Optimum) -> OptimumOutcome {
@@ -343,9 +352,13 @@ fn free(problem: &Problem, optimum: &Optimum, index: usize) -> FreeOutcome {
 
 fn direction(problem: &Problem, direction: &Direction) -> DirectionOutcome {
     const SMALL: f64 = 0.1;
-    let pairs = problem.free.iter().zip(&direction.weights);
-    let mut weights: Vec<(String, f64)> =
-        pairs.filter(|(_, weight)| weight.abs() >= SMALL).map(|(free, &weight)| (free.name.clone(), weight)).collect();
+    let mut weights: Vec<(String, f64)> = problem
+        .free
+        .iter()
+        .zip(&direction.weights)
+        .filter(|(_, weight)| weight.abs() >= SMALL)
+        .map(|(free, &weight)| (free.name.clone(), weight))
+        .collect();
     weights.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
     DirectionOutcome { left: direction.left, undetermined: direction.left > UNDETERMINED, weights }
 }
@@ -362,28 +375,32 @@ fn case(
 ) -> CaseOutcome {
     let case = &problem.cases[index];
     let measured = problem.quantities.iter().zip(&case.measured);
-    let residuals = measured.zip(minimum.misfit.predicted[index].iter().zip(shifts));
-    let residuals = residuals.map(|((quantity, measured), (&predicted, &shared))| Residual {
-        quantity: quantity.name.clone(),
-        measured: measured.value,
-        predicted,
-        difference: predicted - measured.value,
-        shared,
-        accuracy: measured.accuracy,
-    });
+    let residuals = measured.zip(minimum.misfit.predicted[index].iter().zip(shifts)).map(
+        |((quantity, measured), (&predicted, &shared))| Residual {
+            quantity: quantity.name.clone(),
+            measured: measured.value,
+            predicted,
+            difference: predicted - measured.value,
+            shared,
+            accuracy: measured.accuracy,
+        },
+    );
     CaseOutcome { label: case.label.clone(), latents: latents.to_vec(), residuals: residuals.collect() }
 }
 
 fn latents(problem: &Problem, optimum: &Optimum, index: usize) -> Vec<LatentOutcome> {
-    let unknowns = problem.latents_of(index);
-    let latents = problem.latents.iter().zip(&problem.cases[index].latents);
-    let latents = latents.zip(unknowns).map(|((latent, interval), unknown)| LatentOutcome {
-        name: latent.name.clone(),
-        value: interval.value(optimum.minimum.places[unknown]),
-        deviation: optimum.posterior.deviation(unknown) * (interval.max - interval.min),
-        interval: [interval.min, interval.max],
-    });
-    latents.collect()
+    problem
+        .latents
+        .iter()
+        .zip(&problem.cases[index].latents)
+        .zip(problem.latents_of(index))
+        .map(|((latent, interval), unknown)| LatentOutcome {
+            name: latent.name.clone(),
+            value: interval.value(optimum.minimum.places[unknown]),
+            deviation: optimum.posterior.deviation(unknown) * (interval.max - interval.min),
+            interval: [interval.min, interval.max],
+        })
+        .collect()
 }
 
 fn searches(progress: &Progress) -> SearchOutcome {

@@ -8,12 +8,16 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
-use sampling::distribution::Distribution;
-use sampling::statistics::moments::{mean, variance};
+use sampling::{
+    distribution::Distribution,
+    statistics::moments::{mean, variance},
+};
 
-use super::local::Minimum;
-use super::objective::{Differences, Objective};
-use super::problem::NoPrediction;
+use super::{
+    local::Minimum,
+    objective::{Differences, Objective},
+    problem::NoPrediction,
+};
 
 /// The precision of a place of which only the bounds are known: the inverse variance of the uniform
 /// distribution from 0 to 1.
@@ -122,8 +126,7 @@ impl Posterior {
             covariance += less * &slopes * slopes.transpose();
             means += change * slopes;
         }
-        let quantile = self.cut(unknown, means[last], covariance[(last, last)]);
-        let [low, high] = interval([0.0, 1.0], quantile);
+        let [low, high] = interval([0.0, 1.0], self.cut(unknown, means[last], covariance[(last, last)]));
         let place = self.places[unknown];
         [low.min(place), high.max(place)]
     }
@@ -131,12 +134,12 @@ impl Posterior {
     /// The unknowns that only a bound keeps where they are.
     fn at_bounds(&self) -> Vec<usize> {
         let all = 0..self.places.len();
-        let is_beyond = |k: &usize| match self.places[*k] {
+        all.filter(|k| match self.places[*k] {
             0.0 => self.centre[*k] < 0.0,
             1.0 => self.centre[*k] > 1.0,
             _ => false,
-        };
-        all.filter(is_beyond).collect()
+        })
+        .collect()
     }
 
     /// The quantiles of an unknown's place between its bounds, given mean and variance with its bounds as a variance.
@@ -159,10 +162,7 @@ impl Posterior {
             min: Some(0.0),
             max: Some(1.0),
         };
-        move |part| match mirrored {
-            true => 1.0 - distribution.quantile(1.0 - part),
-            false => distribution.quantile(part),
-        }
+        move |part| if mirrored { 1.0 - distribution.quantile(1.0 - part) } else { distribution.quantile(part) }
     }
 
     /// By how much the sum of squares rises between two sets of places, by the normal approximation.
@@ -187,8 +187,7 @@ impl Posterior {
             }
             end
         };
-        let directions = self.directions.iter();
-        directions.flat_map(|direction| [-1.0, 1.0].map(|side| end(direction, side))).collect()
+        self.directions.iter().flat_map(|direction| [-1.0, 1.0].map(|side| end(direction, side))).collect()
     }
 
     /// The squared distance of two sets of places, in standard deviations of the posterior.
@@ -206,8 +205,7 @@ impl Posterior {
 /// Mean and variance, given the quantiles.
 fn moments(quantile: impl Fn(f64) -> f64) -> [f64; 2] {
     const PARTS: usize = 256;
-    let values = (0..PARTS).map(|k| quantile((k as f64 + 0.5) / PARTS as f64));
-    let values: Vec<f64> = values.collect();
+    let values: Vec<f64> = (0..PARTS).map(|k| quantile((k as f64 + 0.5) / PARTS as f64)).collect();
     [mean(&values), variance(&values, 0)]
 }
 
@@ -232,10 +230,12 @@ pub fn interval(bounds: [f64; 2], quantile: impl Fn(f64) -> f64) -> [f64; 2] {
         (power < VANISHES).then_some(ends)
     };
     let width = |ends: &[f64; 2]| ends[1] - ends[0];
-    let sides = [0, 1].into_iter().filter_map(from);
-    let shortest = sides.min_by(|a, b| width(a).total_cmp(&width(b)));
-    let shorter = |ends: &[f64; 2]| width(ends) < SHORTER * width(&central);
-    shortest.filter(shorter).unwrap_or(central)
+    [0, 1]
+        .into_iter()
+        .filter_map(from)
+        .min_by(|a, b| width(a).total_cmp(&width(b)))
+        .filter(|ends| width(ends) < SHORTER * width(&central))
+        .unwrap_or(central)
 }
 
 /// Mean and standard deviation of each channel's shared error, where the unknowns are as uncertain as their covariance says.
@@ -247,8 +247,7 @@ fn shared(
 ) -> Vec<[f64; 2]> {
     let (problem, errors) = (objective.problem, &objective.errors);
     let known = errors.channels(problem, minimum.misfit.sources(problem));
-    let channels = problem.channels.iter().zip(known);
-    let marginal = channels.map(|(channel, [mean, deviation])| {
+    let marginal = problem.channels.iter().zip(known).map(|(channel, [mean, deviation])| {
         // The sources' values for given unknowns are -M^-1 V'r, with the derivative -M^-1 V'J.
         let slope = along.tr_mul(&errors.solved(&channel.weights(errors.sources())));
         let more = (covariance * &slope).dot(&slope);
@@ -259,17 +258,17 @@ fn shared(
 
 fn directions(covariance: &DMatrix<f64>, prior: &[f64]) -> Vec<Direction> {
     let n = prior.len();
-    let scaled = DMatrix::from_fn(n, n, |i, j| covariance[(i, j)] * (prior[i] * prior[j]).sqrt());
-    let eigen = scaled.symmetric_eigen();
-    let direction = |index: usize| {
-        let vector = eigen.eigenvectors.column(index);
-        let sign = vector[vector.icamax()].signum();
-        Direction {
-            left: eigen.eigenvalues[index].max(0.0).sqrt(),
-            weights: vector.iter().map(|weight| weight * sign).collect(),
-        }
-    };
-    let mut directions: Vec<Direction> = (0..n).map(direction).collect();
+    let eigen = DMatrix::from_fn(n, n, |i, j| covariance[(i, j)] * (prior[i] * prior[j]).sqrt()).symmetric_eigen();
+    let mut directions: Vec<Direction> = (0..n)
+        .map(|index| {
+            let vector = eigen.eigenvectors.column(index);
+            let sign = vector[vector.icamax()].signum();
+            Direction {
+                left: eigen.eigenvalues[index].max(0.0).sqrt(),
+                weights: vector.iter().map(|weight| weight * sign).collect(),
+            }
+        })
+        .collect();
     directions.sort_by(|a, b| b.left.total_cmp(&a.left));
     directions
 }

@@ -106,9 +106,7 @@ impl Free {
         if self.scale == Spacing::Log && min <= 0.0 {
             return Err(format!("a logarithmic scale needs a lower bound above 0, not {min}"));
         }
-        let Some(Prior { centre, spread }) = self.prior else {
-            return Ok(());
-        };
+        let Some(Prior { centre, spread }) = self.prior else { return Ok(()) };
         let above = |limit: f64, number: f64| number.is_finite() && number > limit;
         match self.scale {
             Spacing::Linear if !above(0.0, spread) => Err(format!("the deviation {spread} must be positive")),
@@ -136,8 +134,7 @@ impl Population {
     /// The standard deviation of a single value's place before the measurement.
     pub fn scale(&self, problem: &Problem) -> f64 {
         let uniform = 12.0_f64.sqrt().recip();
-        let prior = problem.free[self.members[0]].prior_place();
-        prior.map_or(uniform, |(_, deviation)| deviation.min(uniform))
+        problem.free[self.members[0]].prior_place().map_or(uniform, |(_, deviation)| deviation.min(uniform))
     }
 }
 
@@ -349,10 +346,9 @@ impl Problem {
     /// A digest of the measured values and their units: the same for the same data, whatever the model.
     pub fn digest(&self) -> String {
         let of = |hash: u64, number: u64| mix(hash.wrapping_mul(3) ^ number);
-        let units = self.quantities.iter().filter_map(|quantity| quantity.unit.as_deref());
-        let letters = units.flat_map(str::bytes).map(u64::from);
-        let values = self.cases.iter().flat_map(|case| &case.measured);
-        let values = values.map(|measured| measured.value.to_bits());
+        let letters =
+            self.quantities.iter().filter_map(|quantity| quantity.unit.as_deref()).flat_map(str::bytes).map(u64::from);
+        let values = self.cases.iter().flat_map(|case| &case.measured).map(|measured| measured.value.to_bits());
         format!("{:016x}", letters.chain(values).fold(self.values() as u64, of))
     }
 
@@ -364,21 +360,18 @@ impl Problem {
 
     /// The free parameters' values at given places.
     pub fn free_values(&self, places: &[f64]) -> Vec<f64> {
-        let pairs = self.free.iter().zip(places);
-        pairs.map(|(free, &place)| free.value(place)).collect()
+        self.free.iter().zip(places).map(|(free, &place)| free.value(place)).collect()
     }
 
     /// A case's latent values at given places of all unknowns.
     pub fn latent_values(&self, case: usize, places: &[f64]) -> Vec<f64> {
         let places = &places[self.latents_of(case)];
-        let pairs = self.cases[case].latents.iter().zip(places);
-        pairs.map(|(interval, &place)| interval.value(place)).collect()
+        self.cases[case].latents.iter().zip(places).map(|(interval, &place)| interval.value(place)).collect()
     }
 
     /// What shared errors of these sizes, in standard uncertainties, add to the measured values, case by case.
     pub fn shifts(&self, sources: &[f64]) -> Vec<Vec<f64>> {
-        let cases = self.cases.iter();
-        let mut shifts: Vec<Vec<f64>> = cases.map(|case| vec![0.0; case.measured.len()]).collect();
+        let mut shifts: Vec<Vec<f64>> = self.cases.iter().map(|case| vec![0.0; case.measured.len()]).collect();
         for (source, value) in self.sources.iter().zip(sources) {
             for effect in &source.effects {
                 shifts[effect.case][effect.quantity] += effect.change * value;
@@ -392,8 +385,8 @@ impl Problem {
     pub(crate) fn with_parts(&self, predicted: Option<&[Vec<f64>]>) -> Option<Self> {
         let mut problem = self.clone();
         let all = problem.sources.iter_mut();
-        let parts = all.flat_map(|source| &mut source.effects);
-        let parts = parts.filter_map(|effect| effect.part.map(|part| (effect, part)));
+        let parts =
+            all.flat_map(|source| &mut source.effects).filter_map(|effect| effect.part.map(|part| (effect, part)));
         let mut any = false;
         for (effect, part) in parts {
             any = true;
@@ -456,7 +449,6 @@ where
     F: Fn(usize, &[f64], &[f64]) -> Prediction,
 {
     fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
-        let ask = |query: &Query| self(query.case, &query.free, &query.latents);
-        Ok(queries.iter().map(ask).collect())
+        Ok(queries.iter().map(|query| self(query.case, &query.free, &query.latents)).collect())
     }
 }

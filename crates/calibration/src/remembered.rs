@@ -3,8 +3,7 @@
 //! A search comes back to places where it has been: it goes down from starts that were screened, and the posterior's
 //! curvature is that of the last step. What the model said there is kept.
 
-use std::cell::RefCell;
-use std::collections::HashMap;
+use std::{cell::RefCell, collections::HashMap};
 
 use super::problem::{NoPrediction, Prediction, Query, Simulate};
 
@@ -35,8 +34,7 @@ impl Simulate for Remembered<'_> {
         let mut answers = self.answers.borrow_mut();
         let mut open: Vec<usize> = Vec::new();
         for (index, key) in keys.iter().enumerate() {
-            let twice = |&earlier: &usize| keys[earlier] == *key;
-            if !answers.contains_key(key) && !open.iter().any(twice) {
+            if !answers.contains_key(key) && !open.iter().any(|&earlier| keys[earlier] == *key) {
                 open.push(index);
             }
         }

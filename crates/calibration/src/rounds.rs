@@ -1,10 +1,12 @@
 //! A search as a study asks for it.
 
-use super::objective::Objective;
-use super::optima::Optimum;
-use super::outcome::IdentificationOutcome;
-use super::problem::{Problem, Simulate};
-use super::search::{Effort, Progress, SearchError, search};
+use super::{
+    objective::Objective,
+    optima::Optimum,
+    outcome::IdentificationOutcome,
+    problem::{Problem, Simulate},
+    search::{Effort, Progress, SearchError, search},
+};
 
 /// One search: its problem and its settings.
 #[derive(Clone, Copy)]
@@ -48,8 +50,7 @@ pub fn searched(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(&Progres
     let mut problem = task.problem.clone();
     if let Some(first) = problem.with_parts(None) {
         let (optima, _) = find(&first)?;
-        let predicted = &optima[0].minimum.misfit.predicted;
-        problem = problem.with_parts(Some(predicted)).unwrap_or(problem);
+        problem = problem.with_parts(Some(&optima[0].minimum.misfit.predicted)).unwrap_or(problem);
     }
     let (optima, progress) = find(&problem)?;
     Ok(Searched { problem, optima, progress })

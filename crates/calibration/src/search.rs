@@ -10,12 +10,14 @@ use std::time::Instant;
 
 use statrs::function::gamma::ln_gamma;
 
-use super::failures::Failures;
-use super::local::{End, Limits, Minimum, is_over, minimise};
-use super::objective::{Differences, Objective};
-use super::optima::{Optima, Optimum};
-use super::problem::NoPrediction;
-use super::sample::SampleError;
+use super::{
+    failures::Failures,
+    local::{End, Limits, Minimum, is_over, minimise},
+    objective::{Differences, Objective},
+    optima::{Optima, Optimum},
+    problem::NoPrediction,
+    sample::SampleError,
+};
 
 /// How much to search.
 #[derive(Clone, Copy, Debug)]
@@ -42,8 +44,7 @@ pub struct Progress {
 impl Progress {
     /// The deepest place so far.
     pub fn best(&self) -> Option<&Minimum> {
-        let ended = self.descents.iter().flatten();
-        ended.min_by(|a, b| a.misfit.cost().total_cmp(&b.misfit.cost()))
+        self.descents.iter().flatten().min_by(|a, b| a.misfit.cost().total_cmp(&b.misfit.cost()))
     }
 }
 
@@ -110,9 +111,7 @@ pub fn search(
         return Err(SearchError::NoTime);
     }
     let order = order(starts, &progress.screened);
-    let Some(&first) = order.first() else {
-        return Err(SearchError::NoStart(progress.screened.len(), last_error));
-    };
+    let Some(&first) = order.first() else { return Err(SearchError::NoStart(progress.screened.len(), last_error)) };
     let deepest = Limits { iterations: 2 * settings.iterations, decrease: 1e-7, deadline: settings.deadline };
     let mut optima = Optima::new(objective, deepest);
     let mut queue = order.into_iter();
@@ -171,8 +170,7 @@ fn descend(
             other => other.ok(),
         };
         // One that time cut short is no minimum.
-        let cut = |minimum: &Minimum| minimum.end == End::Time;
-        if minimum.as_ref().is_some_and(cut) && progress.best().is_some() {
+        if minimum.as_ref().is_some_and(|minimum| minimum.end == End::Time) && progress.best().is_some() {
             break;
         }
         ends.extend(minimum.clone());
@@ -195,22 +193,18 @@ fn unknowns(objective: &Objective<'_>, free: &[f64]) -> Vec<f64> {
 /// single linkage calls so (Rinnooy Kan & Timmer 1987, Stochastic global optimization methods II, Mathematical
 /// Programming 39, 57-78, equation 3 with sigma = 2). Among each kind the best come first.
 fn order(starts: &[Vec<f64>], screened: &[Option<f64>]) -> Vec<usize> {
-    let costs = screened.iter().enumerate();
-    let mut ranked: Vec<(usize, f64)> = costs.filter_map(|(i, cost)| Some((i, (*cost)?))).collect();
+    let mut ranked: Vec<(usize, f64)> =
+        screened.iter().enumerate().filter_map(|(i, cost)| Some((i, (*cost)?))).collect();
     ranked.sort_by(|a, b| a.1.total_cmp(&b.1));
     let near = linkage(ranked.len(), starts.first().map_or(0, Vec::len));
-    let square = |a: usize, b: usize| -> f64 {
-        let pairs = starts[a].iter().zip(&starts[b]);
-        pairs.map(|(a, b)| (a - b).powi(2)).sum()
-    };
+    let square = |a: usize, b: usize| -> f64 { starts[a].iter().zip(&starts[b]).map(|(a, b)| (a - b).powi(2)).sum() };
     let leads = |place: usize| {
         let mut better = ranked[..place].iter();
         better.all(|&(other, _)| square(ranked[place].0, other) > near * near)
     };
     let places = 0..ranked.len();
     let (first, later): (Vec<usize>, Vec<usize>) = places.partition(|&place| leads(place));
-    let indexes = first.into_iter().chain(later);
-    indexes.map(|place| ranked[place].0).collect()
+    first.into_iter().chain(later).map(|place| ranked[place].0).collect()
 }
 
 /// The critical distance of multi-level single linkage in the unit cube.

@@ -11,8 +11,10 @@ use nalgebra::DVector;
 
 use conformity::normal::ln_between;
 
-use super::errors::Errors;
-use super::problem::{NotNormal, Problem};
+use super::{
+    errors::Errors,
+    problem::{NotNormal, Problem},
+};
 
 /// The limits of a rectangular source, whose standard deviation is 1.
 const LIMIT: f64 = 1.732_050_807_568_877_2;
@@ -35,12 +37,8 @@ impl Stated {
         /// The ends of a rectangle are rounded by this part of its half-width: a sample cannot find its way to where the
         /// density is 0 almost everywhere.
         const ROUNDED: f64 = 0.02;
-        let alone = |value: &&NotNormal| {
-            let effects = errors.effects(value.case, value.quantity);
-            effects.iter().all(|effect| *effect == 0.0)
-        };
-        let means = problem.not_normal.iter();
-        let means = means.filter(|value| value.law.student > 0.0).count();
+        let alone = |value: &&NotNormal| errors.effects(value.case, value.quantity).iter().all(|effect| *effect == 0.0);
+        let means = problem.not_normal.iter().filter(|value| value.law.student > 0.0).count();
         let values = problem.not_normal.iter().filter(alone).map(|value| {
             let mut law = value.law.among(means);
             law.normal = law.normal.hypot(ROUNDED * law.half_width);
@@ -51,16 +49,17 @@ impl Stated {
 
     /// What the logarithm of the likelihood has beyond that of normal errors, given the sources' most probable values by these.
     pub(crate) fn ln_beyond(&self, problem: &Problem, errors: &Errors, predicted: &[Vec<f64>], sources: &[f64]) -> f64 {
-        let values = self.values.iter().map(|value| {
-            let (case, quantity) = (value.case, value.quantity);
-            let error = problem.cases[case].measured[quantity].value - predicted[case][quantity];
-            let accuracy = errors.accuracy(case, quantity);
-            let normal = -0.5 * (error / accuracy).powi(2) - accuracy.ln();
-            value.law.ln_density(error) - normal + 0.5 * std::f64::consts::TAU.ln()
-        });
-        let rectangles = self.rectangles.iter();
-        let rectangles = rectangles.map(|rectangle| rectangle.ln_ratio(sources));
-        values.chain(rectangles).sum()
+        self.values
+            .iter()
+            .map(|value| {
+                let (case, quantity) = (value.case, value.quantity);
+                let error = problem.cases[case].measured[quantity].value - predicted[case][quantity];
+                let accuracy = errors.accuracy(case, quantity);
+                let normal = -0.5 * (error / accuracy).powi(2) - accuracy.ln();
+                value.law.ln_density(error) - normal + 0.5 * std::f64::consts::TAU.ln()
+            })
+            .chain(self.rectangles.iter().map(|rectangle| rectangle.ln_ratio(sources)))
+            .sum()
     }
 
     /// Mean and standard deviation of each channel's error, given those by normal errors.
@@ -84,19 +83,20 @@ impl Stated {
 fn rectangles(problem: &Problem, errors: &Errors) -> Vec<Rectangle> {
     /// A smaller covariance is rounding.
     const NOTHING: f64 = 1e-9;
-    let sources = problem.sources.iter().enumerate();
-    let rectangular = sources.filter(|(_, source)| source.rectangular);
-    let numbers: Vec<usize> = rectangular.map(|(number, _)| number).collect();
-    let all = numbers.iter().map(|&source| {
-        let mut unit = DVector::zeros(errors.sources());
-        unit[source] = 1.0;
-        Rectangle { source, covariances: errors.solved(&unit) }
-    });
-    let apart = |rectangle: &Rectangle| {
-        let mut others = numbers.iter().filter(|&&other| other != rectangle.source);
-        others.all(|&other| rectangle.covariances[other].abs() <= NOTHING)
-    };
-    all.filter(apart).collect()
+    let numbers: Vec<usize> =
+        problem.sources.iter().enumerate().filter(|(_, source)| source.rectangular).map(|(number, _)| number).collect();
+    numbers
+        .iter()
+        .map(|&source| {
+            let mut unit = DVector::zeros(errors.sources());
+            unit[source] = 1.0;
+            Rectangle { source, covariances: errors.solved(&unit) }
+        })
+        .filter(|rectangle| {
+            let mut others = numbers.iter().filter(|&&other| other != rectangle.source);
+            others.all(|&other| rectangle.covariances[other].abs() <= NOTHING)
+        })
+        .collect()
 }
 
 impl Rectangle {
@@ -118,9 +118,7 @@ impl Rectangle {
 
     /// The logarithm of the mean of the rectangular prior over the normal one.
     fn ln_ratio(&self, sources: &[f64]) -> f64 {
-        let Some(([low, high], [mean, _])) = self.cut(sources) else {
-            return 0.0;
-        };
+        let Some(([low, high], [mean, _])) = self.cut(sources) else { return 0.0 };
         let taken = 1.0 - self.variance();
         let priors = 0.5 * std::f64::consts::TAU.ln() - (2.0 * LIMIT).ln();
         priors - 0.5 * taken.ln() + 0.5 * mean * mean * taken + ln_between(low, high)
@@ -128,9 +126,7 @@ impl Rectangle {
 
     /// Mean and variance between the limits.
     fn moments(&self, sources: &[f64]) -> [f64; 2] {
-        let Some(([low, high], [mean, deviation])) = self.cut(sources) else {
-            return [0.0, 1.0];
-        };
+        let Some(([low, high], [mean, deviation])) = self.cut(sources) else { return [0.0, 1.0] };
         let inside = ln_between(low, high);
         let density = |z: f64| (-0.5 * (z * z + std::f64::consts::TAU.ln()) - inside).exp();
         let shift = density(low) - density(high);

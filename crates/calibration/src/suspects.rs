@@ -6,22 +6,22 @@
 //! Psychometrika 54, 371-384) says by how much the sum of squares would fall. The most promising ones are then fitted by runs:
 //! what is told has been simulated.
 
-use std::collections::HashSet;
-use std::mem::discriminant;
-use std::time::Instant;
+use std::{collections::HashSet, mem::discriminant, time::Instant};
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
-use super::errors::Errors;
-use super::expected::Expected;
-use super::local::{Limits, Minimum, minimise};
-use super::next::Group;
-use super::objective::{Differences, Objective};
-use super::optima::Optimum;
-use super::problem::{Effect, Free, NoPrediction, Problem, SharedKind, Simulate, Source, Spacing};
-use super::remembered::Remembered;
+use super::{
+    errors::Errors,
+    expected::Expected,
+    local::{Limits, Minimum, minimise},
+    next::Group,
+    objective::{Differences, Objective},
+    optima::Optimum,
+    problem::{Effect, Free, NoPrediction, Problem, SharedKind, Simulate, Source, Spacing},
+    remembered::Remembered,
+};
 
 /// What may be wrong.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -95,15 +95,17 @@ impl Sensor {
     /// By how much its values fall, a second, curve by curve.
     fn rates(&self, values: &[f64]) -> Vec<f64> {
         let mut rest = values;
-        let curves = self.times.iter().flat_map(|times| {
-            let (own, behind) = rest.split_at(times.len());
-            rest = behind;
-            (0..own.len()).map(|k| {
-                let [from, to] = [k.saturating_sub(1), (k + 1).min(own.len() - 1)];
-                (own[from] - own[to]) / (times[to] - times[from]).max(f64::MIN_POSITIVE)
+        self.times
+            .iter()
+            .flat_map(|times| {
+                let (own, behind) = rest.split_at(times.len());
+                rest = behind;
+                (0..own.len()).map(|k| {
+                    let [from, to] = [k.saturating_sub(1), (k + 1).min(own.len() - 1)];
+                    (own[from] - own[to]) / (times[to] - times[from]).max(f64::MIN_POSITIVE)
+                })
             })
-        });
-        curves.collect()
+            .collect()
     }
 }
 
@@ -215,17 +217,16 @@ impl Inquiry<'_> {
     /// Parameters that are at a bound, or far from where they were expected, and would go on.
     fn ranges(&self, linear: &Linear) -> Vec<Candidate> {
         const FAR: f64 = 2.0;
-        let problem = self.problem;
-        let free = problem.free.iter().enumerate().zip(&self.optimum.minimum.places);
-        let candidates = free.filter_map(|((k, free), &place)| {
+        let free = self.problem.free.iter().enumerate().zip(&self.optimum.minimum.places);
+        free.filter_map(|((k, free), &place)| {
             let known = free.prior_place().map(|(centre, deviation)| (place - centre) / deviation);
             let (fall, size) = linear.score(&linear.slopes.column(k).into_owned(), Some(k))?;
             let outward = (place <= 0.0 && size < 0.0) || (place >= 1.0 && size > 0.0);
             let far = known.is_some_and(|known| known.abs() > FAR && known * size > 0.0);
             let fall = fall + known.map_or(0.0, |known| known.powi(2));
             (outward || far).then_some(Candidate { what: What::Range(k), fall, size: place + size })
-        });
-        candidates.collect()
+        })
+        .collect()
     }
 
     /// Offsets, gains and delays of sensors.
@@ -233,8 +234,8 @@ impl Inquiry<'_> {
         let predicted = &self.optimum.minimum.misfit.predicted;
         let mut candidates = Vec::new();
         for (number, sensor) in self.sensors.iter().enumerate() {
-            let of = |&[case, quantity]: &[usize; 2]| predicted[case][quantity];
-            let values: Vec<f64> = sensor.group.values.iter().map(of).collect();
+            let values: Vec<f64> =
+                sensor.group.values.iter().map(|&[case, quantity]| predicted[case][quantity]).collect();
             let mut patterns = vec![(Fault::Offset, vec![1.0; values.len()])];
             if values.len() > 2 {
                 patterns.push((Fault::Gain, values.clone()));
@@ -265,27 +266,37 @@ impl Inquiry<'_> {
     /// Frees an error of a sensor that moves its values along a column. Its prior is so wide that it costs nothing.
     fn free(&self, problem: &mut Problem, sensor: &Sensor, column: &DVector<f64>, scale: f64) {
         let quantities = self.problem.quantities.len();
-        let effect = |&[case, quantity]: &[usize; 2]| {
-            let change = scale * column[case * quantities + quantity];
-            Effect { case, quantity, change, part: None }
-        };
-        let effects = sensor.group.values.iter().map(effect).collect();
+        let effects = sensor
+            .group
+            .values
+            .iter()
+            .map(|&[case, quantity]| {
+                let change = scale * column[case * quantities + quantity];
+                Effect { case, quantity, change, part: None }
+            })
+            .collect();
         problem.sources.push(Source { effects, rectangular: false });
     }
 
     /// Constants, each by the run with another value.
     fn of_constants(&self, linear: &Linear) -> Vec<Candidate> {
         let predicted = &self.optimum.minimum.misfit.predicted;
-        let candidates = self.constants.iter().enumerate().filter_map(|(number, constant)| {
-            let (other, moved) = &constant.moved;
-            let [here, there] = [constant.value, *other].map(|value| constant.free.place(value));
-            let pairs = predicted.iter().flatten().zip(moved.iter().flatten());
-            let column = pairs.map(|(old, new)| (new - old) / (there - here));
-            let column = DVector::from_iterator(linear.accuracies.len(), column).component_div(&linear.accuracies);
-            let (fall, size) = linear.score(&column, None)?;
-            Some(Candidate { what: What::Constant(number), fall, size: here + size })
-        });
-        candidates.collect()
+        self.constants
+            .iter()
+            .enumerate()
+            .filter_map(|(number, constant)| {
+                let (other, moved) = &constant.moved;
+                let [here, there] = [constant.value, *other].map(|value| constant.free.place(value));
+                let column = predicted
+                    .iter()
+                    .flatten()
+                    .zip(moved.iter().flatten())
+                    .map(|(old, new)| (new - old) / (there - here));
+                let column = DVector::from_iterator(linear.accuracies.len(), column).component_div(&linear.accuracies);
+                let (fall, size) = linear.score(&column, None)?;
+                Some(Candidate { what: What::Constant(number), fall, size: here + size })
+            })
+            .collect()
     }
 
     /// The problem with a constant as a last free parameter.
@@ -308,21 +319,28 @@ impl Inquiry<'_> {
         const PART: f64 = 0.25;
         let now = self.optimum.minimum.misfit.cost();
         let unknowns = self.problem.unknowns();
-        let starts = self.starts.iter().map(|start| {
-            let mut start = start.clone();
-            start.resize(unknowns, 0.5);
-            start
-        });
-        let places: Vec<Vec<f64>> = starts.chain([self.optimum.minimum.places.clone()]).collect();
+        let places: Vec<Vec<f64>> = self
+            .starts
+            .iter()
+            .map(|start| {
+                let mut start = start.clone();
+                start.resize(unknowns, 0.5);
+                start
+            })
+            .chain([self.optimum.minimum.places.clone()])
+            .collect();
         let mut candidates = Vec::new();
         for (number, sensor) in self.sensors.iter().enumerate() {
             for (which, confusion) in sensor.confusions.iter().enumerate() {
                 let problem = self.read_as(sensor, confusion);
                 // All of these runs were made.
-                let misfits = Objective::new(&problem, self.model, self.difference).misfits(&places)?;
-                let costs =
-                    misfits.iter().zip(&places).filter_map(|(misfit, at)| Some((misfit.as_ref().ok()?.cost(), at)));
-                let best = costs.min_by(|a, b| a.0.total_cmp(&b.0)).filter(|(cost, _)| *cost < PART * now);
+                let best = Objective::new(&problem, self.model, self.difference)
+                    .misfits(&places)?
+                    .iter()
+                    .zip(&places)
+                    .filter_map(|(misfit, at)| Some((misfit.as_ref().ok()?.cost(), at)))
+                    .min_by(|a, b| a.0.total_cmp(&b.0))
+                    .filter(|(cost, _)| *cost < PART * now);
                 candidates.extend(best.map(|(cost, at)| Candidate {
                     what: What::Unit(number, which, at.clone()),
                     fall: now - cost,
@@ -358,9 +376,12 @@ impl Inquiry<'_> {
             // Accuracies may be stated in the unit that was meant.
             let factor = confusion.factor.abs().max(1.0);
             measured.accuracy *= factor;
-            let effects = problem.sources.iter_mut().flat_map(|source| &mut source.effects);
-            let own = effects.filter(|effect| (effect.case, effect.quantity) == (case, quantity));
-            own.for_each(|effect| effect.change *= factor);
+            problem
+                .sources
+                .iter_mut()
+                .flat_map(|source| &mut source.effects)
+                .filter(|effect| (effect.case, effect.quantity) == (case, quantity))
+                .for_each(|effect| effect.change *= factor);
         }
         problem
     }
@@ -443,8 +464,7 @@ impl Inquiry<'_> {
     fn constant(&self, constant: &Constant<'_>, place: f64) -> Result<Suspect, NoPrediction> {
         let problem = self.with(constant);
         let model = Remembered::new(&*constant.model, []);
-        let start = self.placed(place.clamp(0.02, 0.98));
-        let minimum = self.minimised(&problem, &model, start)?;
+        let minimum = self.minimised(&problem, &model, self.placed(place.clamp(0.02, 0.98)))?;
         let free = &constant.free;
         let value = free.value(minimum.places[self.problem.free.len()]);
         let departure = match constant.usual {
@@ -478,8 +498,11 @@ impl Inquiry<'_> {
         };
         let channels = self.problem.channels.iter();
         let is_its = |name: &str| sensor.criteria.iter().any(|criterion| criterion == name);
-        let stated = channels.filter(|channel| is_its(&channel.name) && channel.kind == kind);
-        let stated = stated.map(|channel| channel.limit).reduce(f64::max).filter(|_| *fault != Fault::Delay);
+        let stated = channels
+            .filter(|channel| is_its(&channel.name) && channel.kind == kind)
+            .map(|channel| channel.limit)
+            .reduce(f64::max)
+            .filter(|_| *fault != Fault::Delay);
         let usual = match fault {
             Fault::Gain => 0.02,
             Fault::Delay => spacing(&sensor.times),
@@ -506,8 +529,12 @@ impl Inquiry<'_> {
         let spacing = spacing(&sensor.times);
         // What is left of a delay by whole rows.
         if confusion.rows != 0 {
-            let of = |&[case, quantity]: &[usize; 2]| self.optimum.minimum.misfit.predicted[case][quantity];
-            let values: Vec<f64> = sensor.group.values.iter().map(of).collect();
+            let values: Vec<f64> = sensor
+                .group
+                .values
+                .iter()
+                .map(|&[case, quantity]| self.optimum.minimum.misfit.predicted[case][quantity])
+                .collect();
             let column = self.column(sensor, sensor.rates(&values));
             self.free(&mut problem, sensor, &column, WIDE * spacing);
         }
@@ -530,8 +557,12 @@ impl Inquiry<'_> {
 
     /// The middle accuracy of a sensor's values.
     fn accuracy(&self, sensor: &Sensor) -> f64 {
-        let of = |&[case, quantity]: &[usize; 2]| self.problem.cases[case].measured[quantity].accuracy;
-        let mut all: Vec<f64> = sensor.group.values.iter().map(of).collect();
+        let mut all: Vec<f64> = sensor
+            .group
+            .values
+            .iter()
+            .map(|&[case, quantity]| self.problem.cases[case].measured[quantity].accuracy)
+            .collect();
         all.sort_by(f64::total_cmp);
         all.get(all.len() / 2).copied().unwrap_or(0.0)
     }

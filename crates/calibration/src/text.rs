@@ -1,15 +1,17 @@
 //! The result of an identification in sentences, and as parameters for the next study.
 
 pub use super::digits::digits;
-use super::digits::{rounded, shown};
-use super::failures::words;
-use super::fit::Fit;
-use super::influence::Influence;
-use super::local::End;
-use super::optima::Approximation;
-use super::outcome::{DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual};
-use super::problem::{SharedKind, Spacing};
-use super::shared::SharedOutcome;
+use super::{
+    digits::{rounded, shown},
+    failures::words,
+    fit::Fit,
+    influence::Influence,
+    local::End,
+    optima::Approximation,
+    outcome::{DirectionOutcome, FreeOutcome, IdentificationOutcome, Residual},
+    problem::{SharedKind, Spacing},
+    shared::SharedOutcome,
+};
 
 /// The free parameters as the section `[fixed]` of a study, but for those that are no parameters of the model.
 pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome, others: &[String]) -> String {
@@ -54,16 +56,19 @@ pub fn several(outcome: &IdentificationOutcome) -> Option<String> {
 
 /// The parameters that the data do not tell from others: those of a combination that they leave open.
 fn on_ridges(outcome: &IdentificationOutcome) -> Vec<&str> {
-    let open = outcome.directions.iter().filter(|d| d.undetermined);
-    let together = open.filter(|direction| strong(direction).count() > 1);
-    let names = together.flat_map(strong);
-    names.map(|(name, _)| name.as_str()).collect()
+    outcome
+        .directions
+        .iter()
+        .filter(|d| d.undetermined)
+        .filter(|direction| strong(direction).count() > 1)
+        .flat_map(strong)
+        .map(|(name, _)| name.as_str())
+        .collect()
 }
 
 /// The parameters with a considerable part in a direction.
 fn strong(direction: &DirectionOutcome) -> impl Iterator<Item = &(String, f64)> {
-    let weights = direction.weights.iter();
-    weights.filter(|(_, weight)| weight.abs() > 0.3)
+    direction.weights.iter().filter(|(_, weight)| weight.abs() > 0.3)
 }
 
 /// What has to be known of the intervals of single parameters.
@@ -106,8 +111,7 @@ fn remark(free: &FreeOutcome, on_ridge: bool) -> Option<String> {
 
 /// What the data leave open, and whether a sample confirms the intervals.
 pub fn open(outcome: &IdentificationOutcome) -> Vec<String> {
-    let open = outcome.directions.iter().filter(|d| d.undetermined);
-    let open: Vec<_> = open.collect();
+    let open: Vec<_> = outcome.directions.iter().filter(|d| d.undetermined).collect();
     if open.is_empty() {
         return confirmed(outcome).into_iter().collect();
     }
@@ -150,18 +154,19 @@ fn confirmed(outcome: &IdentificationOutcome) -> Option<String> {
         return None;
     }
     let Some(sample) = &outcome.posterior else {
-        let text = "If the model is right, these intervals hold; they are normal approximations, which --posterior 1000 checks.";
-        return Some(text.to_owned());
+        return Some("If the model is right, these intervals hold; they are normal approximations, which --posterior 1000 checks.".to_owned());
     };
     if !sample.populations.is_empty() {
         // The sample is of another problem: one with a common mean and spread.
         return None;
     }
-    let pairs = outcome.free.iter().zip(&sample.free);
-    let apart = pairs.map(|(free, marginal)| (&free.name[..], apart(free, &marginal.intervals)));
-    let apart: Vec<(&str, f64)> = apart.collect();
-    let other = apart.iter().filter(|(_, apart)| *apart > OFF);
-    let other: Vec<&str> = other.map(|(name, _)| *name).collect();
+    let apart: Vec<(&str, f64)> = outcome
+        .free
+        .iter()
+        .zip(&sample.free)
+        .map(|(free, marginal)| (&free.name[..], apart(free, &marginal.intervals)))
+        .collect();
+    let other: Vec<&str> = apart.iter().filter(|(_, apart)| *apart > OFF).map(|(name, _)| *name).collect();
     match (sample.trusted, &other[..]) {
         (false, _) => None,
         (true, []) => Some(format!(
@@ -185,9 +190,7 @@ fn apart(free: &FreeOutcome, sampled: &[[f64; 2]]) -> f64 {
         Spacing::Linear => value,
         Spacing::Log => value.ln(),
     };
-    let [interval] = sampled else {
-        return f64::INFINITY;
-    };
+    let [interval] = sampled else { return f64::INFINITY };
     let [low, high] = interval.map(place);
     let ends = free.interval.map(place);
     (ends[0] - low).abs().max((ends[1] - high).abs()) / (high - low)
@@ -225,10 +228,8 @@ fn of_channel(error: &SharedOutcome, interval: &str) -> String {
     let mut ends = error.interval.map(|end| side * end);
     ends.sort_by(f64::total_cmp);
     let [low, high] = ends.map(number);
-    let beyond = match error.value.abs() > error.limit {
-        true => ", which this is beyond: doubt the model or the sensor",
-        false => "",
-    };
+    let beyond =
+        if error.value.abs() > error.limit { ", which this is beyond: doubt the model or the sensor" } else { "" };
     format!(
         "The sensor of {} most likely reads {} too {}{} ({low} .. {high}, {interval}{}); {}{beyond}.",
         error.name,
@@ -245,9 +246,7 @@ fn of_channel(error: &SharedOutcome, interval: &str) -> String {
 
 /// Places where runs failed, and what that leaves open at the optima.
 pub fn excluded(outcome: &IdentificationOutcome) -> Vec<String> {
-    let Some(excluded) = &outcome.excluded else {
-        return Vec::new();
-    };
+    let Some(excluded) = &outcome.excluded else { return Vec::new() };
     let [starts, lost] = excluded.starts;
     let mut said = vec![format!(
         "Runs failed at {} of {} places, among them {lost} of {starts} starts, which are spread evenly between the bounds: \
@@ -260,10 +259,7 @@ pub fn excluded(outcome: &IdentificationOutcome) -> Vec<String> {
         excluded.message
     )];
     for (place, optimum) in outcome.optima.iter().enumerate() {
-        let name = match outcome.has_several() {
-            true => format!("optimum {}", place + 1),
-            false => "the optimum".to_owned(),
-        };
+        let name = if outcome.has_several() { format!("optimum {}", place + 1) } else { "the optimum".to_owned() };
         let edge = optimum.edge;
         if optimum.free.iter().any(|free| free.surrounded) {
             said.push(format!(
@@ -303,21 +299,29 @@ pub fn influence(outcome: &IdentificationOutcome) -> Vec<String> {
     const LITTLE: f64 = 0.5;
     /// A smaller part is not worth a word.
     const SMALL: f64 = 0.05;
-    let each = outcome.influence.iter().map(|Influence { parameter, values, budget }| {
-        let parts = budget.iter().filter(|part| part.share >= SMALL);
-        let parts: Vec<String> = parts.map(|part| format!("{:.0} % {}", 100.0 * part.share, part.from)).collect();
-        let moved = values.first().filter(|moved| moved.change.abs() >= LITTLE);
-        let moved = moved.map_or_else(String::new, |moved| {
-            format!(
-                "; without {}{} it would change by {} of its standard deviations",
-                moved.quantity,
-                if outcome.cases.len() > 1 { format!(" of case {}", moved.case) } else { String::new() },
-                rounded(moved.change.abs(), 2)
-            )
-        });
-        format!("variance of {parameter}: {}{moved}", parts.join(", "))
-    });
-    each.collect()
+    outcome
+        .influence
+        .iter()
+        .map(|Influence { parameter, values, budget }| {
+            let parts: Vec<String> = budget
+                .iter()
+                .filter(|part| part.share >= SMALL)
+                .map(|part| format!("{:.0} % {}", 100.0 * part.share, part.from))
+                .collect();
+            let moved = values.first().filter(|moved| moved.change.abs() >= LITTLE);
+            let moved = moved
+                .map(|moved| {
+                    format!(
+                        "; without {}{} it would change by {} of its standard deviations",
+                        moved.quantity,
+                        if outcome.cases.len() > 1 { format!(" of case {}", moved.case) } else { String::new() },
+                        rounded(moved.change.abs(), 2)
+                    )
+                })
+                .unwrap_or_default();
+            format!("variance of {parameter}: {}{moved}", parts.join(", "))
+        })
+        .collect()
 }
 
 /// What speaks against the fit, a sentence each, once the search has converged.
@@ -365,8 +369,7 @@ fn ends(outcome: &IdentificationOutcome) -> String {
     match &outcome.optima[..] {
         [only] => format!("{} of these to this minimum", only.reached),
         several => {
-            let reached = several.iter().map(|optimum| optimum.reached.to_string());
-            let reached: Vec<String> = reached.collect();
+            let reached: Vec<String> = several.iter().map(|optimum| optimum.reached.to_string()).collect();
             format!("of these {} to the optima above", reached.join(", "))
         }
     }

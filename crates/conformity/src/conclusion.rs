@@ -2,10 +2,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::decision::{Decision, Rule};
-use crate::looks::{Looks, Way};
-use crate::risk::{Bands, Risk, Statement, Unfit};
-use crate::sequence::{points_needed, points_needed_once};
+use crate::{
+    decision::{Decision, Rule},
+    looks::{Looks, Way},
+    risk::{Bands, Risk, Statement, Unfit},
+    sequence::{points_needed, points_needed_once},
+};
 
 /// The verdict on the model, with what it rests on.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -24,7 +26,7 @@ pub struct Conclusion {
     /// risk as required, and nothing is accepted.
     pub guard_band: Option<f64>,
     /// The largest probability not to conform of an accepted point, where each has to keep it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub point_risk: Option<f64>,
     /// The risks of all criteria together; none unless every criterion has an uncertainty.
     pub risk: Option<Risk>,
@@ -56,7 +58,7 @@ pub struct Requirement {
     /// Where `risk` sets the guard band: the narrowest and the widest one that may be the right one of the whole space;
     /// none for the latter where the points show of no band that it is enough. The interval of the share is right for all
     /// of them.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub guard_bands: Option<[Option<f64>; 2]>,
     /// How many verdicts were drawn from points of this study, with this one.
     #[serde(default = "one")]
@@ -150,8 +152,7 @@ fn undecided(
     if looks.decide(rule, within, points) == verdict {
         let [_, high] = looks.interval(within, points, rule.confidence);
         required.interval = Some([0.0, high]);
-        let of_which = " within all tolerances, whatever the guard band";
-        let words = by_share(verdict, &required, of_which);
+        let words = by_share(verdict, &required, " within all tolerances, whatever the guard band");
         return (verdict, required, words);
     }
     let verdict = Decision::Inconclusive;

@@ -56,8 +56,13 @@ impl Rule {
 pub fn randomised(counts: &[u64], points: u64, confidence: f64) -> [f64; 2] {
     let nets = counts.len().max(1) as u64;
     let size = |k: u64| points / nets + u64::from(k < points % nets);
-    let of_net = |(k, &hits): (u64, &u64)| Moments { count: size(k), sum: hits as f64, squares: hits as f64 };
-    of_mean(&(0..).zip(counts).map(of_net).collect::<Vec<Moments>>(), confidence)
+    of_mean(
+        &(0..)
+            .zip(counts)
+            .map(|(k, &hits)| Moments { count: size(k), sum: hits as f64, squares: hits as f64 })
+            .collect::<Vec<Moments>>(),
+        confidence,
+    )
 }
 
 #[cfg(test)]

@@ -1,11 +1,12 @@
 //! Probabilities that three or more correlated normal errors lie between limits.
 
-use std::f64::consts::TAU;
-use std::sync::LazyLock;
+use std::{f64::consts::TAU, sync::LazyLock};
 
-use super::lattice::Lattice;
-use super::normal::{GaussLegendre, between};
-use super::tabulated;
+use super::{
+    lattice::Lattice,
+    normal::{GaussLegendre, between},
+    tabulated,
+};
 
 /// The aim for the error of a probability.
 const ACCURACY: f64 = 2e-5;
@@ -86,12 +87,15 @@ fn ordered(correlation: &[Vec<f64>], lower: &[f64], upper: &[f64]) -> (Vec<Vec<f
             let deviation = variance.max(SINGULAR * SINGULAR).sqrt();
             ([lower[i], upper[i]].map(|limit| (limit - known) / deviation), deviation)
         };
-        let chances = rest.iter().map(|&i| {
-            let [a, b] = given(i).0;
-            between(a, b)
-        });
-        let least = chances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
-        let (place, chance) = least.expect("a number is left for each place");
+        let (place, chance) = rest
+            .iter()
+            .map(|&i| {
+                let [a, b] = given(i).0;
+                between(a, b)
+            })
+            .enumerate()
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .expect("a number is left for each place");
         let next = rest.remove(place);
         let ([a, b], pivot) = given(next);
         means.push(mean_between(a, b, chance));
@@ -116,8 +120,7 @@ fn mean_between(lower: f64, upper: f64, chance: f64) -> f64 {
 
 /// The rules with so many nodes.
 static RULES: LazyLock<Vec<Vec<[f64; 2]>>> = LazyLock::new(|| {
-    let rule = |nodes: usize| GaussLegendre::new(nodes.max(2)).on_unit_interval().collect();
-    (0..=MOST_NODES).map(rule).collect()
+    (0..=MOST_NODES).map(|nodes| GaussLegendre::new(nodes.max(2)).on_unit_interval().collect()).collect()
 });
 
 /// The box as a unit cube.
@@ -130,14 +133,17 @@ impl Cube {
     /// Over which length of each number the conditional probability of those after it changes.
     fn scales(&self) -> Vec<f64> {
         let size = self.factor.len();
-        let of = |k: usize| {
-            let later = self.factor[k + 1..].iter().map(|row| {
-                let left: f64 = row[k + 1..].iter().map(|part| part * part).sum();
-                left.sqrt() / row[k].abs()
-            });
-            later.fold(1.0, f64::min)
-        };
-        (0..size).map(of).collect()
+        (0..size)
+            .map(|k| {
+                self.factor[k + 1..]
+                    .iter()
+                    .map(|row| {
+                        let left: f64 = row[k + 1..].iter().map(|part| part * part).sum();
+                        left.sqrt() / row[k].abs()
+                    })
+                    .fold(1.0, f64::min)
+            })
+            .collect()
     }
 
     /// The conditional probability of the remaining numbers by nested quadrature, given the first ones, which have this

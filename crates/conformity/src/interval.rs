@@ -1,7 +1,9 @@
 //! Intervals of means, from a sample of numbers that lie between 0 and 1.
 
-use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
-use statrs::function::beta::beta_reg;
+use statrs::{
+    distribution::{ContinuousCDF, Normal, StudentsT},
+    function::beta::beta_reg,
+};
 
 /// The fewest independent nets whose mean has an interval. Each counts as one trial, so that fewer tell next to nothing.
 pub const LEAST_SAMPLES: usize = 16;
@@ -78,9 +80,10 @@ pub fn of_mean(parts: &[Moments], confidence: f64) -> [f64; 2] {
     let total = Moments::total(parts);
     if parts.len() > 1 {
         let nets = parts.len() as f64;
-        return match parts.iter().all(|part| part.count > 0) {
-            true => clopper_pearson(parts.iter().map(Moments::mean).sum(), nets, confidence),
-            false => [0.0, 1.0],
+        return if parts.iter().all(|part| part.count > 0) {
+            clopper_pearson(parts.iter().map(Moments::mean).sum(), nets, confidence)
+        } else {
+            [0.0, 1.0]
         };
     }
     if total.count < 2 {

@@ -2,9 +2,11 @@
 
 use std::borrow::Cow;
 
-use super::genz;
-use super::normal::{between, between_both};
-use super::one_factor::OneFactor;
+use super::{
+    genz,
+    normal::{between, between_both},
+    one_factor::OneFactor,
+};
 
 /// Standard normal errors with given correlations.
 #[derive(Clone, Debug, Default)]
@@ -38,11 +40,9 @@ impl JointNormal {
         for mut block in blocks(errors, pairs)? {
             let all = std::mem::take(&mut block.members);
             let twins = twins(&block.correlation)?;
-            let is_own = |i: &usize| twins.iter().all(|(twin, ..)| twin != i);
-            let originals: Vec<usize> = (0..all.len()).filter(is_own).collect();
+            let originals: Vec<usize> = (0..all.len()).filter(|i| twins.iter().all(|(twin, ..)| twin != i)).collect();
             let correlation = with_density(part(&block.correlation, &originals))?;
-            let place = |(twin, original, sign): (usize, usize, f64)| (all[twin], all[original], sign);
-            joint.twins.extend(twins.into_iter().map(place));
+            joint.twins.extend(twins.into_iter().map(|(twin, original, sign)| (all[twin], all[original], sign)));
             all.iter().for_each(|&i| joint.block_of[i] = joint.blocks.len());
             joint.blocks.push(Block {
                 single: all.len() == 1,
@@ -63,8 +63,7 @@ impl JointNormal {
     /// The same for each block of errors that depend on each other; they multiply.
     pub fn parts(&self, lower: &[f64], upper: &[f64]) -> Vec<f64> {
         let [lower, upper] = self.narrowed(lower, upper);
-        let blocks = self.blocks.iter();
-        blocks.map(|block| block.probability(&lower, &upper)).collect()
+        self.blocks.iter().map(|block| block.probability(&lower, &upper)).collect()
     }
 
     /// The number of the part that an error is all by itself; none where another one depends on it.
@@ -130,8 +129,7 @@ fn twins(matrix: &[Vec<f64>]) -> Result<Vec<(usize, usize, f64)>, String> {
             continue;
         };
         let sign = row[original];
-        let alike = |(a, b): (&f64, &f64)| (a - sign * b).abs() < 1e-12;
-        if !row.iter().zip(&matrix[original]).all(alike) {
+        if !row.iter().zip(&matrix[original]).all(|(a, b)| (a - sign * b).abs() < 1e-12) {
             return Err(CONTRADICTION.to_owned());
         }
         twins.push((twin, original, sign));
@@ -141,8 +139,7 @@ fn twins(matrix: &[Vec<f64>]) -> Result<Vec<(usize, usize, f64)>, String> {
 
 /// The correlations of some errors.
 fn part(matrix: &[Vec<f64>], members: &[usize]) -> Vec<Vec<f64>> {
-    let row = |&i: &usize| members.iter().map(|&j| matrix[i][j]).collect();
-    members.iter().map(row).collect()
+    members.iter().map(|&i| members.iter().map(|&j| matrix[i][j]).collect()).collect()
 }
 
 /// Errors that depend on each other, each in its order, with their correlations.

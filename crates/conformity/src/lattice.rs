@@ -32,8 +32,10 @@ impl Lattice {
         let size = factor.len();
         let left = |row: &[f64]| row.iter().map(|part| part * part).sum::<f64>().sqrt();
         let of = |k: usize| {
-            let later = (k + 1..size).map(|j| (j, left(&factor[j][k + 1..=j])));
-            later.filter(|(j, left)| *left < SHARP * factor[*j][k].abs()).collect()
+            (k + 1..size)
+                .map(|j| (j, left(&factor[j][k + 1..=j])))
+                .filter(|(j, left)| *left < SHARP * factor[*j][k].abs())
+                .collect()
         };
         Self { followers: (0..size).map(of).collect(), factor, limits }
     }
@@ -71,10 +73,7 @@ impl Lattice {
     fn first_points(&self) -> u64 {
         let followers = self.followers.iter().enumerate();
         let sharpest = followers
-            .flat_map(|(k, followers)| {
-                let of = move |&(j, left): &(usize, f64)| left / self.factor[j][k].abs();
-                followers.iter().map(of)
-            })
+            .flat_map(|(k, followers)| followers.iter().map(move |&(j, left)| left / self.factor[j][k].abs()))
             .fold(1.0, f64::min);
         let wanted = (1.0 / sharpest).ceil() as u64;
         wanted.next_power_of_two().clamp(FIRST_POINTS, MOST_POINTS)
@@ -87,8 +86,7 @@ impl Lattice {
         let (size, of_one) = (self.factor.len(), 1.0 / points as f64);
         let mut product = 1.0;
         for k in 0..size {
-            let deviation = self.factor[k][k];
-            let [lower, upper] = self.range(k, known, deviation);
+            let [lower, upper] = self.range(k, known, self.factor[k][k]);
             if lower >= upper {
                 return 0.0;
             }
@@ -101,8 +99,7 @@ impl Lattice {
             let turn = (GENERATORS[k % GENERATORS.len()] * point) & (points - 1);
             let place = turn as f64 * of_one + shifts[k % shifts.len()];
             let tent = (2.0 * place.fract() - 1.0).abs();
-            let score = tabulated::quantile(below + tent * (to - below));
-            let score = score.max(lower).min(upper);
+            let score = tabulated::quantile(below + tent * (to - below)).max(lower).min(upper);
             for (row, known) in self.factor.iter().zip(known.iter_mut()).skip(k + 1) {
                 *known += row[k] * score;
             }

@@ -6,10 +6,12 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::decision::{Decision, Rule, randomised};
-use super::interval::LEAST_SAMPLES;
-use super::risk::Bands;
-use super::sequence::ConfidenceSequence;
+use super::{
+    decision::{Decision, Rule, randomised},
+    interval::LEAST_SAMPLES,
+    risk::Bands,
+    sequence::ConfidenceSequence,
+};
 
 /// When the share of accepted points is looked at.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -88,8 +90,7 @@ impl History {
             let same_way = then.way == look.way && then.awaited == look.awaited;
             then.points == look.points && (!look.awaited || same_way)
         };
-        let place = self.looks.iter().rposition(|then| known(&then));
-        let place = place.unwrap_or_else(|| {
+        let place = self.looks.iter().rposition(|then| known(&then)).unwrap_or_else(|| {
             self.looks.push(look);
             self.looks.len() - 1
         });
@@ -193,8 +194,7 @@ impl Looks {
 
 /// How many times the first number of points has doubled when there are so many, and this time is over.
 fn doublings(samples: u64, points: u64) -> u32 {
-    let times = points.div_ceil(FIRST * samples.max(1)).max(1);
-    times.next_power_of_two().ilog2()
+    points.div_ceil(FIRST * samples.max(1)).max(1).next_power_of_two().ilog2()
 }
 
 /// The part of the probability of a wrong decision that a look may use up: 1/2, 1/6, 1/12 ... add up to 1, so that all

@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::joint::JointNormal;
-use super::uncertainty::Law;
+use super::{joint::JointNormal, uncertainty::Law};
 
 /// The values that a model may have: the ends of an interval as seen from one of its values, either of which may be
 /// infinite. So written, a limit that a study states decides without rounding.
@@ -98,8 +97,8 @@ impl From<Limits> for Written {
         let has_two = !limits.is_one_sided();
         let is_even = has_two && minus == plus;
         let [minus, plus] = [minus, plus].map(|side| has_two.then_some(side));
-        let ends = limits.ends().map(|end| Some(end).filter(|end| end.is_finite()));
-        let [lower, upper] = ends.map(|end| (!is_even).then_some(end));
+        let [lower, upper] =
+            limits.ends().map(|end| Some(end).filter(|end| end.is_finite())).map(|end| (!is_even).then_some(end));
         Self {
             nominal: has_two.then_some(about),
             tolerance: plus.filter(|_| is_even),
@@ -259,9 +258,11 @@ impl Measurement {
     /// The least [margin](Measured::margin) of a point's model values; minus infinity where one is not a
     /// number.
     pub fn margin(&self, values: &[f64]) -> f64 {
-        let pairs = self.criteria.iter().zip(values);
-        let margins = pairs.map(|(criterion, &value)| criterion.margin(value));
-        margins.fold(f64::INFINITY, f64::min)
+        self.criteria
+            .iter()
+            .zip(values)
+            .map(|(criterion, &value)| criterion.margin(value))
+            .fold(f64::INFINITY, f64::min)
     }
 
     /// Whether every criterion has an uncertainty, so that joint probabilities are known.
@@ -283,14 +284,12 @@ impl Measurement {
         let pairs = || self.criteria.iter().zip(values);
         let told_of = |number: usize| {
             let mut each = told.iter().flat_map(|told| &told.each);
-            let entry = each.find(|(criterion, _)| *criterion == number);
-            entry.map(|(_, probability)| *probability)
+            each.find(|(criterion, _)| *criterion == number).map(|(_, probability)| *probability)
         };
         let limits: Vec<Option<[f64; 2]>> = pairs()
             .enumerate()
             .map(|(number, (c, &value))| {
-                let limits = c.error.map(|error| c.scores(value, error));
-                limits.or_else(|| told_of(number).map(|_| ANY))
+                c.error.map(|error| c.scores(value, error)).or_else(|| told_of(number).map(|_| ANY))
             })
             .collect();
         let known: Option<Vec<[f64; 2]>> = limits.iter().copied().collect();
@@ -306,11 +305,13 @@ impl Measurement {
                 None => super::normal::between(lower, upper),
             })
         };
-        let criteria = pairs().enumerate().map(|(number, (c, &value))| Assessed {
-            margin: c.margin(value),
-            probability: told_of(number).or_else(|| probability(number)),
-        });
-        let criteria = criteria.collect();
+        let criteria = pairs()
+            .enumerate()
+            .map(|(number, (c, &value))| Assessed {
+                margin: c.margin(value),
+                probability: told_of(number).or_else(|| probability(number)),
+            })
+            .collect();
         let joint = parts.map(|parts| parts.iter().product::<f64>() * told.map_or(1.0, |told| told.all));
         let all = Assessed { margin: self.margin(values), probability: joint };
         Conformity { criteria, all }

@@ -1,7 +1,9 @@
 //! Probabilities that one or two normal errors lie between limits.
 
-use std::f64::consts::{FRAC_PI_2, SQRT_2, TAU};
-use std::sync::LazyLock;
+use std::{
+    f64::consts::{FRAC_PI_2, SQRT_2, TAU},
+    sync::LazyLock,
+};
 
 /// The probability that a standard normal number is below `z`.
 pub fn cdf(z: f64) -> f64 {
@@ -28,10 +30,7 @@ pub fn ln_between(lower: f64, upper: f64) -> f64 {
         return f64::NEG_INFINITY;
     }
     // The lower tail keeps its digits.
-    let [lower, upper] = match lower > 0.0 {
-        true => [-upper, -lower],
-        false => [lower, upper],
-    };
+    let [lower, upper] = if lower > 0.0 { [-upper, -lower] } else { [lower, upper] };
     let most = ln_cdf(upper);
     most + (-(ln_cdf(lower) - most).exp_m1()).ln()
 }
@@ -99,11 +98,12 @@ fn angles(correlation: f64) -> impl Iterator<Item = [f64; 3]> {
     let (end, side) = (correlation.abs().asin(), correlation.signum());
     let first = Some([0.0, 0.0]);
     // The density changes ever faster near a correlation of 1: the pieces shrink towards it.
-    let pieces = std::iter::successors(first, move |[_, start]| {
+    std::iter::successors(first, move |[_, start]| {
         let stop = end.min(start + 0.6 * (FRAC_PI_2 - start));
         (*start < end).then_some([*start, stop])
-    });
-    pieces.skip(1).flat_map(move |[start, stop]| {
+    })
+    .skip(1)
+    .flat_map(move |[start, stop]| {
         let (middle, half) = (0.5 * (start + stop), 0.5 * (stop - start));
         TWENTY.0.iter().map(move |[node, weight]| {
             let (sine, cosine) = (middle + half * node).sin_cos();
@@ -121,24 +121,26 @@ pub(super) struct GaussLegendre(Vec<[f64; 2]>);
 impl GaussLegendre {
     /// The rule with this number of nodes: the zeros of the Legendre polynomial, by Newton's method.
     pub(super) fn new(nodes: usize) -> Self {
-        let node = |i: usize| {
-            let guess = std::f64::consts::PI * (i as f64 + 0.75) / (nodes as f64 + 0.5);
-            let mut node = guess.cos();
-            let mut slope = 0.0;
-            for _ in 0..8 {
-                let value;
-                [value, slope] = legendre(nodes, node);
-                node -= value / slope;
-            }
-            [node, 2.0 / ((1.0 - node * node) * slope * slope)]
-        };
-        Self((0..nodes).map(node).collect())
+        Self(
+            (0..nodes)
+                .map(|i| {
+                    let guess = std::f64::consts::PI * (i as f64 + 0.75) / (nodes as f64 + 0.5);
+                    let mut node = guess.cos();
+                    let mut slope = 0.0;
+                    for _ in 0..8 {
+                        let value;
+                        [value, slope] = legendre(nodes, node);
+                        node -= value / slope;
+                    }
+                    [node, 2.0 / ((1.0 - node * node) * slope * slope)]
+                })
+                .collect(),
+        )
     }
 
     /// The same on (0, 1).
     pub(super) fn on_unit_interval(&self) -> impl Iterator<Item = [f64; 2]> {
-        let unit = |[node, weight]: &[f64; 2]| [0.5 * (1.0 + node), 0.5 * weight];
-        self.0.iter().map(unit)
+        self.0.iter().map(|[node, weight]| [0.5 * (1.0 + node), 0.5 * weight])
     }
 }
 

@@ -1,8 +1,7 @@
 //! Normal numbers that are correlated through one common part: given that part they are independent, so that one integral
 //! is left, however many they are and however strongly they are correlated.
 
-use std::f64::consts::TAU;
-use std::sync::LazyLock;
+use std::{f64::consts::TAU, sync::LazyLock};
 
 use super::normal::{GaussLegendre, between};
 
@@ -26,9 +25,7 @@ impl OneFactor {
     /// have one if the product of the three is positive and each product of two is no larger than the third.
     pub(super) fn of(correlation: &[Vec<f64>]) -> Option<Self> {
         const ROUNDING: f64 = 1e-12;
-        let [first, second, _, ..] = correlation else {
-            return None;
-        };
+        let [first, second, _, ..] = correlation else { return None };
         // Each correlation is the product of two loadings.
         let square = first[1] * first[2] / second[2];
         if !(square > 0.0 && square <= 1.0 + ROUNDING) {
@@ -73,8 +70,7 @@ impl OneFactor {
         };
         let piece = |[start, end]: [f64; 2]| {
             let width = (end - start).max(0.0);
-            let nodes = RULE.iter();
-            let sum: f64 = nodes.map(|[at, weight]| weight * given(start + at * width)).sum();
+            let sum: f64 = RULE.iter().map(|[at, weight]| weight * given(start + at * width)).sum();
             sum * width
         };
         let pieces = cuts.windows(2).map(|ends| piece([ends[0], ends[1]]));

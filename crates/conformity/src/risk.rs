@@ -7,8 +7,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::interval::Moments;
-use super::measured::{Assessed, Conformity, Measured, Measurement};
+use super::{
+    interval::Moments,
+    measured::{Assessed, Conformity, Measured, Measurement},
+};
 use acceptance::Acceptance;
 
 pub use bands::Bands;
@@ -214,8 +216,7 @@ impl RiskTally {
     /// The same of points that are no sample: no intervals, and a guard band that is enough for any points.
     pub fn statement_of_no_sample(&self) -> Statement {
         let mut statement = self.stated(None);
-        let risks = statement.criteria.iter_mut().chain([&mut statement.all]);
-        risks.flatten().for_each(|risk| risk.intervals = None);
+        statement.criteria.iter_mut().chain([&mut statement.all]).flatten().for_each(|risk| risk.intervals = None);
         statement
     }
 

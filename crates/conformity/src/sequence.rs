@@ -5,11 +5,9 @@
 //! every 50 points, excludes the true share at some time in a fifth of the cases. A confidence sequence
 //! holds the true share at all times together with the stated probability.
 
-use statrs::function::beta::beta_reg;
-use statrs::function::gamma::ln_gamma;
+use statrs::function::{beta::beta_reg, gamma::ln_gamma};
 
-use super::decision::Rule;
-use super::interval::crossing;
+use super::{decision::Rule, interval::crossing};
 
 /// Intervals of a share from independent points, valid at all numbers of points together.
 ///

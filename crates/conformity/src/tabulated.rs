@@ -1,7 +1,6 @@
 //! The normal distribution for integrals that need it a thousand times for every point: a few nanoseconds a value.
 
-use std::f64::consts::TAU;
-use std::sync::LazyLock;
+use std::{f64::consts::TAU, sync::LazyLock};
 
 use super::normal;
 
@@ -13,11 +12,12 @@ const PER_UNIT: f64 = 32.0;
 /// Values and slopes of the distribution function, made at the first use.
 static TABLE: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
     let steps = (2.0 * FAR * PER_UNIT) as i32;
-    let entry = |i: i32| {
-        let z = f64::from(i) / PER_UNIT - FAR;
-        [normal::cdf(z), (-0.5 * z * z).exp() / TAU.sqrt() / PER_UNIT]
-    };
-    (0..=steps + 1).map(entry).collect()
+    (0..=steps + 1)
+        .map(|i| {
+            let z = f64::from(i) / PER_UNIT - FAR;
+            [normal::cdf(z), (-0.5 * z * z).exp() / TAU.sqrt() / PER_UNIT]
+        })
+        .collect()
 });
 
 /// The probability that a standard normal number is below `z`, to 4e-9: by Hermite's cubic between the table's

@@ -44,7 +44,7 @@ pub struct Uncertainty {
     pub noise: f64,
     /// Of how many readings the value is the mean and `noise` the standard deviation; none where `noise` is known and
     /// the value is one reading.
-    #[serde(default, skip_serializing_if = "is_default")]
+    #[serde(skip_serializing_if = "is_default")]
     pub repeats: Option<u32>,
 }
 
@@ -97,9 +97,10 @@ impl Uncertainty {
     /// The expanded uncertainties and the noise, by the keys with which a study states them; the gain in per cent.
     pub fn parts(&self) -> Vec<(&'static str, f64)> {
         let coverage = self.normal_coverage();
-        let all =
-            [("uncertainty", self.expanded), ("gain-uncertainty", 100.0 * coverage * self.gain), ("noise", self.noise)];
-        all.into_iter().filter(|(_, part)| *part > 0.0).collect()
+        [("uncertainty", self.expanded), ("gain-uncertainty", 100.0 * coverage * self.gain), ("noise", self.noise)]
+            .into_iter()
+            .filter(|(_, part)| *part > 0.0)
+            .collect()
     }
 
     /// What is stated, in words; `unit` is that of the value, with a blank before it.
@@ -127,10 +128,7 @@ impl Uncertainty {
         /// Of so many repeats or more the standard deviation is as good as known.
         const MANY: u32 = 1_000_000;
         let rectangular = self.distribution == Distribution::Rectangular;
-        let shared = match rectangular {
-            true => self.gain * value,
-            false => self.shared(value),
-        };
+        let shared = if rectangular { self.gain * value } else { self.shared(value) };
         let repeats = self.repeats.filter(|repeats| *repeats < MANY);
         let [known, estimated] = match repeats {
             Some(_) => [0.0, self.independent()],
@@ -143,12 +141,10 @@ impl Uncertainty {
             half_width: if rectangular { self.expanded } else { 0.0 },
             expanded: 0.0,
         };
-        law.expanded = match law.is_normal() {
-            true => match law.normal == self.offset() {
-                true => self.expanded,
-                false => self.normal_coverage() * law.normal,
-            },
-            false => law.half_interval(COVERED),
+        law.expanded = if law.is_normal() {
+            if law.normal == self.offset() { self.expanded } else { self.normal_coverage() * law.normal }
+        } else {
+            law.half_interval(COVERED)
         };
         law
     }
@@ -226,10 +222,7 @@ impl Law {
         }
         // Of the tail, which keeps its digits.
         let tail = self.cdf(-error.abs());
-        let score = match tail > 0.0 {
-            true => Normal::standard().inverse_cdf(tail),
-            false => f64::NEG_INFINITY,
-        };
+        let score = if tail > 0.0 { Normal::standard().inverse_cdf(tail) } else { f64::NEG_INFINITY };
         if error > 0.0 { -score } else { score }
     }
 
@@ -255,10 +248,7 @@ impl Law {
     pub fn as_normal(&self) -> f64 {
         /// Half of a normal 95 % interval, in standard deviations.
         const REACH: f64 = 1.959_964;
-        match self.student > 0.0 {
-            true => self.standard().max(self.half_interval(0.95) / REACH),
-            false => self.standard(),
-        }
+        if self.student > 0.0 { self.standard().max(self.half_interval(0.95) / REACH) } else { self.standard() }
     }
 
     /// The same as one of so many means of repeats that are weighed by their own scatter: the smallest scatter by chance
@@ -268,8 +258,8 @@ impl Law {
         if self.student == 0.0 || means < 2 {
             return self;
         }
-        let student = StudentsT::new(0.0, 1.0, self.freedom);
-        let student = student.expect("a mean of repeats has a degree of freedom or more");
+        let student =
+            StudentsT::new(0.0, 1.0, self.freedom).expect("a mean of repeats has a degree of freedom or more");
         let [one, all] = [1, means].map(|means| student.inverse_cdf(1.0 - 0.025 / means as f64));
         Self { student: self.student * all / one, ..self }
     }
@@ -290,10 +280,7 @@ impl Law {
         }
         for _ in 0..40 {
             let middle = 0.5 * (low + high);
-            match cdf(middle) < upper {
-                true => low = middle,
-                false => high = middle,
-            }
+            if cdf(middle) < upper { low = middle } else { high = middle }
         }
         high
     }
@@ -339,9 +326,10 @@ fn ln_density(away: f64, scale: f64, half_width: f64) -> f64 {
     if half_width <= NARROW * scale {
         return -0.5 * (away / scale).powi(2) - (scale * TAU.sqrt()).ln();
     }
-    let inside = match scale == 0.0 {
-        true => f64::from(u8::from(away <= half_width)).ln(),
-        false => normal::ln_between((away - half_width) / scale, (away + half_width) / scale),
+    let inside = if scale == 0.0 {
+        f64::from(u8::from(away <= half_width)).ln()
+    } else {
+        normal::ln_between((away - half_width) / scale, (away + half_width) / scale)
     };
     inside - (2.0 * half_width).ln()
 }

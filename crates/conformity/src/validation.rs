@@ -3,8 +3,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::measured::Measured;
-use crate::uncertainty::{COVERED, Law};
+use crate::{
+    measured::Measured,
+    uncertainty::{COVERED, Law},
+};
 
 /// The comparison for one criterion, in its unit.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -75,8 +77,12 @@ impl Comparison {
         let of_measured = measured.error.unwrap_or_default();
         let of_solution = numerical.standard.unwrap_or(0.0);
         let rest = of_measured.with_normal(of_solution);
-        let freedom = [of_measured, scatter].into_iter().filter_map(|law| law.freedom_within(u_val));
-        let freedom = freedom.map(f64::recip).reduce(|a, b| a + b).map(f64::recip);
+        let freedom = [of_measured, scatter]
+            .into_iter()
+            .filter_map(|law| law.freedom_within(u_val))
+            .map(f64::recip)
+            .reduce(|a, b| a + b)
+            .map(f64::recip);
         let coverage = match freedom {
             Some(_) => input.half_interval_with(rest, COVERED) / u_val,
             None => 2.0,
@@ -92,8 +98,7 @@ impl Comparison {
             a.total_cmp(&b)
         });
         let model_error = [-1.0, 1.0].map(|side| error + side * coverage * u_val);
-        let numbers = [mean, error, deviation, u_val].into_iter().chain(model_error);
-        numbers.into_iter().all(f64::is_finite).then(|| Self {
+        [mean, error, deviation, u_val].into_iter().chain(model_error).into_iter().all(f64::is_finite).then(|| Self {
             model: mean,
             error,
             u_num: numerical.standard,
@@ -180,8 +185,7 @@ impl Numerical {
     /// Two independent parts of it; of one that is not known only the note is kept.
     pub fn and(self, other: Self) -> Self {
         let parts = [self.standard, other.standard];
-        let known = parts.iter().flatten();
-        let squares: f64 = known.map(|u| u * u).sum();
+        let squares: f64 = parts.iter().flatten().map(|u| u * u).sum();
         Self {
             standard: parts.iter().any(Option::is_some).then(|| squares.sqrt()),
             note: format!("{}; {}", self.note, other.note),

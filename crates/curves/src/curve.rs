@@ -142,13 +142,16 @@ impl Curve {
         }
         let [first, last] = self.span();
         let parts = self.even_count() as usize - 1;
-        let place = |part: usize| match part {
-            part if part == parts => last,
-            part => first + (last - first) * (part as f64 / parts as f64),
-        };
-        let times: Vec<f64> = (0..=parts).map(place).collect();
-        let value = |&time: &f64| self.at(time).expect("the times are those of the span");
-        Self { values: times.iter().map(value).collect(), times }
+        let times: Vec<f64> = (0..=parts)
+            .map(|part| match part {
+                part if part == parts => last,
+                part => first + (last - first) * (part as f64 / parts as f64),
+            })
+            .collect();
+        Self {
+            values: times.iter().map(|&time| self.at(time).expect("the times are those of the span")).collect(),
+            times,
+        }
     }
 }
 

@@ -39,18 +39,22 @@ pub fn find(reference: &Curve, model: &Curve, [least, most]: [f64; 2]) -> Result
     let place = |part: usize| least + (most - least) * (part as f64 / parts as f64);
     let tried: Vec<Found> = (0..=parts).map(|part| at(reference, model, place(part))).collect();
     let rank = |a: &Found, b: &Found| a.rmse.total_cmp(&b.rmse).then(a.delay.abs().total_cmp(&b.delay.abs()));
-    let is_valley = |&part: &usize| {
-        let lower = |other: Option<&Found>| other.is_none_or(|other| tried[part].rmse <= other.rmse);
-        lower(part.checked_sub(1).map(|before| &tried[before])) && lower(tried.get(part + 1))
-    };
-    let mut valleys: Vec<usize> = (0..=parts).filter(is_valley).collect();
+    let mut valleys: Vec<usize> = (0..=parts)
+        .filter(|&part| {
+            let lower = |other: Option<&Found>| other.is_none_or(|other| tried[part].rmse <= other.rmse);
+            lower(part.checked_sub(1).map(|before| &tried[before])) && lower(tried.get(part + 1))
+        })
+        .collect();
     valleys.sort_by(|&a, &b| rank(&tried[a], &tried[b]));
-    let refined = valleys.iter().take(REFINED).flat_map(|&part| {
-        let ends = [place(part.saturating_sub(1)), place((part + 1).min(parts))];
-        [tried[part], golden(ends, |delay| at(reference, model, delay))]
-    });
-    let best = refined.min_by(rank);
-    Ok(best.unwrap_or(tried[0]))
+    Ok(valleys
+        .iter()
+        .take(REFINED)
+        .flat_map(|&part| {
+            let ends = [place(part.saturating_sub(1)), place((part + 1).min(parts))];
+            [tried[part], golden(ends, |delay| at(reference, model, delay))]
+        })
+        .min_by(rank)
+        .unwrap_or(tried[0]))
 }
 
 /// The rmse for one delay. The model's times must reach far enough, but for rounding.

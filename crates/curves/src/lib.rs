@@ -6,6 +6,5 @@ mod metrics;
 mod sampler;
 
 pub use curve::{Curve, Fault};
-pub use metrics::iso18571;
-pub use metrics::{Kind, Metric, Pair};
+pub use metrics::{Kind, Metric, Pair, iso18571};
 pub use sampler::Sampler;

@@ -99,8 +99,11 @@ metrics! {
 impl Metric {
     /// Its name in a study.
     pub fn name(self) -> String {
-        let name = serde_json::to_value(self).expect("a metric is written as a word");
-        name.as_str().expect("a metric is written as a word").to_owned()
+        serde_json::to_value(self)
+            .expect("a metric is written as a word")
+            .as_str()
+            .expect("a metric is written as a word")
+            .to_owned()
     }
 
     /// The number for a pair of curves; not a number where a value of the model is none, or there are no values.

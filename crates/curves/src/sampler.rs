@@ -54,9 +54,7 @@ impl Sampler {
     /// # Panics
     /// When there are fewer values or sizes than begins.
     pub fn add_steps(&mut self, begins: &[f64], sizes: &[f64], values: &[f64], stride: usize) {
-        let Some(last) = begins.len().checked_sub(1) else {
-            return;
-        };
+        let Some(last) = begins.len().checked_sub(1) else { return };
         let end = begins[last] + sizes[last];
         if end < self.next {
             self.last = [end, values[last * stride]];

@@ -7,7 +7,7 @@ use crate::document::{Document, Firsts, Scalar, Sort};
 pub(crate) fn alias(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let earlier = Earlier::of(scalar, document)?;
     let first = earlier.first(Sort::Any)?;
-    let when = |is: bool, sort: Sort| earlier.first(sort).filter(|_| is);
+    let when = |is: bool, sort| earlier.first(sort).filter(|_| is);
     let (settable, independent) = (scalar.is_settable(), scalar.causality == "independent");
     let constant = |scalar: &Scalar<'_>| scalar.variability == "constant";
     let (other, wrong) = if let Some(other) = when(settable, Sort::Settable) {
@@ -34,8 +34,7 @@ pub(crate) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Strin
     let earlier = Earlier::of(scalar, document)?;
     let other = earlier.first(Sort::WithUnit)?;
     let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit"));
-    let differ = one.zip(two).is_some_and(|(one, two)| one != two);
-    differ.then(|| earlier.clash(other, "but their units differ"))
+    one.zip(two).is_some_and(|(one, two)| one != two).then(|| earlier.clash(other, "but their units differ"))
 }
 
 /// One of them with a unit and another without.

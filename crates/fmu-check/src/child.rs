@@ -1,12 +1,13 @@
 //! A process in which an FMU is probed: the side that waits for it.
 
-use std::io;
-use std::path::Path;
-use std::time::Duration;
+use std::{io, path::Path, time::Duration};
 
-use fmu_points::failure::Failure;
-use fmu_points::single::{Recorder, bytes, read};
-use fmu_points::{Limits, stop};
+use fmu_points::{
+    Limits,
+    failure::Failure,
+    single::{Recorder, bytes, read},
+    stop,
+};
 
 use crate::probe::{Report, Setup, Told};
 

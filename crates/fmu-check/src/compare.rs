@@ -57,25 +57,29 @@ pub(crate) fn changes<'a>(columns: &[&'a Variable], one: &Run, other: &Run) -> V
         .filter(|((time, _), (same, _))| time == same)
         .map(|((_, row), (_, other))| (row, other))
         .collect();
-    let of = move |(place, variable): (usize, &&'a Variable)| {
-        let values = || pairs.iter().map(|(row, _)| row[place].number());
-        let finite = || values().filter(|value| value.is_finite());
-        let [low, high] = finite().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
-        let range = (high - low).max(LEAST * low.abs().max(high.abs()));
-        let change = |(row, other): &(&Vec<Value>, &Vec<Value>)| {
-            let [one, other] = [row, other].map(|row| row[place].number());
-            match (one.is_finite(), other.is_finite()) {
-                (true, true) => (one - other).abs() / range,
-                (false, false) => 0.0,
-                _ => f64::INFINITY,
-            }
-        };
-        let is_real = variable.kind.content() == Content::Real && range > 0.0;
-        is_real.then(|| Change {
-            name: variable.name.as_str(),
-            most: pairs.iter().map(change).fold(0.0, f64::max),
-            mean: pairs.iter().map(change).sum::<f64>() / pairs.len() as f64,
+    columns
+        .iter()
+        .enumerate()
+        .filter_map(move |(place, variable)| {
+            let values = || pairs.iter().map(|(row, _)| row[place].number());
+            let finite = || values().filter(|value| value.is_finite());
+            let [low, high] =
+                finite().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
+            let range = (high - low).max(LEAST * low.abs().max(high.abs()));
+            let change = |(row, other): &(&Vec<Value>, &Vec<Value>)| {
+                let [one, other] = [row, other].map(|row| row[place].number());
+                match (one.is_finite(), other.is_finite()) {
+                    (true, true) => (one - other).abs() / range,
+                    (false, false) => 0.0,
+                    _ => f64::INFINITY,
+                }
+            };
+            let is_real = variable.kind.content() == Content::Real && range > 0.0;
+            is_real.then(|| Change {
+                name: variable.name.as_str(),
+                most: pairs.iter().map(change).fold(0.0, f64::max),
+                mean: pairs.iter().map(change).sum::<f64>() / pairs.len() as f64,
+            })
         })
-    };
-    columns.iter().enumerate().filter_map(of).collect()
+        .collect()
 }

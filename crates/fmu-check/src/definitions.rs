@@ -6,8 +6,10 @@ use std::collections::{HashMap, HashSet};
 use fmu_import::Version;
 use roxmltree::Node;
 
-use crate::document::{Document, Scalar, at, elements, named};
-use crate::hit::Hit;
+use crate::{
+    document::{Document, Scalar, at, elements, named},
+    hit::Hit,
+};
 
 /// Of each parent the first element that has an attribute's value of an earlier one: of several attributes, the first by
 /// which two are alike. `path` leads from the root to the elements, with `*` for those of any name.
@@ -15,27 +17,30 @@ pub(crate) fn alike(document: &Document<'_>, path: &'static str, attributes: &[&
     let is = |node: &Node<'_, '_>, step: &str| step == "*" || node.tag_name().name() == step;
     let mut steps = path.split('/');
     let last = steps.next_back().unwrap_or_default();
-    let parents = steps.fold(vec![document.root], |nodes, step| {
-        let inner = nodes.into_iter().flat_map(elements);
-        inner.filter(|node| is(node, step)).collect()
-    });
-    let clash = |parent: Node<'_, '_>| {
-        let nodes = || elements(parent).filter(|node| is(node, last));
-        attributes.iter().find_map(|attribute| twice(nodes(), attribute))
-    };
-    parents.into_iter().filter_map(clash).collect()
+    steps
+        .fold(vec![document.root], |nodes, step| {
+            nodes.into_iter().flat_map(elements).filter(|node| is(node, step)).collect()
+        })
+        .into_iter()
+        .filter_map(|parent| {
+            let nodes = || elements(parent).filter(|node| is(node, last));
+            attributes.iter().find_map(|attribute| twice(nodes(), attribute))
+        })
+        .collect()
 }
 
 /// Units are converted by a factor.
 pub(crate) fn factors(document: &Document<'_>) -> Vec<Hit> {
-    let units = document.all("UnitDefinitions", "Unit");
-    let factor = |node: Node<'_, '_>| {
-        let nothing = node.attribute("factor")?.trim().parse::<f64>() == Ok(0.0);
-        let element = node.tag_name().name();
-        let text = format!("{element}: factor is 0: nothing can be converted with it");
-        nothing.then(|| at(node, text))
-    };
-    units.flat_map(elements).filter_map(factor).collect()
+    document
+        .all("UnitDefinitions", "Unit")
+        .flat_map(elements)
+        .filter_map(|node| {
+            let nothing = node.attribute("factor")?.trim().parse::<f64>() == Ok(0.0);
+            let element = node.tag_name().name();
+            let text = format!("{element}: factor is 0: nothing can be converted with it");
+            nothing.then(|| at(node, text))
+        })
+        .collect()
 }
 
 /// Units and ranges of types that cannot be.
@@ -88,39 +93,33 @@ fn twice<'a>(nodes: impl Iterator<Item = Node<'a, 'a>>, attribute: &str) -> Opti
     let mut known = nodes.filter_map(|node| Some((node, node.attribute(attribute)?)));
     let (node, value) = known.find(|(_, value)| !seen.insert(*value))?;
     let element = node.tag_name().name();
-    let text = format!("a second `{element}` with {attribute}=\"{value}\": rename or remove it");
-    Some(at(node, text))
+    Some(at(node, format!("a second `{element}` with {attribute}=\"{value}\": rename or remove it")))
 }
 
 pub(crate) fn types_and_variables(document: &Document<'_>) -> Vec<Hit> {
     let names: HashSet<&str> = document.known().map(|scalar| scalar.name).collect();
     let mut types = document.all("TypeDefinitions", "SimpleType");
     let same = types.find_map(|node| Some((node, names.get(node.attribute("name")?)?)));
-    let hit = |(node, name)| {
-        let text = format!("SimpleType: \"{name}\" is the name of a variable, too: rename the type");
-        at(node, text)
-    };
-    Vec::from_iter(same.map(hit))
+    Vec::from_iter(same.map(|(node, name)| {
+        at(node, format!("SimpleType: \"{name}\" is the name of a variable, too: rename the type"))
+    }))
 }
 
 /// The date of the generation is an `xs:dateTime`.
 pub(crate) fn date(document: &Document<'_>) -> Vec<Hit> {
     let text = document.root.attribute("generationDateAndTime");
     let wrong = text.filter(|text| !is_date(text.trim()));
-    let hit = |text| {
+    Vec::from_iter(wrong.map(|text| {
         let wanted = "write it as 2009-12-08T14:33:22Z, or remove it";
         at(document.root, format!("generationDateAndTime is \"{text}\": {wanted}"))
-    };
-    Vec::from_iter(wrong.map(hit))
+    }))
 }
 
 fn is_date(text: &str) -> bool {
     const SECONDS: &str = "0000-00-00T00:00:00";
     /// Where month, day, hour, minute and second are, and from where to where they go.
     const FIELDS: [(usize, u8, u8); 5] = [(5, 1, 12), (8, 1, 31), (11, 0, 24), (14, 0, 59), (17, 0, 59)];
-    let Some((seconds, rest)) = text.split_at_checked(SECONDS.len()) else {
-        return false;
-    };
+    let Some((seconds, rest)) = text.split_at_checked(SECONDS.len()) else { return false };
     let is_digit = |c: char| c.is_ascii_digit();
     let zone = match rest.strip_prefix('.') {
         Some(fraction) => fraction.trim_start_matches(is_digit),
@@ -148,16 +147,18 @@ pub(crate) fn exchange_only(document: &Document<'_>) -> Vec<Hit> {
             }
         }
     }
-    let findings = counts.into_iter().map(|(name, (scalar, count))| {
-        let more = match count {
-            1 => String::new(),
-            count => format!(" (so has each of {} more)", count - 1),
-        };
-        scalar.finding(format!(
-            "it has the attribute {name}{more}, which only an FMU for Model Exchange may have: remove it"
-        ))
-    });
-    let mut findings: Vec<Hit> = findings.collect();
+    let mut findings: Vec<Hit> = counts
+        .into_iter()
+        .map(|(name, (scalar, count))| {
+            let more = match count {
+                1 => String::new(),
+                count => format!(" (so has each of {} more)", count - 1),
+            };
+            scalar.finding(format!(
+                "it has the attribute {name}{more}, which only an FMU for Model Exchange may have: remove it"
+            ))
+        })
+        .collect();
     findings.sort_by_key(|hit| hit.position);
     findings
 }

@@ -4,9 +4,11 @@ use std::collections::HashSet;
 
 use roxmltree::Node;
 
-use crate::document::{Document, Scalar, at};
-use crate::hit::Hit;
-use crate::structure::{listed, scalar_of, states};
+use crate::{
+    document::{Document, Scalar, at},
+    hit::Hit,
+    structure::{listed, scalar_of, states},
+};
 
 const LISTS: [&str; 3] = ["Outputs", "Derivatives", "InitialUnknowns"];
 
@@ -58,8 +60,7 @@ pub(crate) fn unsorted(document: &Document<'_>) -> Vec<Hit> {
 pub(crate) fn factors(document: &Document<'_>) -> Vec<Hit> {
     let wrong = every(document, |_, unknown| {
         let scalar = scalar_of(document, unknown.attribute("index")?)?;
-        let kinds = unknown.attribute("dependenciesKind")?;
-        let factor = kinds.split_whitespace().find(|kind| *kind != "dependent")?;
+        let factor = unknown.attribute("dependenciesKind")?.split_whitespace().find(|kind| *kind != "dependent")?;
         let (name, kind) = (scalar.name, scalar.kind());
         (kind != "Real")
             .then(|| format!("dependenciesKind {factor} for {name}, which is no Real but {kind}: write dependent"))
@@ -120,6 +121,9 @@ fn first_of(mut hits: Vec<Hit>) -> Vec<Hit> {
 
 /// The indexes on which an unknown depends, with their places among the variables, from 0.
 fn dependencies_on<'a>(unknown: Node<'a, 'a>) -> impl Iterator<Item = (&'a str, Option<usize>)> {
-    let text = unknown.attribute("dependencies").unwrap_or_default();
-    text.split_whitespace().map(|index| (index, index.parse::<usize>().ok().and_then(|index| index.checked_sub(1))))
+    unknown
+        .attribute("dependencies")
+        .unwrap_or_default()
+        .split_whitespace()
+        .map(|index| (index, index.parse::<usize>().ok().and_then(|index| index.checked_sub(1))))
 }

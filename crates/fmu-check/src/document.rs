@@ -1,15 +1,12 @@
 //! `modelDescription.xml` as the rules see it: its elements with their lines, its variables in their order.
 
-use std::collections::HashMap;
-use std::fmt::Display;
+use std::{collections::HashMap, fmt::Display};
 
 use roxmltree::Node;
 
-use crate::combinations;
-use crate::hit::Hit;
-use fmu_import::description::About;
+use crate::{combinations, hit::Hit};
 pub(crate) use fmu_import::xml::{children as named, elements};
-use fmu_import::{Description, Remark, Version};
+use fmu_import::{Description, Version, description::About};
 
 /// The name of the file.
 pub(crate) const NAME: &str = "modelDescription.xml";
@@ -62,8 +59,8 @@ fn note(firsts: &mut Firsts, scalar: &Scalar<'_>, document: &Document<'_>) {
 impl<'a> Document<'a> {
     pub(crate) fn new(root: Node<'a, 'a>, read: &'a Description) -> Self {
         let version = read.standard;
-        let variables = named(root, "ModelVariables").flat_map(elements);
-        let scalars: Vec<Option<Scalar<'a>>> = variables
+        let scalars: Vec<Option<Scalar<'a>>> = named(root, "ModelVariables")
+            .flat_map(elements)
             .filter(|node| version == Version::Three || node.has_tag_name("ScalarVariable"))
             .enumerate()
             .map(|(position, node)| Scalar::new(version, node, position))
@@ -95,9 +92,12 @@ impl<'a> Document<'a> {
 
     /// The remarks of the reader on a part of the description.
     pub(crate) fn remarks(&self, about: About) -> Vec<Hit> {
-        let remarks = self.read.remarks.iter().filter(|remark| remark.about == about);
-        let hit = |remark: &Remark| Hit { line: Some(remark.line), ..Hit::of(NAME, remark.text.clone()) };
-        remarks.map(hit).collect()
+        self.read
+            .remarks
+            .iter()
+            .filter(|remark| remark.about == about)
+            .map(|remark| Hit { line: Some(remark.line), ..Hit::of(NAME, remark.text.clone()) })
+            .collect()
     }
 
     /// The line of a position, from 1.
@@ -112,8 +112,7 @@ impl<'a> Document<'a> {
 
     /// A finding at each variable where `wrong` says something.
     pub(crate) fn of_each(&self, wrong: impl Fn(&Scalar<'a>) -> Option<String>) -> Vec<Hit> {
-        let hit = |scalar: &Scalar<'a>| Some(scalar.finding(wrong(scalar)?));
-        self.known().filter_map(hit).collect()
+        self.known().filter_map(|scalar| Some(scalar.finding(wrong(scalar)?))).collect()
     }
 
     /// All elements of one kind within the lists of another.
@@ -123,8 +122,12 @@ impl<'a> Document<'a> {
 
     /// The fault of a unit that is not defined.
     pub(crate) fn undefined_unit(&self, unit: &str) -> Option<String> {
-        let undefined = self.read.units.0.get(unit).is_none();
-        undefined.then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
+        self.read
+            .units
+            .0
+            .get(unit)
+            .is_none()
+            .then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
     }
 
     /// The definition of a variable's declared type.
@@ -135,8 +138,7 @@ impl<'a> Document<'a> {
 
     /// An attribute of a variable's type: its own, or else that of its declared type.
     pub(crate) fn effective(&self, scalar: &Scalar<'a>, name: &str) -> Option<&'a str> {
-        let written = scalar.typed.attribute(name);
-        written.or_else(|| self.declared(scalar)?.attribute(name))
+        scalar.typed.attribute(name).or_else(|| self.declared(scalar)?.attribute(name))
     }
 }
 

@@ -8,8 +8,11 @@ pub(crate) fn columns(fmu: &Description) -> Vec<&Variable> {
     const LOCALS: usize = 100;
     let mut columns: Vec<&Variable> = fmu.with(Causality::Output).collect();
     if columns.is_empty() {
-        let varying = |variable: &&Variable| variable.variability != Variability::Constant;
-        columns = fmu.with(Causality::Local).filter(varying).take(LOCALS).collect();
+        columns = fmu
+            .with(Causality::Local)
+            .filter(|variable| variable.variability != Variability::Constant)
+            .take(LOCALS)
+            .collect();
     }
     let numbers = fmu.with(Causality::Parameter).filter(|variable| variable.number_handle().is_some());
     columns.extend(numbers);
@@ -36,10 +39,7 @@ pub(crate) fn schedule(fmu: &Description, step: Option<f64>) -> Schedule {
         schedule.step = (schedule.stop - schedule.start) / 500.0;
     }
     schedule.tolerance = schedule.tolerance.filter(|tolerance| *tolerance > 0.0);
-    match fmu.capabilities.can_handle_variable_communication_step_size {
-        true => schedule,
-        false => schedule.in_whole_steps(),
-    }
+    if fmu.capabilities.can_handle_variable_communication_step_size { schedule } else { schedule.in_whole_steps() }
 }
 
 /// When the last step of a schedule's size ends before the suggested stop time, s: a shorter one may be refused.
@@ -56,19 +56,18 @@ pub(crate) fn with_step(schedule: Schedule, step: f64) -> Schedule {
 /// Other values of real parameters: a little more than the start, within the range.
 pub(crate) fn changed(fmu: &Description) -> Vec<(u32, Value)> {
     const MORE: f64 = 1.01;
-    let parameters = fmu.with(Causality::Parameter).filter(|variable| variable.is_settable());
-    let other = |variable: &Variable| {
-        let Kind::Real { start: Some(start), min, max, .. } = variable.kind else {
-            return None;
-        };
-        let value = [start * MORE, start / MORE].into_iter().find(|value| {
-            value.is_finite()
-                && *value != start
-                && min.is_none_or(|min| *value >= min)
-                && max.is_none_or(|max| *value <= max)
-        })?;
-        let Handle { reference, .. } = variable.handle();
-        Some((reference, Value::Real(value)))
-    };
-    parameters.filter_map(other).collect()
+    fmu.with(Causality::Parameter)
+        .filter(|variable| variable.is_settable())
+        .filter_map(|variable| {
+            let Kind::Real { start: Some(start), min, max, .. } = variable.kind else { return None };
+            let value = [start * MORE, start / MORE].into_iter().find(|value| {
+                value.is_finite()
+                    && *value != start
+                    && min.is_none_or(|min| *value >= min)
+                    && max.is_none_or(|max| *value <= max)
+            })?;
+            let Handle { reference, .. } = variable.handle();
+            Some((reference, Value::Real(value)))
+        })
+        .collect()
 }

@@ -4,10 +4,12 @@ use std::collections::HashSet;
 
 use object::{Architecture, BinaryFormat, NameOrOrdinal, Object};
 
-use crate::document::NAME;
-use crate::exported::functions;
-use crate::hit::{Breach, Hit};
-use crate::structure::short;
+use crate::{
+    document::NAME,
+    exported::functions,
+    hit::{Breach, Hit},
+    structure::short,
+};
 use fmu_import::{Description, FmuError, Interface, Package, Version};
 
 /// Faults of the files, and whether this machine's binary has one.
@@ -23,7 +25,7 @@ type Platform = (&'static str, BinaryFormat, Architecture);
 fn platforms(version: Version) -> [Platform; 8] {
     use Architecture::{Aarch64, I386, X86_64};
     use BinaryFormat::{Elf, MachO, Pe};
-    let all = [
+    [
         ("linux64", "x86_64-linux", Elf, X86_64),
         ("linux32", "x86-linux", Elf, I386),
         ("win64", "x86_64-windows", Pe, X86_64),
@@ -32,8 +34,8 @@ fn platforms(version: Version) -> [Platform; 8] {
         ("darwin32", "x86-darwin", MachO, I386),
         ("aarch64-linux", "aarch64-linux", Elf, Aarch64),
         ("aarch64-darwin", "aarch64-darwin", MachO, Aarch64),
-    ];
-    all.map(|(two, three, format, machine)| match version {
+    ]
+    .map(|(two, three, format, machine)| match version {
         Version::Two => (two, format, machine),
         Version::Three => (three, format, machine),
     })
@@ -53,11 +55,9 @@ pub(crate) fn broken(package: &mut Package) -> Result<Faults, FmuError> {
     let identifier = package.description().model_identifier.clone();
     let (mut findings, mut fatal) = (Vec::new(), false);
     for wrong in [OUTSIDE, BACKSLASH] {
-        let those = entries.iter().filter(|entry| path(entry) == Some(wrong));
-        let those: Vec<String> = those.cloned().collect();
+        let those: Vec<String> = entries.iter().filter(|entry| path(entry) == Some(wrong)).cloned().collect();
         if !those.is_empty() {
-            let text = format!("{}: {wrong}", short(&those));
-            findings.push(("archive-path", Hit::plain(text)));
+            findings.push(("archive-path", Hit::plain(format!("{}: {wrong}", short(&those)))));
             fatal = true;
         }
     }
@@ -65,8 +65,13 @@ pub(crate) fn broken(package: &mut Package) -> Result<Faults, FmuError> {
         return Ok(Faults { findings, fatal });
     }
     if !is_identifier(&identifier) {
-        let text = format!("modelIdentifier `{identifier}` is no C identifier: use letters, digits and underscores");
-        findings.push(("model-identifier", Hit::of(NAME, text)));
+        findings.push((
+            "model-identifier",
+            Hit::of(
+                NAME,
+                format!("modelIdentifier `{identifier}` is no C identifier: use letters, digits and underscores"),
+            ),
+        ));
     }
     let version = package.description().standard;
     for platform in platforms(version) {
@@ -78,8 +83,10 @@ pub(crate) fn broken(package: &mut Package) -> Result<Faults, FmuError> {
     }
     let twice = package.entries_twice();
     if !twice.is_empty() {
-        let text = format!("two entries of each of these names: {}: remove one", short(twice));
-        findings.push(("archive-entry-unique", Hit::plain(text)));
+        findings.push((
+            "archive-entry-unique",
+            Hit::plain(format!("two entries of each of these names: {}: remove one", short(twice))),
+        ));
     }
     Ok(Faults { findings, fatal })
 }
@@ -107,17 +114,15 @@ fn of_platform(
         .collect();
     let wanted = format!("{identifier}.{extension}");
     // Windows does not tell upper from lower case.
-    let alike = |file: &&&str| match format {
+    if let Some(file) = binaries.iter().find(|file| match format {
         BinaryFormat::Pe => file.eq_ignore_ascii_case(&wanted),
         _ => **file == wanted,
-    };
-    if let Some(file) = binaries.iter().find(alike) {
+    }) {
         let name = format!("{folder}{file}");
         return match package.bytes_of(&name) {
-            Ok(bytes) => {
-                let sound = sound(&bytes, package.description(), format, machine);
-                Ok(sound.err().map(|(rule, wrong)| (rule, Hit::of(&name, wrong))))
-            }
+            Ok(bytes) => Ok(sound(&bytes, package.description(), format, machine)
+                .err()
+                .map(|(rule, wrong)| (rule, Hit::of(&name, wrong)))),
             Err(FmuError { fault, .. }) if fault.is_in_fmu() => {
                 Ok(Some(("archive-readable", Hit::plain(fault.to_string()))))
             }
@@ -125,12 +130,19 @@ fn of_platform(
         };
     }
     if let Some(entry) = entries.iter().find(|entry| miswritten(entry, &folder)) {
-        let text = format!("the folder's name is {folder}, as names differ by upper and lower case");
-        return Ok(Some(("binary-folder", Hit::of(entry, text))));
+        return Ok(Some((
+            "binary-folder",
+            Hit::of(entry, format!("the folder's name is {folder}, as names differ by upper and lower case")),
+        )));
     }
     Ok(binaries.first().map(|other| {
-        let text = format!("the binary is named otherwise than modelIdentifier, `{identifier}`: call it {wanted}");
-        ("binary-name", Hit::of(&format!("{folder}{other}"), text))
+        (
+            "binary-name",
+            Hit::of(
+                &format!("{folder}{other}"),
+                format!("the binary is named otherwise than modelIdentifier, `{identifier}`: call it {wanted}"),
+            ),
+        )
     }))
 }
 
@@ -159,8 +171,7 @@ fn path(entry: &str) -> Option<&'static str> {
 }
 
 fn is_identifier(name: &str) -> bool {
-    let word = |c: char| c.is_ascii_alphanumeric() || c == '_';
-    name.chars().all(word) && !name.starts_with(|c: char| c.is_ascii_digit())
+    name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') && !name.starts_with(|c: char| c.is_ascii_digit())
 }
 
 /// Whether a binary by itself is sound, or which rule it breaks.

@@ -3,8 +3,10 @@
 use fmu_import::description::About;
 use serde::Serialize;
 
-use crate::document::{Document, Scalar};
-use crate::hit::Hit;
+use crate::{
+    document::{Document, Scalar},
+    hit::Hit,
+};
 
 /// How much a finding matters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]

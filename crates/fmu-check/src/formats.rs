@@ -1,14 +1,15 @@
 //! Findings as lines, as JSON, and as SARIF 2.1.0 (the OASIS format that editors and build servers read).
 
-use std::collections::HashMap;
-use std::path::Path;
+use std::{collections::HashMap, path::Path};
 
 use fmu_import::{Version, percent_encoded};
 use serde_json::{Value, json};
 
-use crate::Findings;
-use crate::finding::{Finding, Rule, Severity};
-use crate::rules::RULES;
+use crate::{
+    Findings,
+    finding::{Finding, Rule, Severity},
+    rules::RULES,
+};
 
 /// Of one rule, people read no more findings than this.
 const MANY: usize = 20;
@@ -16,12 +17,15 @@ const MANY: usize = 20;
 impl Findings {
     /// A line per finding, the worst first. What is one rule's over and over is counted at the end.
     pub fn text(&self) -> String {
-        let counts = [Severity::Error, Severity::Warning, Severity::Note].map(|severity| {
-            let count = self.count(severity);
-            let plural = if count == 1 { "" } else { "s" };
-            (count > 0).then(|| format!("{count} {}{plural}", severity.word()))
-        });
-        let counts: Vec<String> = counts.into_iter().flatten().collect();
+        let counts: Vec<String> = [Severity::Error, Severity::Warning, Severity::Note]
+            .map(|severity| {
+                let count = self.count(severity);
+                let plural = if count == 1 { "" } else { "s" };
+                (count > 0).then(|| format!("{count} {}{plural}", severity.word()))
+            })
+            .into_iter()
+            .flatten()
+            .collect();
         let verdict = match &counts[..] {
             [] => "nothing found".to_owned(),
             some => some.join(", "),
@@ -91,8 +95,7 @@ impl Findings {
             known["suppressions"] = json!([{"kind": "external", "justification": reason}]);
             known
         });
-        let results = self.all.iter().map(|finding| result(&self.fmu, finding));
-        let results: Vec<Value> = results.chain(known).collect();
+        let results: Vec<Value> = self.all.iter().map(|finding| result(&self.fmu, finding)).chain(known).collect();
         pretty(&json!({
             "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
             "version": "2.1.0",

@@ -26,12 +26,13 @@ mod three;
 mod values;
 mod variables;
 
-use std::io;
-use std::path::{Path, PathBuf};
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
 
 use fmu_import::{ArchiveError, FmuError, FmuFault, Package, Version, needed};
-use fmu_points::scratch::ScratchError;
-use fmu_points::stop;
+use fmu_points::{scratch::ScratchError, stop};
 use thiserror::Error;
 
 pub use conditions::Conditions;
@@ -87,20 +88,22 @@ pub fn check(fmu: &Path, conditions: &Conditions) -> Result<Findings, CheckError
         Err(error @ FmuError { fault: FmuFault::Archive(ArchiveError::System), .. }) => return Err(error.into()),
         Err(FmuError { fault, .. }) if fault.is_in_fmu() => match fault {
             FmuFault::Description(fault) => {
-                let hit = Hit::of(document::NAME, fault.to_string());
-                findings.add("description-readable", hit);
+                findings.add("description-readable", Hit::of(document::NAME, fault.to_string()));
             }
             FmuFault::Archive(ArchiveError::NoDescription) => {
-                let text = "modelDescription.xml is not there: it belongs to the top of the archive (pack the files, \
-                            not the folder around them)";
-                findings.add("archive-readable", Hit::plain(text));
+                findings.add(
+                    "archive-readable",
+                    Hit::plain(
+                        "modelDescription.xml is not there: it belongs to the top of the archive (pack the files, \
+                            not the folder around them)",
+                    ),
+                );
             }
             fault => findings.add("archive-readable", Hit::plain(fault.to_string())),
         },
         Err(error) => return Err(error.into()),
     }
-    let severity = |finding: &Finding| std::cmp::Reverse(finding.rule.severity);
-    findings.all.sort_by_key(severity);
+    findings.all.sort_by_key(|finding| std::cmp::Reverse(finding.rule.severity));
     Ok(findings)
 }
 
@@ -118,16 +121,15 @@ impl Findings {
 
     /// How many findings there are of a severity.
     pub fn count(&self, severity: Severity) -> usize {
-        let of_it = |finding: &&Finding| finding.rule.severity == severity;
-        self.all.iter().filter(of_it).count()
+        self.all.iter().filter(|finding| finding.rule.severity == severity).count()
     }
 
     /// Ignores the findings of a rule, which are known, and returns how many there are: those that name the variable, or
     /// all of them.
     pub fn ignore(&mut self, rule: &str, variable: Option<&str>, reason: &str) -> usize {
-        let is_known =
-            |finding: &mut Finding| finding.rule.id == rule && variable.is_none_or(|name| finding.hit.names(name));
-        let known = self.all.extract_if(.., is_known);
+        let known = self
+            .all
+            .extract_if(.., |finding| finding.rule.id == rule && variable.is_none_or(|name| finding.hit.names(name)));
         let before = self.ignored.len();
         self.ignored.extend(known.map(|finding| (finding, reason.to_owned())));
         self.ignored.len() - before
@@ -176,12 +178,11 @@ impl Findings {
             self.add(rule, hit);
         }
         if let Some(file) = probes.changed_file() {
-            let text = format!(
+            self.add("files-kept", Hit::plain(format!(
                 "a simulation changes {} in the unpacked FMU: in a study, every point then needs a new process and a \
                  folder of its own",
                 file.display()
-            );
-            self.add("files-kept", Hit::plain(text));
+            )));
         }
         Ok(())
     }
@@ -224,9 +225,7 @@ impl Findings {
 
     /// Libraries that this machine's binary needs and that are not there.
     fn lacks_libraries(&mut self, package: &Package, unpacked: &Path) -> bool {
-        let Some(binary) = package.binary(unpacked) else {
-            return false;
-        };
+        let Some(binary) = package.binary(unpacked) else { return false };
         let missing = needed::missing(&binary);
         if let Some(text) = &missing {
             let name = binary.strip_prefix(unpacked).unwrap_or(&binary);

@@ -1,12 +1,14 @@
 //! Names of variables (FMI 2.0.5, section 2.2.9).
 
-use crate::document::{Document, Scalar, at};
-use crate::hit::Hit;
+use crate::{
+    document::{Document, Scalar, at},
+    hit::Hit,
+};
 
 /// A naming convention that is none.
 pub(crate) fn convention(document: &Document<'_>) -> Vec<Hit> {
-    let convention = document.root.attribute("variableNamingConvention");
-    let other = convention.filter(|word| !["flat", "structured"].contains(word));
+    let other =
+        document.root.attribute("variableNamingConvention").filter(|word| !["flat", "structured"].contains(word));
     let text = |word: &str| format!("variableNamingConvention is \"{word}\": it is flat or structured");
     Vec::from_iter(other.map(|word| at(document.root, text(word))))
 }
@@ -16,8 +18,7 @@ pub(crate) fn legal(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     if scalar.name.is_empty() {
         return Some("an empty name: give the variable a name".to_owned());
     }
-    let broken = scalar.name.contains(['\n', '\r', '\t']);
-    broken.then(|| "a line break or a tab in the name: remove it".to_owned())
+    scalar.name.contains(['\n', '\r', '\t']).then(|| "a line break or a tab in the name: remove it".to_owned())
 }
 
 /// Derivatives, by their structured names, that are no Reals.
@@ -54,15 +55,15 @@ fn is_structured(name: &str) -> bool {
 
 /// The rest of a name after an identifier or a derivative of one.
 fn derivative(text: &str) -> Option<&str> {
-    let Some(inner) = text.strip_prefix("der(") else {
-        return identifier(text);
-    };
+    let Some(inner) = text.strip_prefix("der(") else { return identifier(text) };
     let rest = derivative(inner)?;
-    let order = rest.strip_prefix(',').map(|order| {
-        let after = order.trim_start_matches(|c: char| c.is_ascii_digit());
-        (after.len() < order.len()).then_some(after)
-    });
-    order.unwrap_or(Some(rest))?.strip_prefix(')')
+    rest.strip_prefix(',')
+        .map(|order| {
+            let after = order.trim_start_matches(|c: char| c.is_ascii_digit());
+            (after.len() < order.len()).then_some(after)
+        })
+        .unwrap_or(Some(rest))?
+        .strip_prefix(')')
 }
 
 /// The rest of a name after an identifier: names with indices, joined by dots.
@@ -91,9 +92,7 @@ fn simple(text: &str) -> Option<&str> {
 
 /// The rest after indices in brackets, where there are any.
 fn indices(text: &str) -> Option<&str> {
-    let Some(inner) = text.strip_prefix('[') else {
-        return Some(text);
-    };
+    let Some(inner) = text.strip_prefix('[') else { return Some(text) };
     let (list, rest) = inner.split_once(']')?;
     let number = |word: &str| !word.is_empty() && word.bytes().all(|byte| byte.is_ascii_digit());
     // Modelica tools write a space after the comma.

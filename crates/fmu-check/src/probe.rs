@@ -3,16 +3,20 @@
 //! It tells what it is about to call and what it saw, so that whatever the FMU does to the process, the other side knows how
 //! far it came.
 
-use std::path::PathBuf;
-use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::{
+    path::PathBuf,
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use serde::{Deserialize, Serialize};
 
-use fmu_import::{Call, Handle, Instance, Library, Package, Status, Value, Version};
-use fmu_points::single::{bytes, read};
-use fmu_points::system;
-use fmu_points::task::Schedule;
+use fmu_import::{Call, Called, Handle, Instance, Library, Package, Status, Value, Version};
+use fmu_points::{
+    single::{bytes, read},
+    system,
+    task::Schedule,
+};
 
 /// Kinds of probes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -133,8 +137,7 @@ struct Live {
 impl Probe<'_> {
     /// Tells what comes next.
     fn at(&mut self, stage: &str) {
-        let stage = stage.replace(Version::Two.prefix(), self.version.prefix());
-        (self.tell)(bytes(&Told::Stage(stage)));
+        (self.tell)(bytes(&Told::Stage(stage.replace(Version::Two.prefix(), self.version.prefix()))));
     }
 
     /// Tells what has been seen so far.
@@ -168,9 +171,7 @@ impl Probe<'_> {
     }
 
     fn twice_on_one(&mut self, library: &Arc<Library>, changed: &[(u32, Value)]) {
-        let Some(mut live) = self.begin(library, changed, "") else {
-            return;
-        };
+        let Some(mut live) = self.begin(library, changed, "") else { return };
         self.steps(&mut [&mut live]);
         self.terminate(&mut live, "");
         self.report.runs.push(std::mem::take(&mut live.run));
@@ -187,12 +188,8 @@ impl Probe<'_> {
     }
 
     fn two_at_once(&mut self, library: &Arc<Library>) {
-        let Some(mut first) = self.begin(library, &[], "the first ") else {
-            return;
-        };
-        let Some(mut second) = self.begin(library, &[], "the second ") else {
-            return;
-        };
+        let Some(mut first) = self.begin(library, &[], "the first ") else { return };
+        let Some(mut second) = self.begin(library, &[], "the second ") else { return };
         self.steps(&mut [&mut first, &mut second]);
         for mut live in [first, second] {
             self.ended(&mut live, "");
@@ -227,7 +224,7 @@ impl Probe<'_> {
     /// Initialises.
     fn start(&mut self, live: &mut Live, changed: &[(u32, Value)], when: &str) {
         self.at(&format!("the initialisation{when}"));
-        let mut begin = || -> Result<(), Call> {
+        let mut begin = || -> Called {
             let (instance, schedule) = (&mut live.instance, &self.schedule);
             instance.setup_experiment(schedule.start, schedule.stop, schedule.tolerance)?;
             for (reference, value) in changed.iter().chain(&self.setup.set) {
@@ -261,9 +258,8 @@ impl Probe<'_> {
                     run.ended = Some(at);
                     outcome = Ok(());
                 }
-                let outcome = outcome.and_then(|()| match is_kept || run.ended.is_some() {
-                    true => note(instance, self.setup, at, run),
-                    false => Ok(()),
+                let outcome = outcome.and_then(|()| {
+                    if is_kept || run.ended.is_some() { note(instance, self.setup, at, run) } else { Ok(()) }
                 });
                 run.refused = matches!(&outcome, Err(call) if call.status == Status::Discard);
                 run.failure = outcome.err().map(|call| call.to_string());
@@ -299,7 +295,7 @@ impl Probe<'_> {
 }
 
 /// Adds a row.
-fn note(instance: &mut Instance, setup: &Setup, time: f64, run: &mut Run) -> Result<(), Call> {
+fn note(instance: &mut Instance, setup: &Setup, time: f64, run: &mut Run) -> Called {
     let folder = setup.fmu.to_string_lossy();
     let row = setup.columns.iter().map(|column| {
         Ok(match instance.value(*column)? {
@@ -308,7 +304,7 @@ fn note(instance: &mut Instance, setup: &Setup, time: f64, run: &mut Run) -> Res
             number => number,
         })
     });
-    let row = row.collect::<Result<_, Call>>()?;
+    let row = row.collect::<Called<_>>()?;
     run.times.push(time);
     run.rows.push(row);
     Ok(())

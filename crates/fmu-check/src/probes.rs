@@ -1,19 +1,23 @@
 //! Short simulations of an FMU, each in a process of its own: alone, with fresh memory filled otherwise, after a reset,
 //! one after another, two at once, with half the step. What differs from the first, the FMU does not do by itself.
 
-use std::io;
-use std::path::{Path, PathBuf};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::{
+    io,
+    path::{Path, PathBuf},
+    thread::sleep,
+    time::{Duration, Instant},
+};
 
-use crate::child::{self, Outcome};
-use crate::compare::{Change, changes, difference};
-use crate::conditions::Conditions;
-use crate::hit::{Breach, Hit};
-use crate::probe::{End, Life, Run, Setup};
-use crate::{experiment, simulated};
-use fmu_import::isolation::watch::Snapshot;
-use fmu_import::{Description, Package, Variable};
+use crate::{
+    child::{self, Outcome},
+    compare::{Change, changes, difference},
+    conditions::Conditions,
+    experiment,
+    hit::{Breach, Hit},
+    probe::{End, Life, Run, Setup},
+    simulated,
+};
+use fmu_import::{Description, Package, Variable, isolation::watch::Snapshot};
 use fmu_points::working_directory;
 use tempfile::TempDir;
 
@@ -103,8 +107,7 @@ impl<'a> Probes<'a> {
 
     fn another_folder(&self) -> io::Result<TempDir> {
         let package = Package::open(self.original);
-        let fresh = package.and_then(|mut package| package.unpack_anew(self.scratch));
-        fresh.map_err(io::Error::other)
+        package.and_then(|mut package| package.unpack_anew(self.scratch)).map_err(io::Error::other)
     }
 
     /// The first file of its own folder that the FMU has changed.
@@ -143,8 +146,8 @@ impl<'a> Probes<'a> {
         };
         breaches.extend(simulated::values(&self.columns, whole, described_well));
         if let Some(fate) = &alone.fate {
-            let text = format!("{} failed after a whole simulation: {fate}", alone.stage);
-            breaches.push(("life-ends", Hit::plain(text)));
+            breaches
+                .push(("life-ends", Hit::plain(format!("{} failed after a whole simulation: {fate}", alone.stage))));
             return Ok(breaches);
         }
         if let Some(text) = &whole.unfinished {
@@ -176,12 +179,17 @@ impl<'a> Probes<'a> {
             self.setup.schedule = experiment::with_step(usual, step);
             let outcome = self.run(Life::Alone, None, self.patience)?;
             if sound(&outcome, 1).is_ok() {
-                let text = format!(
-                    "it refuses the communication step of {} s and suggests none (stepSize); with {step} s it runs: \
+                return Ok((
+                    outcome,
+                    Some((
+                        "step-suggested",
+                        Hit::plain(format!(
+                            "it refuses the communication step of {} s and suggests none (stepSize); with {step} s it runs: \
                      simulate it with that",
-                    usual.step
-                );
-                return Ok((outcome, Some(("step-suggested", Hit::plain(text)))));
+                            usual.step
+                        )),
+                    )),
+                ));
             }
         }
         self.setup.schedule = usual;
@@ -212,14 +220,14 @@ impl<'a> Probes<'a> {
             by_itself = by_itself.or_else(|| differ(before, &once_more));
         }
         Ok(Some(match by_itself {
-            Some(text) => {
-                let text = format!("two simulations of the same differ (clock, random numbers, addresses): {text}");
-                ("reproducible", Hit::plain(text))
-            }
-            None => {
-                let text = format!("it reads memory that it never wrote: with fresh memory filled otherwise, {text}");
-                ("memory-written", Hit::plain(text))
-            }
+            Some(text) => (
+                "reproducible",
+                Hit::plain(format!("two simulations of the same differ (clock, random numbers, addresses): {text}")),
+            ),
+            None => (
+                "memory-written",
+                Hit::plain(format!("it reads memory that it never wrote: with fresh memory filled otherwise, {text}")),
+            ),
         }))
     }
 
@@ -239,10 +247,12 @@ impl<'a> Probes<'a> {
             let late = child::run(&setup, room.path(), 3 * self.patience, None)?;
             let text = sound(&late, 1).map_or_else(Some, |runs| difference(&self.columns, whole, &runs[0]));
             if let Some(text) = text {
-                let text = format!(
-                    "the same simulation, later and from another copy of the FMU, differs (clock, path, random numbers): {text}"
-                );
-                return Ok(Some(("reproducible", Hit::plain(text))));
+                return Ok(Some((
+                    "reproducible",
+                    Hit::plain(format!(
+                        "the same simulation, later and from another copy of the FMU, differs (clock, path, random numbers): {text}"
+                    )),
+                )));
             }
             if is_last {
                 return Ok(None);
@@ -295,12 +305,11 @@ impl<'a> Probes<'a> {
             Ok(runs) if life == Life::Changed => &runs[1..],
             Ok(runs) => runs,
         };
-        let fate = || Some(format!("{}: {}", outcome.stage, outcome.fate.as_ref()?));
-        let unfinished = || {
-            let text = runs.iter().find_map(|run| run.unfinished.clone());
-            text.filter(|_| whole.unfinished.is_none())
-        };
-        let text = runs.iter().find_map(|run| difference(&self.columns, whole, run)).or_else(fate).or_else(unfinished);
+        let text = runs
+            .iter()
+            .find_map(|run| difference(&self.columns, whole, run))
+            .or_else(|| Some(format!("{}: {}", outcome.stage, outcome.fate.as_ref()?)))
+            .or_else(|| runs.iter().find_map(|run| run.unfinished.clone()).filter(|_| whole.unfinished.is_none()));
         Ok(text.map(|text| unlike(rule, &what, &text)))
     }
 
@@ -322,34 +331,31 @@ impl<'a> Probes<'a> {
             (Some(fate), _) if fate == child::TIMEOUT => return Ok(None),
             (_, Ok(runs)) => &runs[0],
             (_, Err(text)) => {
-                let text = format!("up to its stop time of {stop} s, {}", self.shortened(&text));
-                return Ok(Some(("early-end", Hit::plain(text))));
+                return Ok(Some((
+                    "early-end",
+                    Hit::plain(format!("up to its stop time of {stop} s, {}", self.shortened(&text))),
+                )));
             }
         };
         let reached = coarse.times.last().copied().unwrap_or(stop);
-        let taken = match reached < stop {
-            true => self.setup.every * (coarse.rows.len() as u64 - 1),
-            false => steps,
-        };
+        let taken = if reached < stop { self.setup.every * (coarse.rows.len() as u64 - 1) } else { steps };
         self.setup.schedule.step /= 2.0;
         self.setup.every *= 2;
         self.setup.end = End { steps: Some(2 * taken), time: None };
         let finer = self.later(Life::Alone, None)?;
         let finer = match sound(&finer, 1) {
             Err(text) => {
-                let text = format!("with half the communication step, {text}");
-                return Ok(Some(("step-size", Hit::plain(text))));
+                return Ok(Some(("step-size", Hit::plain(format!("with half the communication step, {text}")))));
             }
             Ok(runs) => &runs[0],
         };
-        let less = match reached < stop {
-            true => format!("; it was tried up to {reached} s of {stop} s, for want of time"),
-            false => String::new(),
+        let less = if reached < stop {
+            format!("; it was tried up to {reached} s of {stop} s, for want of time")
+        } else {
+            String::new()
         };
-        let found = much(changes(&self.columns, coarse, finer));
-        Ok(found.map(|(rule, text)| {
-            let text = format!("with half the communication step of {step} s, {text}{less}");
-            (rule, Hit::plain(text))
+        Ok(much(changes(&self.columns, coarse, finer)).map(|(rule, text)| {
+            (rule, Hit::plain(format!("with half the communication step of {step} s, {text}{less}")))
         }))
     }
 
@@ -386,12 +392,13 @@ fn first(outcome: &Outcome) -> Option<&Run> {
 /// comes a step later. Then it is a warning.
 fn much(changes: Vec<Change<'_>>) -> Option<(&'static str, String)> {
     const MUCH: f64 = 0.01;
-    let much = changes.into_iter().filter(|change| change.most > MUCH);
-    let Change { name, most, mean } = much.max_by(|a, b| a.mean.total_cmp(&b.mean))?;
+    let Change { name, most, mean } =
+        changes.into_iter().filter(|change| change.most > MUCH).max_by(|a, b| a.mean.total_cmp(&b.mean))?;
     let rule = if mean > MUCH { "step-coarse" } else { "step-size" };
-    let text = match most.is_finite() {
-        true => format!("{name} changes by up to {:.2} % of its range, {:.2} % on average", 100.0 * most, 100.0 * mean),
-        false => format!("{name} is a finite number with one of the steps alone"),
+    let text = if most.is_finite() {
+        format!("{name} changes by up to {:.2} % of its range, {:.2} % on average", 100.0 * most, 100.0 * mean)
+    } else {
+        format!("{name} is a finite number with one of the steps alone")
     };
     Some((rule, text))
 }

@@ -35,12 +35,12 @@ const ROLES: &str = "document requirement specification model parameter system t
 /// The breaches in both files, as far as they are there.
 pub(crate) fn broken(package: &mut Package) -> Result<Vec<Breach>, FmuError> {
     let version = package.description().fmi_version.clone();
-    let same = move |root: Node<'_, '_>| {
+    let mut breaches = in_file(package, TERMINALS, "terminals-version", move |root| {
         let theirs = root.attribute("fmiVersion").unwrap_or_default();
-        let text = format!("fmiVersion is \"{theirs}\" here and \"{version}\" in modelDescription.xml: write the same");
-        Vec::from_iter((theirs != version).then_some(text))
-    };
-    let mut breaches = in_file(package, TERMINALS, "terminals-version", same)?;
+        Vec::from_iter((theirs != version).then_some(format!(
+            "fmiVersion is \"{theirs}\" here and \"{version}\" in modelDescription.xml: write the same"
+        )))
+    })?;
     breaches.extend(in_file(package, MANIFEST, "references-manifest", manifest)?);
     Ok(breaches)
 }
@@ -67,8 +67,7 @@ fn in_file(
         Err(FmuError { fault, .. }) if fault.is_in_fmu() => vec![fault.to_string()],
         Err(error) => return Err(error),
     };
-    let breach = |text| (rule, Hit::of(file, text));
-    Ok(texts.into_iter().map(breach).collect())
+    Ok(texts.into_iter().map(|text| (rule, Hit::of(file, text))).collect())
 }
 
 /// The breaches of the manifest's schema.
@@ -85,9 +84,9 @@ fn manifest(root: Node<'_, '_>) -> Vec<String> {
 fn element(node: Node<'_, '_>, depth: usize, wrong: &mut Vec<String>) {
     let (attributes, inner) = LEVELS[depth];
     let name = node.tag_name().name();
-    let given = node.attributes();
-    let given = given.filter(|attribute| attribute.namespace() != Some(SCHEMA_INSTANCE));
-    let given: Vec<(String, &str)> = given
+    let given: Vec<(String, &str)> = node
+        .attributes()
+        .filter(|attribute| attribute.namespace() != Some(SCHEMA_INSTANCE))
         .map(|attribute| {
             let name = match attribute.namespace() {
                 Some(NAMESPACE) => format!("fmi-ls:{}", attribute.name()),

@@ -3,12 +3,14 @@
 
 use roxmltree::Node;
 
-use crate::document::{Document, at, elements};
-use crate::hit::Hit;
+use crate::{
+    document::{Document, at, elements},
+    hit::Hit,
+};
 use fmu_import::Version;
 use fmu_points::names::{did_you_mean, nearest};
 
-/// An element: its name, with its parent's where it has several; its attributes and its children. Those that must
+/// An element, or several that are alike: the name, with the parent's where it has several; its attributes and its children. Those that must
 /// be there are marked by `!`, unless the reader remarks on them itself; children of which there may be many by `*`, in any
 /// order by `~`, and those of which there must be at least one by `+`.
 type Element = (&'static str, &'static str, &'static str);
@@ -16,7 +18,7 @@ type Element = (&'static str, &'static str, &'static str);
 /// The children of an element in which anything may be.
 const ANYTHING: &str = "anything";
 
-const ELEMENTS: [Element; 32] = [
+const ELEMENTS: &[Element] = &[
     (
         "fmiModelDescription",
         "fmiVersion modelName! guid! description author version copyright license generationTool \
@@ -49,14 +51,12 @@ const ELEMENTS: [Element; 32] = [
     ("SimpleType", "name! description", "Real Integer Boolean String Enumeration"),
     ("SimpleType/Real", "quantity unit displayUnit relativeQuantity min max nominal unbounded", ""),
     ("SimpleType/Integer", "quantity min max", ""),
-    ("SimpleType/Boolean", "", ""),
-    ("SimpleType/String", "", ""),
+    ("SimpleType/Boolean SimpleType/String", "", ""),
     ("SimpleType/Enumeration", "quantity", "Item+"),
     ("Item", "name! value! description", ""),
     ("LogCategories", "", "Category+"),
     ("Category", "name! description", ""),
     ("DefaultExperiment", "startTime stopTime tolerance stepSize", ""),
-    ("VendorAnnotations", "", "Tool+"),
     ("ModelVariables", "", "ScalarVariable+"),
     (
         "ScalarVariable",
@@ -69,12 +69,12 @@ const ELEMENTS: [Element; 32] = [
         "",
     ),
     ("ScalarVariable/Integer", "declaredType quantity min max start", ""),
-    ("ScalarVariable/Boolean", "declaredType start", ""),
-    ("ScalarVariable/String", "declaredType start", ""),
+    ("ScalarVariable/Boolean ScalarVariable/String", "declaredType start", ""),
     ("ScalarVariable/Enumeration", "declaredType! quantity min max start", ""),
-    ("Annotations", "", "Tool+"),
+    ("VendorAnnotations Annotations", "", "Tool+"),
     ("Tool", "name!", ANYTHING),
     ("ModelStructure", "", "Outputs Derivatives InitialUnknowns"),
+    ("ModelStructure/Outputs ModelStructure/Derivatives ModelStructure/InitialUnknowns", "", "Unknown+"),
     ("Unknown", "index! dependencies dependenciesKind", ""),
 ];
 
@@ -136,16 +136,8 @@ const ELEMENTS_OF_THREE: &[Element] = &[
         "Float32Type~ Float64Type~ Int8Type~ UInt8Type~ Int16Type~ UInt16Type~ Int32Type~ UInt32Type~ Int64Type~ \
          UInt64Type~ BooleanType~ StringType~ BinaryType~ EnumerationType~ ClockType~",
     ),
-    ("Float32Type", FLOAT_TYPE, "Annotations"),
-    ("Float64Type", FLOAT_TYPE, "Annotations"),
-    ("Int8Type", INTEGER_TYPE, "Annotations"),
-    ("UInt8Type", INTEGER_TYPE, "Annotations"),
-    ("Int16Type", INTEGER_TYPE, "Annotations"),
-    ("UInt16Type", INTEGER_TYPE, "Annotations"),
-    ("Int32Type", INTEGER_TYPE, "Annotations"),
-    ("UInt32Type", INTEGER_TYPE, "Annotations"),
-    ("Int64Type", INTEGER_TYPE, "Annotations"),
-    ("UInt64Type", INTEGER_TYPE, "Annotations"),
+    ("Float32Type Float64Type", FLOAT_TYPE, "Annotations"),
+    ("Int8Type UInt8Type Int16Type UInt16Type Int32Type UInt32Type Int64Type UInt64Type", INTEGER_TYPE, "Annotations"),
     ("BooleanType", "name! description", "Annotations"),
     ("StringType", "name! description", "Annotations"),
     ("BinaryType", "name! description mimeType maxSize", "Annotations"),
@@ -166,17 +158,8 @@ const ELEMENTS_OF_THREE: &[Element] = &[
         "Float32~ Float64~ Int8~ UInt8~ Int16~ UInt16~ Int32~ UInt32~ Int64~ UInt64~ Boolean~ String~ Binary~ \
          Enumeration~ Clock~",
     ),
-    ("Float32", FLOAT, ARRAY),
-    ("Float64", FLOAT, ARRAY),
-    ("Int8", INTEGER, ARRAY),
-    ("UInt8", INTEGER, ARRAY),
-    ("Int16", INTEGER, ARRAY),
-    ("UInt16", INTEGER, ARRAY),
-    ("Int32", INTEGER, ARRAY),
-    ("UInt32", INTEGER, ARRAY),
-    ("Int64", INTEGER, ARRAY),
-    ("UInt64", INTEGER, ARRAY),
-    ("Enumeration", INTEGER, ARRAY),
+    ("Float32 Float64", FLOAT, ARRAY),
+    ("Int8 UInt8 Int16 UInt16 Int32 UInt32 Int64 UInt64 Enumeration", INTEGER, ARRAY),
     ("Boolean", variable!("start"), ARRAY),
     ("String", variable!(""), STARTED_ARRAY),
     ("Binary", variable!("mimeType maxSize"), STARTED_ARRAY),
@@ -191,28 +174,18 @@ const ELEMENTS_OF_THREE: &[Element] = &[
     ("Start", "value", ""),
     ("Alias", "name! description displayUnit", ""),
     ("ModelStructure", "", "Output* ContinuousStateDerivative* ClockedState* InitialUnknown* EventIndicator*"),
-    ("Output", UNKNOWN, "Annotations"),
-    ("ContinuousStateDerivative", UNKNOWN, "Annotations"),
-    ("ClockedState", UNKNOWN, "Annotations"),
-    ("InitialUnknown", UNKNOWN, "Annotations"),
-    ("EventIndicator", UNKNOWN, "Annotations"),
+    ("Output ContinuousStateDerivative ClockedState InitialUnknown EventIndicator", UNKNOWN, "Annotations"),
     ("Annotations", "", "Annotation+"),
     ("Annotation", "type!", ANYTHING),
 ];
 const UNKNOWN: &str = "valueReference dependencies dependenciesKind";
 
-/// The three lists of `ModelStructure`.
-const UNKNOWNS: Element = ("", "", "Unknown+");
-
 fn element(version: Version, parent: &str, name: &str) -> Option<Element> {
-    if version == Version::Two && parent == "ModelStructure" {
-        return Some(UNKNOWNS);
-    }
-    let all: &[Element] = match version {
-        Version::Two => &ELEMENTS,
+    let all = match version {
+        Version::Two => ELEMENTS,
         Version::Three => ELEMENTS_OF_THREE,
     };
-    let named = |wanted: &str| all.iter().copied().find(|(known, ..)| *known == wanted);
+    let named = |wanted: &str| all.iter().copied().find(|(names, ..)| names.split(' ').any(|name| name == wanted));
     named(&format!("{parent}/{name}")).or_else(|| named(name))
 }
 
@@ -224,8 +197,7 @@ pub(crate) fn namespace(document: &Document<'_>) -> Vec<Hit> {
     let space = document.root.tag_name().namespace();
     let version = document.read.standard.number();
     let text = |space: &str| format!("the namespace \"{space}\": the elements of FMI {version} have none, remove it");
-    let hit = |space| at(document.root, text(space));
-    Vec::from_iter(space.map(hit))
+    Vec::from_iter(space.map(|space| at(document.root, text(space))))
 }
 
 /// The namespace of attributes that every document may have, to name its schema.
@@ -241,8 +213,10 @@ pub(crate) fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
             if foreign || known(attributes).all(|known| known != attribute) {
                 let meant = did_you_mean(nearest(attribute, known(attributes)));
                 let name = node.tag_name().name();
-                let text = format!("`{name}` has no attribute `{attribute}` in FMI {version}: remove it{meant}");
-                hits.push(at(node, text));
+                hits.push(at(
+                    node,
+                    format!("`{name}` has no attribute `{attribute}` in FMI {version}: remove it{meant}"),
+                ));
             }
         }
     })
@@ -268,11 +242,10 @@ pub(crate) fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
             let strange = foreign || known(children).all(|known| known != inner);
             if children != ANYTHING && strange {
                 let meant = did_you_mean(nearest(inner, known(children)));
-                let text = format!(
+                hits.push(at(child, format!(
                     "`{}` has no element `{inner}` in FMI {version}: remove it, or put it into an annotation{meant}",
                     node.tag_name().name()
-                );
-                hits.push(at(child, text));
+                )));
             }
         }
     })
@@ -281,11 +254,13 @@ pub(crate) fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
 /// Text between elements.
 pub(crate) fn text(document: &Document<'_>) -> Vec<Hit> {
     visit(document, |node, (_, _, children), hits| {
-        let texts = node.children().filter(Node::is_text);
-        let stray = texts.filter_map(|text| Some(text.text()?.trim())).find(|text| !text.is_empty());
+        let stray = node
+            .children()
+            .filter(Node::is_text)
+            .filter_map(|text| Some(text.text()?.trim()))
+            .find(|text| !text.is_empty());
         if let Some(stray) = stray.filter(|_| children != ANYTHING) {
-            let text = format!("the text `{}` in `{}`: remove it", start_of(stray), node.tag_name().name());
-            hits.push(at(node, text));
+            hits.push(at(node, format!("the text `{}` in `{}`: remove it", start_of(stray), node.tag_name().name())));
         }
     })
 }
@@ -339,9 +314,10 @@ pub(crate) fn empty_lists(document: &Document<'_>) -> Vec<Hit> {
 
 /// Type definitions without a type.
 pub(crate) fn typeless(document: &Document<'_>) -> Vec<Hit> {
-    let types = document.all("TypeDefinitions", "SimpleType");
-    let bare = types.filter(|node| elements(*node).next().is_none());
-    bare.map(|node| at(node, "`SimpleType` has no type in it: add Real, Integer, Boolean, String or Enumeration"))
+    document
+        .all("TypeDefinitions", "SimpleType")
+        .filter(|node| elements(*node).next().is_none())
+        .map(|node| at(node, "`SimpleType` has no type in it: add Real, Integer, Boolean, String or Enumeration"))
         .collect()
 }
 
@@ -414,9 +390,7 @@ fn visit(document: &Document<'_>, mut look: impl FnMut(Node<'_, '_>, Element, &m
     let mut hits = Vec::new();
     let mut open = vec![(document.root, "")];
     while let Some((node, parent)) = open.pop() {
-        let Some(element) = element(document.read.standard, parent, node.tag_name().name()) else {
-            continue;
-        };
+        let Some(element) = element(document.read.standard, parent, node.tag_name().name()) else { continue };
         look(node, element, &mut hits);
         let inner = elements(node)
             .filter(|child| element.2 != ANYTHING && known(element.2).any(|known| known == child.tag_name().name()));

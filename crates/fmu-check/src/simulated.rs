@@ -1,21 +1,20 @@
 //! Findings in a simulation that ended soundly: warnings, values that cannot be right.
 
-use crate::hit::{Breach, Hit};
-use crate::probe::{Report, Run};
-use crate::structure::short;
+use crate::{
+    hit::{Breach, Hit},
+    probe::{Report, Run},
+    structure::short,
+};
 use fmu_import::{Causality, Description, Variable, Version};
 
 /// The FMU's declarations and remarks, apart from its values.
 pub(crate) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach> {
     let mut breaches = Vec::new();
-    let mut tell = |rule, text: String| breaches.push((rule, Hit::plain(text)));
+    let mut tell = |rule, text| breaches.push((rule, Hit::plain(text)));
     if fmu.capabilities.needs_execution_tool {
-        let text = "it needs the tool that wrote it (needsExecutionTool)";
-        tell("execution-tool", text.to_owned());
+        tell("execution-tool", "it needs the tool that wrote it (needsExecutionTool)".to_owned());
     }
-    let Some(report) = report else {
-        return breaches;
-    };
+    let Some(report) = report else { return breaches };
     let (prefix, number) = (fmu.standard.prefix(), fmu.standard.number());
     for (rule, function, usual, told) in [
         ("binary-version", "GetVersion", number, &report.version),
@@ -28,19 +27,23 @@ pub(crate) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach>
             Version::Three => told.starts_with(usual),
         };
         if let Some(other) = told.as_deref().filter(|told| !same(told)) {
-            let text = format!("{function} returns \"{other}\", not \"{usual}\": build it with the standard's headers");
-            tell(rule, text);
+            tell(
+                rule,
+                format!("{function} returns \"{other}\", not \"{usual}\": build it with the standard's headers"),
+            );
         }
     }
     if report.strays > 0 {
-        let text = format!(
-            "the logger is called with an environment that is not the one of {prefix}Instantiate: pass {} on",
-            match fmu.standard {
-                Version::Two => "componentEnvironment",
-                Version::Three => "instanceEnvironment",
-            }
+        tell(
+            "logger-environment",
+            format!(
+                "the logger is called with an environment that is not the one of {prefix}Instantiate: pass {} on",
+                match fmu.standard {
+                    Version::Two => "componentEnvironment",
+                    Version::Three => "instanceEnvironment",
+                }
+            ),
         );
-        tell("logger-environment", text);
     }
     if let Some(held) = &report.held {
         tell("held", format!("it holds a {held}, where points that run at the same time meet: run them with --jobs 1"));
@@ -48,18 +51,19 @@ pub(crate) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach>
     for run in &report.runs {
         if run.warnings > 0 {
             let first = run.first_warning.as_deref().unwrap_or_default();
-            let text = format!("calls that returned {prefix}Warning: {}; the first: {first}", run.warnings);
-            tell("warnings", text);
+            tell("warnings", format!("calls that returned {prefix}Warning: {}; the first: {first}", run.warnings));
         }
         if let Some(time) = run.ended {
-            let text = format!(
-                "it ends the simulation by itself, at {time} s ({})",
-                match fmu.standard {
-                    Version::Two => "fmi2Terminated",
-                    Version::Three => "terminateSimulation",
-                }
+            tell(
+                "early-end",
+                format!(
+                    "it ends the simulation by itself, at {time} s ({})",
+                    match fmu.standard {
+                        Version::Two => "fmi2Terminated",
+                        Version::Three => "terminateSimulation",
+                    }
+                ),
             );
-            tell("early-end", text);
         }
     }
     breaches
@@ -81,8 +85,10 @@ pub(crate) fn values(columns: &[&Variable], run: &Run, described_well: bool) -> 
         breaches.extend(beyond(variable, values));
     }
     if !infinite.is_empty() {
-        let text = format!("{} in a simulation: no criterion can use it", short(&infinite));
-        breaches.push(("output-finite", Hit::plain(text)));
+        breaches.push((
+            "output-finite",
+            Hit::plain(format!("{} in a simulation: no criterion can use it", short(&infinite))),
+        ));
     }
     if described_well {
         breaches.extend(other_starts(columns, run));
@@ -93,9 +99,9 @@ pub(crate) fn values(columns: &[&Variable], run: &Run, described_well: bool) -> 
 /// Parameters that the binary starts with another value than the description says.
 fn other_starts(columns: &[&Variable], run: &Run) -> Option<Breach> {
     const ROUNDING: f64 = 1e-6;
-    let first = run.rows.first()?;
-    let parameters = columns.iter().zip(first);
-    let others: Vec<String> = parameters
+    let others: Vec<String> = columns
+        .iter()
+        .zip(run.rows.first()?)
         .filter(|(variable, _)| variable.causality == Causality::Parameter)
         .filter_map(|(variable, value)| {
             let (start, value) = (variable.kind.start()?, value.number());
@@ -115,12 +121,15 @@ fn beyond(variable: &Variable, values: impl Iterator<Item = f64> + Clone) -> Opt
     if min.zip(max).is_some_and(|(min, max)| min > max) {
         return None;
     }
-    let below = min.and_then(|min| Some((values.clone().find(|value| *value < min)?, min, "min")));
-    let beyond = below.or_else(|| max.and_then(|max| Some((values.clone().find(|value| *value > max)?, max, "max"))));
+    let beyond = min
+        .and_then(|min| Some((values.clone().find(|value| *value < min)?, min, "min")))
+        .or_else(|| max.and_then(|max| Some((values.clone().find(|value| *value > max)?, max, "max"))));
     let (value, bound, name) = beyond?;
-    let text = format!(
-        "{}: {value} in a simulation, beyond its {name} of {bound}: correct the range or the model",
-        variable.name
-    );
-    Some(("output-range", Hit::plain(text)))
+    Some((
+        "output-range",
+        Hit::plain(format!(
+            "{}: {value} in a simulation, beyond its {name} of {bound}: correct the range or the model",
+            variable.name
+        )),
+    ))
 }

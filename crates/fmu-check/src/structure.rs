@@ -4,8 +4,10 @@ use std::collections::HashSet;
 
 use roxmltree::Node;
 
-use crate::document::{Document, Scalar, at, named};
-use crate::hit::Hit;
+use crate::{
+    document::{Document, Scalar, at, named},
+    hit::Hit,
+};
 
 /// The variables in their order, which the lists count.
 type Scalars<'a> = [Option<Scalar<'a>>];
@@ -68,10 +70,9 @@ pub(crate) fn derivatives_missing(document: &Document<'_>) -> Vec<Hit> {
     }
     missing(document, "Derivatives", &|scalar| {
         // A state that cannot be is a finding of its own.
-        let possible = |state: &Scalar<'_>| {
+        state_of(document, scalar).is_some_and(|state| {
             state.kind() == "Real" && state.variability == "continuous" && state.position != scalar.position
-        };
-        state_of(document, scalar).is_some_and(possible) && !scalar.is_settable()
+        }) && !scalar.is_settable()
     })
 }
 
@@ -97,14 +98,12 @@ pub(crate) fn initial_unknowns_missing(document: &Document<'_>) -> Vec<Hit> {
 
 /// The positions of the states and their derivatives, as `Derivatives` lists them.
 fn states_and_derivatives(document: &Document<'_>) -> HashSet<usize> {
-    let derivatives = entries(document, "Derivatives").map(|scalar| scalar.position);
-    derivatives.chain(states(document)).collect()
+    entries(document, "Derivatives").map(|scalar| scalar.position).chain(states(document)).collect()
 }
 
 /// The positions of the states: the variables of which `Derivatives` lists the derivatives.
 pub(crate) fn states(document: &Document<'_>) -> HashSet<usize> {
-    let derivatives = entries(document, "Derivatives");
-    derivatives.filter_map(|scalar| Some(state_of(document, scalar)?.position)).collect()
+    entries(document, "Derivatives").filter_map(|scalar| Some(state_of(document, scalar)?.position)).collect()
 }
 
 /// The variable of which this one is the derivative.
@@ -124,9 +123,7 @@ fn entries<'d, 'a>(document: &'d Document<'a>, name: &'static str) -> impl Itera
 
 /// Entries that the list is not made for.
 pub(crate) fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
-    let Some(structure) = structure(document) else {
-        return Vec::new();
-    };
+    let Some(structure) = structure(document) else { return Vec::new() };
     if !initial_unknowns(document).is_empty() {
         return Vec::new();
     }
@@ -167,8 +164,7 @@ pub(crate) fn no_outputs(document: &Document<'_>) -> Vec<Hit> {
 
 /// The unknowns of one list, where there is a `ModelStructure`.
 pub(crate) fn listed<'a>(document: &Document<'a>, name: &'static str) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
-    let structure = structure(document).into_iter();
-    structure.flat_map(move |node| named(node, name).flat_map(|list| named(list, "Unknown")))
+    structure(document).into_iter().flat_map(move |node| named(node, name).flat_map(|list| named(list, "Unknown")))
 }
 
 /// The first unknown of a list that comes after one of a greater index.
@@ -177,8 +173,7 @@ fn unsorted(document: &Document<'_>, name: &'static str) -> Option<Hit> {
     listed(document, name).find_map(|unknown| {
         let index = unknown.attribute("index")?.trim().parse::<usize>().ok()?;
         if index < greatest {
-            let text = format!("{name}: index {index} after {greatest}: sort the list by index");
-            return Some(at(unknown, text));
+            return Some(at(unknown, format!("{name}: index {index} after {greatest}: sort the list by index")));
         }
         greatest = index;
         None
@@ -195,26 +190,25 @@ fn position(index: &str, scalars: &Scalars<'_>) -> Option<usize> {
 fn list(document: &Document<'_>, name: &'static str, unfit: &dyn Fn(&Scalar<'_>) -> Option<&'static str>) -> Vec<Hit> {
     let scalars = &document.scalars;
     let mut seen = HashSet::new();
-    let wrong = listed(document, name).filter_map(|unknown| {
-        let index = unknown.attribute("index")?;
-        let wrong = match position(index, scalars) {
-            None => format!("is none of the {} variables: indexes count them from 1", scalars.len()),
-            Some(position) if !seen.insert(position) => "is listed twice: remove one of them".to_owned(),
-            Some(position) => {
-                let scalar = scalars[position].as_ref()?;
-                format!("is {}, which {}: correct the index or remove it", scalar.name, unfit(scalar)?)
-            }
-        };
-        Some(at(unknown, format!("{name}: index {index} {wrong}")))
-    });
-    wrong.collect()
+    listed(document, name)
+        .filter_map(|unknown| {
+            let index = unknown.attribute("index")?;
+            let wrong = match position(index, scalars) {
+                None => format!("is none of the {} variables: indexes count them from 1", scalars.len()),
+                Some(position) if !seen.insert(position) => "is listed twice: remove one of them".to_owned(),
+                Some(position) => {
+                    let scalar = scalars[position].as_ref()?;
+                    format!("is {}, which {}: correct the index or remove it", scalar.name, unfit(scalar)?)
+                }
+            };
+            Some(at(unknown, format!("{name}: index {index} {wrong}")))
+        })
+        .collect()
 }
 
 /// The variables that a list must have but has not, in one finding.
 fn missing(document: &Document<'_>, name: &'static str, wanted: &dyn Fn(&Scalar<'_>) -> bool) -> Vec<Hit> {
-    let Some(structure) = structure(document) else {
-        return Vec::new();
-    };
+    let Some(structure) = structure(document) else { return Vec::new() };
     // An entry without an index means nothing.
     if listed(document, name).any(|unknown| !unknown.has_attribute("index")) {
         return Vec::new();

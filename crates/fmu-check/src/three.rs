@@ -9,8 +9,10 @@ pub(crate) use variables::{
 
 use roxmltree::Node;
 
-use crate::document::{Document, Scalar, at, elements, named};
-use crate::hit::Hit;
+use crate::{
+    document::{Document, Scalar, at, elements, named},
+    hit::Hit,
+};
 
 fn reference(node: Node<'_, '_>) -> Option<u32> {
     node.attribute("valueReference")?.trim().parse().ok()
@@ -34,15 +36,20 @@ pub(crate) fn version(document: &Document<'_>) -> Vec<Hit> {
 }
 
 pub(crate) fn internal_step(document: &Document<'_>) -> Vec<Hit> {
-    let steps = document.root.descendants().filter_map(|node| Some((node, node.attribute("fixedInternalStepSize")?)));
-    let wrong = steps.filter(|(_, step)| step.trim().parse::<f64>().is_ok_and(|step| step <= 0.0));
-    wrong.map(|(node, step)| at(node, format!("fixedInternalStepSize is {step}; it must be greater than 0"))).collect()
+    document
+        .root
+        .descendants()
+        .filter_map(|node| Some((node, node.attribute("fixedInternalStepSize")?)))
+        .filter(|(_, step)| step.trim().parse::<f64>().is_ok_and(|step| step <= 0.0))
+        .map(|(node, step)| at(node, format!("fixedInternalStepSize is {step}; it must be greater than 0")))
+        .collect()
 }
 
 pub(crate) fn empty_names(document: &Document<'_>) -> Vec<Hit> {
-    let all = document.root.descendants();
-    let nameless = all.filter(|node| node.attribute("name").is_some_and(str::is_empty));
-    nameless
+    document
+        .root
+        .descendants()
+        .filter(|node| node.attribute("name").is_some_and(str::is_empty))
         .map(|node| {
             let element = node.tag_name().name();
             at(node, format!("{element}: an empty name: give it one"))
@@ -59,17 +66,21 @@ pub(crate) fn unusable(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<S
 
 pub(crate) fn references(document: &Document<'_>) -> Vec<Hit> {
     let mut known: HashMap<u32, &str> = HashMap::new();
-    let clashes = document.known().filter_map(|scalar| {
-        let reference = reference(scalar.node)?;
-        let other = known.insert(reference, scalar.name)?;
-        Some(scalar.finding(format!("valueReference {reference} is {other}'s, too: give each its own, or use Alias")))
-    });
-    clashes.collect()
+    document
+        .known()
+        .filter_map(|scalar| {
+            let reference = reference(scalar.node)?;
+            let other = known.insert(reference, scalar.name)?;
+            Some(
+                scalar
+                    .finding(format!("valueReference {reference} is {other}'s, too: give each its own, or use Alias")),
+            )
+        })
+        .collect()
 }
 
 pub(crate) fn independent(document: &Document<'_>) -> Vec<Hit> {
-    let times = document.known();
-    let times: Vec<_> = times.filter(|s| s.causality == "independent").collect();
+    let times: Vec<_> = document.known().filter(|s| s.causality == "independent").collect();
     let [one] = times[..] else {
         let text = format!("{} independent variables: FMI 3.0 wants one, usually `time`", times.len());
         return vec![at(document.root, text)];
@@ -139,11 +150,13 @@ pub(crate) fn declared(document: &Document<'_>) -> Vec<Hit> {
 }
 
 pub(crate) fn dimensions(document: &Document<'_>) -> Vec<Hit> {
-    let is_size = |scalar: &&Scalar<'_>| {
-        scalar.kind() == "UInt64" && (scalar.causality == "structuralParameter" || scalar.variability == "constant")
-    };
-    let sizes = document.known().filter(is_size);
-    let sizes: HashSet<u32> = sizes.filter_map(|size| reference(size.node)).collect();
+    let sizes: HashSet<u32> = document
+        .known()
+        .filter(|scalar| {
+            scalar.kind() == "UInt64" && (scalar.causality == "structuralParameter" || scalar.variability == "constant")
+        })
+        .filter_map(|size| reference(size.node))
+        .collect();
     document.of_each(|scalar| {
         named(scalar.node, "Dimension").find_map(|dimension| {
             let start = dimension.attribute("start");
@@ -169,15 +182,14 @@ fn listed<'a>(document: &Document<'a>, kind: &'static str) -> impl Iterator<Item
 
 /// The value references of all variables.
 fn known(document: &Document<'_>) -> HashSet<u32> {
-    let all = document.known();
-    all.filter_map(|scalar| reference(scalar.node)).collect()
+    document.known().filter_map(|scalar| reference(scalar.node)).collect()
 }
 
 pub(crate) fn outputs(document: &Document<'_>) -> Vec<Hit> {
     let list: HashSet<u32> = listed(document, "Output").filter_map(reference).collect();
     let is_output = |scalar: &Scalar<'_>| scalar.causality == "output";
-    let outputs = document.known().filter(|scalar| is_output(scalar));
-    let outputs: HashSet<u32> = outputs.filter_map(|one| reference(one.node)).collect();
+    let outputs: HashSet<u32> =
+        document.known().filter(|scalar| is_output(scalar)).filter_map(|one| reference(one.node)).collect();
     let missing = document.of_each(|scalar| {
         let listed = reference(scalar.node).is_some_and(|of| list.contains(&of));
         let missing = is_output(scalar) && !listed;
@@ -186,26 +198,25 @@ pub(crate) fn outputs(document: &Document<'_>) -> Vec<Hit> {
     let known = known(document);
     let surplus = listed(document, "Output").filter_map(|node| {
         let of = reference(node).filter(|of| known.contains(of) && !outputs.contains(of))?;
-        let text = format!("Output {of} is the reference of no output: remove it");
-        Some(at(node, text))
+        Some(at(node, format!("Output {of} is the reference of no output: remove it")))
     });
     missing.into_iter().chain(surplus).collect()
 }
 
 pub(crate) fn structure(document: &Document<'_>) -> Vec<Hit> {
     let known = known(document);
-    let all = named(document.root, "ModelStructure").flat_map(elements);
-    all.filter_map(|node| {
-        let kind = node.tag_name().name();
-        let Some(of) = reference(node).filter(|of| known.contains(of)) else {
-            return Some(at(node, format!("{kind} refers to no variable: correct its valueReference")));
-        };
-        let dependencies = node.attribute("dependencies").unwrap_or_default();
-        let wrong = dependencies.split_whitespace().find(|text| {
-            let of = text.parse().ok();
-            !of.is_some_and(|of: u32| known.contains(&of))
-        })?;
-        Some(at(node, format!("{kind} {of} depends on {wrong}, which is no variable: correct it")))
-    })
-    .collect()
+    named(document.root, "ModelStructure")
+        .flat_map(elements)
+        .filter_map(|node| {
+            let kind = node.tag_name().name();
+            let Some(of) = reference(node).filter(|of| known.contains(of)) else {
+                return Some(at(node, format!("{kind} refers to no variable: correct its valueReference")));
+            };
+            let wrong = node.attribute("dependencies").unwrap_or_default().split_whitespace().find(|text| {
+                let of = text.parse().ok();
+                !of.is_some_and(|of: u32| known.contains(&of))
+            })?;
+            Some(at(node, format!("{kind} {of} depends on {wrong}, which is no variable: correct it")))
+        })
+        .collect()
 }

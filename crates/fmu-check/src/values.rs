@@ -1,16 +1,26 @@
 //! Numbers that cannot be right: of the experiment, and of single variables (FMI 2.0.5, sections 2.2.3, 2.2.5, 2.2.7).
 
-use crate::definitions::unit_missing;
-use crate::document::{Document, NAME, Scalar};
-use crate::hit::Hit;
+use crate::{
+    definitions::unit_missing,
+    document::{Document, NAME, Scalar},
+    hit::Hit,
+};
 use fmu_import::Kind;
 
 /// The encoding in the XML declaration, where there is a declaration that names one.
 fn declared_encoding<'a>(document: &Document<'a>) -> Option<&'a str> {
-    let text = document.root.document().input_text();
-    let declaration = text.strip_prefix("<?xml")?.split("?>").next()?;
-    let value = declaration.split_once("encoding")?.1.trim_start();
-    let value = value.strip_prefix('=')?.trim_start();
+    let value = document
+        .root
+        .document()
+        .input_text()
+        .strip_prefix("<?xml")?
+        .split("?>")
+        .next()?
+        .split_once("encoding")?
+        .1
+        .trim_start()
+        .strip_prefix('=')?
+        .trim_start();
     let quote = value.chars().next()?;
     value[1..].split(quote).next()
 }
@@ -49,16 +59,14 @@ pub(crate) fn positive(name: &str, number: Option<f64>) -> Vec<Hit> {
 pub(crate) fn stop(document: &Document<'_>) -> Vec<Hit> {
     let times = document.read.default_experiment;
     let start = times.start.unwrap_or(0.0);
-    let is_wrong = |stop: &f64| *stop <= start || !(stop - start).is_finite();
-    let wrong = times.stop.filter(is_wrong);
+    let wrong = times.stop.filter(|stop| *stop <= start || !(stop - start).is_finite());
     experiment(wrong.map(|stop| format!("stopTime is {stop}; it must be later than startTime, {start}")))
 }
 
 pub(crate) fn long_step(document: &Document<'_>) -> Vec<Hit> {
     let times = document.read.default_experiment;
     let length = times.stop.map(|stop| stop - times.start.unwrap_or(0.0));
-    let is_wrong = |(step, length): &(f64, f64)| *length > 0.0 && step > length && step.is_finite();
-    let wrong = times.step.zip(length).filter(is_wrong);
+    let wrong = times.step.zip(length).filter(|(step, length)| *length > 0.0 && step > length && step.is_finite());
     experiment(wrong.map(|(step, length)| {
         format!("stepSize is {step}, but the experiment lasts {length} s only: shorten the step")
     }))
@@ -103,9 +111,7 @@ pub(crate) fn infinite(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<S
 }
 
 pub(crate) fn nominal(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let Kind::Real { nominal, .. } = &document.read.variables.get(scalar.name)?.kind else {
-        return None;
-    };
+    let Kind::Real { nominal, .. } = &document.read.variables.get(scalar.name)?.kind else { return None };
     let nominal = nominal.filter(|nominal| nominal.is_nan() || *nominal <= 0.0)?;
     Some(format!("nominal is {nominal}: it must be greater than 0, as importers divide by it"))
 }
@@ -125,9 +131,7 @@ pub(crate) fn beyond_type(scalar: &Scalar<'_>, document: &Document<'_>) -> Optio
 }
 
 pub(crate) fn item(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let Kind::Enumeration { start, items } = &document.read.variables.get(scalar.name)?.kind else {
-        return None;
-    };
+    let Kind::Enumeration { start, items } = &document.read.variables.get(scalar.name)?.kind else { return None };
     let start = (*start)?;
     let none = !items.is_empty() && items.iter().all(|(_, value)| *value != start);
     none.then(|| format!("start {start} is none of its type's items: choose one of them"))
@@ -140,8 +144,7 @@ pub(crate) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Strin
 /// A display unit says nothing without a unit.
 pub(crate) fn display_unit_alone(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let shown = document.effective(scalar, "displayUnit")?;
-    let alone = document.effective(scalar, "unit").is_none();
-    alone.then(|| unit_missing(shown))
+    document.effective(scalar, "unit").is_none().then(|| unit_missing(shown))
 }
 
 /// An undefined display unit is ignored, as the standard says.

@@ -2,9 +2,11 @@
 
 use fmu_import::Version;
 
-use crate::combinations;
-use crate::document::{Document, Scalar};
-use crate::hit::Hit;
+use crate::{
+    combinations,
+    document::{Document, Scalar},
+    hit::Hit,
+};
 use fmu_points::names::{did_you_mean, nearest};
 
 /// Whether the words are known. The reader remarks on others, and nothing follows from them.

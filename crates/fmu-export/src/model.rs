@@ -8,11 +8,12 @@ mod events;
 mod faults;
 mod variable;
 
-use std::fmt;
-use std::path::{Path, PathBuf};
+use std::{
+    fmt,
+    path::{Path, PathBuf},
+};
 
-use serde::Serialize;
-use serde::de::DeserializeOwned;
+use serde::{Serialize, de::DeserializeOwned};
 use thiserror::Error;
 
 pub use continuous::{Complete, Continuous, Exchange, State, offered};
@@ -186,8 +187,10 @@ impl Experiment<'_> {
     /// The path of a file that a parameter names: a relative name is looked up among the resources first, then in the
     /// working directory.
     pub fn file(&self, name: &str) -> PathBuf {
-        let shipped = self.resources.map(|folder| folder.join(name));
-        shipped.filter(|path| path.is_file()).unwrap_or_else(|| PathBuf::from(name))
+        self.resources
+            .map(|folder| folder.join(name))
+            .filter(|path| path.is_file())
+            .unwrap_or_else(|| PathBuf::from(name))
     }
 }
 

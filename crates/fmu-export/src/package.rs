@@ -3,18 +3,21 @@
 mod arguments;
 mod build;
 
-use std::collections::BTreeMap;
-use std::fs::File;
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::{
+    collections::BTreeMap,
+    fs::File,
+    io::{self, Write},
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 use thiserror::Error;
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
+use zip::{CompressionMethod, DateTime, ZipWriter, write::SimpleFileOptions};
 
-use crate::description::{self, Interface, Version};
-use crate::model::{Model, faults, offered};
+use crate::{
+    description::{self, Interface, Version},
+    model::{Model, faults, offered},
+};
 use arguments::{Arguments, HELP};
 
 /// Defines the `main` of a program that packs the model of its package into an FMU.
@@ -122,8 +125,7 @@ fn make<M: Model>(package: &str, folder: &Path, arguments: &Arguments) -> Result
     }
     let mut binaries = arguments.added()?;
     for target in arguments.targets() {
-        let library = build::library(package, folder, &arguments.profile, target, form)?;
-        binaries.push(library);
+        binaries.push(build::library(package, folder, &arguments.profile, target, form)?);
     }
     let output = match &arguments.output {
         Some(output) => output.clone(),
@@ -157,8 +159,7 @@ pub fn contents<M: Model>(
     }
     for Binary { platform, library } in binaries {
         let extension = library.extension().unwrap_or_default().to_string_lossy();
-        let place = format!("binaries/{platform}/{}.{extension}", M::INFO.identifier);
-        if files.insert(place, read(library)?).is_some() {
+        if files.insert(format!("binaries/{platform}/{}.{extension}", M::INFO.identifier), read(library)?).is_some() {
             return Err(PackageError::Usage(format!("there are two binaries for {platform}")));
         }
     }
@@ -207,13 +208,11 @@ fn collect(folder: &Path, place: &str, files: &mut BTreeMap<String, Vec<u8>>) ->
 
 fn list(folder: &Path) -> Result<Vec<PathBuf>, PackageError> {
     let entries = std::fs::read_dir(folder);
-    let paths = entries.and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect());
-    paths.map_err(|error| at(folder, error))
+    entries.and_then(|entries| entries.map(|entry| Ok(entry?.path())).collect()).map_err(|error| at(folder, error))
 }
 
 fn name_of(path: &Path) -> String {
-    let name = path.file_name().unwrap_or_default();
-    name.to_string_lossy().into_owned()
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn read(path: &Path) -> Result<Vec<u8>, PackageError> {

@@ -6,18 +6,22 @@
 mod repack;
 mod unpack;
 
-use std::borrow::Cow;
-use std::collections::HashSet;
-use std::fs::{self, File};
-use std::io::{self, BufReader, Read};
-use std::path::{Path, PathBuf};
+use std::{
+    borrow::Cow,
+    collections::HashSet,
+    fs::{self, File},
+    io::{self, BufReader, Read},
+    path::{Path, PathBuf},
+};
 
 use tempfile::TempDir;
 use thiserror::Error;
-use zip::ZipArchive;
-use zip::read::Config;
-use zip::result::{ZipError, ZipResult};
-use zip::unstable::read::ZipIterable;
+use zip::{
+    ZipArchive,
+    read::Config,
+    result::{ZipError, ZipResult},
+    unstable::read::ZipIterable,
+};
 
 use crate::version::Version;
 
@@ -185,8 +189,7 @@ impl Archive {
             _ => ArchiveError::NotZip,
         };
         // The crate keeps the last entry of a name, and all of them in memory.
-        let entries = ZipIterable::try_new(BufReader::new(&file), Config::default());
-        let entries = entries.map_err(unreadable)?;
+        let entries = ZipIterable::try_new(BufReader::new(&file), Config::default()).map_err(unreadable)?;
         if entries.len() > MAX_ENTRIES {
             return Err(ArchiveError::TooLarge);
         }
@@ -212,8 +215,7 @@ impl Archive {
         if self.twice().iter().any(|name| name == DESCRIPTION) {
             return Err(ArchiveError::Twice(DESCRIPTION.to_owned()));
         }
-        let bytes = self.content(DESCRIPTION, MAX_DESCRIPTION)?;
-        bytes.ok_or(ArchiveError::LargeDescription)
+        self.content(DESCRIPTION, MAX_DESCRIPTION)?.ok_or(ArchiveError::LargeDescription)
     }
 
     fn no_description(&self) -> ArchiveError {
@@ -256,14 +258,12 @@ impl Archive {
         let entries = self.entries();
         let mut binaries = entries.iter().filter(is_binary);
         let only = binaries.next().filter(|_| binaries.next().is_none())?;
-        let wanted = format!("{identifier}{end}");
-        Some(ArchiveError::OtherName(only.clone(), wanted))
+        Some(ArchiveError::OtherName(only.clone(), format!("{identifier}{end}")))
     }
 
     /// The content of one file.
     pub(crate) fn bytes_of(&mut self, entry: &str) -> Result<Vec<u8>, ArchiveError> {
-        let bytes = self.content(entry, MAX_FILE)?;
-        bytes.ok_or_else(|| ArchiveError::LargeFile(entry.to_owned()))
+        self.content(entry, MAX_FILE)?.ok_or_else(|| ArchiveError::LargeFile(entry.to_owned()))
     }
 
     /// The content of one file; none where it is larger than so many bytes, whatever the archive declares.
@@ -271,8 +271,7 @@ impl Archive {
         let mut bytes = Vec::new();
         match self {
             Self::Folder(path) => {
-                let file = open(&path.join(entry))?;
-                file.take(most + 1).read_to_end(&mut bytes)?;
+                open(&path.join(entry))?.take(most + 1).read_to_end(&mut bytes)?;
             }
             Self::Zip { zip, .. } => {
                 let wrong = |error| ArchiveError::of_entry(entry, error);
@@ -280,8 +279,7 @@ impl Archive {
                 if file.size() > most {
                     return Ok(None);
                 }
-                let read = file.take(most + 1).read_to_end(&mut bytes);
-                read.map_err(|error| wrong(error.into()))?;
+                file.take(most + 1).read_to_end(&mut bytes).map_err(|error| wrong(error.into()))?;
             }
         }
         Ok(Some(bytes).filter(|bytes| bytes.len() as u64 <= most))
@@ -330,9 +328,9 @@ impl Archive {
             if held.is_empty() {
                 held.push("none at all".to_owned());
             }
-            let otherwise = || ArchiveError::NoBinary { platform, held };
-            let misnamed = self.misnamed(identifier, platform);
-            return Err(misnamed.unwrap_or_else(otherwise));
+            return Err(self
+                .misnamed(identifier, platform)
+                .unwrap_or_else(|| ArchiveError::NoBinary { platform, held }));
         }
         let target = numbered(parent).map_err(ArchiveError::NoRoom)?;
         let unpacked = match self {
@@ -357,10 +355,7 @@ fn numbered(parent: &Path) -> io::Result<TempDir> {
 
 /// Opens a file. Opening a pipe would wait for its writer, and a device may have no end.
 fn open(path: &Path) -> Result<File, ArchiveError> {
-    match fs::metadata(path)?.is_file() {
-        true => Ok(File::open(path)?),
-        false => Err(ArchiveError::NoFile(path.to_owned())),
-    }
+    if fs::metadata(path)?.is_file() { Ok(File::open(path)?) } else { Err(ArchiveError::NoFile(path.to_owned())) }
 }
 
 /// The names that more than one entry has, each once.
@@ -391,8 +386,10 @@ fn platform_of(name: &str, identifier: &str) -> Option<String> {
 
 /// The files below a folder, by their paths from `root`, with forward slashes.
 fn files_below(folder: &Path, root: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    entries
+    fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .flatten()
         .flat_map(|entry| match entry.file_type() {
             Ok(kind) if kind.is_dir() => files_below(&entry.path(), root),
             _ => {
@@ -405,11 +402,17 @@ fn files_below(folder: &Path, root: &Path) -> Vec<String> {
 }
 
 fn folder_platforms(binaries: &Path, identifier: &str) -> Vec<String> {
-    let platforms = fs::read_dir(binaries).into_iter().flatten().flatten();
-    platforms
+    fs::read_dir(binaries)
+        .into_iter()
+        .flatten()
+        .flatten()
         .filter(|platform| {
-            let files = fs::read_dir(platform.path()).into_iter().flatten().flatten();
-            files.map(|file| file.path()).any(|file| file.file_stem().is_some_and(|stem| stem == identifier))
+            fs::read_dir(platform.path())
+                .into_iter()
+                .flatten()
+                .flatten()
+                .map(|file| file.path())
+                .any(|file| file.file_stem().is_some_and(|stem| stem == identifier))
         })
         .map(|platform| platform.file_name().to_string_lossy().into_owned())
         .collect()

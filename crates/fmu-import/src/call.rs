@@ -47,6 +47,9 @@ impl Status {
     }
 }
 
+/// What a call gives, or why it did not succeed.
+pub type Called<T = ()> = Result<T, Call>;
+
 /// A call that did not succeed.
 #[derive(Clone, Debug, Error)]
 #[error("{}: {}", status.name(function), self.reason())]

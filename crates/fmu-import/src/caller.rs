@@ -2,9 +2,11 @@
 
 use std::ffi::c_int;
 
-use crate::call::{Call, Status};
-use crate::floating_point::{Mode, within};
-use crate::logger::Log;
+use crate::{
+    call::{Call, Called, Status},
+    floating_point::{Mode, within},
+    logger::Log,
+};
 
 /// Makes the calls of one instance and judges what they return.
 #[derive(Debug)]
@@ -33,7 +35,7 @@ impl Caller {
 
     /// Judges the status that a function returned.
     #[inline]
-    pub(crate) fn check(&mut self, function: &'static str, status: c_int) -> Result<(), Call> {
+    pub(crate) fn check(&mut self, function: &'static str, status: c_int) -> Called {
         match status {
             0 => Ok(()),
             1 => {

@@ -1,12 +1,16 @@
 //! A component of a binary, and the functions whose signature is the same in both versions of FMI.
 
-use std::ffi::{CString, c_char, c_int};
-use std::ptr;
+use std::{
+    ffi::{CString, c_char, c_int},
+    ptr,
+};
 
-use crate::call::Call;
-use crate::caller::Caller;
-use crate::symbols::{Component, Function, LibraryError, Plain, Saved, Symbols, Text};
-use crate::version::Version;
+use crate::{
+    call::Called,
+    caller::Caller,
+    symbols::{Component, Function, LibraryError, Plain, Saved, Symbols, Text},
+    version::Version,
+};
 
 /// The functions to get and to free a state.
 type TakeState = unsafe extern "C" fn(Component, *mut Saved) -> c_int;
@@ -79,32 +83,28 @@ impl Base {
 
     /// Calls a function of the component in its own floating-point mode, and judges what it returns.
     #[inline(always)]
-    pub(crate) fn call<F: Copy>(
-        &mut self,
-        function: Function<F>,
-        call: impl FnOnce(F, Component) -> c_int,
-    ) -> Result<(), Call> {
+    pub(crate) fn call<F: Copy>(&mut self, function: Function<F>, call: impl FnOnce(F, Component) -> c_int) -> Called {
         let (code, component) = (function.get()?, self.component);
         let status = self.caller.call(|| call(code, component));
         self.caller.check(function.name, status)
     }
 
     /// Calls a function of nothing but the component.
-    pub(crate) fn plain(&mut self, function: Function<Plain>) -> Result<(), Call> {
+    pub(crate) fn plain(&mut self, function: Function<Plain>) -> Called {
         // SAFETY: the component is alive.
         self.call(function, |call, component| unsafe { call(component) })
     }
 
-    pub(crate) fn exit_initialization_mode(&mut self) -> Result<(), Call> {
+    pub(crate) fn exit_initialization_mode(&mut self) -> Called {
         self.plain(self.common.exit_initialization_mode)
     }
 
-    pub(crate) fn reset(&mut self) -> Result<(), Call> {
+    pub(crate) fn reset(&mut self) -> Called {
         self.plain(self.common.reset)
     }
 
     /// Ends the simulation; nothing is done where the FMU has no function for that.
-    pub(crate) fn terminate(&mut self) -> Result<(), Call> {
+    pub(crate) fn terminate(&mut self) -> Called {
         match self.common.terminate {
             terminate if terminate.is_there() => self.plain(terminate),
             _ => Ok(()),
@@ -115,16 +115,15 @@ impl Base {
         let mut state = Saved(ptr::null_mut());
         let get = Some(self.common.get_state).filter(|_| self.common.saves)?;
         // SAFETY: the component is alive, and the state is a valid place to write to.
-        let saved = self.call(get, |get, of| unsafe { get(of, &raw mut state) });
-        saved.ok().map(|()| state)
+        self.call(get, |get, of| unsafe { get(of, &raw mut state) }).ok().map(|()| state)
     }
 
-    pub(crate) fn restore(&mut self, state: Saved) -> Result<(), Call> {
+    pub(crate) fn restore(&mut self, state: Saved) -> Called {
         // SAFETY: the component is alive, and the state is one of its own.
         self.call(self.common.set_state, |set, of| unsafe { set(of, state) })
     }
 
-    pub(crate) fn forget(&mut self, mut state: Saved) -> Result<(), Call> {
+    pub(crate) fn forget(&mut self, mut state: Saved) -> Called {
         let free = self.common.free_state;
         // SAFETY: the component is alive, and the state is one of its own, used no more.
         self.call(free, |free, of| unsafe { free(of, &raw mut state) })

@@ -5,9 +5,11 @@ use std::fmt;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize, Serializer};
 
-use crate::units::{Conversion, UnitError, Units};
-use crate::value::{Content, Handle, Value};
-use crate::version::Version;
+use crate::{
+    units::{Conversion, UnitError, Units},
+    value::{Content, Handle, Value},
+    version::Version,
+};
 
 /// A model description of FMI 2.0 or 3.0.
 #[derive(Clone, Debug, Default, Serialize)]
@@ -418,8 +420,7 @@ impl Kind {
 
     /// The start value as a number, where there is one.
     pub fn start(&self) -> Option<f64> {
-        let number = |value: Value| (value.content() != Content::Text).then(|| value.number());
-        self.start_value().and_then(number)
+        self.start_value().and_then(|value| (value.content() != Content::Text).then(|| value.number()))
     }
 
     /// The smallest and the largest value, where these are declared.

@@ -1,12 +1,16 @@
 //! One simulation of an FMU.
 
-use std::sync::Arc;
-use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{
+    Arc,
+    atomic::{AtomicU64, Ordering},
+};
 
-use crate::call::{Call, Warnings};
-use crate::library::Library;
-use crate::simulation::{Batch, Experiment, Simulation};
-use crate::value::{Handle, Value};
+use crate::{
+    call::{Called, Warnings},
+    library::Library,
+    simulation::{Batch, Experiment, Simulation},
+    value::{Handle, Value},
+};
 
 /// One instance. It may move between threads, but only one at a time may use it.
 #[derive(Debug)]
@@ -24,7 +28,7 @@ impl Instance {
     ///
     /// # Errors
     /// When the FMU refuses.
-    pub fn new(library: &Arc<Library>, name: &str) -> Result<Self, Call> {
+    pub fn new(library: &Arc<Library>, name: &str) -> Called<Self> {
         let simulation = library.instantiate(name)?;
         static CREATED: AtomicU64 = AtomicU64::new(0);
         Ok(Self {
@@ -60,10 +64,9 @@ impl Instance {
     ///
     /// # Errors
     /// When the FMU refuses.
-    pub fn setup_experiment(&mut self, start: f64, stop: f64, tolerance: Option<f64>) -> Result<(), Call> {
+    pub fn setup_experiment(&mut self, start: f64, stop: f64, tolerance: Option<f64>) -> Called {
         self.first_step = None;
-        let experiment = Experiment { start, stop, tolerance };
-        self.simulation.set_up(experiment)
+        self.simulation.set_up(Experiment { start, stop, tolerance })
     }
 
     /// Sets structural parameters, by their value references, before anything else is set: see
@@ -71,7 +74,7 @@ impl Instance {
     ///
     /// # Errors
     /// When the FMU refuses.
-    pub fn resize(&mut self, sizes: &[(u32, u64)]) -> Result<(), Call> {
+    pub fn resize(&mut self, sizes: &[(u32, u64)]) -> Called {
         match sizes {
             [] => Ok(()),
             sizes => self.simulation.resize(sizes),
@@ -82,7 +85,7 @@ impl Instance {
     ///
     /// # Errors
     /// When the FMU cannot be initialised.
-    pub fn initialise(&mut self) -> Result<(), Call> {
+    pub fn initialise(&mut self) -> Called {
         self.simulation.initialise(&mut |_| Ok(()))
     }
 
@@ -94,7 +97,7 @@ impl Instance {
     /// # Panics
     /// When there are not as many places as references.
     #[inline(never)]
-    pub fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Result<(), Call> {
+    pub fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Called {
         self.simulation.reals(references, into)
     }
 
@@ -102,7 +105,7 @@ impl Instance {
     ///
     /// # Errors
     /// When the FMU refuses.
-    pub fn value(&mut self, handle: Handle) -> Result<Value, Call> {
+    pub fn value(&mut self, handle: Handle) -> Called<Value> {
         self.simulation.value(handle)
     }
 
@@ -110,7 +113,7 @@ impl Instance {
     ///
     /// # Errors
     /// When the FMU refuses, or cannot.
-    pub fn set_slope(&mut self, reference: u32, slope: f64) -> Result<(), Call> {
+    pub fn set_slope(&mut self, reference: u32, slope: f64) -> Called {
         let simulation = &mut self.simulation;
         simulation.set_slope(reference, slope)
     }
@@ -119,7 +122,7 @@ impl Instance {
     ///
     /// # Errors
     /// When the FMU refuses, and when the value does not fit the variable's type.
-    pub fn set(&mut self, reference: u32, value: &Value) -> Result<(), Call> {
+    pub fn set(&mut self, reference: u32, value: &Value) -> Called {
         self.simulation.set(reference, value)
     }
 
@@ -129,7 +132,7 @@ impl Instance {
     /// When the step is refused or fails, and when the FMU ends the simulation by itself: then [`Call::ended`] says
     /// when, and the instance holds its last values.
     #[inline(never)]
-    pub fn step(&mut self, time: f64, step: f64) -> Result<(), Call> {
+    pub fn step(&mut self, time: f64, step: f64) -> Called {
         let step = self.of_one_size(step);
         self.simulation.step(time, step)
     }
@@ -155,34 +158,26 @@ impl Instance {
     /// # Panics
     /// When there are not as many times as sizes, or `rows` has no room for the values of all steps.
     #[inline(never)]
-    pub fn steps(
-        &mut self,
-        times: &[f64],
-        sizes: &[f64],
-        references: &[u32],
-        rows: &mut [f64],
-    ) -> (usize, Result<(), Call>) {
+    pub fn steps(&mut self, times: &[f64], sizes: &[f64], references: &[u32], rows: &mut [f64]) -> (usize, Called) {
         assert!(
             times.len() == sizes.len() && rows.len() >= times.len() * references.len(),
             "each step needs a size, and a row of its own"
         );
         let same: Vec<f64>;
-        let sizes = match self.library.one_size {
-            true => {
-                same = sizes.iter().map(|&size| self.of_one_size(size)).collect();
-                &same
-            }
-            false => sizes,
+        let sizes = if self.library.one_size {
+            same = sizes.iter().map(|&size| self.of_one_size(size)).collect();
+            &same
+        } else {
+            sizes
         };
-        let batch = Batch { times, sizes, references, rows };
-        self.simulation.steps(batch)
+        self.simulation.steps(Batch { times, sizes, references, rows })
     }
 
     /// Takes the instance back to where it was after its creation.
     ///
     /// # Errors
     /// When the FMU cannot; then a new instance is needed.
-    pub fn reset(&mut self) -> Result<(), Call> {
+    pub fn reset(&mut self) -> Called {
         self.simulation.base().caller.log.clear();
         let reset = self.simulation.reset();
         // As after its creation.
@@ -197,7 +192,7 @@ impl Instance {
     ///
     /// # Errors
     /// When the FMU refuses. What was computed before holds all the same.
-    pub fn terminate(&mut self) -> Result<(), Call> {
+    pub fn terminate(&mut self) -> Called {
         if self.simulation.base().caller.dead {
             return Ok(());
         }

@@ -28,7 +28,7 @@ pub mod version;
 pub mod xml;
 
 pub use archive::ArchiveError;
-pub use call::{Call, End, Status, Warnings};
+pub use call::{Call, Called, End, Status, Warnings};
 pub use description::{Causality, Description, Interface, Kind, Place, Remark, Variability, Variable};
 pub use instance::Instance;
 pub use library::{Library, LibraryError, percent_encoded};

@@ -3,30 +3,29 @@
 //! Unloading is left out on purpose: thread-local destructors and threads of an FMU that outlive
 //! its code crash the process, and a process loads few FMUs.
 
-use std::collections::HashMap;
-use std::ffi::CStr;
-use std::path::Path;
-use std::sync::Arc;
+use std::{collections::HashMap, ffi::CStr, path::Path, sync::Arc};
 
 use libloading::Library as Loaded;
 use tempfile::TempDir;
 
-use crate::archive;
-use crate::call::Call;
-use crate::caller::Caller;
-use crate::component::Common;
-use crate::description::{Causality, Description, ExchangeSizes, Interface, Kind, Variability, Variable};
-use crate::exchange::{self, Clocks, Exchange};
-use crate::floating_point::{Mode, within};
-use crate::fmi2;
-use crate::fmi3::{self, Element};
-use crate::needed;
-use crate::simulation::{Birth, Simulation};
 pub use crate::symbols::LibraryError;
-use crate::symbols::{Function, Symbols, Text};
-use crate::validity;
-use crate::value::Handle;
-use crate::version::Version;
+use crate::{
+    archive,
+    call::Called,
+    caller::Caller,
+    component::Common,
+    description::{Causality, Description, ExchangeSizes, Interface, Kind, Variability, Variable},
+    exchange::{self, Clocks, Exchange},
+    floating_point::{Mode, within},
+    fmi2,
+    fmi3::{self, Element},
+    needed,
+    simulation::{Birth, Simulation},
+    symbols::{Function, Symbols, Text},
+    validity,
+    value::Handle,
+    version::Version,
+};
 
 /// The functions of a binary, by its version of FMI.
 #[derive(Debug)]
@@ -115,7 +114,7 @@ impl Library {
     }
 
     /// Creates a component.
-    pub(crate) fn instantiate(&self, name: &str) -> Result<Box<dyn Simulation>, Call> {
+    pub(crate) fn instantiate(&self, name: &str) -> Called<Box<dyn Simulation>> {
         let is_exchange = self.birth.interface == Interface::ModelExchange;
         let handles = is_exchange || self.clocks.are_there();
         let mut exchange = self.exchange.filter(|_| handles);
@@ -139,7 +138,7 @@ impl Library {
     }
 
     /// A component alone; `events` says whether events are handled here.
-    fn component(&self, name: &str, events: bool) -> Result<Box<dyn Simulation>, Call> {
+    fn component(&self, name: &str, events: bool) -> Called<Box<dyn Simulation>> {
         let (birth, common, caller) = (&self.birth, self.common, Caller::new(self.mode));
         Ok(match &self.functions {
             Functions::Two(functions) => Box::new(fmi2::Model::new(Arc::clone(functions), common, birth, caller, name)?),
@@ -197,30 +196,30 @@ impl Library {
 
 /// A path as part of a URI, in which `also` stays as it is, too.
 pub fn percent_encoded(path: &str, also: &str) -> String {
-    let encode = |byte: u8| {
-        let c = char::from(byte);
-        match c.is_ascii_alphanumeric() || "/-._~".contains(c) || also.contains(c) {
-            true => c.to_string(),
-            false => format!("%{byte:02X}"),
-        }
-    };
-    path.bytes().map(encode).collect()
+    path.bytes()
+        .map(|byte| {
+            let c = char::from(byte);
+            if c.is_ascii_alphanumeric() || "/-._~".contains(c) || also.contains(c) {
+                c.to_string()
+            } else {
+                format!("%{byte:02X}")
+            }
+        })
+        .collect()
 }
 
 /// The resources as FMI 2.0 passes them: `file:///...`, percent-encoded.
 fn uri(folder: &Path) -> Result<String, LibraryError> {
     let text = absolute(folder)?.replace('\\', "/");
-    let scheme = match text.starts_with('/') {
-        true => "file://",
-        false => "file:///",
-    };
+    let scheme = if text.starts_with('/') { "file://" } else { "file:///" };
     Ok(format!("{scheme}{}", percent_encoded(&text, ":")))
 }
 
 fn absolute(folder: &Path) -> Result<String, LibraryError> {
-    let absolute = std::path::absolute(folder).ok();
-    let text = absolute.and_then(|path| path.to_str().map(str::to_owned));
-    text.ok_or_else(|| LibraryError::Folder(folder.to_owned()))
+    std::path::absolute(folder)
+        .ok()
+        .and_then(|path| path.to_str().map(str::to_owned))
+        .ok_or_else(|| LibraryError::Folder(folder.to_owned()))
 }
 
 /// Loads a binary, for ever: see above.
@@ -253,8 +252,7 @@ fn inputs(description: &Description) -> HashMap<Handle, bool> {
     let is_continuous = |variable: &Variable| {
         variable.variability == Variability::Continuous && matches!(variable.kind, Kind::Real { .. })
     };
-    let inputs = description.with(Causality::Input);
-    inputs.map(|variable| (variable.handle(), is_continuous(variable))).collect()
+    description.with(Causality::Input).map(|variable| (variable.handle(), is_continuous(variable))).collect()
 }
 
 /// Why the loader refused: all libraries that are missing, of which it names the first only, or else its own words.
@@ -273,9 +271,11 @@ fn reason(path: &Path, error: &libloading::Error) -> String {
 
 /// The loader's own words, on one line.
 fn plain(error: &libloading::Error) -> String {
-    let source = std::error::Error::source(error);
-    let text = source.map_or_else(|| error.to_string(), ToString::to_string);
-    let text = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let text = std::error::Error::source(error)
+        .map_or_else(|| error.to_string(), ToString::to_string)
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ");
     // FMUs of pythonfmu and the like expect to be loaded by a Python.
     if text.contains("undefined symbol: _Py") || text.contains("undefined symbol: Py") {
         return format!("{text}; the FMU runs Python: set LD_PRELOAD to the path of libpython3.so");

@@ -4,16 +4,19 @@
 //! environment is no pointer but a ticket, which is looked up, and what an FMU knows by address is never freed:
 //! each instance takes a seat, and seats of instances that have gone are taken again.
 
-use std::borrow::Cow;
-use std::collections::VecDeque;
-use std::ffi::{CStr, c_char, c_int, c_void};
-use std::panic::catch_unwind;
-use std::ptr;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::{
+    borrow::Cow,
+    collections::VecDeque,
+    ffi::{CStr, c_char, c_int, c_void},
+    panic::catch_unwind,
+    ptr,
+    sync::{
+        Mutex, MutexGuard, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
+};
 
-use crate::call::Warnings;
-use crate::validity;
+use crate::{call::Warnings, validity};
 
 /// Messages kept; the oldest go first, so that a chatty FMU costs no memory.
 const KEPT: usize = 32;
@@ -190,8 +193,10 @@ impl Log {
     pub(crate) fn last(&self) -> Option<String> {
         let heard = locked(&self.seat.heard);
         let mut newest_first = heard.messages.iter().rev();
-        let error = newest_first.find(|(status, _)| matches!(status, 3 | 4));
-        error.or_else(|| heard.messages.back()).map(|(_, message)| message.clone())
+        newest_first
+            .find(|(status, _)| matches!(status, 3 | 4))
+            .or_else(|| heard.messages.back())
+            .map(|(_, message)| message.clone())
     }
 
     /// How many messages came with an environment that nobody gave to the FMU.
@@ -256,9 +261,7 @@ pub(crate) extern "C" fn fmu_import_log(
             status
         };
         // The address is a number to look up; it is never followed.
-        let Some((seat, stray)) = seat_of(environment.addr()) else {
-            return;
-        };
+        let Some((seat, stray)) = seat_of(environment.addr()) else { return };
         // SAFETY: `logger.c` passes its own zero-terminated buffer, and FMI 3.0 a zero-terminated string.
         let message = unsafe { CStr::from_ptr(message) }.to_string_lossy();
         let words: Vec<&str> = message.split_whitespace().collect();

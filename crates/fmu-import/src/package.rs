@@ -1,22 +1,26 @@
 //! An FMU at rest: its description, and its files.
 
-use std::io::{self, Read, Seek, Write};
-use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::{
+    io::{self, Read, Seek, Write},
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use roxmltree::Node;
 use sha2::{Digest, Sha256};
 use tempfile::TempDir;
 use thiserror::Error;
 
-use crate::archive::{self, Archive, ArchiveError};
-use crate::decode;
-use crate::description::Description;
-use crate::isolation::watch::Snapshot;
-use crate::library::{Library, LibraryError};
-use crate::parse::{self, DescriptionError};
-use crate::value::hexadecimal;
-use crate::xml;
+use crate::{
+    archive::{self, Archive, ArchiveError},
+    decode,
+    description::Description,
+    isolation::watch::Snapshot,
+    library::{Library, LibraryError},
+    parse::{self, DescriptionError},
+    value::hexadecimal,
+    xml,
+};
 
 /// Why an FMU cannot be used.
 #[derive(Debug, Error)]
@@ -81,11 +85,9 @@ impl Package {
     /// Co-Simulation.
     pub fn open(path: &Path) -> Result<Self, FmuError> {
         let unusable = |fault| FmuError { path: path.to_owned(), fault };
-        let archive = Archive::open(path).map_err(FmuFault::from);
-        let mut archive = archive.map_err(unusable)?;
+        let mut archive = Archive::open(path).map_err(FmuFault::from).map_err(unusable)?;
         let description = archive.description().map_err(FmuFault::from);
-        let description = description.and_then(|xml| Ok(parse::description(&xml, &[])?));
-        let description = description.map_err(unusable)?;
+        let description = description.and_then(|xml| Ok(parse::description(&xml, &[])?)).map_err(unusable)?;
         Ok(Self { path: path.to_owned(), archive, description, unpacked: None, own: None })
     }
 
@@ -133,8 +135,7 @@ impl Package {
     /// # Errors
     /// When it cannot be read.
     pub fn bytes_of(&mut self, entry: &str) -> Result<Vec<u8>, FmuError> {
-        let bytes = self.archive.bytes_of(entry);
-        bytes.map_err(|fault| self.unusable(fault))
+        self.archive.bytes_of(entry).map_err(|fault| self.unusable(fault))
     }
 
     /// Writes a copy of the FMU with these files, and without those that `leave_out` names. Whatever else was there stays as it
@@ -148,8 +149,7 @@ impl Package {
         leave_out: impl Fn(&str) -> bool,
         files: &[(String, Vec<u8>)],
     ) -> Result<(), FmuError> {
-        let copied = self.archive.copy_with(into, leave_out, files);
-        copied.map_err(|fault| self.unusable(fault))
+        self.archive.copy_with(into, leave_out, files).map_err(|fault| self.unusable(fault))
     }
 
     /// Hands the document of `modelDescription.xml` to `read`.
@@ -157,11 +157,9 @@ impl Package {
     /// # Errors
     /// When it cannot be read any more.
     pub fn with_document<T>(&mut self, read: impl FnOnce(Node<'_, '_>) -> T) -> Result<T, FmuError> {
-        let bytes = self.archive.description();
-        let bytes = bytes.map_err(|fault| self.unusable(fault))?;
+        let bytes = self.archive.description().map_err(|fault| self.unusable(fault))?;
         let text = decode::decode(&bytes);
-        let document = xml::parse(&text);
-        let document = document.map_err(|fault| self.unusable(DescriptionError::from(fault)))?;
+        let document = xml::parse(&text).map_err(|fault| self.unusable(DescriptionError::from(fault)))?;
         Ok(read(document.root_element()))
     }
 
@@ -170,8 +168,7 @@ impl Package {
     /// # Errors
     /// When the file cannot be read any more.
     pub fn digest(&self) -> Result<String, FmuError> {
-        let hash = self.archive.identity().and_then(|file| Ok(sha256(file)?));
-        let hash = hash.map_err(|fault| self.unusable(fault))?;
+        let hash = self.archive.identity().and_then(|file| Ok(sha256(file)?)).map_err(|fault| self.unusable(fault))?;
         Ok(hexadecimal(&hash))
     }
 
@@ -188,8 +185,7 @@ impl Package {
     /// there is no room.
     pub fn unpack(&mut self, parent: &Path) -> Result<PathBuf, FmuError> {
         // The folder unpacked for workers may be gone with their other files.
-        let kept = self.unpacked.take();
-        let kept = kept.filter(|(folder, then)| Snapshot::of(folder) == *then);
+        let kept = self.unpacked.take().filter(|(folder, then)| Snapshot::of(folder) == *then);
         let (folder, then) = match kept {
             Some(kept) => kept,
             None => {
@@ -209,8 +205,7 @@ impl Package {
     /// As [`unpack`](Self::unpack).
     pub fn unpack_anew(&mut self, parent: &Path) -> Result<TempDir, FmuError> {
         let Description { model_identifier, standard, .. } = &self.description;
-        let unpacked = self.archive.unpack(model_identifier, *standard, parent);
-        unpacked.map_err(|fault| match fault {
+        self.archive.unpack(model_identifier, *standard, parent).map_err(|fault| match fault {
             // The FMU is not to blame.
             ArchiveError::NoRoom(_) => FmuError { path: parent.to_owned(), fault: fault.into() },
             fault => self.unusable(fault),

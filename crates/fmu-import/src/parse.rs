@@ -6,22 +6,25 @@
 
 mod three;
 
-use std::collections::{HashMap, HashSet};
-use std::str::FromStr;
+use std::{
+    collections::{HashMap, HashSet},
+    str::FromStr,
+};
 
 use indexmap::map::Entry;
 use roxmltree::Node;
-use serde::de::value::StrDeserializer;
-use serde::de::{DeserializeOwned, IntoDeserializer};
+use serde::de::{DeserializeOwned, IntoDeserializer, value::StrDeserializer};
 use thiserror::Error;
 
-use crate::decode::{self, decode};
-use crate::description::{
-    About, Capabilities, DefaultExperiment, Description, ExchangeSizes, Interface, Kind, Remark, Storage, Variable,
+use crate::{
+    decode::{self, decode},
+    description::{
+        About, Capabilities, DefaultExperiment, Description, ExchangeSizes, Interface, Kind, Remark, Storage, Variable,
+    },
+    units::{BaseUnit, Conversion, DisplayUnit, Unit, Units},
+    version::Version,
+    xml::{self, XmlError, child, children, within},
 };
-use crate::units::{BaseUnit, Conversion, DisplayUnit, Unit, Units};
-use crate::version::Version;
-use crate::xml::{self, XmlError, child, children, within};
 
 /// Why a model description cannot be used.
 #[derive(Debug, Error)]
@@ -62,8 +65,7 @@ pub(crate) fn description(bytes: &[u8], sizes: &[(u32, u64)]) -> Result<Descript
         return Err(DescriptionError::Root(root.tag_name().name().to_owned()));
     }
     let version = root.attribute("fmiVersion").unwrap_or("1.0").trim();
-    let standard = Version::of(version);
-    let standard = standard.ok_or_else(|| DescriptionError::Version(version.to_owned()))?;
+    let standard = Version::of(version).ok_or_else(|| DescriptionError::Version(version.to_owned()))?;
     let (interface, slave) = interface(root)?;
     let model_identifier = required(slave, "modelIdentifier")?.to_owned();
     if model_identifier.is_empty() || model_identifier.contains(['/', '\\', '\0']) {
@@ -126,8 +128,7 @@ fn interface<'a>(root: Node<'a, 'a>) -> Result<(Interface, Node<'a, 'a>), Descri
 
 /// A text of one line (`xs:normalizedString`), in which line ends and tabs are blanks.
 pub(crate) fn text(node: Node<'_, '_>, attribute: &str) -> Option<String> {
-    let text = node.attribute(attribute)?;
-    Some(text.replace(['\n', '\r', '\t'], " "))
+    Some(node.attribute(attribute)?.replace(['\n', '\r', '\t'], " "))
 }
 
 pub(crate) fn line(node: Node<'_, '_>) -> u32 {
@@ -144,16 +145,20 @@ fn required<'a>(node: Node<'a, 'a>, attribute: &'static str) -> Result<&'a str, 
 
 /// How many variables of FMI 2.0 are derivatives; aliases share a reference and count once.
 fn rates(root: Node<'_, '_>) -> usize {
-    let rates = within(root, "ModelVariables", "ScalarVariable")
-        .filter(|node| child(*node, "Real").is_some_and(|real| real.has_attribute("derivative")));
-    let references: HashSet<_> = rates.map(|node| node.attribute("valueReference")).collect();
+    let references: HashSet<_> = within(root, "ModelVariables", "ScalarVariable")
+        .filter(|node| child(*node, "Real").is_some_and(|real| real.has_attribute("derivative")))
+        .map(|node| node.attribute("valueReference"))
+        .collect();
     references.len()
 }
 
 fn log_categories(root: Node<'_, '_>) -> Vec<String> {
-    let categories = child(root, "LogCategories").into_iter();
-    let names = categories.flat_map(|list| list.children());
-    names.filter_map(|category| category.attribute("name")).map(str::to_owned).collect()
+    child(root, "LogCategories")
+        .into_iter()
+        .flat_map(|list| list.children())
+        .filter_map(|category| category.attribute("name"))
+        .map(str::to_owned)
+        .collect()
 }
 
 /// Attributes that a variable takes over from its declared type.
@@ -181,9 +186,7 @@ impl Reader {
         let start = node.range().start;
         let (position, lines) = self.counted;
         let passed = node.document().input_text().as_bytes().get(position..start);
-        let Some(passed) = passed else {
-            return line(node);
-        };
+        let Some(passed) = passed else { return line(node) };
         let ends = passed.iter().filter(|byte| **byte == b'\n').count();
         self.counted = (start, lines.saturating_add(u32::try_from(ends).unwrap_or(u32::MAX)));
         self.counted.1 + 1
@@ -218,9 +221,7 @@ impl Reader {
 
     /// The item of an enumeration that an attribute names, or else the default.
     pub(crate) fn choice<T: DeserializeOwned + Default>(&mut self, node: Node<'_, '_>, name: &str) -> T {
-        let Some(text) = node.attribute(name) else {
-            return T::default();
-        };
+        let Some(text) = node.attribute(name) else { return T::default() };
         item(text).unwrap_or_else(|| {
             self.remark(node, About::Value, &format!("unknown {name} \"{text}\""));
             T::default()
@@ -256,8 +257,9 @@ impl Reader {
     /// The declarations of Model Exchange of FMI 2.0 beside its capabilities.
     fn exchange(&mut self, root: Node<'_, '_>, node: Node<'_, '_>) -> ExchangeSizes {
         let structure = child(root, "ModelStructure");
-        let derivatives = structure.and_then(|structure| child(structure, "Derivatives"));
-        let listed = derivatives.map_or(0, |list| children(list, "Unknown").count());
+        let listed = structure
+            .and_then(|structure| child(structure, "Derivatives"))
+            .map_or(0, |list| children(list, "Unknown").count());
         // Without its states an FMU would stand still and look well.
         let states = if listed == 0 { rates(root) } else { listed };
         if states > listed {
@@ -275,9 +277,7 @@ impl Reader {
     }
 
     fn default_experiment(&mut self, root: Node<'_, '_>) -> DefaultExperiment {
-        let Some(node) = child(root, "DefaultExperiment") else {
-            return DefaultExperiment::default();
-        };
+        let Some(node) = child(root, "DefaultExperiment") else { return DefaultExperiment::default() };
         DefaultExperiment {
             start: self.number(node, "startTime"),
             stop: self.number(node, "stopTime"),
@@ -302,8 +302,11 @@ impl Reader {
                 .filter_map(|display| {
                     // FMI 3.0: the display unit of the reciprocal, which no factor and offset make.
                     if self.boolean(display, "inverse") == Some(true) {
-                        let text = "an inverse display unit, which is left out: give values in the unit";
-                        self.remark(display, About::Limit, text);
+                        self.remark(
+                            display,
+                            About::Limit,
+                            "an inverse display unit, which is left out: give values in the unit",
+                        );
                         return None;
                     }
                     Some(DisplayUnit { name: text(display, "name")?, from_unit: self.conversion(display) })
@@ -351,8 +354,7 @@ impl Reader {
             self.remark(node, About::Variable, &text);
             return None;
         };
-        let declared = element.attribute("declaredType");
-        let declared = declared.and_then(|name| types.get(name));
+        let declared = element.attribute("declaredType").and_then(|name| types.get(name));
         let mut kind = self.kind(element, declared.copied(), None);
         match &mut kind {
             Kind::Real { start, .. } => *start = self.number(element, "start"),
@@ -380,8 +382,7 @@ impl Reader {
     pub(crate) fn name(&mut self, node: Node<'_, '_>) -> Option<String> {
         let name = text(node, "name");
         if name.is_none() {
-            let text = "a variable without a name is left out";
-            self.remark(node, About::Variable, text);
+            self.remark(node, About::Variable, "a variable without a name is left out");
         }
         name
     }
@@ -423,8 +424,7 @@ impl Reader {
         storage: Option<Storage>,
     ) -> Kind {
         let source = |name: &str| {
-            let declared = declared.filter(|node| node.has_attribute(name));
-            declared.filter(|_| !node.has_attribute(name)).unwrap_or(node)
+            declared.filter(|node| node.has_attribute(name)).filter(|_| !node.has_attribute(name)).unwrap_or(node)
         };
         let text = |name: &str| text(source(name), name);
         let (min, max) = (source("min"), source("max"));
@@ -441,7 +441,7 @@ impl Reader {
             ("Boolean", _) => Kind::Boolean { start: None },
             ("String" | "Binary", _) => Kind::String { start: None },
             ("Enumeration", _) => {
-                Kind::Enumeration { start: None, items: declared.map_or_else(Vec::new, |node| self.items(node)) }
+                Kind::Enumeration { start: None, items: declared.map(|node| self.items(node)).unwrap_or_default() }
             }
             (_, None) => Kind::Integer {
                 start: None,

@@ -4,8 +4,10 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use crate::description::{Description, Variable};
-use crate::units::{Conversion, known, split};
+use crate::{
+    description::{Description, Variable},
+    units::{Conversion, known, split},
+};
 
 /// A number in the unit of its table, or a number with a unit of its own.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -168,9 +170,7 @@ impl<'a> Scale<'a> {
     /// be one of either number.
     pub fn part(&self, part: f64, of: &Quantity) -> Result<f64, String> {
         let amount = part * of.number.abs();
-        let Some(of_unit) = &of.unit else {
-            return Ok(amount);
-        };
+        let Some(of_unit) = &of.unit else { return Ok(amount) };
         let conversion = self.from(of_unit)?;
         if self.is_stated && conversion.value(0.0) != 0.0 {
             let unit = self.unit.as_deref().unwrap_or_default();

@@ -1,14 +1,15 @@
 //! One simulation of an FMU as every version of FMI can run it.
 
-use std::fmt::Debug;
-use std::path::PathBuf;
+use std::{fmt::Debug, path::PathBuf};
 
-use crate::call::Call;
-use crate::caller::Caller;
-use crate::component::{Base, Common};
-use crate::description::Interface;
-use crate::symbols::{Component, Saved};
-use crate::value::{Handle, Value};
+use crate::{
+    call::{Call, Called},
+    caller::Caller,
+    component::{Base, Common},
+    description::Interface,
+    symbols::{Component, Saved},
+    value::{Handle, Value},
+};
 
 /// The experiment that is announced to an FMU.
 #[derive(Clone, Copy, Debug, Default)]
@@ -44,10 +45,9 @@ impl Birth {
         common: Common,
         caller: Caller,
         function: &'static str,
-    ) -> Result<Base, Call> {
+    ) -> Called<Base> {
         if component.0.is_null() {
-            let message = caller.log.last();
-            let why = message.unwrap_or_else(|| self.likely_cause());
+            let why = caller.log.last().unwrap_or_else(|| self.likely_cause());
             return Err(Call::impossible(function, why));
         }
         Ok(Base { component, common, caller })
@@ -87,7 +87,7 @@ impl Batch<'_> {
 }
 
 /// What is done with a component in initialisation mode.
-pub(crate) type Within<'a> = &'a mut dyn FnMut(&mut dyn Simulation) -> Result<(), Call>;
+pub(crate) type Within<'a> = &'a mut dyn FnMut(&mut dyn Simulation) -> Called;
 
 /// A component of a binary, called by the functions of its version. [`Instance`](crate::Instance) documents the
 /// methods.
@@ -97,29 +97,29 @@ pub(crate) trait Simulation: Debug + Send {
     /// Lets the FMU log its messages in these categories.
     fn hear(&mut self, categories: &[String]);
     /// Announces the experiment.
-    fn set_up(&mut self, experiment: Experiment) -> Result<(), Call>;
+    fn set_up(&mut self, experiment: Experiment) -> Called;
     /// Sets structural parameters, by their value references; FMI 2.0 has none.
-    fn resize(&mut self, _: &[(u32, u64)]) -> Result<(), Call> {
+    fn resize(&mut self, _: &[(u32, u64)]) -> Called {
         Ok(())
     }
     /// Enters initialisation mode, does what is to be done within it, and leaves it.
-    fn initialise(&mut self, within: Within<'_>) -> Result<(), Call>;
+    fn initialise(&mut self, within: Within<'_>) -> Called;
     /// Reads real variables, as many as there are references and places.
-    fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Result<(), Call>;
+    fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Called;
     /// Reads a variable of any kind.
-    fn value(&mut self, handle: Handle) -> Result<Value, Call>;
+    fn value(&mut self, handle: Handle) -> Called<Value>;
     /// Writes one variable.
-    fn set(&mut self, reference: u32, value: &Value) -> Result<(), Call>;
+    fn set(&mut self, reference: u32, value: &Value) -> Called;
     /// Lets an input vary linearly over the next step.
-    fn set_slope(&mut self, reference: u32, slope: f64) -> Result<(), Call>;
+    fn set_slope(&mut self, reference: u32, slope: f64) -> Called;
     /// Lets time pass, s.
-    fn step(&mut self, time: f64, step: f64) -> Result<(), Call>;
+    fn step(&mut self, time: f64, step: f64) -> Called;
     /// Lets time pass, s, up to the next return of the FMU: the time that it reached, and whether there is an event.
-    fn part(&mut self, time: f64, step: f64) -> Result<(f64, bool), Call> {
+    fn part(&mut self, time: f64, step: f64) -> Called<(f64, bool)> {
         self.step(time, step).map(|()| (time + step, false))
     }
     /// Lets several steps pass and reads after each; how many were taken and read, and why not all.
-    fn steps(&mut self, mut batch: Batch<'_>) -> (usize, Result<(), Call>) {
+    fn steps(&mut self, mut batch: Batch<'_>) -> (usize, Called) {
         for (taken, (&time, &size)) in batch.times.iter().zip(batch.sizes).enumerate() {
             let mut outcome = self.step(time, size);
             if outcome.is_ok() && !batch.references.is_empty() {
@@ -136,7 +136,7 @@ pub(crate) trait Simulation: Debug + Send {
     /// The same, for calls.
     fn base_mut(&mut self) -> &mut Base;
     /// Goes back to the state after the creation.
-    fn reset(&mut self) -> Result<(), Call> {
+    fn reset(&mut self) -> Called {
         self.base_mut().reset()
     }
     /// Keeps the present state; `None` where the FMU cannot.
@@ -144,11 +144,11 @@ pub(crate) trait Simulation: Debug + Send {
         self.base_mut().save()
     }
     /// Goes back to a state, which must be one of this component's own.
-    fn restore(&mut self, state: Saved) -> Result<(), Call> {
+    fn restore(&mut self, state: Saved) -> Called {
         self.base_mut().restore(state)
     }
     /// Frees such a state, which is used no more.
-    fn forget(&mut self, state: Saved) -> Result<(), Call> {
+    fn forget(&mut self, state: Saved) -> Called {
         self.base_mut().forget(state)
     }
 }

@@ -2,10 +2,7 @@
 
 use thiserror::Error;
 
-use crate::call::Call;
-use crate::floating_point::Mode;
-use crate::instance::Instance;
-use crate::symbols::Saved;
+use crate::{call::Call, floating_point::Mode, instance::Instance, symbols::Saved};
 
 /// A state of one instance. Give it back to that instance with [`Instance::forget`]: a state that
 /// is dropped keeps its memory, as only a living instance can free it.

@@ -1,13 +1,17 @@
 //! The functions of a loaded binary by their names, and why there are none.
 
-use std::ffi::{c_char, c_int, c_void};
-use std::path::{Path, PathBuf};
+use std::{
+    ffi::{c_char, c_int, c_void},
+    path::{Path, PathBuf},
+};
 
 use libloading::Library as Loaded;
 use thiserror::Error;
 
-use crate::call::Call;
-use crate::version::Version;
+use crate::{
+    call::{Call, Called},
+    version::Version,
+};
 
 /// Why a binary cannot be loaded.
 #[derive(Debug, Error)]
@@ -88,10 +92,7 @@ impl Symbols<'_> {
 
     /// The same of a function that only some FMUs must have.
     pub(crate) fn need_if<F: Copy>(&self, is_needed: bool, name: &str) -> Result<Function<F>, LibraryError> {
-        match is_needed {
-            true => self.need(name),
-            false => Ok(self.find(name)),
-        }
+        if is_needed { self.need(name) } else { Ok(self.find(name)) }
     }
 
     /// Looks for the functions that read and write variables of a type.
@@ -126,7 +127,7 @@ impl<F: Copy> Function<F> {
 
     /// The function, or why it cannot be called.
     #[inline]
-    pub(crate) fn get(self) -> Result<F, Call> {
+    pub(crate) fn get(self) -> Called<F> {
         self.code.ok_or_else(|| Call::missing(self.name))
     }
 }

@@ -132,9 +132,10 @@ impl Units {
             fault,
             remedy,
             to: to.unwrap_or("no unit").to_owned(),
-            known: match ways.is_empty() {
-                true => vec!["a number alone".to_owned()],
-                false => ways.into_iter().map(|(name, _)| name).collect(),
+            known: if ways.is_empty() {
+                vec!["a number alone".to_owned()]
+            } else {
+                ways.into_iter().map(|(name, _)| name).collect()
             },
         })
     }
@@ -142,19 +143,20 @@ impl Units {
     /// Every unit in which a value of unit `to` may be given, and how it converts.
     fn ways(&self, to: Option<&str>) -> Vec<(String, Conversion)> {
         let Some(to) = to.filter(|_| !self.is_no_unit(to)) else {
-            let usual = [("1", 1.0, self.is_number("1")), ("%", 0.01, !self.defines("%"))].into_iter();
-            let usual = usual.filter(|(.., means_it)| *means_it);
-            return usual.map(|(name, factor, _)| (name.to_owned(), Conversion::scaled(factor))).collect();
+            return [("1", 1.0, self.is_number("1")), ("%", 0.01, !self.defines("%"))]
+                .into_iter()
+                .filter(|(.., means_it)| *means_it)
+                .map(|(name, factor, _)| (name.to_owned(), Conversion::scaled(factor)))
+                .collect();
         };
         let mut ways = vec![(to.to_owned(), Conversion::IDENTITY)];
-        let Some(unit) = self.0.get(to) else {
-            return ways;
-        };
+        let Some(unit) = self.0.get(to) else { return ways };
         ways.extend(unit.displays());
         let Some(base) = unit.base.filter(BaseUnit::converts) else { return ways };
         for (name, other) in &self.0 {
-            let alike = |other: &BaseUnit| name != to && other.exponents == base.exponents && other.converts();
-            let Some(other_base) = other.base.filter(alike) else {
+            let Some(other_base) =
+                other.base.filter(|other| name != to && other.exponents == base.exponents && other.converts())
+            else {
                 continue;
             };
             let way = other_base.to_base.then(base.to_base.inverse());
@@ -171,8 +173,11 @@ impl Units {
             None => vec![BaseUnit::NUMBER],
         };
         let given = self.meanings(from);
-        let pairs = given.iter().flat_map(|from| wanted.iter().map(move |to| (from, to)));
-        let (one, other) = pairs.clone().find(|(from, to)| from.exponents == to.exponents)?;
+        let (one, other) = given
+            .iter()
+            .flat_map(|from| wanted.iter().map(move |to| (from, to)))
+            .clone()
+            .find(|(from, to)| from.exponents == to.exponents)?;
         // Many FMUs leave out rad. Where the name of the FMU's unit does not say whether it is a frequency or an angular
         // velocity, a turn a minute could be either.
         let but_for_rad = |a: &BaseUnit, b: &BaseUnit| a.exponents[..7] == b.exponents[..7];
@@ -227,13 +232,14 @@ impl Units {
 
 /// The base of a unit whose usual meaning differs from it in nothing but rad, which the FMU left out, with that rad.
 fn with_rad(name: &str, base: BaseUnit) -> BaseUnit {
-    let same = |usual: &BaseUnit| {
-        let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * b.abs();
-        usual.exponents[..7] == base.exponents[..7]
-            && close(base.to_base.factor, usual.to_base.factor)
-            && close(base.to_base.offset, usual.to_base.offset)
-    };
-    let usual: Vec<BaseUnit> = known::meanings(name).filter(same).collect();
+    let usual: Vec<BaseUnit> = known::meanings(name)
+        .filter(|usual| {
+            let close = |a: f64, b: f64| (a - b).abs() <= 1e-6 * b.abs();
+            usual.exponents[..7] == base.exponents[..7]
+                && close(base.to_base.factor, usual.to_base.factor)
+                && close(base.to_base.offset, usual.to_base.offset)
+        })
+        .collect();
     match usual.first() {
         Some(first) if base.exponents[7] == 0 && usual.iter().all(|usual| usual.exponents[7] != 0) => {
             BaseUnit { exponents: first.exponents, ..base }
@@ -258,8 +264,10 @@ impl BaseUnit {
 impl Unit {
     /// The display units, with the conversion to this unit. One with factor 0 converts nothing.
     fn displays(&self) -> impl Iterator<Item = (String, Conversion)> {
-        let usable = self.display.iter().filter(|display| display.from_unit.factor != 0.0);
-        usable.map(|display| (display.name.clone(), display.from_unit.inverse()))
+        self.display
+            .iter()
+            .filter(|display| display.from_unit.factor != 0.0)
+            .map(|display| (display.name.clone(), display.from_unit.inverse()))
     }
 }
 

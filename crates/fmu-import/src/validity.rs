@@ -43,8 +43,7 @@ fn number(text: &str) -> usize {
     if !digits.starts_with(|c: char| c.is_ascii_digit()) {
         return 0;
     }
-    let end = text.find(|c: char| !c.is_ascii_digit() && !"+-.eE".contains(c));
-    end.unwrap_or(text.len())
+    text.find(|c: char| !c.is_ascii_digit() && !"+-.eE".contains(c)).unwrap_or(text.len())
 }
 
 #[cfg(test)]

@@ -85,12 +85,15 @@ pub fn hexadecimal(bytes: &[u8]) -> String {
 
 /// The bytes that hexadecimal digits stand for, two each; `None` where the text is something else.
 pub fn bytes_of(digits: &str) -> Option<Vec<u8>> {
-    let pairs = digits.as_bytes().chunks(2).map(|pair| {
-        let pair = std::str::from_utf8(pair).ok()?;
-        let is_pair = pair.len() == 2 && pair.bytes().all(|digit| digit.is_ascii_hexdigit());
-        is_pair.then(|| u8::from_str_radix(pair, 16).ok())?
-    });
-    pairs.collect()
+    digits
+        .as_bytes()
+        .chunks(2)
+        .map(|pair| {
+            let pair = std::str::from_utf8(pair).ok()?;
+            let is_pair = pair.len() == 2 && pair.bytes().all(|digit| digit.is_ascii_hexdigit());
+            is_pair.then(|| u8::from_str_radix(pair, 16).ok())?
+        })
+        .collect()
 }
 
 #[cfg(test)]

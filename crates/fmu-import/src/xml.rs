@@ -104,8 +104,9 @@ impl Sizes {
         let mut place = 0;
         while let Some(start) = text[place..].find('<').map(|offset| place + offset) {
             let mark = &text[start..];
-            let special = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>"), ("</", ">")];
-            let special = special.iter().find(|(begin, _)| mark.starts_with(begin));
+            let special = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>"), ("</", ">")]
+                .iter()
+                .find(|(begin, _)| mark.starts_with(begin));
             let length = match special {
                 Some((begin, end)) => {
                     if *begin == "</" {

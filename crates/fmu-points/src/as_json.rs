@@ -1,12 +1,13 @@
 //! How a value is written as JSON within a message: by its own rules, which only a form that names its fields can follow.
 
-use serde::de::{DeserializeOwned, Error as _};
-use serde::ser::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{
+    Deserialize, Deserializer, Serialize, Serializer,
+    de::{DeserializeOwned, Error as _},
+    ser::Error as _,
+};
 
 pub(crate) fn serialize<T: Serialize, S: Serializer>(value: &T, to: S) -> Result<S::Ok, S::Error> {
-    let text = serde_json::to_string(value).map_err(S::Error::custom)?;
-    text.serialize(to)
+    serde_json::to_string(value).map_err(S::Error::custom)?.serialize(to)
 }
 
 pub(crate) fn deserialize<'de, T: DeserializeOwned, D: Deserializer<'de>>(from: D) -> Result<T, D::Error> {

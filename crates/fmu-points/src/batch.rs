@@ -24,10 +24,8 @@ pub(crate) struct Pace {
 impl Pace {
     /// Notes that a batch is done: how long it took, and how much of that beyond its computation.
     pub(crate) fn end(&mut self, jobs: usize, took: Duration, overhead: Duration) {
-        let (moment, most) = match overhead.is_zero() {
-            true => (MOMENT, MOST),
-            false => ((overhead * TIMES).clamp(MOMENT, LONGEST), MOST_AFAR),
-        };
+        let (moment, most) =
+            if overhead.is_zero() { (MOMENT, MOST) } else { ((overhead * TIMES).clamp(MOMENT, LONGEST), MOST_AFAR) };
         let computed = took.saturating_sub(overhead);
         let each = computed.as_secs_f64().max(1e-9) / jobs.max(1) as f64;
         let wanted = (moment.as_secs_f64() / each) as usize;

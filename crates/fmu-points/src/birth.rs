@@ -7,8 +7,7 @@ use std::io;
 
 use fmu_import::isolation::{Child, Keeper};
 
-use crate::child::Estate;
-use crate::wire::Order;
+use crate::{child::Estate, wire::Order};
 
 /// Forks a child.
 ///
@@ -63,8 +62,8 @@ pub(crate) fn serve() -> io::Result<()> {
     let mut place = Place::take()?;
     let missing = || io::Error::other("the worker has gone");
     let mut setup: Setup = serde_json::from_slice(&place.receive().ok_or_else(missing)?)?;
-    let order = crate::wire::read(&place.receive().ok_or_else(missing)?);
-    let order: Order = order.ok_or_else(|| io::Error::other("an order is damaged"))?;
+    let order: Order = crate::wire::read(&place.receive().ok_or_else(missing)?)
+        .ok_or_else(|| io::Error::other("an order is damaged"))?;
     let mut package = setup.open().map_err(io::Error::other)?;
     let estate = Estate { setup: &mut setup, package: Some(&mut package), runner: &mut None };
     let child = crate::child::Child { place, estate };

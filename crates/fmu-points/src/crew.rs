@@ -1,22 +1,25 @@
 //! The workers of a study: how many, and where they run its points.
 
-use std::collections::BTreeMap;
-use std::ops::ControlFlow;
-use std::path::Path;
-use std::sync::Arc;
-use std::sync::atomic::AtomicBool;
+use std::{
+    collections::BTreeMap,
+    ops::ControlFlow,
+    path::Path,
+    sync::{Arc, atomic::AtomicBool},
+};
 
-use crate::conduct::Conduct;
-use crate::ground::Ground;
-use crate::isolated::{Common, Isolated};
-use crate::isolation::Isolation;
-use crate::launcher::Launcher;
-use crate::local::Local;
-use crate::points::{Answer, Event, Job, Limits, RunError, Worker};
-use crate::pool;
-use crate::remote::{Remote, Team};
-use crate::task::{Case, Task};
-use crate::working_directory;
+use crate::{
+    conduct::Conduct,
+    ground::Ground,
+    isolated::{Common, Isolated},
+    isolation::Isolation,
+    launcher::Launcher,
+    local::Local,
+    points::{Answer, Event, Job, Limits, RunError, Worker},
+    pool,
+    remote::{Remote, Team},
+    task::{Case, Task},
+    working_directory,
+};
 use fmu_import::{FmuError, Library, Package};
 
 /// Where points are run.
@@ -99,8 +102,7 @@ impl Crew {
             }
             Ok::<_, RunError>(ControlFlow::Continue(()))
         })?;
-        let all = answers.into_iter().map(|answer| answer.expect("a run that was not stopped has answered all"));
-        Ok(all.collect())
+        Ok(answers.into_iter().map(|answer| answer.expect("a run that was not stopped has answered all")).collect())
     }
 
     /// How many points it runs at a time.
@@ -167,17 +169,17 @@ impl Crew {
         let Way::Processes { common, here, limits } = &self.way else {
             unreachable!("only asked where points run in processes here");
         };
-        let named = |case: &Case| working_directory::is_named_in(&case.task);
-        let here = *here || cases.iter().any(named);
+        let here = *here || cases.iter().any(|case| working_directory::is_named_in(&case.task));
         Box::new(Isolated::new(common, here, cases, *limits, again))
     }
 
     /// All workers.
     pub fn workers(&self, cases: &[Case]) -> Vec<Box<dyn Worker>> {
-        let worker = |number| match &self.way {
-            Way::Elsewhere(team) => Box::new(Remote::new(team, Some(number), cases)),
-            _ => self.worker(cases),
-        };
-        (0..self.size).map(worker).collect()
+        (0..self.size)
+            .map(|number| match &self.way {
+                Way::Elsewhere(team) => Box::new(Remote::new(team, Some(number), cases)),
+                _ => self.worker(cases),
+            })
+            .collect()
     }
 }

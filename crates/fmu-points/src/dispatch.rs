@@ -3,19 +3,19 @@
 //! The worker says a [`Greeting`] first, on a line of its own, since a launcher may print lines before it. All that follows are
 //! frames, as [between processes](crate::wire). The supervisor answers with its [`Terms`] as JSON.
 
-use std::fs::File;
-use std::path::PathBuf;
-use std::time::Duration;
+use std::{fs::File, path::PathBuf, time::Duration};
 
 use serde::{Deserialize, Serialize};
 
-use crate::as_json;
-use crate::failure::Failure;
-use crate::isolation::Isolation;
-use crate::notices::Notices;
-use crate::points::{Event, Job, RunError, Simulated};
-use crate::system;
-use crate::task::Case;
+use crate::{
+    as_json,
+    failure::Failure,
+    isolation::Isolation,
+    notices::Notices,
+    points::{Event, Job, RunError, Simulated},
+    system,
+    task::Case,
+};
 
 /// What a worker's first line begins with; JSON follows.
 pub(crate) const MAGIC: &str = "fmu-points worker ";
@@ -40,10 +40,9 @@ pub(crate) struct Greeting {
 impl Greeting {
     /// That of this program.
     pub(crate) fn own() -> Self {
-        let program = system::program().and_then(File::open);
-        let digest = program.and_then(fmu_import::sha256);
-        let named = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
-        let named = named.or_else(|| std::env::var("COMPUTERNAME").ok());
+        let digest = system::program().and_then(File::open).and_then(fmu_import::sha256);
+        let named =
+            std::fs::read_to_string("/proc/sys/kernel/hostname").ok().or_else(|| std::env::var("COMPUTERNAME").ok());
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
             program: digest.map_or_else(|error| error.to_string(), |digest| fmu_import::hexadecimal(&digest)),

@@ -56,8 +56,10 @@ pub struct Partial {
 impl Partial {
     /// Results of which some are no finite numbers; the first of these belongs to `variable`.
     pub fn new(variable: &str, values: &[f64]) -> Self {
-        let finite = |&value: &f64| Some(value).filter(|value| value.is_finite());
-        Self { variable: variable.to_owned(), values: values.iter().map(finite).collect() }
+        Self {
+            variable: variable.to_owned(),
+            values: values.iter().map(|&value| Some(value).filter(|value| value.is_finite())).collect(),
+        }
     }
 }
 
@@ -103,8 +105,7 @@ impl Failure {
             Self::InCase(of) => &mut of.values,
             _ => return self,
         };
-        let values = known.iter();
-        let mut values: Vec<f64> = values.map(|value| value.unwrap_or(f64::NAN)).collect();
+        let mut values: Vec<f64> = known.iter().map(|value| value.unwrap_or(f64::NAN)).collect();
         convert(&mut values);
         *known = Partial::new("", &values).values;
         self

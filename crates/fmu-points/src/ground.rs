@@ -4,14 +4,15 @@
 //! and then the next point would read what the one before has left. So the folder is watched, and an answer counts only
 //! while nothing has changed: from the first change on each point has a folder of its own.
 
-use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::{
+    path::{Path, PathBuf},
+    sync::Mutex,
+};
 
 use tempfile::TempDir;
 
 use crate::locked::locked;
-use fmu_import::isolation::watch::Watch;
-use fmu_import::{FmuError, Package};
+use fmu_import::{FmuError, Package, isolation::watch::Watch};
 
 /// The FMU's unpacked files.
 #[derive(Debug)]

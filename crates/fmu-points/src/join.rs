@@ -7,11 +7,13 @@
 
 use std::collections::BTreeMap;
 
-use crate::failure::{Failure, OfCase};
-use crate::notices::Notices;
-use crate::points::{Job, Simulated};
-use crate::task::Case;
-use crate::wire::{Origin, Outcome, Reply, Trouble};
+use crate::{
+    failure::{Failure, OfCase},
+    notices::Notices,
+    points::{Job, Simulated},
+    task::Case,
+    wire::{Origin, Outcome, Reply, Trouble},
+};
 
 /// A point's simulations.
 pub(crate) fn split(job: &Job, cases: usize) -> impl Iterator<Item = Job> {
@@ -36,8 +38,10 @@ pub(crate) struct Part {
 
 /// The parts of all cases.
 pub(crate) fn parts(cases: &[Case]) -> Vec<Part> {
-    let part = |case: &Case| Part { name: case.name.clone().unwrap_or_default(), results: case.task.observed.len() };
-    cases.iter().map(part).collect()
+    cases
+        .iter()
+        .map(|case| Part { name: case.name.clone().unwrap_or_default(), results: case.task.observed.len() })
+        .collect()
 }
 
 /// The simulations of points that are not complete yet.
@@ -65,8 +69,7 @@ impl Join {
             return None;
         }
         let replies: Vec<Reply> = self.open.remove(&point)?.into_iter().flatten().collect();
-        let forkable = replies.iter().map(|reply| reply.forkable);
-        let forkable = forkable.reduce(|one, other| Some(one? && other?));
+        let forkable = replies.iter().map(|reply| reply.forkable).reduce(|one, other| Some(one? && other?));
         let answers = replies.into_iter().map(|reply| reply.answer).collect();
         Some(Reply { index: point, answer: joined(&self.cases, answers), forkable: forkable.flatten() })
     }
@@ -86,18 +89,16 @@ pub(crate) fn joined(cases: &[Part], mut outcomes: Vec<Outcome>) -> Outcome {
         };
         said.into_iter().for_each(|said| notices.add(said, &case.name));
     }
-    let from = |&case: &usize| outcomes[case].as_ref().err().map(|trouble| trouble.from);
-    let failed = (0..outcomes.len()).filter(|&case| outcomes[case].is_err());
-    let Some(worst) = failed.min_by_key(from) else {
-        let values = outcomes.into_iter().flatten();
-        let values = values.flat_map(|simulated| simulated.values);
+    let Some(worst) = (0..outcomes.len())
+        .filter(|&case| outcomes[case].is_err())
+        .min_by_key(|&case| outcomes[case].as_ref().err().map(|trouble| trouble.from))
+    else {
+        let values = outcomes.into_iter().flatten().flat_map(|simulated| simulated.values);
         return Ok(Simulated { values: values.collect(), notices: (!notices.is_empty()).then(|| Box::new(notices)) });
     };
-    let values = cases.iter().zip(&outcomes);
-    let values = values.flat_map(|(case, outcome)| known(outcome, case.results));
-    let values: Vec<Option<f64>> = values.collect();
-    let trouble = outcomes.into_iter().nth(worst).and_then(Result::err);
-    let trouble = trouble.expect("the worst one failed");
+    let values: Vec<Option<f64>> =
+        cases.iter().zip(&outcomes).flat_map(|(case, outcome)| known(outcome, case.results)).collect();
+    let trouble = outcomes.into_iter().nth(worst).and_then(Result::err).expect("the worst one failed");
     let case = cases[worst].name.clone();
     let failure = match (trouble.from, trouble.failure) {
         (Origin::Loading, failure) => failure,

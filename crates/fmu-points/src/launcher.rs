@@ -1,9 +1,7 @@
 //! How workers are started elsewhere: by a command that starts a program on another machine and connects its standard input and
 //! output, such as `srun`, `ssh` or `kubectl exec -i`.
 
-use std::path::PathBuf;
-use std::process::Command;
-use std::time::Duration;
+use std::{path::PathBuf, process::Command, time::Duration};
 
 /// Where `{host}` stands in the command, it becomes the host's name.
 const HOST: &str = "{host}";
@@ -45,8 +43,7 @@ impl Launcher {
         if words.is_empty() {
             return Err(format!("`{command}` is not a command"));
         }
-        let program = std::env::current_exe();
-        let program = program.map_err(|error| format!("this program's own path: {error}"))?;
+        let program = std::env::current_exe().map_err(|error| format!("this program's own path: {error}"))?;
         Ok(Self {
             words,
             hosts: vec![Host { name: None, slots }],
@@ -71,17 +68,13 @@ impl Launcher {
             let mut words = line.split_whitespace();
             let Some(name) = words.next() else { continue };
             let slots = words.next().map_or(Some(1), |word| word.parse().ok());
-            let slots = slots.filter(|slots| *slots > 0 && words.next().is_none());
-            let slots = slots.ok_or_else(|| {
+            let slots = slots.filter(|slots| *slots > 0 && words.next().is_none()).ok_or_else(|| {
                 format!("line {number}: `{}` is not a host and its number of workers, such as `node7 16`", line.trim())
             })?;
             let name = Some(name.to_owned());
             all.push(Host { name, slots });
         }
-        match all.is_empty() {
-            true => Err("it names no host".to_owned()),
-            false => Ok(Self { hosts: all, ..self }),
-        }
+        if all.is_empty() { Err("it names no host".to_owned()) } else { Ok(Self { hosts: all, ..self }) }
     }
 
     /// Whether the command names a host.
@@ -97,17 +90,14 @@ impl Launcher {
     /// The places of all workers: of each host one first, so that few points are spread over many.
     pub(crate) fn places(&self) -> Vec<Place> {
         let most = self.hosts.iter().map(|host| host.slots).max().unwrap_or(0);
-        let rounds = (0..most).flat_map(|round| {
-            let hosts = self.hosts.iter().filter(move |host| host.slots > round);
-            hosts.map(|host| self.place(host))
-        });
-        rounds.collect()
+        (0..most)
+            .flat_map(|round| self.hosts.iter().filter(move |host| host.slots > round).map(|host| self.place(host)))
+            .collect()
     }
 
     fn place(&self, host: &Host) -> Place {
         let name = host.name.clone();
-        let words = self.words.iter();
-        let words = words.map(|word| match &name {
+        let words = self.words.iter().map(|word| match &name {
             Some(name) => word.replace(HOST, name),
             None => word.clone(),
         });

@@ -1,21 +1,26 @@
 //! The connection to a worker that a launcher has started: its messages, its silence, and its last words.
 
-use std::collections::VecDeque;
-use std::io::{BufRead, BufReader, Read};
-use std::process::{Child, ChildStderr, ChildStdin, Stdio};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex};
-use std::thread;
-use std::time::{Duration, Instant};
+use std::{
+    collections::VecDeque,
+    io::{BufRead, BufReader, Read},
+    process::{Child, ChildStderr, ChildStdin, Stdio},
+    sync::{
+        Arc, Mutex,
+        mpsc::{Receiver, RecvTimeoutError, Sender, channel},
+    },
+    thread,
+    time::{Duration, Instant},
+};
 
 use fmu_import::isolation::frame::{self, Inbox};
 
-use crate::dispatch::{Greeting, MAGIC, Order, Report, beat};
-use crate::launcher::{Launcher, Place};
-use crate::locked::locked;
-use crate::process;
-use crate::system;
-use crate::wire::{bytes, read};
+use crate::{
+    dispatch::{Greeting, MAGIC, Order, Report, beat},
+    launcher::{Launcher, Place},
+    locked::locked,
+    process, system,
+    wire::{bytes, read},
+};
 
 /// The argument that makes this program a worker for a supervisor elsewhere.
 pub(crate) const REMOTE: &str = "fmu-points-remote";
@@ -73,8 +78,7 @@ impl Link {
             .map_err(|error| format!("{}: {error}", command.get_program().display()))?;
         process::launchers().insert(child.id());
         let thread = |work: Box<dyn FnOnce() + Send>| {
-            let spawned = thread::Builder::new().spawn(work);
-            spawned.map_err(|error| format!("no thread for the launcher's output: {error}"))
+            thread::Builder::new().spawn(work).map_err(|error| format!("no thread for the launcher's output: {error}"))
         };
         let streams = (child.stdin.take(), child.stdout.take(), child.stderr.take());
         let (Some(orders), Some(reports), Some(errors)) = streams else {
@@ -119,10 +123,7 @@ impl Link {
             String::from_utf8_lossy(&seen[..passed]).lines().for_each(|line| keep(&self.words, line));
             self.reports.skip(passed);
         }
-        match open {
-            true => Ok(None),
-            false => Err(self.ending()),
-        }
+        if open { Ok(None) } else { Err(self.ending()) }
     }
 
     /// What a launcher that has started no worker has printed so far.
@@ -131,7 +132,7 @@ impl Link {
         let text = String::from_utf8_lossy(self.reports.seen());
         let printed = text.lines().rev().find(|line| !line.trim().is_empty());
         let said = words.back().map(String::as_str).or(printed);
-        said.map_or_else(String::new, |said| format!(": {}", said.trim()))
+        said.map(|said| format!(": {}", said.trim())).unwrap_or_default()
     }
 
     /// Sends the first message; all further ones have this ticket.

@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
-use crate::join::{Part, joined, parts};
-use crate::points::{Event, Job, Post, RunError, Simulated, Worker};
-use crate::runner::Runner;
-use crate::task::Case;
-use crate::wire::{Origin, Trouble};
+use crate::{
+    join::{Part, joined, parts},
+    points::{Event, Job, Post, RunError, Simulated, Worker},
+    runner::Runner,
+    task::Case,
+    wire::{Origin, Trouble},
+};
 use fmu_import::Library;
 
 /// Runs points on an instance of its own.
@@ -26,18 +28,17 @@ impl Local {
 
 impl Worker for Local {
     fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
-        let Some(runner) = &mut self.runner else {
-            return Ok(());
-        };
+        let Some(runner) = &mut self.runner else { return Ok(()) };
         for job in jobs {
             let runs = (0..self.cases.len()).map(|case| {
                 runner.turn_to(case);
-                let answer = runner.run(&job.values).map(<[f64]>::to_vec);
-                let answer = answer.map(|values| Simulated::new(values, &runner.notices));
-                answer.map_err(|failure| Trouble::new(Origin::Fmu, failure))
+                runner
+                    .run(&job.values)
+                    .map(<[f64]>::to_vec)
+                    .map(|values| Simulated::new(values, &runner.notices))
+                    .map_err(|failure| Trouble::new(Origin::Fmu, failure))
             });
-            let answer = joined(&self.cases, runs.collect());
-            let answer = answer.map_err(|trouble| trouble.failure);
+            let answer = joined(&self.cases, runs.collect()).map_err(|trouble| trouble.failure);
             post.send(Event::Answer(job.index, answer));
             if post.is_over() {
                 break;

@@ -48,12 +48,12 @@ fn closeness(wanted: &str, candidate: &str) -> f64 {
 
 /// The half-sentence `; did you mean ...?`, or nothing.
 pub fn did_you_mean(nearest: Option<&str>) -> String {
-    nearest.map_or_else(String::new, |name| format!("; did you mean `{name}`?"))
+    nearest.map(|name| format!("; did you mean `{name}`?")).unwrap_or_default()
 }
 
 /// A unit as it stands behind a number, with a blank; nothing where there is none.
 pub fn behind(unit: Option<&str>) -> String {
-    unit.map_or_else(String::new, |unit| format!(" {unit}"))
+    unit.map(|unit| format!(" {unit}")).unwrap_or_default()
 }
 
 #[cfg(test)]

@@ -5,8 +5,7 @@ use std::fmt;
 
 use serde::{Deserialize, Serialize};
 
-use fmu_import::validity::is_further;
-use fmu_import::{Call, Warnings};
+use fmu_import::{Call, Warnings, validity::is_further};
 
 /// An FMU's remarks in one simulation, beside its results. None of them makes the point fail.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -43,7 +42,7 @@ pub struct Notices {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Limit {
     /// The case; none where a point has one simulation only.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub case: Option<String>,
     /// What the FMU says.
     pub message: String,
@@ -77,8 +76,7 @@ impl Notices {
         if self.first_warning.is_none() {
             self.first_warning = warnings.first;
         }
-        let limits = warnings.beyond.into_iter();
-        limits.for_each(|message| self.pass(None, message));
+        warnings.beyond.into_iter().for_each(|message| self.pass(None, message));
     }
 
     /// Adds a limit, unless another case has passed it, too.
@@ -96,8 +94,7 @@ impl Notices {
         self.warnings += other.warnings;
         let warning = self.first_warning.take();
         self.first_warning = warning.or_else(|| named(&other.first_warning));
-        let limits = other.beyond.iter().map(|limit| limit.message.clone());
-        limits.for_each(|message| self.pass(Some(case), message));
+        other.beyond.iter().map(|limit| limit.message.clone()).for_each(|message| self.pass(Some(case), message));
         self.ended = self.ended.or(other.ended);
         let unfinished = self.unfinished.take();
         self.unfinished = unfinished.or_else(|| named(&other.unfinished));

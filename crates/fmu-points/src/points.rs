@@ -1,14 +1,11 @@
 //! Points, those who run them, and what may happen meanwhile.
 
-use std::ops::ControlFlow;
-use std::time::Duration;
+use std::{ops::ControlFlow, time::Duration};
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::as_json;
-use crate::failure::Failure;
-use crate::notices::Notices;
+use crate::{as_json, failure::Failure, notices::Notices};
 
 /// Why a run cannot go on at all. What happens to a single point is a [`Failure`].
 #[derive(Debug, Error)]

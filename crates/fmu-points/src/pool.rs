@@ -3,15 +3,21 @@
 //! Points are handed to workers in batches; a worker is anything that can run a batch. Results come back to the
 //! calling thread in whatever order they finish.
 
-use std::ops::ControlFlow;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, sync_channel};
-use std::sync::{Condvar, Mutex};
-use std::thread;
-use std::time::{Duration, Instant};
+use std::{
+    ops::ControlFlow,
+    sync::{
+        Condvar, Mutex,
+        atomic::{AtomicBool, Ordering},
+        mpsc::{Receiver, SyncSender, TryRecvError, sync_channel},
+    },
+    thread,
+    time::{Duration, Instant},
+};
 
-use crate::batch::{Batches, Pace};
-use crate::points::{Event, Job, Post, RunError, Worker};
+use crate::{
+    batch::{Batches, Pace},
+    points::{Event, Job, Post, RunError, Worker},
+};
 
 /// Runs the points `open` on the workers, and hands each answer to `receive` on the calling thread. Setting `stop`,
 /// or a `Break` from `receive`, ends the run early; points that have begun are given up.
@@ -41,8 +47,8 @@ pub fn run<E: From<RunError>>(
                 }
             });
             if let Err(error) = spawned {
-                let none = format!("the system has no thread left: {error}; ask for fewer --jobs");
-                let _ = send.send(Err(RunError::Lost(none)));
+                let _ = send
+                    .send(Err(RunError::Lost(format!("the system has no thread left: {error}; ask for fewer --jobs"))));
             }
         }
         drop(send);

@@ -3,25 +3,31 @@
 //! A worker answers for all that becomes of its children. What may become of the worker itself (an FMU may kill its
 //! parent, or stop it) is noticed here: it is looked at while it is silent, and each of its answers has a deadline.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::io;
-use std::path::Path;
-use std::process::{Child, ChildStdin, Command, ExitStatus, Stdio};
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, TryLockError};
-use std::time::{Duration, Instant};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    io,
+    path::Path,
+    process::{Child, ChildStdin, Command, ExitStatus, Stdio},
+    sync::{Arc, Mutex, MutexGuard, OnceLock, TryLockError},
+    time::{Duration, Instant},
+};
 
-use crate::failure::Failure;
-use crate::join::{Join, split};
-use crate::locked::locked;
-use crate::points::{Job, Limits, RunError};
-use crate::room::Room;
-use crate::system;
-use crate::task::Case;
-use crate::wire::{Order, Reply, Said, Setup, bytes, read};
-use crate::working_directory;
-use fmu_import::isolation::frame::Inbox;
-use fmu_import::isolation::keeper::signal_name;
-use fmu_import::isolation::{ControlGroup, Loss, frame};
+use crate::{
+    failure::Failure,
+    join::{Join, split},
+    locked::locked,
+    points::{Job, Limits, RunError},
+    room::Room,
+    system,
+    task::Case,
+    wire::{Order, Reply, Said, Setup, bytes, read},
+    working_directory,
+};
+use fmu_import::isolation::{
+    ControlGroup, Loss,
+    frame::{self, Inbox},
+    keeper::signal_name,
+};
 
 /// The argument that makes this program a worker.
 pub(crate) const WORKER: &str = "fmu-points-worker";
@@ -137,8 +143,7 @@ impl Process {
             }
             if let Said::Replies(replies) = said {
                 left = left.saturating_sub(replies.len());
-                let whole = replies.into_iter().filter_map(|reply| join.add(reply));
-                whole.for_each(&mut *answer);
+                replies.into_iter().filter_map(|reply| join.add(reply)).for_each(&mut *answer);
             }
             left > 0
         });
@@ -211,9 +216,7 @@ impl Running {
         let orders = child.stdin.take();
         let replies = child.stdout.take().map(system::source);
         let replies = replies.map(|replies| Inbox::new(replies, ticket));
-        let Some(replies) = replies else {
-            return Err(Gone::Start("a pipe to the worker is missing".to_owned()));
-        };
+        let Some(replies) = replies else { return Err(Gone::Start("a pipe to the worker is missing".to_owned())) };
         let mut running = Self { child, orders, replies, ticket: 0, answered: false };
         let setup = Setup { ticket, ..setup.clone() };
         let text = serde_json::to_vec(&setup).map_err(|error| start(error.into()))?;
@@ -237,8 +240,8 @@ impl Running {
             match self.replies.arrived() {
                 Ok(Some(payload)) => {
                     self.answered = true;
-                    let damaged = || Gone::Lost(Failure::Crashed("its answer is damaged".to_owned()));
-                    return read(&payload).ok_or_else(damaged);
+                    return read(&payload)
+                        .ok_or_else(|| Gone::Lost(Failure::Crashed("its answer is damaged".to_owned())));
                 }
                 Ok(None) => {}
                 Err(broken) => return Err(Gone::Lost(Failure::Crashed(broken.to_string()))),
@@ -253,8 +256,7 @@ impl Running {
             } else if begun.elapsed() > limits.time.saturating_mul(2).saturating_add(MARGIN) {
                 return Err(Gone::Lost(Failure::Timeout));
             } else if system::is_stopped(self.child.id()) {
-                let text = "the FMU stopped the process that watches it";
-                return Err(Gone::Lost(Failure::Crashed(text.to_owned())));
+                return Err(Gone::Lost(Failure::Crashed("the FMU stopped the process that watches it".to_owned())));
             }
         }
     }
@@ -300,8 +302,7 @@ impl Drop for Running {
     fn drop(&mut self) {
         // A worker ends its children and itself when nobody can send it orders any more.
         self.orders = None;
-        let patience = Duration::from_millis(300);
-        let sound = self.wait_for_end(patience).is_some_and(|end| end.success());
+        let sound = self.wait_for_end(Duration::from_millis(300)).is_some_and(|end| end.success());
         if !sound {
             system::kill_group(self.child.id());
             let _ = self.child.kill();

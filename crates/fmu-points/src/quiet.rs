@@ -4,11 +4,12 @@
 //! A study may have very many points that fail for reasons of their own: of each kind of failure a few are tried again, and
 //! further ones only as long as that changes something.
 
-use std::collections::BTreeMap;
-use std::sync::{Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard};
+use std::{
+    collections::BTreeMap,
+    sync::{Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard},
+};
 
-use crate::failure::Failure;
-use crate::locked::locked;
+use crate::{failure::Failure, locked::locked};
 
 /// So many points of a kind that fail again are enough; of those that took too long, one.
 const ENOUGH: u32 = 3;
@@ -50,9 +51,10 @@ impl Quiet {
     pub(crate) fn note(&self, failure: &Failure, failed: bool) {
         let mut in_vain = locked(&self.in_vain);
         let kind = kind(failure, &in_vain);
-        match failed {
-            true => *in_vain.entry(kind).or_default() += 1,
-            false => drop(in_vain.remove(&kind)),
+        if failed {
+            *in_vain.entry(kind).or_default() += 1;
+        } else {
+            in_vain.remove(&kind);
         }
     }
 }
@@ -60,12 +62,9 @@ impl Quiet {
 /// Failures with the same words are of one kind, whatever numbers stand in them.
 fn kind(failure: &Failure, known: &BTreeMap<String, u32>) -> String {
     const LENGTH: usize = 80;
-    let text = failure.cause().to_string();
-    let kind: String = text.chars().filter(|letter| !letter.is_ascii_digit()).take(LENGTH).collect();
-    match known.len() >= KINDS && !known.contains_key(&kind) {
-        true => failure.class().to_owned(),
-        false => kind,
-    }
+    let kind: String =
+        failure.cause().to_string().chars().filter(|letter| !letter.is_ascii_digit()).take(LENGTH).collect();
+    if known.len() >= KINDS && !known.contains_key(&kind) { failure.class().to_owned() } else { kind }
 }
 
 #[cfg(test)]

@@ -3,26 +3,32 @@
 //! A worker there does what one here does, with processes of its own. What is lost on the way to it says nothing about the
 //! FMU: its points are handed out again. Only a point that has cost several workers while it was alone with them has failed.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::fs::File;
-use std::io::{self, Read};
-use std::path::Path;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard};
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::{
+    collections::{BTreeMap, BTreeSet},
+    fs::File,
+    io::Read,
+    path::Path,
+    sync::{
+        Arc, Mutex, MutexGuard,
+        atomic::{AtomicU64, Ordering},
+    },
+    thread::sleep,
+    time::{Duration, Instant},
+};
 
 use fmu_import::{FmuError, Package};
 
-use crate::dispatch::{Greeting, Order, Report, Series, Terms};
-use crate::failure::Failure;
-use crate::isolation::Isolation;
-use crate::launcher::{Launcher, Place};
-use crate::link::{Cut, Link};
-use crate::locked::locked;
-use crate::points::{Event, Job, Limits, Post, RunError, Worker};
-use crate::task::Case;
-use crate::working_directory;
+use crate::{
+    dispatch::{Greeting, Order, Report, Series, Terms},
+    failure::Failure,
+    isolation::Isolation,
+    launcher::{Launcher, Place},
+    link::{Cut, Link},
+    locked::locked,
+    points::{Event, Job, Limits, Post, RunError, Worker},
+    task::Case,
+    working_directory,
+};
 
 /// A point that has cost so many workers, with each of which it was alone, has failed.
 const COSTLY: u32 = 3;
@@ -233,8 +239,7 @@ impl Team {
             slots: lane.place.name.is_some().then_some(lane.place.slots),
             ..self.terms.clone()
         };
-        let text = serde_json::to_vec(&terms).expect("terms are plain data");
-        link.open(text, terms.ticket);
+        link.open(serde_json::to_vec(&terms).expect("terms are plain data"), terms.ticket);
         let mut shipped = None;
         loop {
             match link.wait(stopped) {
@@ -258,19 +263,20 @@ impl Team {
         if there.version != here.version {
             return Err(format!("{program} is version {} there and {} here", there.version, here.version));
         }
-        match there.program == here.program {
-            true => Ok(()),
-            false => Err(format!(
+        if there.program == here.program {
+            Ok(())
+        } else {
+            Err(format!(
                 "{program} is another build of version {} there (SHA-256 {:.12}...) than here ({:.12}...)",
                 here.version, there.program, here.program
-            )),
+            ))
         }
     }
 
     /// The next part of the FMU, from its beginning where none is under way; an empty one at its end.
     fn part(&self, shipped: &mut Option<File>) -> Result<Vec<u8>, String> {
         let path = &self.terms.fmu;
-        let told = |error: io::Error| format!("{}: {error}", path.display());
+        let told = |error| format!("{}: {error}", path.display());
         let file = match shipped.take() {
             Some(file) => file,
             None => File::open(path).map_err(told)?,
@@ -342,9 +348,7 @@ impl Team {
         post: &mut Post<'_>,
     ) -> (End, BTreeMap<u64, Job>) {
         let mut open: BTreeMap<u64, Job> = jobs.iter().map(|job| (job.index, job.clone())).collect();
-        let Some(link) = &mut lane.link else {
-            return (End::Stopped, open);
-        };
+        let Some(link) = &mut lane.link else { return (End::Stopped, open) };
         link.order(order);
         let end = loop {
             let news = match link.wait(post.stopped) {
@@ -402,8 +406,8 @@ impl Team {
             let cost = *cost;
             drop(state);
             if cost >= COSTLY {
-                let text = format!("{cost} workers were lost at this point; the last one: {how}");
-                let answer = Err(Failure::Crashed(text));
+                let answer =
+                    Err(Failure::Crashed(format!("{cost} workers were lost at this point; the last one: {how}")));
                 post.send(Event::Answer(index, answer));
                 return Vec::new();
             }
@@ -415,8 +419,11 @@ impl Team {
 impl Drop for Team {
     fn drop(&mut self) {
         // All of them learn it before one of them is waited for.
-        let lanes = self.lanes.iter_mut().filter_map(|lane| lane.get_mut().ok());
-        lanes.filter_map(|lane| lane.link.as_mut()).for_each(Link::part);
+        self.lanes
+            .iter_mut()
+            .filter_map(|lane| lane.get_mut().ok())
+            .filter_map(|lane| lane.link.as_mut())
+            .for_each(Link::part);
     }
 }
 
@@ -481,8 +488,7 @@ impl Remote {
         let (end, open) = team.order(&mut lane, &order, jobs, self.results(), post);
         match end {
             End::Done(took) => {
-                let took = Duration::try_from_secs_f64(took).unwrap_or_default();
-                self.overhead = begun.elapsed().saturating_sub(took);
+                self.overhead = begun.elapsed().saturating_sub(Duration::try_from_secs_f64(took).unwrap_or_default());
                 Ok(open.into_values().collect())
             }
             End::Stopped => {
@@ -506,9 +512,12 @@ impl Remote {
         while !open.is_empty() && !post.is_over() {
             let all = 0..team.lanes.len();
             let linked = all.clone().filter(|&number| team.lane(number).link.is_some());
-            let other = linked.clone().find(|&number| Some(&team.lane(number).host) != self.but.as_ref());
-            let possible = || all.clone().find(|&number| !team.lane(number).out);
-            let Some(number) = other.or_else(|| linked.clone().next()).or_else(possible) else {
+            let Some(number) = linked
+                .clone()
+                .find(|&number| Some(&team.lane(number).host) != self.but.as_ref())
+                .or_else(|| linked.clone().next())
+                .or_else(|| all.clone().find(|&number| !team.lane(number).out))
+            else {
                 return Err(RunError::NoWorker("all hosts are left out".to_owned()));
             };
             if team.connect(&mut team.lane(number), post.stopped)? {
@@ -528,9 +537,7 @@ impl Worker for Remote {
     }
 
     fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
-        let Some(number) = self.lane else {
-            return self.run_anywhere(jobs, post);
-        };
+        let Some(number) = self.lane else { return self.run_anywhere(jobs, post) };
         let open = self.attempt(number, jobs, post)?;
         post.give_back(open);
         Ok(())

@@ -1,13 +1,13 @@
 //! The folders that a worker's points have for themselves.
 
-use std::collections::BTreeSet;
-use std::fs;
-use std::io;
-use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::{
+    collections::BTreeSet,
+    fs, io,
+    path::{Path, PathBuf},
+    sync::Mutex,
+};
 
-use crate::locked::locked;
-use crate::scratch::ScratchError;
+use crate::{locked::locked, scratch::ScratchError};
 
 /// A working directory and a folder for temporary files, both empty for each point. Their paths are the same in every run.
 #[derive(Debug)]

@@ -12,11 +12,13 @@ mod watched;
 
 use std::sync::Arc;
 
-use crate::failure::{Failure, Partial};
-use crate::notices::Notices;
-use crate::system;
-use crate::task::{Case, Probe};
-use fmu_import::{Call, End, Instance, Library, Warnings};
+use crate::{
+    failure::{Failure, Partial},
+    notices::Notices,
+    system,
+    task::{Case, Probe},
+};
+use fmu_import::{Call, Called, End, Instance, Library, Warnings};
 use gauge::Gauge;
 use scene::Scene;
 
@@ -216,7 +218,7 @@ impl Runner {
     pub fn trajectory(
         &mut self,
         values: &[f64],
-        mut read: impl FnMut(f64, &mut Instance) -> Result<(), Call>,
+        mut read: impl FnMut(f64, &mut Instance) -> Called,
     ) -> Result<(), Failure> {
         self.allow(values)?;
         let mut held = self.prepared()?;
@@ -224,7 +226,7 @@ impl Runner {
         let instance = &mut held.instance;
         let schedule = self.scene.task.schedule;
         let mut ended = None;
-        let mut run = || -> Result<(), Call> {
+        let mut run = || -> Called {
             self.scene.start(instance, values)?;
             read(schedule.start, instance)?;
             let (points, mut time) = (schedule.points(), schedule.start);
@@ -277,7 +279,7 @@ impl Runner {
         Ok(Held { born: instance.warnings(), instance, reused: false })
     }
 
-    fn simulate(&mut self, held: &mut Held, values: &[f64]) -> Result<(), Call> {
+    fn simulate(&mut self, held: &mut Held, values: &[f64]) -> Called {
         self.notices = Notices::default();
         // Those of `fmi2Reset` are none of a point alone.
         held.instance.forget_warnings();
@@ -292,7 +294,7 @@ impl Runner {
         self.notices.warn(held.instance.warnings());
     }
 
-    fn simulate_on(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
+    fn simulate_on(&mut self, instance: &mut Instance, values: &[f64]) -> Called {
         let (scene, notices) = (&mut self.scene, &mut self.notices);
         scene.start(instance, values)?;
         let points = scene.task.schedule.points();
@@ -303,20 +305,14 @@ impl Runner {
             return scene.finish(instance, 0.0, notices);
         }
         scene.forget();
-        let from = match scene.has_windows {
-            true => 0,
-            false => points.from(scene.task.schedule.window_start),
-        };
-        let before = scene.advance::<false>(instance, &points, 0..from);
-        before.map_err(before_the_window)?;
+        let from = if scene.has_windows { 0 } else { points.from(scene.task.schedule.window_start) };
+        scene.advance::<false>(instance, &points, 0..from).map_err(before_the_window)?;
         scene.watch(instance, [points.at(from); 2])?;
         let mut stop = points.at(points.steps);
         if let Err(call) = scene.advance::<true>(instance, &points, from..points.steps) {
             // An end that the FMU chose is no failure, unless it comes before a window. The part of a step that was
             // computed counts, too.
-            let Some(end) = call.ended else {
-                return Err(call);
-            };
+            let Some(end) = call.ended else { return Err(call) };
             scene.watch(instance, [end.from, end.at])?;
             if !scene.gauges.iter().all(Gauge::has_seen) {
                 return Err(before_the_window(call));
@@ -339,7 +335,7 @@ fn before_the_window(mut call: Call) -> Call {
 
 impl Probe {
     /// The variable's present value as a number.
-    pub(crate) fn read(&self, instance: &mut Instance) -> Result<f64, Call> {
+    pub(crate) fn read(&self, instance: &mut Instance) -> Called<f64> {
         instance.value(self.handle).map(|value| value.number())
     }
 }

@@ -3,13 +3,15 @@
 //! They are removed when the command ends, also where a signal ends it: an FMU may hold hundreds of megabytes, and
 //! nobody else would ever remove them. Those of a command that was killed go when the next one begins.
 
-use std::collections::BTreeSet;
-use std::fs::{self, File, OpenOptions};
-use std::io;
-use std::path::{Path, PathBuf};
-use std::sync::{Mutex, MutexGuard};
-use std::thread::sleep;
-use std::time::Duration;
+use std::{
+    collections::BTreeSet,
+    fs::{self, File, OpenOptions},
+    io,
+    path::{Path, PathBuf},
+    sync::{Mutex, MutexGuard},
+    thread::sleep,
+    time::Duration,
+};
 
 use thiserror::Error;
 
@@ -119,9 +121,7 @@ fn locked(path: &Path) -> io::Result<File> {
 fn remove_abandoned(place: &Path) {
     for folder in starting_with(place, &[PREFIX]) {
         let lock = folder.join(LOCK);
-        let Ok(file) = OpenOptions::new().write(true).open(&lock) else {
-            continue;
-        };
+        let Ok(file) = OpenOptions::new().write(true).open(&lock) else { continue };
         // Between the two the folder may have gone, and another one have come under its name. The lock keeps other commands from
         // removing the folder, too: they might remove the next one of that name.
         if file.try_lock().is_ok() && system::is_that_file(&file, &lock) {

@@ -1,17 +1,21 @@
 //! Single points in a process of their own: what the FMU does to it is one clear failure.
 
-use std::cell::Cell;
-use std::path::Path;
-use std::sync::{Arc, OnceLock};
-use std::time::{Duration, Instant};
+use std::{
+    cell::Cell,
+    path::Path,
+    sync::{Arc, OnceLock},
+    time::{Duration, Instant},
+};
 
-use crate::failure::Failure;
-use crate::points::{Answer, Job, Limits, RunError};
-use crate::process::{Gone, Process};
-use crate::room::Room;
-use crate::task::{Case, Task};
-use crate::wire::{Order, Origin, Said};
 pub use crate::wire::{bytes, read};
+use crate::{
+    failure::Failure,
+    points::{Answer, Job, Limits, RunError},
+    process::{Gone, Process},
+    room::Room,
+    task::{Case, Task},
+    wire::{Order, Origin, Said},
+};
 use fmu_import::{Handle, Package, Value};
 
 /// Takes a row of a trajectory: the time, s, and the values then.
@@ -65,8 +69,7 @@ impl Recorder<'_> {
     fn answer(&self, cases: &[Case], job: &Job) -> Result<Answer, RunError> {
         let mut answer = None;
         let mut process = self.process(cases)?;
-        let jobs = std::slice::from_ref(job);
-        let run = process.run(Order::New, jobs, &|| false, &|| true, &mut |reply| {
+        let run = process.run(Order::New, std::slice::from_ref(job), &|| false, &|| true, &mut |reply| {
             answer = Some(reply.answer);
         });
         match (answer, run) {
@@ -75,8 +78,7 @@ impl Recorder<'_> {
             }
             // An FMU that breaks its process at the end costs no answer.
             (Some(answer), Ok(()) | Err(Gone::Lost(_))) => {
-                let answer = answer.map(|simulated| simulated.values);
-                Ok(answer.map_err(|trouble| trouble.failure))
+                Ok(answer.map(|simulated| simulated.values).map_err(|trouble| trouble.failure))
             }
             (None, Err(Gone::Lost(failure))) => Ok(Err(failure)),
             (None, Ok(())) => Err(RunError::Lost("it gave no answer".to_owned())),
@@ -192,9 +194,10 @@ impl Recording {
             match said {
                 Said::Rows(values) => {
                     let mut rows = values.chunks(1 + columns);
-                    let taken = rows.try_for_each(|values| row(values[0].number(), &values[1..]));
-                    let taken = taken.map_err(|error| outcome = Err(error));
-                    return taken.is_ok();
+                    return rows
+                        .try_for_each(|values| row(values[0].number(), &values[1..]))
+                        .map_err(|error| outcome = Err(error))
+                        .is_ok();
                 }
                 Said::Ended(None) => {
                     let ended = done.replace(Some(Instant::now())).is_some();

@@ -3,27 +3,35 @@
 //! It unpacks the FMU into a folder of its own, and watches that. It ends with all that it has started when its input closes,
 //! or when the supervisor has been silent for too long: a link that is cut may close nothing.
 
-use std::fs::File;
-use std::io::{self, Write};
-use std::mem::take;
-use std::num::NonZero;
-use std::ops::ControlFlow;
-use std::path::{Path, PathBuf};
-use std::sync::mpsc::{Receiver, channel};
-use std::sync::{Arc, Mutex, MutexGuard};
-use std::thread;
-use std::time::{Duration, Instant};
+use std::{
+    fs::File,
+    io::{self, Write},
+    mem::take,
+    num::NonZero,
+    ops::ControlFlow,
+    path::{Path, PathBuf},
+    sync::{
+        Arc, Mutex, MutexGuard,
+        mpsc::{Receiver, channel},
+    },
+    thread,
+    time::{Duration, Instant},
+};
 
-use fmu_import::Package;
-use fmu_import::isolation::frame::{self, Inbox};
+use fmu_import::{
+    Package,
+    isolation::frame::{self, Inbox},
+};
 
-use crate::crew::{Crew, Place};
-use crate::dispatch::{Greeting, MAGIC, News, Order, Report, Series, Terms, beat, unable};
-use crate::launcher::Launcher;
-use crate::locked::locked;
-use crate::points::{Job, Limits, Post, Worker};
-use crate::wire::{bytes, read};
-use crate::{process, scratch, stop, system};
+use crate::{
+    crew::{Crew, Place},
+    dispatch::{Greeting, MAGIC, News, Order, Report, Series, Terms, beat, unable},
+    launcher::Launcher,
+    locked::locked,
+    points::{Job, Limits, Post, Worker},
+    process, scratch, stop, system,
+    wire::{bytes, read},
+};
 
 /// News are held back so long: a message a point would cost more than a short point.
 const HOLD: Duration = Duration::from_millis(20);
@@ -50,9 +58,7 @@ pub(crate) fn serve() -> io::Result<()> {
     let watched = Arc::clone(&output);
     thread::spawn(move || watch(&watched));
     let mut orders = Inbox::new(io::stdin(), 0);
-    let Some(terms) = orders.wait()? else {
-        return Ok(());
-    };
+    let Some(terms) = orders.wait()? else { return Ok(()) };
     let terms: Terms = serde_json::from_slice(&terms)?;
     orders.expect(terms.ticket);
     locked(&output).meet(&terms);
@@ -70,9 +76,7 @@ pub(crate) fn serve() -> io::Result<()> {
         }
     });
     let next = || -> io::Result<Option<Order>> {
-        let Some(order) = coming.recv().unwrap_or(Ok(None))? else {
-            return Ok(None);
-        };
+        let Some(order) = coming.recv().unwrap_or(Ok(None))? else { return Ok(None) };
         let order = read(&order).ok_or_else(|| io::Error::other("an order is damaged"))?;
         Ok(Some(order))
     };
@@ -140,10 +144,7 @@ impl Output {
 
     fn hold(&mut self, news: News) -> io::Result<()> {
         self.held.push(news);
-        match self.sent.elapsed() < HOLD {
-            true => Ok(()),
-            false => self.send(),
-        }
+        if self.sent.elapsed() < HOLD { Ok(()) } else { self.send() }
     }
 
     fn send(&mut self) -> io::Result<()> {
@@ -207,30 +208,32 @@ impl Station {
     fn new(terms: &Terms, output: &Arc<Mutex<Output>>, source: Source<'_>) -> Result<Self, Unable> {
         let passing = |error: &dyn ToString| (error.to_string(), false);
         let lasting = |error: &dyn ToString| (error.to_string(), true);
-        let went = std::env::set_current_dir(&terms.folder);
-        let nowhere =
-            went.err().map(|error| format!("the study names a file relative to {}: {error}", terms.folder.display()));
+        let nowhere = std::env::set_current_dir(&terms.folder)
+            .err()
+            .map(|error| format!("the study names a file relative to {}: {error}", terms.folder.display()));
         if let (true, Some(nowhere)) = (terms.here, &nowhere) {
             return Err((nowhere.clone(), true));
         }
         let scratch = stop::scratch().map_err(|error| passing(&error))?;
-        let path = match terms.ship {
-            true => receive(scratch.path(), source).map_err(|error| passing(&error))?,
-            false => terms.fmu.clone(),
+        let path = if terms.ship {
+            receive(scratch.path(), source).map_err(|error| passing(&error))?
+        } else {
+            terms.fmu.clone()
         };
         let mut package = open(&path, terms)?;
         let place = Place::Processes(
             Limits {
                 time: terms.time,
                 memory: terms.memory.unwrap_or_else(|| {
-                    let cores = || thread::available_parallelism().map_or(1, NonZero::get);
-                    system::share_of_memory(terms.slots.unwrap_or_else(cores))
+                    system::share_of_memory(
+                        terms.slots.unwrap_or_else(|| thread::available_parallelism().map_or(1, NonZero::get)),
+                    )
                 }),
             },
             terms.isolation,
         );
-        let crew = Crew::new(&mut package, place, scratch.path(), 1 + usize::from(terms.company));
-        let crew = crew.map_err(|error| lasting(&error))?;
+        let crew = Crew::new(&mut package, place, scratch.path(), 1 + usize::from(terms.company))
+            .map_err(|error| lasting(&error))?;
         Ok(Self { crew, worker: None, output: Arc::clone(output), nowhere, _package: package, _scratch: scratch })
     }
 
@@ -306,15 +309,16 @@ fn open(path: &Path, terms: &Terms) -> Result<Package, Unable> {
         (format!("{error}{hint}"), true)
     })?;
     let digest = package.digest().map_err(|error| (error.to_string(), false))?;
-    match digest == terms.digest {
-        true => Ok(package),
-        false => Err((
+    if digest == terms.digest {
+        Ok(package)
+    } else {
+        Err((
             format!(
                 "{} is another file there (SHA-256 {digest:.12}...) than here ({:.12}...)",
                 path.display(),
                 terms.digest
             ),
             true,
-        )),
+        ))
     }
 }

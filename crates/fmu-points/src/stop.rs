@@ -1,13 +1,20 @@
 //! Ctrl-C, SIGTERM and SIGHUP.
 
-use std::sync::Once;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::sync_channel;
-use std::thread;
-use std::time::Duration;
+use std::{
+    sync::{
+        Once,
+        atomic::{AtomicBool, Ordering},
+        mpsc::sync_channel,
+    },
+    thread,
+    time::Duration,
+};
 
-use crate::scratch::{self, Scratch, ScratchError};
-use crate::{process, system};
+use crate::{
+    process,
+    scratch::{self, Scratch, ScratchError},
+    system,
+};
 
 /// The exit code of an interrupted command.
 pub const INTERRUPTED: u8 = 130;

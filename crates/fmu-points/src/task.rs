@@ -33,7 +33,7 @@ pub struct Task {
     pub fixed: Vec<(u32, Value)>,
     /// Of an FMU made of several: the variable that says how many of its finest steps lie between two exchanges of values inside of
     /// it, by value reference, and its value. No communication step from outside changes those.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub exchange: Option<(u32, i128)>,
     /// The variables that take a point's values, in the order of those values.
     pub varied: Vec<Slot>,
@@ -97,17 +97,17 @@ pub struct Probe {
     /// From when to when the statistic is taken, s, where that is not the schedule's window.
     pub window: Option<[f64; 2]>,
     /// The measured curve with which the whole signal is compared; no statistic is taken then.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub curve: Option<Arc<MeasuredCurve>>,
     /// A number that the statistic needs.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub detail: Option<Detail>,
     /// The variable's unit, for people.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
     /// Where it is the product of another variable and a recorded input: the rig multiplied by the reading, errors and all, and so
     /// does the result.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub product: Option<Product>,
 }
 
@@ -197,8 +197,7 @@ impl Probe {
 
     /// When it reads a row of a curve, on the model's clock, s.
     pub(crate) fn row(&self) -> Option<f64> {
-        let curve = self.curve.as_ref().filter(|curve| curve.reads)?;
-        curve.times.first().copied()
+        self.curve.as_ref().filter(|curve| curve.reads)?.times.first().copied()
     }
 
     /// Whether the other one reads a later row of the same curve.

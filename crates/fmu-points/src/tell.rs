@@ -1,8 +1,10 @@
 //! Lines on standard error and texts on standard output. What strangers wrote (an FMU, a table, a file's name) cannot steer the
 //! terminal there, nor look like another text.
 
-use std::borrow::Cow;
-use std::io::{self, Write};
+use std::{
+    borrow::Cow,
+    io::{self, Write},
+};
 
 /// Whether a character is one that is not seen, but changes what is seen: it steers the terminal, or turns or breaks the
 /// text after it.
@@ -32,9 +34,10 @@ fn written(text: &str, is_hidden: impl Fn(char) -> bool) -> Cow<'_, str> {
         return Cow::Borrowed(text);
     }
     let written = text.chars().fold(String::new(), |mut all, c| {
-        match is_hidden(c) {
-            true => all += &format!("\\u{:04x}", u32::from(c)),
-            false => all.push(c),
+        if is_hidden(c) {
+            all += &format!("\\u{:04x}", u32::from(c))
+        } else {
+            all.push(c)
         }
         all
     });
@@ -51,8 +54,7 @@ pub fn print(text: &str) {
 /// panic.
 #[doc(hidden)]
 pub fn write_line(text: &str) {
-    let line = format!("{}\n", one_line(text));
-    let _ = io::stderr().write_all(line.as_bytes());
+    let _ = io::stderr().write_all(format!("{}\n", one_line(text)).as_bytes());
 }
 
 /// Writes a line to standard error, as `eprintln!` would.

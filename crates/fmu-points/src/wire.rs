@@ -6,15 +6,16 @@
 
 use std::path::PathBuf;
 
-use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-use crate::as_json;
-use crate::failure::Failure;
-use crate::notices::Notices;
-use crate::points::{Job, Limits, Simulated};
+use crate::{
+    as_json,
+    failure::Failure,
+    notices::Notices,
+    points::{Job, Limits, Simulated},
+    task::Case,
+};
 
-use crate::task::Case;
 use fmu_import::{FmuError, Handle, Package, Value};
 
 /// The first message to a worker.

@@ -4,23 +4,27 @@
 //! crash, silence, foreign bytes. Only its own code writes to the supervisor. It ends with the supervisor, and
 //! all that it has started with it.
 
-use std::collections::VecDeque;
-use std::fs::File;
-use std::io;
-use std::time::{Duration, Instant};
+use std::{
+    collections::VecDeque,
+    fs::File,
+    io,
+    time::{Duration, Instant},
+};
 
-use crate::birth;
-use crate::child;
-use crate::child::Estate;
-use crate::failure::Failure;
-use crate::points::{Job, Limits};
-use crate::room;
-use crate::runner::Runner;
-use crate::system::{self, Streams};
-use crate::wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read};
-use fmu_import::isolation::keeper::signal_name;
-use fmu_import::isolation::{Bounds, Child, Keeper, Loss, Parting, frame};
-use fmu_import::{FmuError, Package};
+use crate::{
+    birth,
+    child::{self, Estate},
+    failure::Failure,
+    points::{Job, Limits},
+    room,
+    runner::Runner,
+    system::{self, Streams},
+    wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read},
+};
+use fmu_import::{
+    FmuError, Package,
+    isolation::{Bounds, Child, Keeper, Loss, Parting, frame, keeper::signal_name},
+};
 
 /// Replies are sent after this time at the latest, when the next point is done: a message a point would cost more
 /// than a short point.
@@ -41,9 +45,7 @@ const MUTE: &str = "the FMU closed descriptors that it did not open, or became a
 pub(crate) fn serve() -> io::Result<()> {
     let (input, output, streams) = Streams::take()?;
     let mut orders = frame::Inbox::new(input, 0);
-    let Some(setup) = orders.wait()? else {
-        return Ok(());
-    };
+    let Some(setup) = orders.wait()? else { return Ok(()) };
     let setup: Setup = serde_json::from_slice(&setup)?;
     orders.expect(setup.ticket);
     if let Some(byte) = setup.fill {
@@ -90,8 +92,7 @@ impl Service {
             other => return self.record(&other),
         };
         for job in jobs {
-            let index = job.index;
-            let reply = self.run_alone(index, &one(vec![job]))?;
+            let reply = self.run_alone(job.index, &one(vec![job]))?;
             self.output.held.push(reply);
             self.output.send_in_time()?;
         }
@@ -133,15 +134,12 @@ impl Service {
 
     /// Notes what the FMU did when its simulation was ended.
     fn note_parting(&mut self, parting: &Parting, reply: &mut Reply) -> io::Result<()> {
-        let Ok(simulated) = &mut reply.answer else {
-            return Ok(());
-        };
+        let Ok(simulated) = &mut reply.answer else { return Ok(()) };
         if let Some(Said::Farewell(notices)) = parting.words.as_deref().and_then(read) {
             simulated.notices = Some(Box::new(notices));
         }
         if let Some(why) = self.why_unfinished(parting)? {
-            let notices = simulated.notices.get_or_insert_default();
-            notices.unfinished.get_or_insert(why);
+            simulated.notices.get_or_insert_default().unfinished.get_or_insert(why);
         }
         Ok(())
     }
@@ -216,8 +214,7 @@ impl Service {
             None => match self.begin(&Order::Used(Vec::new()))? {
                 Ok((child, _)) => child,
                 Err(trouble) => {
-                    let same = |job: Job| Reply::new(job.index, Err(trouble.clone()));
-                    self.output.held.extend(jobs.drain(..).map(same));
+                    self.output.held.extend(jobs.drain(..).map(|job| Reply::new(job.index, Err(trouble.clone()))));
                     return Ok(true);
                 }
             },
@@ -226,9 +223,7 @@ impl Service {
             return Ok(false);
         }
         while !jobs.is_empty() {
-            let Ok(Said::Replies(replies)) = self.hear(&mut child) else {
-                return Ok(false);
-            };
+            let Ok(Said::Replies(replies)) = self.hear(&mut child) else { return Ok(false) };
             for mut reply in replies {
                 if jobs.front().is_none_or(|job| job.index != reply.index) {
                     return Ok(false);
@@ -265,8 +260,9 @@ impl Service {
             Ok(child) if matches!(order, Order::Forked(_)) => return Ok(Ok((child, None))),
             Ok(child) => child,
             Err(error) => {
-                let text = format!("the system starts no further process: {error}");
-                return Ok(Err(Trouble::lost(Failure::Crashed(text))));
+                return Ok(Err(Trouble::lost(Failure::Crashed(format!(
+                    "the system starts no further process: {error}"
+                )))));
             }
         };
         let loss = match self.hear(&mut child) {

@@ -4,9 +4,11 @@
 //! one. But a study may name a file by a relative path, which the FMU then looks for where the user is: there points
 //! keep the user's own working directory.
 
-use std::env;
-use std::ffi::{OsStr, OsString};
-use std::path::{self, Component, Path, PathBuf};
+use std::{
+    env,
+    ffi::{OsStr, OsString},
+    path::{self, Component, Path, PathBuf},
+};
 
 use crate::task::Task;
 use fmu_import::{Description, Kind, Value};
@@ -45,8 +47,10 @@ const LISTS: [&str; 4] = ["LD_LIBRARY_PATH", "LD_PRELOAD", "PATH", "PYTHONPATH"]
 
 /// These lists for a process in another working directory: what they name relative to this one, it would not find.
 pub(crate) fn lists_for_elsewhere() -> impl Iterator<Item = (&'static str, OsString)> {
-    let named = LISTS.into_iter().filter_map(|name| Some((name, env::var_os(name)?)));
-    named.map(|(name, list)| (name, from_here(name, &list)))
+    LISTS
+        .into_iter()
+        .filter_map(|name| Some((name, env::var_os(name)?)))
+        .map(|(name, list)| (name, from_here(name, &list)))
 }
 
 /// A list with absolute paths.
@@ -63,8 +67,7 @@ fn from_here(name: &str, list: &OsStr) -> OsString {
         let named = if empty { Path::new(".") } else { &entry };
         path::absolute(named).unwrap_or(entry)
     };
-    let joined = env::join_paths(env::split_paths(list).map(absolute));
-    joined.unwrap_or_else(|_| list.to_owned())
+    env::join_paths(env::split_paths(list).map(absolute)).unwrap_or_else(|_| list.to_owned())
 }
 
 #[cfg(all(test, unix))]

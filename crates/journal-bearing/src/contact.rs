@@ -17,15 +17,19 @@ mod friction;
 mod integral;
 
 pub use crate::roughness::NO_CONTACT;
-use crate::roughness::{Reach, resistance};
-use crate::spline::hermite;
+use crate::{
+    roughness::{Reach, resistance},
+    spline::hermite,
+};
 pub use clearances::{ContactAt, ContactFamily};
 pub use friction::direction;
 pub use integral::f_5_2;
 use integral::f_5_2_log;
 use serde::{Deserialize, Serialize};
-use std::f64::consts::{PI, SQRT_2};
-use std::sync::{LazyLock, OnceLock};
+use std::{
+    f64::consts::{PI, SQRT_2},
+    sync::{LazyLock, OnceLock},
+};
 
 /// The asperities of both surfaces together, and their boundary friction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

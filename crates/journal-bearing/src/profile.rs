@@ -12,8 +12,7 @@
 //! # Ok::<(), journal_bearing::profile::ProfileError>(())
 //! ```
 
-use std::f64::consts::TAU;
-use std::path::Path;
+use std::{f64::consts::TAU, path::Path};
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -92,7 +91,7 @@ impl Profile {
     /// Returns [`ProfileError`] when the file cannot be read or a line is wrong; the message names file and line.
     pub fn from_csv(path: &Path) -> Result<Self, ProfileError> {
         let file = path.display().to_string();
-        let unreadable = |reason: String| ProfileError::Unreadable { file: file.clone(), reason };
+        let unreadable = |reason| ProfileError::Unreadable { file: file.clone(), reason };
         let text = std::fs::read_to_string(path).map_err(|error| unreadable(error.to_string()))?;
         Self::from_text(&text, &file)
     }
@@ -102,7 +101,7 @@ impl Profile {
     /// # Errors
     /// Returns [`ProfileError::Line`] when a line is wrong.
     pub fn from_text(text: &str, file: &str) -> Result<Self, ProfileError> {
-        let wrong = |line: usize, reason: String| ProfileError::Line { file: file.to_owned(), line, reason };
+        let wrong = |line: usize, reason| ProfileError::Line { file: file.to_owned(), line, reason };
         let mut lines = text
             .lines()
             .enumerate()
@@ -157,9 +156,7 @@ impl Deviations {
     /// The deviation at an angle, m, and its slope, m/rad.
     fn at(&self, theta: f64) -> [f64; 2] {
         let count = self.angle.len();
-        let Some(&first) = self.angle.first() else {
-            return [0.0; 2];
-        };
+        let Some(&first) = self.angle.first() else { return [0.0; 2] };
         let angle = first + (theta - first).rem_euclid(TAU);
         let after = self.angle.partition_point(|&a| a <= angle);
         let before = after.saturating_sub(1);

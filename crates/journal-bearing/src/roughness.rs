@@ -20,8 +20,7 @@ mod flow;
 mod reach;
 mod stress;
 
-use std::f64::consts::TAU;
-use std::sync::LazyLock;
+use std::{f64::consts::TAU, sync::LazyLock};
 
 use serde::{Deserialize, Serialize};
 
@@ -151,8 +150,7 @@ fn tabulate() -> Box<Table> {
     let mut slopes = vec![0.0; NODES];
     let mut splined = |values: Vec<f64>| -> Vec<Width> {
         spline.slopes(&values, &mut slopes);
-        let both = values.iter().zip(&slopes);
-        both.map(|(value, slope)| [*value, slope * PER_UNIT]).collect()
+        values.iter().zip(&slopes).map(|(value, slope)| [*value, slope * PER_UNIT]).collect()
     };
     let means = nodes.iter().enumerate();
     let flows = splined(means.map(|(i, node)| flow_gap(ratio(i), node.mean[0])).collect());
@@ -160,8 +158,7 @@ fn tabulate() -> Box<Table> {
     for (node, (flow, resistance)) in nodes.iter_mut().zip(flows.into_iter().zip(resistances)) {
         (node.flow, node.resistance) = (flow, resistance);
     }
-    let cells = nodes.windows(2).map(|ends| Cell::between(&ends[0], &ends[1]));
-    let cells: Box<[Cell]> = cells.collect();
+    let cells: Box<[Cell]> = nodes.windows(2).map(|ends| Cell::between(&ends[0], &ends[1])).collect();
     cells.try_into().expect("a cell lies between two nodes")
 }
 
@@ -222,8 +219,7 @@ fn share(ratio: f64) -> f64 {
 
 /// The gap of the flow at a film ratio and its mean gap.
 fn flow_gap(ratio: f64, mean: f64) -> f64 {
-    let least = ratio.max(LEAST_FOR_FLOW);
-    let factor = 1.0 - share(ratio) * (1.0 - pressure_flow_factor(least));
+    let factor = 1.0 - share(ratio) * (1.0 - pressure_flow_factor(ratio.max(LEAST_FOR_FLOW)));
     if ratio >= LEAST_FOR_FLOW {
         return ratio * factor.cbrt();
     }

@@ -1,18 +1,22 @@
 //! Csv files as programs and spreadsheets write them: commas, semicolons or tabs between cells, and
 //! decimal commas where commas separate nothing.
 
-use std::borrow::Cow;
-use std::cell::{Cell, RefCell};
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Read, Seek, Take};
-use std::iter::Peekable;
-use std::path::{Path, PathBuf};
-use std::vec::IntoIter;
+use std::{
+    borrow::Cow,
+    cell::{Cell, RefCell},
+    fs::File,
+    io::{self, BufRead, BufReader, Read, Seek, Take},
+    iter::Peekable,
+    path::{Path, PathBuf},
+    vec::IntoIter,
+};
 
 use csv::StringRecord;
 
-use crate::files::{self, FileError};
-use crate::rows::{How, Rows};
+use crate::{
+    files::{self, FileError},
+    rows::{How, Rows},
+};
 use fmu_points::tell::{is_hidden, visible};
 
 /// The longest row that is read, MiB.
@@ -53,11 +57,10 @@ impl Decimals {
         if !self.is_clear.get() {
             let is_mark = |sign: char| sign == '.' || sign == ',';
             let digits = cell.trim_start_matches(['+', '-']).bytes().take_while(u8::is_ascii_digit).count();
-            match has_thousands(&cell.replace(',', ".")) {
-                true => {
-                    self.unclear.borrow_mut().get_or_insert_with(|| cell.to_owned());
-                }
-                false => self.is_clear.set(digits > 3 || cell.contains(is_mark)),
+            if has_thousands(&cell.replace(',', ".")) {
+                self.unclear.borrow_mut().get_or_insert_with(|| cell.to_owned());
+            } else {
+                self.is_clear.set(digits > 3 || cell.contains(is_mark))
             }
         }
         (seen != [true, true]).then_some(number)
@@ -83,8 +86,7 @@ impl CsvFile {
         let mut start = BufReader::new(&file).take(MOST_ROW_BYTES);
         let archive = start.fill_buf()?.starts_with(b"PK\x03\x04");
         if archive {
-            let message = "a zip archive, such as a spreadsheet or an FMU; save the table as csv";
-            return Err(io::Error::other(message));
+            return Err(io::Error::other("a zip archive, such as a spreadsheet or an FMU; save the table as csv"));
         }
         let separator = separator(&mut start, comment)?;
         file.rewind()?;
@@ -103,10 +105,13 @@ impl CsvFile {
     /// # Errors
     /// When it cannot be read.
     pub fn header(&mut self) -> Result<Vec<String>, FileError> {
-        let header = self.reader.headers();
-        let header = header.map_err(|error| FileError::new(&self.path, reason(&self.path, &error)))?;
-        let header = header.iter().map(|name| text(name).into_owned());
-        let header = header.collect();
+        let header = self
+            .reader
+            .headers()
+            .map_err(|error| FileError::new(&self.path, reason(&self.path, &error)))?
+            .iter()
+            .map(|name| text(name).into_owned())
+            .collect();
         self.check_row()?;
         Ok(header)
     }
@@ -117,8 +122,8 @@ impl CsvFile {
     /// When it cannot be read.
     pub fn row(&mut self, row: &mut StringRecord) -> Result<bool, FileError> {
         self.reader.get_mut().set_limit(MOST_ROW_BYTES);
-        let more = self.reader.read_record(row);
-        let more = more.map_err(|error| FileError::new(&self.path, reason(&self.path, &error)))?;
+        let more =
+            self.reader.read_record(row).map_err(|error| FileError::new(&self.path, reason(&self.path, &error)))?;
         self.check_row()?;
         Ok(more)
     }
@@ -128,11 +133,13 @@ impl CsvFile {
         if self.reader.get_ref().limit() > 0 {
             return Ok(());
         }
-        let message = format!(
-            "line {}: a row longer than {MOST_ROW} MiB, which is the most that is read; look for a quote without an end",
-            self.reader.position().line()
-        );
-        Err(FileError::new(&self.path, message))
+        Err(FileError::new(
+            &self.path,
+            format!(
+                "line {}: a row longer than {MOST_ROW} MiB, which is the most that is read; look for a quote without an end",
+                self.reader.position().line()
+            ),
+        ))
     }
 
     /// The number in a cell of this file. Beside decimal commas `1.000` may be a thousand, and is none.
@@ -222,8 +229,7 @@ fn has_thousands(cell: &str) -> bool {
     let is_first = |part: &str| (1..=3).contains(&part.len()) && !part.starts_with('0');
     let is_first = parts.next().is_some_and(is_first);
     let mut parts = parts.peekable();
-    let is_group = |part: &str| part.len() == 3 && part.bytes().all(|c| c.is_ascii_digit());
-    is_first && parts.peek().is_some() && parts.all(is_group)
+    is_first && parts.peek().is_some() && parts.all(|part| part.len() == 3 && part.bytes().all(|c| c.is_ascii_digit()))
 }
 
 pub(crate) fn number(separator: u8, cell: &str) -> Option<f64> {
@@ -231,8 +237,7 @@ pub(crate) fn number(separator: u8, cell: &str) -> Option<f64> {
         let decimal_comma = separator != b',' && cell.matches(',').count() == 1;
         (decimal_comma && !cell.contains('.')).then(|| cell.replace(',', "."))
     };
-    let plain = cell.parse().ok();
-    plain.or_else(|| point().and_then(|cell| cell.parse().ok()))
+    cell.parse().ok().or_else(|| point().and_then(|cell| cell.parse().ok()))
 }
 
 /// The separator in the first line that is neither blank nor a comment.
@@ -253,8 +258,7 @@ fn separator(file: &mut impl BufRead, comment: Option<u8>) -> io::Result<u8> {
         count.into_iter().for_each(|(_, count)| *count += 1);
     }
     // A tie goes to the last one: names hold commas more often than semicolons.
-    let most = counts.iter().max_by_key(|(_, count)| *count);
-    Ok(most.map_or(b',', |&(byte, count)| if count > 0 { byte } else { b',' }))
+    Ok(counts.iter().max_by_key(|(_, count)| *count).map_or(b',', |&(byte, count)| if count > 0 { byte } else { b',' }))
 }
 
 /// The places of blank lines among the rows of a file, counted from 0 behind the header. Lines that begin with the sign of a comment
@@ -308,8 +312,7 @@ pub fn text(cell: &str) -> Cow<'_, str> {
     if cell.contains("\\u") {
         let mut all = String::new();
         while let Some((before, after)) = rest.split_once("\\u") {
-            let code = after.get(..4).and_then(|code| u32::from_str_radix(code, 16).ok());
-            let c = code.and_then(char::from_u32);
+            let c = after.get(..4).and_then(|code| u32::from_str_radix(code, 16).ok()).and_then(char::from_u32);
             let c = c.filter(|c| *c == '\\' || is_hidden(*c));
             all += before;
             all.push(c.unwrap_or('\\'));
@@ -330,8 +333,7 @@ pub fn text(cell: &str) -> Cow<'_, str> {
 /// Whether a text begins as a formula does. One that has an apostrophe before it already gets another, so that
 /// [`text`] gives back either.
 fn is_formula(text: &str) -> bool {
-    let bare = text.trim_start_matches('\'');
-    bare.starts_with(['=', '+', '-', '@', '\t', '\r'])
+    text.trim_start_matches('\'').starts_with(['=', '+', '-', '@', '\t', '\r'])
 }
 
 /// Why a file cannot be read, for people.

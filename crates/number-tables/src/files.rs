@@ -1,9 +1,11 @@
 //! Why a file cannot be read or written, with a remedy.
 
-use std::fmt::Display;
-use std::fs::{self, File};
-use std::io::{self, Read};
-use std::path::{Path, PathBuf};
+use std::{
+    fmt::Display,
+    fs::{self, File},
+    io::{self, Read},
+    path::{Path, PathBuf},
+};
 
 use thiserror::Error;
 
@@ -99,8 +101,7 @@ fn read(path: &Path) -> io::Result<String> {
     let mut bytes = Vec::new();
     open(path)?.take((MOST << 20) + 1).read_to_end(&mut bytes)?;
     if bytes.len() as u64 > MOST << 20 {
-        let message = format!("larger than {MOST} MiB, which is the most that is read here");
-        return Err(io::Error::other(message));
+        return Err(io::Error::other(format!("larger than {MOST} MiB, which is the most that is read here")));
     }
     String::from_utf8(bytes).map_err(|error| {
         let sound = &error.as_bytes()[..error.utf8_error().valid_up_to()];
@@ -115,8 +116,7 @@ pub fn reason(path: &Path, error: &io::Error) -> String {
         io::ErrorKind::NotFound => missing(path),
         io::ErrorKind::IsADirectory => "a folder; give a file".to_owned(),
         io::ErrorKind::NotADirectory | io::ErrorKind::AlreadyExists => {
-            let is_there = |part: &&Path| part.symlink_metadata().is_ok() && !part.is_dir();
-            let there = path.ancestors().find(is_there).unwrap_or(path);
+            let there = path.ancestors().find(|part| part.symlink_metadata().is_ok() && !part.is_dir()).unwrap_or(path);
             let kind = match (there.is_file(), there.exists()) {
                 (true, _) => "a file",
                 (_, true) => "a device or a pipe",
@@ -138,9 +138,7 @@ pub fn reason(path: &Path, error: &io::Error) -> String {
 pub fn missing(path: &Path) -> String {
     let full = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let lost = first_missing(&full);
-    let Some(folder) = lost.parent() else {
-        return "no such file".to_owned();
-    };
+    let Some(folder) = lost.parent() else { return "no such file".to_owned() };
     if lost != full {
         return format!("no such file: there is no folder {}", lost.display());
     }
@@ -153,19 +151,21 @@ pub fn missing(path: &Path) -> String {
 fn first_missing(full: &Path) -> PathBuf {
     let mut parts: Vec<&Path> = full.ancestors().collect();
     parts.reverse();
-    let lost = parts.into_iter().find(|part| !part.exists());
-    lost.unwrap_or(full).to_owned()
+    parts.into_iter().find(|part| !part.exists()).unwrap_or(full).to_owned()
 }
 
 /// The name of a file without its folder.
 pub fn name(path: &Path) -> String {
-    let name = path.file_name().unwrap_or_default();
-    name.to_string_lossy().into_owned()
+    path.file_name().unwrap_or_default().to_string_lossy().into_owned()
 }
 
 fn names_in(folder: &Path) -> Vec<String> {
-    let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-    entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
+    fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect()
 }
 
 #[cfg(test)]

@@ -7,8 +7,7 @@ pub mod recorded;
 mod rows;
 
 use crate::files::FileError;
-use std::collections::HashSet;
-use std::path::Path;
+use std::{collections::HashSet, path::Path};
 
 use fmu_import::units::known;
 use fmu_points::names::{did_you_mean, nearest};
@@ -50,8 +49,7 @@ pub fn name_and_unit(name: &str) -> (&str, Option<String>) {
     let is_index = |bare: &str, inner: &str| {
         !bare.ends_with(' ') && inner.chars().all(|c| c.is_ascii_digit() || c == ',' || c == ' ')
     };
-    let square = enclosed('[', ']').filter(|(bare, inner)| !is_index(bare, inner));
-    let parts = square.or_else(|| {
+    let parts = enclosed('[', ']').filter(|(bare, inner)| !is_index(bare, inner)).or_else(|| {
         enclosed('(', ')').filter(|(bare, inner)| {
             let is_plain = *inner != "min" && (bare.len() > 2 || inner.len() > 1);
             let apart = bare.ends_with(' ') || is_time_name(bare) || is_plain;
@@ -236,32 +234,37 @@ impl<'a> Reading<'a> {
         let places: Vec<usize> =
             columns.iter().map(|(names, purpose)| find(path, &header, names, purpose)).collect::<Result<_, _>>()?;
         let units = places.iter().map(|&place| name_and_unit(&header[place]).1).collect();
-        let label = |name: &String| name.eq_ignore_ascii_case("point");
         Ok(Self {
             path,
             places,
-            label: header.iter().position(label),
+            label: header.iter().position(|name| name.eq_ignore_ascii_case("point")),
             header,
             table: Table { rows: Vec::new(), labels: Vec::new(), units },
         })
     }
 
     fn add(&mut self, row: &dyn Rows, gaps: bool) -> Result<(), FileError> {
-        let cell = |&place: &usize| {
-            let gap = || (gaps && row.text(place).is_empty()).then_some(f64::NAN);
-            let number = row.number(place).or_else(gap);
-            number.or_else(|| truth(&row.text(place))).ok_or_else(|| {
-                let (column, text) = (shown(&self.header[place]), shown(&row.text(place)));
-                let remedy = remedy(&text);
-                let message = format!("column `{column}`: `{text}` is not a number{remedy}");
-                FileError::new(self.path, message).at(row.line())
+        let numbers = self
+            .places
+            .iter()
+            .map(|&place| {
+                row.number(place)
+                    .or_else(|| (gaps && row.text(place).is_empty()).then_some(f64::NAN))
+                    .or_else(|| truth(&row.text(place)))
+                    .ok_or_else(|| {
+                        let (column, text) = (shown(&self.header[place]), shown(&row.text(place)));
+                        let remedy = remedy(&text);
+                        FileError::new(self.path, format!("column `{column}`: `{text}` is not a number{remedy}"))
+                            .at(row.line())
+                    })
             })
-        };
-        let numbers = self.places.iter().map(cell).collect::<Result<_, _>>()?;
+            .collect::<Result<_, _>>()?;
         let Table { rows, labels, .. } = &mut self.table;
         if rows.len() == MOST_ROWS {
-            let message = format!("more than {MOST_ROWS} rows, which is the most that is read here");
-            return Err(FileError::new(self.path, message));
+            return Err(FileError::new(
+                self.path,
+                format!("more than {MOST_ROWS} rows, which is the most that is read here"),
+            ));
         }
         rows.push(numbers);
         let label = self.label.and_then(|place| row.whole(place));
@@ -272,9 +275,10 @@ impl<'a> Reading<'a> {
 
 /// Yes as 1, no as 0.
 fn truth(text: &str) -> Option<f64> {
-    let words = [("false", 0.0), ("true", 1.0)];
-    let word = words.iter().find(|(word, _)| text.trim().eq_ignore_ascii_case(word));
-    word.map(|(_, number)| *number)
+    [("false", 0.0), ("true", 1.0)]
+        .iter()
+        .find(|(word, _)| text.trim().eq_ignore_ascii_case(word))
+        .map(|(_, number)| *number)
 }
 
 /// A cell as a message shows it: on one line, and not longer than people read.
@@ -314,9 +318,10 @@ fn find(path: &Path, header: &[String], names: &[String], purpose: &str) -> Resu
         let further = (further > 0).then(|| format!("{further} more"));
         let known: Vec<String> = known.chain(further).collect();
         let known = known.join(", ");
-        let rest = match header.iter().all(is_number) {
-            true => format!(": the first line must name the columns, and it has {known}"),
-            false => format!("{suggestion}; it has {known}"),
+        let rest = if header.iter().all(is_number) {
+            format!(": the first line must name the columns, and it has {known}")
+        } else {
+            format!("{suggestion}; it has {known}")
         };
         FileError::new(path, format!("no column `{column}` for {purpose}{rest}"))
     })

@@ -1,16 +1,21 @@
 //! Tables of Apache Parquet, read row by row.
 
-use std::borrow::Cow;
-use std::path::{Path, PathBuf};
+use std::{
+    borrow::Cow,
+    path::{Path, PathBuf},
+};
 
-use parquet::basic::LogicalType;
-use parquet::errors::ParquetError;
-use parquet::file::reader::{FileReader, SerializedFileReader};
-use parquet::record::Field;
-use parquet::record::reader::RowIter;
+use parquet::{
+    basic::LogicalType,
+    errors::ParquetError,
+    file::reader::{FileReader, SerializedFileReader},
+    record::{Field, reader::RowIter},
+};
 
-use crate::files::{self, FileError};
-use crate::rows::{How, Rows};
+use crate::{
+    files::{self, FileError},
+    rows::{How, Rows},
+};
 
 /// A Parquet file as [`Rows`].
 struct ParquetRows {
@@ -46,12 +51,17 @@ pub fn rows(path: &Path, _: How) -> Result<Box<dyn Rows>, FileError> {
             )
         )
     };
-    let moment = |field: &&parquet::schema::types::TypePtr| is_moment(field.get_basic_info().logical_type_ref());
-    let moments: Vec<&str> = schema.get_fields().iter().filter(moment).map(|field| field.name()).collect();
+    let moments: Vec<&str> = schema
+        .get_fields()
+        .iter()
+        .filter(|field| is_moment(field.get_basic_info().logical_type_ref()))
+        .map(|field| field.name())
+        .collect();
     if durations || !moments.is_empty() {
-        let what = match durations {
-            true => "durations".to_owned(),
-            false => format!("moments or decimals (`{}`)", moments.join("`, `")),
+        let what = if durations {
+            "durations".to_owned()
+        } else {
+            format!("moments or decimals (`{}`)", moments.join("`, `"))
         };
         return Err(FileError::new(path, format!("it has {what}, which are no plain numbers")));
     }
@@ -75,9 +85,7 @@ impl Rows for ParquetRows {
     }
 
     fn advance(&mut self) -> Result<bool, FileError> {
-        let Some(row) = self.rows.next() else {
-            return Ok(false);
-        };
+        let Some(row) = self.rows.next() else { return Ok(false) };
         let columns = row.map_err(|error| wrong(&self.path, &error))?.into_columns();
         self.cells = columns.into_iter().map(|(_, cell)| cell).collect();
         self.count += 1;
@@ -107,8 +115,7 @@ impl Rows for ParquetRows {
 
 /// The error's message on one line.
 fn one_line(error: &ParquetError) -> String {
-    let text = error.to_string();
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
+    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// A cell as a number.

@@ -1,12 +1,17 @@
 //! A recording as a table: one row of names, `name [unit]`, and numbers below, as csv or Parquet. What a logger writes otherwise
 //! becomes such a table by `convert`, which asks where two readings are possible; here nothing is guessed.
 
-use std::io::Read;
-use std::path::{Path, PathBuf};
+use std::{
+    io::Read,
+    path::{Path, PathBuf},
+};
 
-use crate::files::{self, FileError};
-use crate::rows::How;
-use crate::{is_of_time, is_time_name, name_and_unit, shown};
+use crate::{
+    files::{self, FileError},
+    is_of_time, is_time_name, name_and_unit,
+    rows::How,
+    shown,
+};
 use fmu_import::units::known;
 use fmu_points::names::{did_you_mean, nearest};
 
@@ -50,8 +55,11 @@ impl RecordedTable {
     /// When it cannot be read or is no plain table, with the command that makes one.
     pub fn read(path: &Path) -> Result<Self, FileError> {
         let mut begin = Vec::new();
-        let file = files::open(path).map_err(|error| FileError::read(path, error))?;
-        file.take(8).read_to_end(&mut begin).map_err(|error| FileError::read(path, error))?;
+        files::open(path)
+            .map_err(|error| FileError::read(path, error))?
+            .take(8)
+            .read_to_end(&mut begin)
+            .map_err(|error| FileError::read(path, error))?;
         if BINARY.iter().any(|known| begin.starts_with(known)) {
             return Err(FileError::new(path, format!("not a plain table; {}", convert(path))));
         }
@@ -67,10 +75,12 @@ impl RecordedTable {
         let columns: Vec<Column> = rows.names().iter().map(column).collect();
         let mut table = Self { path: path.to_owned(), columns, rows: 0 };
         while rows.advance().map_err(plain)? {
-            let is_text = |k: usize| rows.number(k).is_none() && !rows.text(k).is_empty();
-            if table.rows == 0 && (0..table.columns.len()).all(is_text) {
-                let message = format!("line {} below the names has no number; {}", rows.line(), convert(path));
-                return Err(FileError::new(path, message));
+            if table.rows == 0 && (0..table.columns.len()).all(|k| rows.number(k).is_none() && !rows.text(k).is_empty())
+            {
+                return Err(FileError::new(
+                    path,
+                    format!("line {} below the names has no number; {}", rows.line(), convert(path)),
+                ));
             }
             for (k, column) in table.columns.iter_mut().enumerate() {
                 let (text, number) = (rows.text(k), rows.number(k).filter(|number| !number.is_infinite()));
@@ -85,19 +95,23 @@ impl RecordedTable {
         }
         if let Some(cell) = rows.unclear() {
             let without = cell.replace(['.', ','], "");
-            let message = format!("`{cell}` may be {without} or {}; {}", cell.replace(',', "."), convert(path));
-            return Err(FileError::new(path, message));
+            return Err(FileError::new(
+                path,
+                format!("`{cell}` may be {without} or {}; {}", cell.replace(',', "."), convert(path)),
+            ));
         }
         if let Some(name) = table.names_signals() {
-            let message = format!(
-                "column `{name}` says in each row whose value it is; save a column for each, or a file for each"
-            );
-            return Err(FileError::new(path, message));
+            return Err(FileError::new(
+                path,
+                format!(
+                    "column `{name}` says in each row whose value it is; save a column for each, or a file for each"
+                ),
+            ));
         }
-        let has_numbers = |column: &Column| column.values.iter().any(|value| value.is_finite());
-        match table.columns.iter().any(has_numbers) {
-            true => Ok(table),
-            false => Err(FileError::new(path, format!("no row of numbers below one row of names; {}", convert(path)))),
+        if table.columns.iter().any(|column| column.values.iter().any(|value| value.is_finite())) {
+            Ok(table)
+        } else {
+            Err(FileError::new(path, format!("no row of numbers below one row of names; {}", convert(path))))
         }
     }
 
@@ -107,14 +121,15 @@ impl RecordedTable {
             ["signal", "name", "channel", "variable", "parameter", "sensor", "tag", "id", "pid", "item"];
         const VALUES: [&str; 4] = ["value", "values", "wert", "reading"];
         let called = |column: &&Column, names: &[&str]| names.iter().any(|name| column.bare.eq_ignore_ascii_case(name));
-        let again = |column: &&Column| {
-            let texts = column.texts.iter().map(|(_, _, text)| text.clone());
-            let numbers = column.values.iter().filter(|value| value.is_finite()).map(f64::to_string);
-            let count = texts.chain(numbers).collect::<std::collections::BTreeSet<_>>().len();
-            count > 1 && count <= self.rows / 2
-        };
-        let signals = self.columns.iter().filter(|column| called(column, &SIGNALS)).find(again);
-        signals
+        self.columns
+            .iter()
+            .filter(|column| called(column, &SIGNALS))
+            .find(|column| {
+                let texts = column.texts.iter().map(|(_, _, text)| text.clone());
+                let numbers = column.values.iter().filter(|value| value.is_finite()).map(f64::to_string);
+                let count = texts.chain(numbers).collect::<std::collections::BTreeSet<_>>().len();
+                count > 1 && count <= self.rows / 2
+            })
             .filter(|_| self.columns.iter().any(|column| called(&column, &VALUES)))
             .map(|column| column.name.as_str())
     }
@@ -137,10 +152,8 @@ impl RecordedTable {
         let by_unit = |column: &&Column| column.unit.as_deref().is_some_and(is_of_time);
         let by_name = |column: &&Column| column.unit.is_none() && is_time_name(&column.bare);
         let with_unit: Vec<&Column> = self.columns.iter().filter(by_unit).filter(rises).collect();
-        let candidates = match with_unit.is_empty() {
-            true => self.columns.iter().filter(by_name).filter(rises).collect(),
-            false => with_unit,
-        };
+        let candidates =
+            if with_unit.is_empty() { self.columns.iter().filter(by_name).filter(rises).collect() } else { with_unit };
         match candidates.as_slice() {
             [one] => Ok(&one.name),
             [] => Err(self.wrong(format!(
@@ -171,8 +184,10 @@ impl RecordedTable {
 
     /// A column by its name, with or without the unit in it; none where there is none.
     pub fn get(&self, name: &str) -> Option<&Column> {
-        let exact = self.columns.iter().find(|column| column.name == name);
-        exact.or_else(|| self.columns.iter().find(|column| column.bare == name))
+        self.columns
+            .iter()
+            .find(|column| column.name == name)
+            .or_else(|| self.columns.iter().find(|column| column.bare == name))
     }
 
     /// A column by its name, with or without the unit in it.
@@ -191,8 +206,7 @@ impl RecordedTable {
 
     fn names(&self) -> String {
         const MANY: usize = 20;
-        let names = self.columns.iter().map(|column| shown(&column.name));
-        names.take(MANY).collect::<Vec<_>>().join(", ")
+        self.columns.iter().map(|column| shown(&column.name)).take(MANY).collect::<Vec<_>>().join(", ")
     }
 
     /// That none of some tables, of which there is at least one, has a column, with the names that they have.
@@ -215,8 +229,7 @@ impl RecordedTable {
     /// When the two are not known to be the same, and when there is none.
     pub fn unit(&self, name: &str, wanted: Option<&str>) -> Result<String, FileError> {
         let found = self.column(name)?.unit.as_deref();
-        let unit = crate::agreed(name, found, wanted).map_err(|message| self.wrong(message))?;
-        let unit = unit.ok_or_else(|| {
+        let unit = crate::agreed(name, found, wanted).map_err(|message| self.wrong(message))?.ok_or_else(|| {
             self.wrong(format!(
                 "column `{name}` has no unit; write `{name} [unit]` in the file, or add `unit` to it in the settings"
             ))
@@ -241,8 +254,7 @@ impl RecordedTable {
         }
         let is_mark = |value: &f64| marks.contains(value);
         let count = column.texts.len() + column.values.iter().filter(|value| is_mark(value)).count();
-        let value = |value: &f64| if is_mark(value) { f64::NAN } else { *value };
-        Ok((column.values.iter().map(value).collect(), count))
+        Ok((column.values.iter().map(|value| if is_mark(value) { f64::NAN } else { *value }).collect(), count))
     }
 }
 

@@ -1,11 +1,15 @@
 //! Why a folder's journal cannot be written or read, or points cannot be run, as the user reads it.
 
-use std::io;
-use std::path::{Path, PathBuf};
+use std::{
+    io,
+    path::{Path, PathBuf},
+};
 
-use fmu_points::RunError;
-use fmu_points::scratch::ScratchError;
+use fmu_points::{RunError, scratch::ScratchError};
 use number_tables::files::FileError;
+
+/// What is done, or why it cannot be.
+pub type Result<T = (), E = Error> = std::result::Result<T, E>;
 
 /// Why a folder's journal cannot be written or read, or points cannot be run.
 #[derive(Debug, thiserror::Error)]

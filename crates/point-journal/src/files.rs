@@ -1,10 +1,11 @@
 //! Files that are either as before or complete, whatever happens while they are written.
 
-use std::io::{self, Write};
-use std::path::Path;
+use std::{
+    io::{self, Write},
+    path::Path,
+};
 
-use number_tables::csv_file;
-use number_tables::files::FileError;
+use number_tables::{csv_file, files::FileError};
 use serde::Serialize;
 use tempfile::NamedTempFile;
 
@@ -108,6 +109,5 @@ pub fn draft(folder: &Path) -> io::Result<NamedTempFile> {
 /// # Errors
 /// When the system says no.
 pub fn keep(file: NamedTempFile, path: &Path) -> Result<(), FileError> {
-    let kept = file.persist(path).map(drop);
-    kept.map_err(|error| FileError::read(path, error.error))
+    file.persist(path).map(drop).map_err(|error| FileError::read(path, error.error))
 }

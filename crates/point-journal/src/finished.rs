@@ -1,19 +1,20 @@
 //! The journal, read again.
 
-use std::collections::{BTreeMap, HashMap};
-use std::fs::File;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::{BTreeMap, HashMap},
+    fs::File,
+    path::{Path, PathBuf},
+};
 
 use serde::Deserialize;
 
-use crate::Error;
-use crate::Outcome;
-use crate::header::Header;
-use crate::lines::{Line, Lines, open, path_in};
-use crate::note::{Note, PASSED, SAME_SET, SET};
-use fmu_points::Conduct;
-use fmu_points::failure::Failure;
-use fmu_points::notices::Notices;
+use crate::{
+    Error, Outcome, Result,
+    header::Header,
+    lines::{Line, Lines, open, path_in},
+    note::{Note, PASSED, SAME_SET, SET},
+};
+use fmu_points::{Conduct, failure::Failure, notices::Notices};
 
 /// Index of a journal: the position of each finished point's line.
 #[derive(Clone, Debug, Default)]
@@ -42,13 +43,11 @@ pub struct Finished {
 const NOWHERE: u64 = u64::MAX;
 
 /// One position per point, 8 bytes each.
-fn places(folder: &Path, points: u64) -> Result<Vec<u64>, Error> {
+fn places(folder: &Path, points: u64) -> Result<Vec<u64>> {
     let mut places = Vec::new();
     let count = usize::try_from(points).unwrap_or(usize::MAX);
-    let room = places.try_reserve_exact(count);
-    room.map_err(|_| {
-        let message = format!("{points} points do not fit into the memory; use --shard");
-        Error::content(&path_in(folder), message)
+    places.try_reserve_exact(count).map_err(|_| {
+        Error::content(&path_in(folder), format!("{points} points do not fit into the memory; use --shard"))
     })?;
     places.resize(count, NOWHERE);
     Ok(places)
@@ -59,7 +58,7 @@ impl Finished {
     ///
     /// # Errors
     /// When there is none, when its header is lost, and when the system says no.
-    pub fn read(folder: &Path) -> Result<Self, Error> {
+    pub fn read(folder: &Path) -> Result<Self> {
         let (mut lines, header) = open(folder)?;
         header.check_form(folder)?;
         let mut finished = Self {
@@ -117,8 +116,7 @@ impl Finished {
 
     /// How the points were computed.
     pub fn conduct(&self) -> Conduct {
-        let notes = self.parts.values().chain(&self.noted).cloned();
-        notes.reduce(Conduct::and).unwrap_or_default()
+        self.parts.values().chain(&self.noted).cloned().reduce(Conduct::and).unwrap_or_default()
     }
 
     /// The file that the FMU changes in its own folder, where that was found.
@@ -135,8 +133,7 @@ impl Finished {
 
     /// The finished points, in their order.
     pub fn points(&self) -> impl Iterator<Item = u64> + '_ {
-        let places = (0..).zip(&self.places);
-        places.filter(|(_, place)| **place != NOWHERE).map(|(index, _)| index)
+        (0..).zip(&self.places).filter(|(_, place)| **place != NOWHERE).map(|(index, _)| index)
     }
 
     /// Where the line of a finished point is.
@@ -187,7 +184,7 @@ impl Finished {
     ///
     /// # Errors
     /// When the journal cannot be opened.
-    pub fn outcomes(&self) -> Result<Outcomes<'_>, Error> {
+    pub fn outcomes(&self) -> Result<Outcomes<'_>> {
         let file = File::open(&self.path).map_err(Error::io(&self.path))?;
         Ok(Outcomes { finished: self, lines: Lines::new(file), width: None })
     }
@@ -210,20 +207,17 @@ impl Outcomes<'_> {
     ///
     /// # Errors
     /// When the journal cannot be read any more.
-    pub fn get(&mut self, index: u64) -> Result<Option<Outcome>, Error> {
-        let noted = self.get_noted(index)?;
-        Ok(noted.map(|(outcome, _)| outcome))
+    pub fn get(&mut self, index: u64) -> Result<Option<Outcome>> {
+        Ok(self.get_noted(index)?.map(|(outcome, _)| outcome))
     }
 
     /// The outcome of a point, if it is finished, and what the FMU said beside its results.
     ///
     /// # Errors
     /// When the journal cannot be read any more.
-    pub fn get_noted(&mut self, index: u64) -> Result<Option<Noted>, Error> {
+    pub fn get_noted(&mut self, index: u64) -> Result<Option<Noted>> {
         let path = &self.finished.path;
-        let Some(place) = self.finished.place(index) else {
-            return Ok(None);
-        };
+        let Some(place) = self.finished.place(index) else { return Ok(None) };
         self.lines.seek(place).map_err(Error::io(path))?;
         let noted = match self.lines.next_line().map_err(Error::io(path))? {
             Line::Sound(line) => parse(line),
@@ -231,11 +225,12 @@ impl Outcomes<'_> {
         };
         let damaged = || format!("the line of point {} is damaged", index + 1);
         // All points have as many values.
-        let noted = noted.filter(|(outcome, _)| {
-            let count = outcome.as_ref().ok().map(Vec::len);
-            count.is_none_or(|count| *self.width.get_or_insert(count) == count)
-        });
-        let noted = noted.ok_or_else(|| Error::content(path, damaged()))?;
+        let noted = noted
+            .filter(|(outcome, _)| {
+                let count = outcome.as_ref().ok().map(Vec::len);
+                count.is_none_or(|count| *self.width.get_or_insert(count) == count)
+            })
+            .ok_or_else(|| Error::content(path, damaged()))?;
         Ok(Some(noted))
     }
 }
@@ -247,8 +242,7 @@ fn parse(line: &str) -> Option<Noted> {
     match word {
         PASSED => {
             let (values, notices) = rest.split_at(rest.find('{').unwrap_or(rest.len()));
-            let values = values.split_ascii_whitespace();
-            let values = values.map(|text| text.parse().ok());
+            let values = values.split_ascii_whitespace().map(|text| text.parse().ok());
             let notices = match notices {
                 "" => None,
                 text => Some(serde_json::from_str(text).ok()?),

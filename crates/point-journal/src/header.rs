@@ -1,6 +1,6 @@
 //! Which study, FMU and points a journal belongs to.
 
-use crate::Error;
+use crate::{Error, Result};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -43,7 +43,7 @@ pub struct Header {
     /// Which part of the points this is, such as `2/8`.
     pub shard: Option<String>,
     /// The analysis that asks for the points, where that is another one than `verify`.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub analysis: Option<String>,
 }
 
@@ -52,13 +52,14 @@ impl Header {
     ///
     /// # Errors
     /// Says so.
-    pub fn check_form(&self, path: &Path) -> Result<(), Error> {
-        match self.form == Form::default() {
-            true => Ok(()),
-            false => Err(Error::Refused(format!(
+    pub fn check_form(&self, path: &Path) -> Result {
+        if self.form == Form::default() {
+            Ok(())
+        } else {
+            Err(Error::Refused(format!(
                 "{} was written by another version of this program; run the study anew with --force, or choose another --output",
                 path.display()
-            ))),
+            )))
         }
     }
 
@@ -66,7 +67,7 @@ impl Header {
     ///
     /// # Errors
     /// Names what differs.
-    pub fn check(&self, then: &Self, path: &Path) -> Result<(), Error> {
+    pub fn check(&self, then: &Self, path: &Path) -> Result {
         then.check_form(path)?;
         match self.difference(then) {
             None => Ok(()),

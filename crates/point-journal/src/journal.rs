@@ -17,22 +17,24 @@
 //! stands behind them ([`Notices`]). An analysis that asks for several sets of points notes what tells each set from others,
 //! `set 0 600 5d41402a`, and at last `end`. Where a set takes the place of another one, what followed that one counts no more.
 
-use std::fmt::Write as _;
-use std::fs::{File, OpenOptions};
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
+use std::{
+    fmt::Write as _,
+    fs::{File, OpenOptions},
+    io::{self, Write},
+    path::{Path, PathBuf},
+};
 
 use tempfile::NamedTempFile;
 
-use crate::Error;
-use crate::Outcome;
-use crate::files::{draft, keep, make_folder};
-use crate::finished::Finished;
-use crate::header::Header;
-use crate::lines::{self, Line, open, path_in};
-use crate::note::{Note, PASSED, SAME_SET, SET};
-use fmu_points::notices::Notices;
-use fmu_points::tell::one_line;
+use crate::{
+    Error, Outcome, Result,
+    files::{draft, keep, make_folder},
+    finished::Finished,
+    header::Header,
+    lines::{self, Line, open, path_in},
+    note::{Note, PASSED, SAME_SET, SET},
+};
+use fmu_points::{notices::Notices, tell::one_line};
 
 /// A journal that is being written.
 #[derive(Debug)]
@@ -51,7 +53,7 @@ impl Journal {
     ///
     /// # Errors
     /// When there is one already, and when the system says no.
-    pub fn create(folder: &Path, header: &Header) -> Result<Self, Error> {
+    pub fn create(folder: &Path, header: &Header) -> Result<Self> {
         let (draft, journal) = Self::draft(folder, header)?;
         draft.persist_noclobber(&journal.path).map_err(|error| match error.error.kind() {
             io::ErrorKind::AlreadyExists => Error::Begun(folder.to_owned()),
@@ -65,7 +67,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn rewrite(folder: &Path, header: &Header) -> Result<(), Error> {
+    pub fn rewrite(folder: &Path, header: &Header) -> Result {
         let path = path_in(folder);
         let (draft, mut anew) = Self::draft(folder, header)?;
         let (mut lines, _) = open(folder)?;
@@ -81,7 +83,7 @@ impl Journal {
     }
 
     /// A journal with its first line, which is not yet in its place.
-    fn draft(folder: &Path, header: &Header) -> Result<(NamedTempFile, Self), Error> {
+    fn draft(folder: &Path, header: &Header) -> Result<(NamedTempFile, Self)> {
         make_folder(folder)?;
         let draft = draft(folder).map_err(Error::io(folder))?;
         let mut journal = Self::open(folder, draft.path(), header)?;
@@ -96,7 +98,7 @@ impl Journal {
     ///
     /// # Errors
     /// When there is none, when it belongs to something else, and when the system says no.
-    pub fn resume(folder: &Path, header: &Header) -> Result<(Self, Finished), Error> {
+    pub fn resume(folder: &Path, header: &Header) -> Result<(Self, Finished)> {
         header.check(&lines::header(folder)?, folder)?;
         let path = path_in(folder);
         let mut finished = Finished::read(folder)?;
@@ -107,13 +109,12 @@ impl Journal {
             finished = Finished::read(folder)?;
         }
         let journal = Self::open(folder, &path, header)?;
-        let cut = journal.file.set_len(finished.end);
-        cut.map_err(Error::io(&path))?;
+        journal.file.set_len(finished.end).map_err(Error::io(&path))?;
         Ok((journal, finished))
     }
 
     /// Opens a file to append the lines of a folder's journal to it.
-    fn open(folder: &Path, file: &Path, header: &Header) -> Result<Self, Error> {
+    fn open(folder: &Path, file: &Path, header: &Header) -> Result<Self> {
         let path = path_in(folder);
         let opened = OpenOptions::new().append(true).open(file);
         Ok(Self {
@@ -128,15 +129,14 @@ impl Journal {
 
     /// The folder that it is in.
     pub fn folder(&self) -> &Path {
-        let folder = self.path.parent();
-        folder.expect("a journal is a file in a folder")
+        self.path.parent().expect("a journal is a file in a folder")
     }
 
     /// Notes a finished point; [`flush`](Self::flush) hands it to the system.
     ///
     /// # Errors
     /// When the outcome cannot be written as text.
-    pub fn append(&mut self, index: u64, outcome: &Outcome, notices: Option<&Notices>) -> Result<(), Error> {
+    pub fn append(&mut self, index: u64, outcome: &Outcome, notices: Option<&Notices>) -> Result {
         // Writing to a String cannot fail.
         let _ = match outcome {
             Ok(values) => {
@@ -144,14 +144,12 @@ impl Journal {
                 values.iter().try_for_each(|value| write!(self.line, " {value:e}"))
             }
             Err(failure) => {
-                let text = serde_json::to_string(failure);
-                let text = text.expect("a failure is texts and numbers");
+                let text = serde_json::to_string(failure).expect("a failure is texts and numbers");
                 write!(self.line, "{index} failed {text}")
             }
         };
         if let Some(notices) = notices {
-            let text = serde_json::to_string(notices);
-            let text = text.expect("notices are texts and numbers");
+            let text = serde_json::to_string(notices).expect("notices are texts and numbers");
             let _ = write!(self.line, " {text}");
         }
         self.finish_line();
@@ -162,7 +160,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn note(&mut self, note: &Note) -> Result<(), Error> {
+    pub fn note(&mut self, note: &Note) -> Result {
         self.append_note(note);
         self.flush_when_full()
     }
@@ -176,7 +174,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn append_set(&mut self, first: u64, sum: &str) -> Result<(), Error> {
+    pub fn append_set(&mut self, first: u64, sum: &str) -> Result {
         // That of the set before is in the journal twice then, also where that was a matter of a moment.
         self.append_same_set();
         self.append_line(&format!("{SET} {first} {sum}"));
@@ -209,12 +207,12 @@ impl Journal {
         self.finish_line();
     }
 
-    fn flush_when_full(&mut self) -> Result<(), Error> {
+    fn flush_when_full(&mut self) -> Result {
         const FULL: usize = 1 << 16;
         if self.buffer.len() > FULL { self.flush() } else { Ok(()) }
     }
 
-    fn copy_line(&mut self, line: &str) -> Result<(), Error> {
+    fn copy_line(&mut self, line: &str) -> Result {
         self.append_line(line);
         self.flush_when_full()
     }
@@ -231,7 +229,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the system says no, such as on a full disk.
-    pub fn flush(&mut self) -> Result<(), Error> {
+    pub fn flush(&mut self) -> Result {
         let result = self.file.write_all(&self.buffer);
         self.buffer.clear();
         result.map_err(Error::io(&self.path))
@@ -242,7 +240,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn sync(&mut self) -> Result<(), Error> {
+    pub fn sync(&mut self) -> Result {
         self.append_header();
         self.append_same_set();
         self.flush()?;
@@ -260,7 +258,7 @@ fn damage(lines: u64) -> Option<String> {
 ///
 /// # Errors
 /// When either cannot be read or written.
-pub fn copy(folder: &Path, into: &mut Journal) -> Result<(), Error> {
+pub fn copy(folder: &Path, into: &mut Journal) -> Result {
     let finished = Finished::read(folder)?;
     let path = path_in(folder);
     if let Some(what) = damage(finished.damaged) {
@@ -284,8 +282,7 @@ pub fn copy(folder: &Path, into: &mut Journal) -> Result<(), Error> {
         }
     }
     // A part may be joined again, such as one that has grown.
-    let name = finished.header.shard.clone();
-    let name = name.unwrap_or_else(|| folder.display().to_string());
+    let name = finished.header.shard.clone().unwrap_or_else(|| folder.display().to_string());
     into.note(&Note::Part(name, finished.conduct()))?;
     into.flush()
 }

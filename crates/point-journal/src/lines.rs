@@ -1,10 +1,11 @@
 //! The lines of a journal, checked.
 
-use crate::Error;
-use crate::header::Header;
-use std::fs::File;
-use std::io::{self, BufRead, BufReader, Seek, SeekFrom};
-use std::path::{Path, PathBuf};
+use crate::{Error, Result, header::Header};
+use std::{
+    fs::File,
+    io::{self, BufRead, BufReader, Seek, SeekFrom},
+    path::{Path, PathBuf},
+};
 
 /// The journal's place in an output folder.
 pub fn path_in(folder: &Path) -> PathBuf {
@@ -15,12 +16,12 @@ pub fn path_in(folder: &Path) -> PathBuf {
 ///
 /// # Errors
 /// When there is none, and when no copy of its header is left.
-pub fn header(folder: &Path) -> Result<Header, Error> {
+pub fn header(folder: &Path) -> Result<Header> {
     Ok(open(folder)?.1)
 }
 
 /// Opens the journal of a folder and reads its header: the first line, or a copy of it further on.
-pub(crate) fn open(folder: &Path) -> Result<(Lines, Header), Error> {
+pub(crate) fn open(folder: &Path) -> Result<(Lines, Header)> {
     let path = path_in(folder);
     let file = File::open(&path).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => Error::Missing(folder.to_owned()),

@@ -3,14 +3,15 @@
 //! It is a lock of the operating system on the file `run.lock`, so that it ends with the process that holds it, however
 //! that ends. The file stays: to remove it would let two runs lock two files of the same name.
 
-use std::fs::{File, OpenOptions, TryLockError};
-use std::io::ErrorKind;
-use std::path::Path;
-use std::thread::sleep;
-use std::time::{Duration, Instant};
+use std::{
+    fs::{File, OpenOptions, TryLockError},
+    io::ErrorKind,
+    path::Path,
+    thread::sleep,
+    time::{Duration, Instant},
+};
 
-use crate::Error;
-use crate::files::make_folder;
+use crate::{Error, Result, files::make_folder};
 
 const FILE: &str = "run.lock";
 /// How long to wait for the lock. When a run is killed while it starts a worker, the new process holds a copy of the lock
@@ -26,12 +27,11 @@ impl Lock {
     ///
     /// # Errors
     /// When another run has it, and when the system says no.
-    pub fn take(folder: &Path) -> Result<Self, Error> {
+    pub fn take(folder: &Path) -> Result<Self> {
         make_folder(folder)?;
         let path = folder.join(FILE);
         // A network file system locks only files that are open for writing.
-        let file = OpenOptions::new().write(true).create(true).truncate(false).open(&path);
-        let file = file.map_err(Error::io(&path))?;
+        let file = OpenOptions::new().write(true).create(true).truncate(false).open(&path).map_err(Error::io(&path))?;
         let begun = Instant::now();
         loop {
             match file.try_lock() {

@@ -2,8 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use fmu_points::Conduct;
-use fmu_points::failure::Failure;
+use fmu_points::{Conduct, failure::Failure};
 
 /// A point's values, or why there are none.
 pub type Outcome = Result<Vec<f64>, Failure>;

@@ -10,17 +10,16 @@ pub mod folder;
 mod progress;
 mod shard;
 
-use std::collections::{BTreeMap, HashMap};
-use std::ops::{ControlFlow, Range};
-use std::sync::Arc;
-use std::time::{Duration, Instant};
+use std::{
+    collections::{BTreeMap, HashMap},
+    ops::{ControlFlow, Range},
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
-use crate::{Error, Finished, Journal, Note, Outcome};
+use crate::{Error, Finished, Journal, Note, Outcome, Result};
 use again::{Again, Known};
-use fmu_points::crew::Crew;
-use fmu_points::notices::Notices;
-use fmu_points::task::Case;
-use fmu_points::{Answer, Conduct, Event, Isolation, Job, Worker, stop};
+use fmu_points::{Answer, Conduct, Event, Isolation, Job, Worker, crew::Crew, notices::Notices, stop, task::Case};
 use progress::Progress;
 
 pub use again::difference;
@@ -74,8 +73,8 @@ impl<'a> Pipeline<'a> {
         part: Part,
     ) -> Self {
         let expected = part.count();
-        let known = |finished: &Finished| finished.points().filter(|index| part.has(*index)).count() as u64;
-        let before = finished.as_ref().map_or(0, known);
+        let before =
+            finished.as_ref().map_or(0, |finished| finished.points().filter(|index| part.has(*index)).count() as u64);
         let progress = Progress::new(expected, before);
         if let Some(file) = finished.as_ref().and_then(Finished::changed_file) {
             crew.part(file);
@@ -143,7 +142,7 @@ impl<'a> Pipeline<'a> {
         open: impl Iterator<Item = u64> + Send,
         job: &(dyn Fn(u64) -> Job + Sync),
         receive: impl FnMut(u64, Outcome) -> ControlFlow<()>,
-    ) -> Result<(), Error> {
+    ) -> Result {
         self.recall(0..u64::MAX, job)?;
         self.run(open, job, receive)
     }
@@ -154,7 +153,7 @@ impl<'a> Pipeline<'a> {
         open: impl Iterator<Item = u64> + Send,
         job: &(dyn Fn(u64) -> Job + Sync),
         mut receive: impl FnMut(u64, Outcome) -> ControlFlow<()>,
-    ) -> Result<(), Error> {
+    ) -> Result {
         // Points that share processes are known from the beginning, even if the run is killed.
         if self.crew.conduct().isolation != Isolation::Fresh {
             self.note_conduct()?;
@@ -172,7 +171,7 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Chooses some of the first points `of` these that an earlier part of the run has recorded: they run again at the end.
-    fn recall(&mut self, of: Range<u64>, job: Known<'_>) -> Result<(), Error> {
+    fn recall(&mut self, of: Range<u64>, job: Known<'_>) -> Result {
         let Some(finished) = self.finished.clone() else { return Ok(()) };
         let mut outcomes = finished.outcomes()?;
         for index in finished.points().filter(|index| of.contains(index)).take(again::EARLIER) {
@@ -184,7 +183,7 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Notes an event in the journal; the point that is done, if one is.
-    fn take(&mut self, event: Event, job: Known<'_>) -> Result<Option<(u64, Outcome)>, Error> {
+    fn take(&mut self, event: Event, job: Known<'_>) -> Result<Option<(u64, Outcome)>> {
         Ok(match event {
             Event::Answer(index, mut answer) => {
                 let result = answer.as_mut().ok();
@@ -198,9 +197,7 @@ impl<'a> Pipeline<'a> {
                 self.journal.append(index, &outcome, notices.as_deref())?;
                 self.computed += 1;
                 self.again.note(self.crew, index, &outcome, job);
-                let verified = self.model.is_verified(&outcome);
-                let answered = || self.crew.answered();
-                self.progress.step(verified, outcome.is_err(), answered);
+                self.progress.step(self.model.is_verified(&outcome), outcome.is_err(), || self.crew.answered());
                 Some((index, outcome))
             }
             Event::Said(index, notices) => {
@@ -216,7 +213,7 @@ impl<'a> Pipeline<'a> {
 
     /// Hands everything to the operating system, so that it survives the end of this process; now and then to the
     /// disk.
-    fn settle(&mut self) -> Result<(), Error> {
+    fn settle(&mut self) -> Result {
         const OFTEN: Duration = Duration::from_secs(5);
         if self.synced.elapsed() < OFTEN {
             return self.journal.flush();
@@ -227,7 +224,7 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Notes how the points were computed.
-    fn note_conduct(&mut self) -> Result<(), Error> {
+    fn note_conduct(&mut self) -> Result {
         let conduct = self.again.told(self.crew.conduct());
         if self.noted.replace(conduct.clone()).as_ref() == Some(&conduct) {
             return Ok(());
@@ -240,7 +237,7 @@ impl<'a> Pipeline<'a> {
     ///
     /// # Errors
     /// When not all points have an outcome: see [`Error`].
-    pub fn ask(&mut self, points: &[Vec<f64>]) -> Result<Vec<Outcome>, Error> {
+    pub fn ask(&mut self, points: &[Vec<f64>]) -> Result<Vec<Outcome>> {
         if points.is_empty() {
             return Ok(Vec::new());
         }
@@ -260,17 +257,15 @@ impl<'a> Pipeline<'a> {
     ///
     /// # Errors
     /// When no worker can be started, and when Ctrl-C has ended the run.
-    pub fn apart(&self, cases: &[Case], points: &[Vec<f64>]) -> Result<Vec<Outcome>, Error> {
+    pub fn apart(&self, cases: &[Case], points: &[Vec<f64>]) -> Result<Vec<Outcome>> {
         let size = self.crew.size().min(points.len());
         let mut workers: Vec<_> = (0..size).map(|_| self.crew.worker(cases)).collect();
-        let values = points.iter().map(|point| self.model.values(point));
-        let values: Vec<Vec<f64>> = values.collect();
+        let values: Vec<Vec<f64>> = points.iter().map(|point| self.model.values(point)).collect();
         let job = |index: u64| Job { index, values: values[index as usize].clone() };
         let mut outcomes = vec![None; points.len()];
         fmu_points::run(&mut workers, 0..points.len() as u64, &job, stop::flag(), |event| {
             if let Event::Answer(index, answer) = event {
-                let outcome = self.model.outcome(answer.map(|result| result.values));
-                outcomes[index as usize] = Some(outcome);
+                outcomes[index as usize] = Some(self.model.outcome(answer.map(|result| result.values)));
             }
             Ok::<_, Error>(ControlFlow::Continue(()))
         })?;
@@ -279,13 +274,7 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Computes the open points of a set.
-    fn fill(
-        &mut self,
-        first: u64,
-        points: &[Vec<f64>],
-        open: &[usize],
-        outcomes: &mut [Option<Outcome>],
-    ) -> Result<(), Error> {
+    fn fill(&mut self, first: u64, points: &[Vec<f64>], open: &[usize], outcomes: &mut [Option<Outcome>]) -> Result {
         let model = self.model;
         let values: Vec<Vec<f64>> = points.iter().map(|point| model.values(point)).collect();
         let job = |index: u64| Job { index, values: values[(index - first) as usize].clone() };
@@ -299,18 +288,15 @@ impl<'a> Pipeline<'a> {
     }
 
     /// The outcomes that the journal knows of the set that begins with this index.
-    fn known(&self, first: u64, count: usize) -> Result<Vec<Option<Outcome>>, Error> {
-        let Some(finished) = &self.finished else {
-            return Ok(vec![None; count]);
-        };
+    fn known(&self, first: u64, count: usize) -> Result<Vec<Option<Outcome>>> {
+        let Some(finished) = &self.finished else { return Ok(vec![None; count]) };
         let mut outcomes = finished.outcomes()?;
-        let known = (0..count as u64).map(|k| outcomes.get(first + k));
-        known.collect()
+        (0..count as u64).map(|k| outcomes.get(first + k)).collect()
     }
 
     /// Notes which points a set has. Where the journal has answers for other points, these count no more: a search
     /// that ended in time may go another way when there is more of it.
-    fn begin_set(&mut self, first: u64, points: &[Vec<f64>]) -> Result<(), Error> {
+    fn begin_set(&mut self, first: u64, points: &[Vec<f64>]) -> Result {
         let sum = checksum(points);
         if let Some(finished) = &mut self.finished {
             if finished.sets.get(&first) == Some(&sum) {
@@ -326,7 +312,7 @@ impl<'a> Pipeline<'a> {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn end(mut self) -> Result<(), Error> {
+    pub fn end(mut self) -> Result {
         self.journal.append_end();
         self.pause()
     }
@@ -335,7 +321,7 @@ impl<'a> Pipeline<'a> {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn pause(mut self) -> Result<(), Error> {
+    pub fn pause(mut self) -> Result {
         self.again.run(self.crew, self.model)?;
         self.progress.finish();
         self.note_conduct()?;

@@ -5,8 +5,7 @@
 ///
 /// Left off are values further than six interquartile ranges outside the quartiles.
 pub fn axis_range(values: impl IntoIterator<Item = f64>, lower: f64, upper: f64) -> Option<[f64; 2]> {
-    let finite = values.into_iter().filter(|value| value.is_finite());
-    let mut sorted: Vec<f64> = finite.collect();
+    let mut sorted: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
     if sorted.is_empty() {
         return None;
     }

@@ -23,17 +23,13 @@ pub fn html(blocks: &[Block]) -> String {
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.set_formatter(|out, _, value| {
         let text = value.to_string();
-        let written = match value.is_safe() {
-            true => text,
-            false => escape(&text),
-        };
+        let written = if value.is_safe() { text } else { escape(&text) };
         Ok(out.write_str(&written)?)
     });
     environment.add_filter("marked", |text: &str| Value::from_safe_string(marked(text)));
     environment.add_filter("stressed", |html: &str| Value::from_safe_string(emphasised(html)));
     let blocks = context! { blocks => Serde(blocks) };
-    let html = environment.render_str(include_str!("blocks.html"), blocks);
-    html.expect("the template knows all kinds of blocks")
+    environment.render_str(include_str!("blocks.html"), blocks).expect("the template knows all kinds of blocks")
 }
 
 /// A message as HTML: what the terminal shows between backticks is code, `u_{num}` has an index, and a warning is told by its
@@ -52,10 +48,7 @@ pub fn marked(text: &str) -> String {
             continue;
         }
         for (part, is_index) in between(part, "_{", "}") {
-            html += &match is_index {
-                true => format!("<sub>{}</sub>", escape(part)),
-                false => escape(part),
-            };
+            html += &if is_index { format!("<sub>{}</sub>", escape(part)) } else { escape(part) };
         }
     }
     html
@@ -63,12 +56,10 @@ pub fn marked(text: &str) -> String {
 
 /// Words between asterisks are stressed.
 fn emphasised(html: &str) -> String {
-    let parts = between(html, "*", "*").into_iter();
-    let parts = parts.map(|(part, is_stressed)| match is_stressed {
-        true => format!("<em>{part}</em>"),
-        false => part.to_owned(),
-    });
-    parts.collect()
+    between(html, "*", "*")
+        .into_iter()
+        .map(|(part, is_stressed)| if is_stressed { format!("<em>{part}</em>") } else { part.to_owned() })
+        .collect()
 }
 
 /// The parts of a text, each with whether it stands between two marks.

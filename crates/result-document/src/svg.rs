@@ -158,13 +158,13 @@ const DARK: usize = 1;
 /// browsers know variables.
 fn rules(scheme: usize) -> String {
     const BEGIN: &str = ":root {";
-    let colours = STYLE.split(BEGIN).nth(1 + scheme).unwrap_or_default();
-    let colours = colours.split('}').next().unwrap_or_default();
+    let colours = STYLE.split(BEGIN).nth(1 + scheme).unwrap_or_default().split('}').next().unwrap_or_default();
     // The rules after the last block of colours and the bracket of its media query.
-    let rules = STYLE.rsplit(BEGIN).next().unwrap_or_default();
-    let rules = rules.splitn(3, '}').nth(2).unwrap_or_default().to_owned();
-    let pairs = colours.split(';').filter_map(|c| c.trim().split_once(": "));
-    pairs.fold(rules, |rules, (name, colour)| rules.replace(&format!("var({name})"), colour))
+    let rules = STYLE.rsplit(BEGIN).next().unwrap_or_default().splitn(3, '}').nth(2).unwrap_or_default().to_owned();
+    colours
+        .split(';')
+        .filter_map(|c| c.trim().split_once(": "))
+        .fold(rules, |rules, (name, colour)| rules.replace(&format!("var({name})"), colour))
 }
 
 fn with_style(svg: &str, style: &str) -> String {

@@ -1,7 +1,6 @@
 //! A document on the terminal.
 
-use super::format::with_unit;
-use super::html::between;
+use super::{format::with_unit, html::between};
 use crate::document::{Block, Document, Figure, Table};
 
 impl Document {
@@ -51,17 +50,15 @@ fn block(block: &Block) -> String {
 
 fn figure(figure: &Figure) -> String {
     let numbers = figure.numbers.as_ref();
-    numbers.map_or_else(String::new, |numbers| format!("\n{}\n{}{}\n", figure.caption, table(numbers), figure.note))
+    numbers.map(|numbers| format!("\n{}\n{}{}\n", figure.caption, table(numbers), figure.note)).unwrap_or_default()
 }
 
 /// Columns as wide as their widest cell; where that is wider than a screen and the rows are few, a line for each column.
 fn table(table: &Table) -> String {
     const WIDEST: usize = 132;
-    let heads = table.columns.iter();
-    let heads: Vec<String> = heads.map(|column| plain(&with_unit(&column.name, &column.unit))).collect();
+    let heads: Vec<String> = table.columns.iter().map(|column| plain(&with_unit(&column.name, &column.unit))).collect();
     let lines: Vec<&Vec<String>> = std::iter::once(&heads).chain(&table.rows).collect();
-    let is_number = |k: usize| table.columns[k].is_number;
-    let drawn = aligned(&lines, is_number);
+    let drawn = aligned(&lines, |k| table.columns[k].is_number);
     let width = drawn.lines().map(|line| line.chars().count()).max();
     if width.unwrap_or(0) <= WIDEST || table.rows.len() >= heads.len() {
         return drawn;
@@ -75,15 +72,15 @@ fn aligned(lines: &[&Vec<String>], is_number: impl Fn(usize) -> bool) -> String 
     let length = |cell: &String| cell.chars().count();
     let width = |k: usize| lines.iter().map(|line| length(&line[k])).max().unwrap_or(0);
     let widths: Vec<usize> = (0..lines[0].len()).map(width).collect();
-    let line = |line: &&Vec<String>| {
-        let cells = line.iter().zip(&widths).enumerate();
-        let padded = cells.map(|(k, (cell, &width))| match is_number(k) {
-            true => format!("  {cell:>width$}"),
-            false => format!("  {cell:<width$}"),
-        });
-        padded.collect::<String>().trim_end().to_owned() + "\n"
-    };
-    lines.iter().map(line).collect()
+    lines
+        .iter()
+        .map(|line| {
+            let padded = line.iter().zip(&widths).enumerate().map(|(k, (cell, &width))| {
+                if is_number(k) { format!("  {cell:>width$}") } else { format!("  {cell:<width$}") }
+            });
+            padded.collect::<String>().trim_end().to_owned() + "\n"
+        })
+        .collect()
 }
 
 /// A name without the marks of its index.

@@ -1,12 +1,14 @@
 //! The signals once they are aligned, and what follows from them.
 
-use super::delay::Delay;
-use super::holes::Holes;
-use super::recording::{Accuracy, Bearing, Channel, DerivedCriterion, RigRecording, Synchronised};
-use super::signal::{Even, SignalError, Spline};
-use super::spectrum::Noise;
-use super::stationarity::{self, block_means, uncertainty_of_mean};
-use super::uncertainty::{MeasuredValue, from_bound, of_product};
+use super::{
+    delay::Delay,
+    holes::Holes,
+    recording::{Accuracy, Bearing, Channel, DerivedCriterion, RigRecording, Synchronised},
+    signal::{Even, SignalError, Spline},
+    spectrum::Noise,
+    stationarity::{self, block_means, uncertainty_of_mean},
+    uncertainty::{MeasuredValue, from_bound, of_product},
+};
 use sampling::statistics::moments::{mean, variance};
 
 /// The aligned signals over their common time.
@@ -90,8 +92,7 @@ impl<'a> Aligned<'a> {
         let (start, end) = late.span();
         let shift = delay.shift();
         let times: Vec<f64> = load.times();
-        let is_common = |&k: &usize| (start..=end).contains(&(times[k] + shift));
-        let kept: Vec<usize> = (0..times.len()).filter(is_common).collect();
+        let kept: Vec<usize> = (0..times.len()).filter(|&k| (start..=end).contains(&(times[k] + shift))).collect();
         let time: Vec<f64> = kept.iter().map(|&k| times[k]).collect();
         let at_these = |signal: &Even| -> Vec<f64> {
             let last = signal.values.len() - 1;
@@ -125,12 +126,9 @@ impl<'a> Aligned<'a> {
     ) -> Result<Synchronised, SignalError> {
         let (bearing, known) = (self.bearing, &self.result);
         let half = bearing.diameter / 2.0;
-        let friction = |torque: &[f64]| -> Vec<f64> {
-            let pairs = torque.iter().zip(&known.load);
-            pairs.map(|(m, f)| m / (f * half)).collect()
-        };
-        let pairs = known.torque.iter().zip(&self.speed);
-        let power: Vec<f64> = pairs.map(|(m, w)| m * w).collect();
+        let friction =
+            |torque: &[f64]| -> Vec<f64> { torque.iter().zip(&known.load).map(|(m, f)| m / (f * half)).collect() };
+        let power: Vec<f64> = known.torque.iter().zip(&self.speed).map(|(m, w)| m * w).collect();
         let relative = |channel: &Channel, values: &[f64]| match mean(values) {
             0.0 => 0.0,
             centre => channel.accuracy.standard(centre) / centre.abs(),
@@ -156,10 +154,9 @@ impl<'a> Aligned<'a> {
                 group: derived.group.clone(),
                 ..bearing.torque.clone()
             };
-            let product = |v| of_product(v, &[of_torque, of_speed]);
             findings.push(DerivedCriterion {
                 from: Some([bearing.torque.name.clone(), bearing.speed.variable.clone()]),
-                ..self.grid.mean(&channel, &of_both(&power), product)
+                ..self.grid.mean(&channel, &of_both(&power), |v| of_product(v, &[of_torque, of_speed]))
             });
         }
         for channel in &self.recording.others {
@@ -190,12 +187,14 @@ impl<'a> Aligned<'a> {
     /// Half the distance between least and greatest value of a turn, over all turns.
     fn amplitude(&self, channel: &Channel, values: &[f64]) -> DerivedCriterion {
         let span = if self.grid.turn > 1 { self.grid.turn } else { values.len() };
-        let half = |turn: &[f64]| {
-            let low = turn.iter().copied().fold(f64::INFINITY, f64::min);
-            let high = turn.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-            (high - low) / 2.0
-        };
-        let halves: Vec<f64> = values.chunks_exact(span).map(half).collect();
+        let halves: Vec<f64> = values
+            .chunks_exact(span)
+            .map(|turn| {
+                let low = turn.iter().copied().fold(f64::INFINITY, f64::min);
+                let high = turn.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+                (high - low) / 2.0
+            })
+            .collect();
         let value = mean(&halves);
         // An offset of the sensor does not change an amplitude; a wrong gain does.
         let gain = match channel.accuracy {

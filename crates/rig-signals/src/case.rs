@@ -1,12 +1,14 @@
 //! A case of a study from a recording: what drove the rig as inputs, what was measured as curves with their uncertainty.
 
-use super::delay::Delay;
-use super::holes::Holes;
-use super::recording::{Account, Accuracy, Channel, DerivedCriterion, EARLY, RigRecording, Synchronised, behind};
-use super::signal::SignalError;
-use super::spectrum::Noise;
-use super::thin::{Polyline, polyline};
-use super::uncertainty::from_bound;
+use super::{
+    delay::Delay,
+    holes::Holes,
+    recording::{Account, Accuracy, Channel, EARLY, RigRecording, Synchronised, behind},
+    signal::SignalError,
+    spectrum::Noise,
+    thin::{Polyline, polyline},
+    uncertainty::from_bound,
+};
 
 /// Settings by which a recording becomes a case.
 #[derive(Clone, Debug)]
@@ -106,8 +108,7 @@ pub struct Case<'a> {
 
 /// The times that are in both of two growing lists.
 fn common(one: &[f64], other: &[f64]) -> Vec<f64> {
-    let is_there = |time: &&f64| other.binary_search_by(|known| known.total_cmp(time)).is_ok();
-    one.iter().filter(is_there).copied().collect()
+    one.iter().filter(|time| other.binary_search_by(|known| known.total_cmp(time)).is_ok()).copied().collect()
 }
 
 /// The value of a polyline at a time; its ends are held.
@@ -136,8 +137,8 @@ impl<'a> Case<'a> {
             let (time, values) = channel.within([recording.begin(), f64::INFINITY]);
             let early = channel.time.len() - time.len();
             let cleaned = channel.clean(&values);
-            let good = time.iter().zip(&cleaned.values).filter(|(_, value)| value.is_finite());
-            let (time, values): (Vec<f64>, Vec<f64>) = good.unzip();
+            let (time, values): (Vec<f64>, Vec<f64>) =
+                time.iter().zip(&cleaned.values).filter(|(_, value)| value.is_finite()).unzip();
             let shared = tables.iter().position(|table| {
                 let both = common(&table.time, &time).len() as f64;
                 table.clock == channel.clock && both >= SHARED * table.time.len().max(time.len()) as f64
@@ -156,14 +157,18 @@ impl<'a> Case<'a> {
                 table: shared.unwrap_or(tables.len() - 1),
             });
         }
-        let recorded = drives.iter().filter_map(|drive| match &drive.values {
-            Driven::Constant(_) => None,
-            Driven::Recorded(channel) => Some(Input::new(channel, drive, recording.begin())),
-        });
-        let inputs: Vec<Input<'a>> = recorded.collect();
-        let firsts = curves.iter().map(|curve| curve.channel);
-        let firsts = firsts.chain(inputs.iter().map(|input| input.channel));
-        let firsts = firsts.filter_map(|channel| channel.time.first().copied());
+        let inputs: Vec<Input<'a>> = drives
+            .iter()
+            .filter_map(|drive| match &drive.values {
+                Driven::Constant(_) => None,
+                Driven::Recorded(channel) => Some(Input::new(channel, drive, recording.begin())),
+            })
+            .collect();
+        let firsts = curves
+            .iter()
+            .map(|curve| curve.channel)
+            .chain(inputs.iter().map(|input| input.channel))
+            .filter_map(|channel| channel.time.first().copied());
         Self {
             begin: recording.start.unwrap_or_else(|| firsts.fold(f64::INFINITY, f64::min)),
             recording,
@@ -183,8 +188,10 @@ impl<'a> Case<'a> {
 
     /// When the inputs end, where there are recorded ones.
     fn inputs_end(&self) -> f64 {
-        let ends = self.inputs.iter().filter_map(|input| input.line.time.last());
-        ends.fold(f64::INFINITY, |end, time| end.min(time - self.begin))
+        self.inputs
+            .iter()
+            .filter_map(|input| input.line.time.last())
+            .fold(f64::INFINITY, |end, time| end.min(time - self.begin))
     }
 
     /// Refuses an input that has no time in common with what was measured.
@@ -246,11 +253,13 @@ impl<'a> Case<'a> {
             let curves: Vec<_> = self.curves.iter().filter(|curve| curve.table == place).collect();
             let mut text = head(curves.iter().map(|curve| cell(&curve.channel.name)).collect());
             for time in &table.time {
-                let value = |curve: &&Measured<'_>| {
-                    let known = curve.time.binary_search_by(|known| known.total_cmp(time));
-                    curve.values[known.expect("a row of a table is in each of its curves")]
-                };
-                text += &line(*time, &mut curves.iter().map(value));
+                text += &line(
+                    *time,
+                    &mut curves.iter().map(|curve| {
+                        let known = curve.time.binary_search_by(|known| known.total_cmp(time));
+                        curve.values[known.expect("a row of a table is in each of its curves")]
+                    }),
+                );
             }
             files.push((Self::file(place), text));
         }
@@ -269,17 +278,19 @@ impl<'a> Case<'a> {
 
     /// What became of the rows of each curve.
     pub fn accounts(&self) -> Vec<Account> {
-        let account = |curve: &Measured<'_>| {
-            let beside = curve.time.len() - self.tables[curve.table].time.len();
-            let [spikes, clipped] = curve.dropped;
-            curve.channel.account(&[
-                (curve.early, EARLY),
-                spikes,
-                clipped,
-                (beside, "in rows where another signal has none"),
-            ])
-        };
-        self.curves.iter().map(account).collect()
+        self.curves
+            .iter()
+            .map(|curve| {
+                let beside = curve.time.len() - self.tables[curve.table].time.len();
+                let [spikes, clipped] = curve.dropped;
+                curve.channel.account(&[
+                    (curve.early, EARLY),
+                    spikes,
+                    clipped,
+                    (beside, "in rows where another signal has none"),
+                ])
+            })
+            .collect()
     }
 
     /// The case as TOML. The tolerances are the user's to add, where the settings have none: no recording knows how far the
@@ -330,10 +341,7 @@ impl<'a> Case<'a> {
                     let first = self.inputs.iter().filter_map(|input| input.line.time.first());
                     let first = first.fold(f64::INFINITY, |first, time| first.min(*time));
                     // The model runs from the first row, whole or not, and on until the last curve that is ahead of it.
-                    let ends = match first > self.begin || early > 0.0 {
-                        true => ", extrapolate = \"hold\"",
-                        false => "",
-                    };
+                    let ends = if first > self.begin || early > 0.0 { ", extrapolate = \"hold\"" } else { "" };
                     format!(
                         "inputs.{name} = {{ file = {}, time = \"time\", column = {name}, unit = {unit}{stated}{ends} }}\n",
                         quoted(&format!("{}/{INPUTS}", frame.folder))
@@ -363,8 +371,7 @@ impl<'a> Case<'a> {
             return 0.0;
         };
         let longest = self.recording.bearing.as_ref().map_or(0.0, |bearing| bearing.longest_delay);
-        let reach = delay.uncertainty();
-        let reach = reach.map_or(longest, |one| (DEVIATIONS * one).min(longest));
+        let reach = delay.uncertainty().map_or(longest, |one| (DEVIATIONS * one).min(longest));
         // As it is written.
         (reach * 1e7).round() / 1e7
     }
@@ -372,58 +379,64 @@ impl<'a> Case<'a> {
     fn criterion(&self, curve: &Measured<'_>, frame: &Frame<'_>) -> String {
         let channel = curve.channel;
         let (name, unit) = (quoted(&channel.name), quoted(&channel.unit));
-        let is_mean = |c: &&DerivedCriterion| c.name == channel.name && c.statistic == "mean";
-        let criterion = self.result.findings.iter().find(is_mean);
-        let tested = criterion.and_then(|criterion| criterion.stationarity.as_ref());
-        let steady = tested.map_or_else(String::new, |s| {
-            let (word, change) = (if s.steady() { "steady" } else { "drifting" }, s.change);
-            format!(
-                "# {word}: change over the window {:.2e} ({:.2e} to {:.2e}) {}\n",
-                change.value, change.low, change.high, channel.unit
-            )
-        });
+        let criterion = self.result.findings.iter().find(|c| c.name == channel.name && c.statistic == "mean");
+        let steady = criterion
+            .and_then(|criterion| criterion.stationarity.as_ref())
+            .map(|s| {
+                let (word, change) = (if s.steady() { "steady" } else { "drifting" }, s.change);
+                format!(
+                    "# {word}: change over the window {:.2e} ({:.2e} to {:.2e}) {}\n",
+                    change.value, change.low, change.high, channel.unit
+                )
+            })
+            .unwrap_or_default();
         let mut uncertainty = known(channel);
         let noise = criterion.and_then(|criterion| criterion.noise);
-        let about_noise = noise.map_or_else(String::new, |noise| {
-            uncertainty += &stated("noise", &format!("{:.2e} {}", noise.stated(), channel.unit));
-            uncertainty += &format!(
-                ", noise-estimate = {{ freedom = {:.0}, correlation = {:.2}, rows = {:.2} }}",
-                noise.freedom,
-                noise.correlation.clamp(-1.0, 1.0),
-                noise.rows()
-            );
-            about(noise, &channel.unit)
-        });
+        let about_noise = noise
+            .map(|noise| {
+                uncertainty += &stated("noise", &format!("{:.2e} {}", noise.stated(), channel.unit));
+                uncertainty += &format!(
+                    ", noise-estimate = {{ freedom = {:.0}, correlation = {:.2}, rows = {:.2} }}",
+                    noise.freedom,
+                    noise.correlation.clamp(-1.0, 1.0),
+                    noise.rows()
+                );
+                about(noise, &channel.unit)
+            })
+            .unwrap_or_default();
         let (late, reach) = (self.late(curve, frame), self.reach(curve));
         let words = curve.delay.and_then(Delay::words);
-        let delay = words.map_or_else(String::new, |words| {
-            let whose = match frame.lag {
-                0.0 => "all of which is taken for the sensor's".to_owned(),
-                lag => format!("of which {:.3} ms are the rig's own", 1e3 * lag),
-            };
-            format!(
-                "# late after the load by {words}, {whose}\n\
+        let delay = words
+            .map(|words| {
+                let whose = match frame.lag {
+                    0.0 => "all of which is taken for the sensor's".to_owned(),
+                    lag => format!("of which {:.3} ms are the rig's own", 1e3 * lag),
+                };
+                format!(
+                    "# late after the load by {words}, {whose}\n\
                  delay = \"{:.4} ms\"\n{}",
-                1e3 * late,
-                match reach > 0.0 {
-                    true => format!(
-                        "# identify finds the rest with the parameters: both follow from the same rows\n\
+                    1e3 * late,
+                    match reach > 0.0 {
+                        true => format!(
+                            "# identify finds the rest with the parameters: both follow from the same rows\n\
                          lag = {{ min = \"{0:.4} ms\", max = \"{1:.4} ms\" }}\n",
-                        -1e3 * reach,
-                        1e3 * reach
-                    ),
-                    false => String::new(),
-                }
-            )
-        });
+                            -1e3 * reach,
+                            1e3 * reach
+                        ),
+                        false => String::new(),
+                    }
+                )
+            })
+            .unwrap_or_default();
         let [first, last] = self.span(curve.table);
         let [from, to] = self.recording.window();
         let to = to.min(self.inputs_end() + self.begin);
         let from = (from - self.begin).max(first + (late + reach).max(0.0));
         let to = (to - self.begin).min(last + (late - reach).min(0.0));
-        let window = match from > first || to < last {
-            true => format!("window = {{ from = {}, to = {} }}\n", up(from), up(to)),
-            false => String::new(),
+        let window = if from > first || to < last {
+            format!("window = {{ from = {}, to = {} }}\n", up(from), up(to))
+        } else {
+            String::new()
         };
         let mut tolerances = frame.tolerances.iter();
         let tolerance = match tolerances.find(|(name, _)| *name == channel.name) {
@@ -431,7 +444,7 @@ impl<'a> Case<'a> {
             None => format!("# tolerance = \"... {}\"   # how far the model may be from the true curve", channel.unit),
         };
         let group = channel.group.as_ref();
-        let group = group.map_or_else(String::new, |group| format!("group = {}\n", quoted(group)));
+        let group = group.map(|group| format!("group = {}\n", quoted(group))).unwrap_or_default();
         format!(
             "\n[cases.criteria.{name}]\n{steady}{about_noise}variable = {}\n\
              reference = {{ file = {}, time = \"time\", column = {name}, unit = {unit}{uncertainty} }}\n\
@@ -450,8 +463,8 @@ impl<'a> Input<'a> {
     fn new(channel: &'a Channel, drive: &'a Drive, start: f64) -> Self {
         let early = channel.before(start).saturating_sub(1);
         let (all, cleaned) = (&channel.time[early..], channel.clean(&channel.values[early..]));
-        let pairs = all.iter().zip(&cleaned.values);
-        let (time, values): (Vec<f64>, Vec<f64>) = pairs.filter(|(_, value)| value.is_finite()).unzip();
+        let (time, values): (Vec<f64>, Vec<f64>) =
+            all.iter().zip(&cleaned.values).filter(|(_, value)| value.is_finite()).unzip();
         let mut line = polyline(&time, &values, drive.tolerance);
         let value = line.time.first().map(|_| at(&line, start));
         if let (Some(first), Some(value)) = (line.time.first_mut().filter(|first| **first < start), value) {
@@ -465,10 +478,7 @@ impl<'a> Input<'a> {
                 let [spikes, clipped] = channel.dropped(&cleaned);
                 [(early, EARLY), spikes, clipped]
             },
-            doubts: match channel.drop.is_stated {
-                true => Vec::new(),
-                false => super::concerns(channel, &cleaned),
-            },
+            doubts: if channel.drop.is_stated { Vec::new() } else { super::concerns(channel, &cleaned) },
             hole: Holes::of(all, &cleaned).longest(),
         }
     }
@@ -483,7 +493,7 @@ impl<'a> Input<'a> {
     /// A comment that says how it was thinned.
     fn comment(&self) -> String {
         let (account, line, unit) = (self.channel.account(&self.lost), &self.line, &self.drive.unit);
-        let noise = line.noise.map_or_else(String::new, |noise| format!(" (noise of a row {noise:.2e})"));
+        let noise = line.noise.map(|noise| format!(" (noise of a row {noise:.2e})")).unwrap_or_default();
         format!(
             "# {INPUTS}, {account} for a line with {} corners; it leaves out {:.2e} {unit} rms{noise}, tolerance {:.2e}.\n",
             line.time.len(),
@@ -517,8 +527,5 @@ fn up(time: f64) -> f64 {
 
 /// A name as a cell of csv.
 fn cell(name: &str) -> String {
-    match name.contains([',', '"', '\n']) {
-        true => format!("\"{}\"", name.replace('"', "\"\"")),
-        false => name.to_owned(),
-    }
+    if name.contains([',', '"', '\n']) { format!("\"{}\"", name.replace('"', "\"\"")) } else { name.to_owned() }
 }

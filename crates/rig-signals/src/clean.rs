@@ -52,8 +52,7 @@ impl Cleaned {
             let pairs = there.windows(2).filter(|w| w[0] && w[1]).count();
             // A signal that repeats itself has equal peaks, but no two of them side by side.
             if 4 * pairs >= there.iter().filter(|&&there| there).count() {
-                let pairs = self.clipped.iter_mut().zip(there);
-                pairs.for_each(|(clipped, there)| *clipped |= there);
+                self.clipped.iter_mut().zip(there).for_each(|(clipped, there)| *clipped |= there);
             }
         }
     }
@@ -117,12 +116,10 @@ fn spikes(known: &[usize], samples: &[f64]) -> Vec<bool> {
     let range = at_part(&ordered, 0.95) - at_part(&ordered, 0.05);
     let distances = sorted(off.iter().map(|off| off.abs()).collect());
     let strays = at_part(&distances, USUAL) / USUAL_DEVIATIONS;
-    let levels = ordered.windows(2).map(|w| w[1] - w[0]);
-    let step = levels.filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+    let step = ordered.windows(2).map(|w| w[1] - w[0]).filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
     let least = DEVIATIONS * scale.max(strays);
     let least = least.max(PART * range).max(LEVELS * step);
-    let is_far = |off: &f64| range > 0.0 && off.abs() > least;
-    let mut spikes: Vec<bool> = off.iter().map(is_far).collect();
+    let mut spikes: Vec<bool> = off.iter().map(|off| range > 0.0 && off.abs() > least).collect();
     let signal = Signal { known, samples, off: &off, scale };
     signal.keep_what_follows(&mut spikes);
     spikes
@@ -156,17 +153,16 @@ impl Signal<'_> {
         while !run.is_empty() {
             let before = |count: usize| run.start.saturating_sub(count)..run.start;
             let behind = |count: usize| run.end..(run.end + count).min(self.samples.len());
-            let is_peak = |&[count, degree]: &[usize; 2]| {
-                let around: Vec<usize> = before(count).chain(behind(count)).collect();
-                run.clone().all(|k| self.follows(k, &around, degree))
-            };
-            if run.len() <= AROUND && BETWEEN.iter().any(is_peak) {
+            if run.len() <= AROUND
+                && BETWEEN.iter().any(|&[count, degree]| {
+                    let around: Vec<usize> = before(count).chain(behind(count)).collect();
+                    run.clone().all(|k| self.follows(k, &around, degree))
+                })
+            {
                 return run.start..run.start;
             }
             let ends = |place: usize, others: &dyn Fn(usize) -> Range<usize>| {
-                let follows =
-                    |&[count, degree]: &[usize; 2]| self.follows(place, &Vec::from_iter(others(count)), degree);
-                BESIDE.iter().any(follows)
+                BESIDE.iter().any(|&[count, degree]| self.follows(place, &Vec::from_iter(others(count)), degree))
             };
             if ends(run.end - 1, &behind) {
                 run.end -= 1;
@@ -183,8 +179,11 @@ impl Signal<'_> {
     /// median, and not by chance.
     fn follows(&self, place: usize, others: &[usize], degree: usize) -> bool {
         let at = |k: usize| self.known[k] as f64 - self.known[place] as f64;
-        let powers = DMatrix::from_fn(others.len(), degree + 1, |row, power| at(others[row]).powi(power as i32));
-        let Some(weights) = powers.pseudo_inverse(1e-12).ok().filter(|_| others.len() > degree) else {
+        let Some(weights) = DMatrix::from_fn(others.len(), degree + 1, |row, power| at(others[row]).powi(power as i32))
+            .pseudo_inverse(1e-12)
+            .ok()
+            .filter(|_| others.len() > degree)
+        else {
             return false;
         };
         let weights = weights.row(0);
@@ -244,9 +243,7 @@ fn clipping_level<'a>(ordered: impl ExactSizeIterator<Item = &'a f64>) -> Option
         }
         *counts.last_mut()? += 1;
     }
-    let [first, second] = counts[..] else {
-        return None;
-    };
+    let [first, second] = counts[..] else { return None };
     // What rests is at zero.
     let many = levels[0] != 0.0 && first >= LEAST.max(all / 1000) && first > TIMES * second;
     many.then(|| levels[0])

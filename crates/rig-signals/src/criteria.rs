@@ -5,10 +5,7 @@ use super::recording::{DerivedCriterion, Synchronised};
 /// The `[criteria]` of a study, with the uncertainty budget as comments. The uncertainty is expanded
 /// (coverage factor 2); a recording cannot know how far the model may be off, so the tolerance is left to the user.
 pub fn to_toml(result: &Synchronised, amplitudes: bool) -> String {
-    let mut out = match result.friction.is_empty() {
-        true => "# From measured signals.\n".to_owned(),
-        false => friction(result),
-    };
+    let mut out = if result.friction.is_empty() { "# From measured signals.\n".to_owned() } else { friction(result) };
     out += "# Uncertainties are expanded (k = 2) after the GUM. Add the tolerances: how far the model may be from the true\n\
             # values.\n";
     out.extend(result.warnings.iter().map(|warning| format!("# Note: {warning}.\n")));
@@ -69,16 +66,20 @@ fn criterion(finding: &DerivedCriterion, result: &Synchronised) -> String {
     let DerivedCriterion { name, variable, statistic, unit, .. } = finding;
     let m = &finding.measured;
     let [value, uncertainty] = [m.value, m.expanded()].map(|number| rounded(number, m.expanded()));
-    let steady = finding.stationarity.as_ref().map_or_else(String::new, |s| {
-        let (word, change) = (if s.steady() { "steady" } else { "NOT steady" }, s.change);
-        format!(
-            "# {word}: change over the window {:.2e} ({:.2e} to {:.2e}) {unit}, from {} blocks\n",
-            change.value, change.low, change.high, s.blocks
-        )
-    });
+    let steady = finding
+        .stationarity
+        .as_ref()
+        .map(|s| {
+            let (word, change) = (if s.steady() { "steady" } else { "NOT steady" }, s.change);
+            format!(
+                "# {word}: change over the window {:.2e} ({:.2e} to {:.2e}) {unit}, from {} blocks\n",
+                change.value, change.low, change.high, s.blocks
+            )
+        })
+        .unwrap_or_default();
     let uncertainty = derived(finding, result).unwrap_or_else(|| format!("uncertainty = \"{uncertainty} {unit}\"\n"));
     let group = finding.group.as_ref();
-    let group = group.map_or_else(String::new, |group| format!("group = \"{group}\"\n"));
+    let group = group.map(|group| format!("group = \"{group}\"\n")).unwrap_or_default();
     format!(
         "\n[criteria.{}]\n# standard uncertainties: scatter {:.2e}, sensor {:.2e} {unit}\n{steady}\
          variable = \"{variable}\"\nstatistic = \"{statistic}\"\nnominal = {value}\n# tolerance = \n\
@@ -91,10 +92,10 @@ fn criterion(finding: &DerivedCriterion, result: &Synchronised) -> String {
 
 /// A name as a key of TOML.
 fn key(name: &str) -> String {
-    let is_bare = |c: char| c.is_ascii_alphanumeric() || "_-".contains(c);
-    match !name.is_empty() && name.chars().all(is_bare) {
-        true => name.to_owned(),
-        false => toml::Value::String(name.to_owned()).to_string(),
+    if !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || "_-".contains(c)) {
+        name.to_owned()
+    } else {
+        toml::Value::String(name.to_owned()).to_string()
     }
 }
 

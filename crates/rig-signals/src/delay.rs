@@ -9,13 +9,17 @@
 //! interpolation therefore prefers half samples. Here both signals pass through the same Gaussian kernel at every shift,
 //! so wide that the noise it leaves does not depend on the shift.
 
-use sampling::statistics::moments::{mean, variance};
+use sampling::statistics::{
+    estimate::Estimate,
+    moments::{mean, variance},
+};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::kernel::Kernel;
-use super::signal::{Even, SignalError};
-use super::spectrum::Comb;
-use sampling::statistics::estimate::Estimate;
+use super::{
+    kernel::Kernel,
+    signal::{Even, SignalError},
+    spectrum::Comb,
+};
 
 /// The delay of the torque, with its uncertainty.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -42,8 +46,7 @@ impl Delay {
 
     /// The delay's standard uncertainty, s; `None` where there is no interval.
     pub fn uncertainty(&self) -> Option<f64> {
-        let known = self.delay.filter(|_| self.disturbance.is_none());
-        known.map(|delay| (delay.high - delay.low) / 4.0)
+        self.delay.filter(|_| self.disturbance.is_none()).map(|delay| (delay.high - delay.low) / 4.0)
     }
 
     /// The delay with its interval as text, where the signals are related.
@@ -186,25 +189,25 @@ impl<'a> Search<'a> {
     fn values_of(&self, signal: &[f64], lag: f64, count: usize) -> Vec<f64> {
         let (whole, weights) = self.kernel.at(lag);
         let start = (self.first as isize + whole) as usize - self.kernel.reach();
-        let value = |place: usize| {
-            let samples = signal[place..].iter().zip(&weights);
-            samples.map(|(v, w)| v * w).sum()
-        };
-        (start..start + count).map(value).collect()
+        (start..start + count).map(|place| signal[place..].iter().zip(&weights).map(|(v, w)| v * w).sum()).collect()
     }
 
     /// The sums of all blocks with the torque `lag` samples later; `whole` is the lag by which its bad samples are known.
     fn sums(&self, torque: &[f64], whole: isize) -> Vec<Sums> {
-        let block = |b: usize| {
-            let samples = b * self.length..(b + 1) * self.length;
-            let good = |k: &usize| {
-                let place = self.first + k;
-                let late = (place as isize + whole) as usize;
-                self.pair.load_good[place] && self.pair.torque_good[late]
-            };
-            sums(samples.filter(good).map(|k| (self.load[k], torque[k])))
-        };
-        (0..self.blocks).map(block).collect()
+        (0..self.blocks)
+            .map(|b| {
+                let samples = b * self.length..(b + 1) * self.length;
+                sums(
+                    samples
+                        .filter(|k| {
+                            let place = self.first + k;
+                            let late = (place as isize + whole) as usize;
+                            self.pair.load_good[place] && self.pair.torque_good[late]
+                        })
+                        .map(|k| (self.load[k], torque[k])),
+                )
+            })
+            .collect()
     }
 
     /// The sums at each lag that is tried.
@@ -212,8 +215,7 @@ impl<'a> Search<'a> {
         let (first, last) = (self.lags[0], self.lags[self.lags.len() - 1]);
         let count = self.blocks * self.length + (last - first) as usize;
         let torque = self.values_of(&self.pair.torque.values, first as f64, count);
-        let at = |&lag: &isize| self.sums(&torque[(lag - first) as usize..], lag);
-        self.lags.iter().map(at).collect()
+        self.lags.iter().map(|&lag| self.sums(&torque[(lag - first) as usize..], lag)).collect()
     }
 
     fn sums_at(&self, lag: f64) -> Vec<Sums> {
@@ -268,14 +270,12 @@ impl<'a> Search<'a> {
         // Each block's part of the logarithm, but for a constant.
         let part = |s: &Sums| s.xy / total.xy - 0.5 * (s.xx / total.xx + s.yy / total.yy);
         let parts = |of: &dyn Fn(f64, f64, f64) -> f64| -> Vec<f64> {
-            let of = |b| of(part(&before[b]), part(&here[b]), part(&after[b]));
-            (0..self.blocks).map(of).collect()
+            (0..self.blocks).map(|b| of(part(&before[b]), part(&here[b]), part(&after[b]))).collect()
         };
         let slopes = parts(&|before, _, after| (after - before) / (2.0 * apart));
         let bends = parts(&|before, here, after| (before - 2.0 * here + after) / apart.powi(2));
         let [slope, bend] = [&slopes, &bends].map(|parts| parts.iter().sum::<f64>());
-        let pairs = slopes.iter().zip(&bends);
-        let without: Vec<f64> = pairs.map(|(s, b)| -(slope - s) / (bend - b)).collect();
+        let without: Vec<f64> = slopes.iter().zip(&bends).map(|(s, b)| -(slope - s) / (bend - b)).collect();
         let n = without.len() as f64;
         let error = ((n - 1.0) * variance(&without, 0)).sqrt();
         (error, 0.5 * bend.abs() * correlation(&here) * error * error)
@@ -309,8 +309,7 @@ fn correlation(blocks: &[Sums]) -> f64 {
 }
 
 fn greatest(values: &[f64]) -> usize {
-    let order = values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1));
-    order.expect("there is a value").0
+    values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1)).expect("there is a value").0
 }
 
 /// The chance that unrelated signals correlate as well: every second block chooses the lag, Student's test of the others'
@@ -319,8 +318,7 @@ fn chance(scan: &[Vec<Sums>]) -> f64 {
     let half = |odd: usize| {
         let of = |sums: &Vec<Sums>, odd| -> Vec<Sums> { sums.iter().skip(odd).step_by(2).copied().collect() };
         let choice: Vec<f64> = scan.iter().map(|s| correlation(&of(s, odd))).collect();
-        let others = of(&scan[greatest(&choice)], 1 - odd);
-        let each: Vec<f64> = others.iter().map(|s| correlation(&[*s])).collect();
+        let each: Vec<f64> = of(&scan[greatest(&choice)], 1 - odd).iter().map(|s| correlation(&[*s])).collect();
         let n = each.len() as f64;
         let (mean, error) = (mean(&each), (variance(&each, 1) / n).sqrt());
         match StudentsT::new(0.0, 1.0, n - 1.0) {
@@ -332,8 +330,7 @@ fn chance(scan: &[Vec<Sums>]) -> f64 {
 }
 
 fn quantile() -> f64 {
-    let student = StudentsT::new(0.0, 1.0, FREEDOM);
-    student.expect("there are degrees of freedom").inverse_cdf(0.975)
+    StudentsT::new(0.0, 1.0, FREEDOM).expect("there are degrees of freedom").inverse_cdf(0.975)
 }
 
 /// The place of the least value between two places, by golden section (Kiefer 1953).

@@ -13,9 +13,12 @@ pub(crate) struct Holes(Vec<[f64; 2]>);
 impl Holes {
     /// Those of a signal at growing times.
     pub fn of(time: &[f64], signal: &Cleaned) -> Self {
-        let pairs = time.iter().zip(&signal.values);
-        let known = pairs.filter(|(time, value)| time.is_finite() && value.is_finite());
-        let known: Vec<f64> = known.map(|(time, _)| *time).collect();
+        let known: Vec<f64> = time
+            .iter()
+            .zip(&signal.values)
+            .filter(|(time, value)| time.is_finite() && value.is_finite())
+            .map(|(time, _)| *time)
+            .collect();
         let mut steps: Vec<f64> = known.windows(2).map(|w| w[1] - w[0]).collect();
         if steps.is_empty() {
             return Self::default();
@@ -44,8 +47,7 @@ impl Holes {
     /// The longest one.
     pub fn longest(&self) -> Option<[f64; 2]> {
         let length = |[from, to]: &[f64; 2]| to - from;
-        let longest = self.0.iter().max_by(|a, b| length(a).total_cmp(&length(b)));
-        longest.copied()
+        self.0.iter().max_by(|a, b| length(a).total_cmp(&length(b))).copied()
     }
 
     /// Whether a time lies in one of them.
@@ -65,9 +67,10 @@ impl Holes {
         let chosen = |number: usize| values[number * turn..(number + 1) * turn].iter().copied();
         Turns {
             // Where no turn is whole, a curve through the holes is all there is.
-            values: match kept.is_empty() {
-                true => values[..all * turn].to_vec(),
-                false => kept.iter().flat_map(|&number| chosen(number)).collect(),
+            values: if kept.is_empty() {
+                values[..all * turn].to_vec()
+            } else {
+                kept.iter().flat_map(|&number| chosen(number)).collect()
             },
             lost: all - kept.len(),
             all,

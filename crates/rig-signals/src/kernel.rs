@@ -22,11 +22,12 @@ impl Kernel {
     pub fn at(&self, place: f64) -> (isize, Vec<f64>) {
         let whole = place.round();
         let reach = self.reach() as isize;
-        let weight = |offset: isize| {
-            let far = (place - whole - offset as f64) / self.width;
-            (-0.5 * far * far).exp()
-        };
-        let weights: Vec<f64> = (-reach..=reach).map(weight).collect();
+        let weights: Vec<f64> = (-reach..=reach)
+            .map(|offset| {
+                let far = (place - whole - offset as f64) / self.width;
+                (-0.5 * far * far).exp()
+            })
+            .collect();
         let sum: f64 = weights.iter().sum();
         (whole as isize, weights.iter().map(|w| w / sum).collect())
     }

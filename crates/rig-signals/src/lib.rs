@@ -43,8 +43,13 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
     let mut result = match &recording.bearing {
         Some(bearing) => aligned(recording, bearing)?,
         None => {
-            let others = recording.others.iter().map(|channel| other(recording, channel, None));
-            let (findings, concerns): (Vec<_>, Vec<_>) = others.collect::<Result<Vec<_>, _>>()?.into_iter().unzip();
+            let (findings, concerns): (Vec<_>, Vec<_>) = recording
+                .others
+                .iter()
+                .map(|channel| other(recording, channel, None))
+                .collect::<Result<Vec<_>, _>>()?
+                .into_iter()
+                .unzip();
             let warnings = findings.iter().filter_map(unsteady).collect();
             let doubts = concerns.into_iter().flatten().collect();
             Synchronised { findings, warnings, doubts, ..Synchronised::default() }
@@ -55,9 +60,10 @@ pub fn synchronise(recording: &RigRecording) -> Result<Synchronised, SignalError
         let cleaned = channel.clean(&values);
         let told = concerns(channel, &cleaned);
         // What stays and may be none of the signal touches the verdict.
-        match channel.drop.is_stated {
-            true => result.warnings.extend(told),
-            false => result.doubts.extend(told),
+        if channel.drop.is_stated {
+            result.warnings.extend(told)
+        } else {
+            result.doubts.extend(told)
         }
         result.doubts.extend(frozen(channel, &time, &cleaned));
         let early = channel.before(recording.begin());
@@ -91,8 +97,7 @@ fn other(
         Some((comb, _)) => comb.noise(&even, None),
         None => Noise::by_rows(&cleaned.values),
     };
-    let grid = Grid::new(recording, [start, step], samples);
-    Ok(grid.mean_of(channel, &even.values, &holes, noise))
+    Ok(Grid::new(recording, [start, step], samples).mean_of(channel, &even.values, &holes, noise))
 }
 
 /// Load and torque, aligned, and all criteria.
@@ -111,8 +116,9 @@ fn aligned(recording: &RigRecording, bearing: &Bearing) -> Result<Synchronised, 
     let end = load.span().1.min(torque.span().1);
     let step = load.step();
     if end - start < 8.0 * step {
-        let message = "load and torque have no time in common: correct the `offset` of a file's time";
-        return Err(SignalError::Setting(message.into()));
+        return Err(SignalError::Setting(
+            "load and torque have no time in common: correct the `offset` of a file's time".into(),
+        ));
     }
     let even = |spline: &Spline| Even::from_spline(spline, start, end, step);
     let smooth = |raw: &Even| {
@@ -132,8 +138,7 @@ fn aligned(recording: &RigRecording, bearing: &Bearing) -> Result<Synchronised, 
     };
     let turn = recording.turn().filter(|turn| *turn < (end - start) / 20.0);
     let delay = delay::find(pair, bearing.longest_delay, turn)?;
-    let name = &bearing.torque.name;
-    let late = Spline::new(name, &torque.times(), &torque.values, LONGEST_GAP)?;
+    let late = Spline::new(&bearing.torque.name, &torque.times(), &torque.values, LONGEST_GAP)?;
     let holes = [Holes::of(&load_time, &clean_load), Holes::of(&torque_time, &clean_torque)];
     let comb = Comb::new(&raw.0, recording.turn(), recording.speed_spread());
     // Load at random is in both channels and no noise; a disturbance is in both, too, and one.
@@ -142,18 +147,20 @@ fn aligned(recording: &RigRecording, bearing: &Bearing) -> Result<Synchronised, 
     let [of_load, of_torque] = [(&raw.0, &raw.1, shift), (&raw.1, &raw.0, -shift)]
         .map(|(signal, other, late)| comb.noise(signal, shared.then_some((other, late))));
     let grid = raw.0.clone();
-    let aligned = Aligned::new((recording, bearing), raw, &load, &late, even(&speed), (delay, holes));
-    aligned.finish([of_load, of_torque], |channel| other(recording, channel, Some((&comb, &grid))))
+    Aligned::new((recording, bearing), raw, &load, &late, even(&speed), (delay, holes))
+        .finish([of_load, of_torque], |channel| other(recording, channel, Some((&comb, &grid))))
 }
 
 /// Which samples of an even signal lie next to none that is clipped.
 fn good(cleaned: &Cleaned, time: &[f64], even: &Even) -> Vec<bool> {
-    let near = |t: f64| {
-        let next = time.partition_point(|&known| known < t - even.step / 2.0);
-        let around = next.saturating_sub(1)..(next + 2).min(time.len());
-        !cleaned.clipped[around].contains(&true)
-    };
-    even.times().into_iter().map(near).collect()
+    even.times()
+        .into_iter()
+        .map(|t| {
+            let next = time.partition_point(|&known| known < t - even.step / 2.0);
+            let around = next.saturating_sub(1)..(next + 2).min(time.len());
+            !cleaned.clipped[around].contains(&true)
+        })
+        .collect()
 }
 
 /// Concerns about a signal that its reader must know.
@@ -216,7 +223,7 @@ fn frozen(channel: &Channel, time: &[f64], cleaned: &Cleaned) -> Option<String> 
 }
 
 fn check(recording: &RigRecording) -> Result<(), SignalError> {
-    let wrong = |text: String| Err(SignalError::Setting(text));
+    let wrong = |text| Err(SignalError::Setting(text));
     let confidence = recording.confidence;
     let lengths = recording.bearing.iter().flat_map(|bearing| {
         [("bearing's diameter", bearing.diameter, "m"), ("longest delay", bearing.longest_delay, "s")]

@@ -91,9 +91,7 @@ fn further_on(values: &[f64], end: usize) -> std::ops::Range<usize> {
 
 /// How often a signal turns: it goes one way and then back, by more than a distance each.
 fn turnings(values: &[f64], enough: f64) -> usize {
-    let Some(&first) = values.first() else {
-        return 0;
-    };
+    let Some(&first) = values.first() else { return 0 };
     // The least and the greatest value since the last turn, and on which way it is by now.
     let (mut low, mut high, mut rises, mut turns) = (first, first, None, 0);
     for &value in values {
@@ -122,8 +120,7 @@ struct Stretch<'a> {
 impl<'a> Stretch<'a> {
     fn new(time: &'a [f64], values: &[f64]) -> Option<Self> {
         let line = Line::through(time, values)?;
-        let pairs = time.iter().zip(values);
-        let rest: Vec<f64> = pairs.map(|(&t, &value)| value - line.at(t)).collect();
+        let rest: Vec<f64> = time.iter().zip(values).map(|(&t, &value)| value - line.at(t)).collect();
         let turns = crossings(&rest);
         Some(Self { time, line, rest, turns })
     }
@@ -182,8 +179,7 @@ impl Line {
 /// How often numbers go from one side of 0 to the other, by more than a tenth of their range.
 fn crossings(numbers: &[f64]) -> usize {
     let enough = 0.1 * range(numbers);
-    let sides = numbers.iter().filter(|number| number.abs() > enough).map(|number| *number > 0.0);
-    let sides: Vec<bool> = sides.collect();
+    let sides: Vec<bool> = numbers.iter().filter(|number| number.abs() > enough).map(|number| *number > 0.0).collect();
     sides.windows(2).filter(|pair| pair[0] != pair[1]).count()
 }
 

@@ -1,11 +1,13 @@
 //! Recorded signals, and the results from them.
 
-use super::clean::{Cleaned, Drop, clean};
-use super::delay::Delay;
-use super::smooth::Smoothing;
-use super::spectrum::Noise;
-use super::stationarity::Stationarity;
-use super::uncertainty::{MeasuredValue, from_bound};
+use super::{
+    clean::{Cleaned, Drop, clean},
+    delay::Delay,
+    smooth::Smoothing,
+    spectrum::Noise,
+    stationarity::Stationarity,
+    uncertainty::{MeasuredValue, from_bound},
+};
 use sampling::statistics::moments::mean;
 
 /// A unit behind a number: nothing of one without a unit.
@@ -78,8 +80,7 @@ impl Channel {
 
     /// The samples at times within a window.
     pub(crate) fn within(&self, [from, to]: [f64; 2]) -> (Vec<f64>, Vec<f64>) {
-        let pairs = self.time.iter().zip(&self.values);
-        pairs.filter(|(time, _)| (from..=to).contains(*time)).unzip()
+        self.time.iter().zip(&self.values).filter(|(time, _)| (from..=to).contains(*time)).unzip()
     }
 
     /// How many samples are before a time.
@@ -89,8 +90,7 @@ impl Channel {
 
     /// What became of its rows: those that were lost for these reasons, too, are not used.
     pub(crate) fn account(&self, reasons: &[(usize, &'static str)]) -> Account {
-        let lost = self.lost.iter().chain(reasons).filter(|(count, _)| *count > 0);
-        let lost: Vec<_> = lost.copied().collect();
+        let lost: Vec<_> = self.lost.iter().chain(reasons).filter(|(count, _)| *count > 0).copied().collect();
         let rows = self.values.len() + self.lost.iter().map(|(count, _)| count).sum::<usize>();
         Account { name: self.name.clone(), rows, used: rows - lost.iter().map(|(count, _)| count).sum::<usize>(), lost }
     }
@@ -184,21 +184,21 @@ impl RigRecording {
 
     /// All that was measured: load and torque first.
     pub fn signals(&self) -> impl Iterator<Item = &Channel> {
-        let pair = self.bearing.iter().flat_map(|bearing| [&bearing.load, &bearing.torque]);
-        pair.chain(&self.others)
+        self.bearing.iter().flat_map(|bearing| [&bearing.load, &bearing.torque]).chain(&self.others)
     }
 
     fn speeds(&self) -> Vec<f64> {
-        let speed = self.bearing.iter().flat_map(|bearing| bearing.speed.values.iter().copied());
-        speed.filter(|v| v.is_finite()).collect()
+        self.bearing.iter().flat_map(|bearing| bearing.speed.values.iter().copied()).filter(|v| v.is_finite()).collect()
     }
 
     /// By what part the speed strays to either side of its mean, apart from its noise.
     pub(crate) fn speed_spread(&self) -> f64 {
         let speed = self.speeds();
-        let parts = speed.chunks((speed.len() / 16).max(1)).map(mean);
-        let far = parts.map(|part| (part / mean(&speed) - 1.0).abs());
-        far.fold(0.0, f64::max)
+        speed
+            .chunks((speed.len() / 16).max(1))
+            .map(mean)
+            .map(|part| (part / mean(&speed) - 1.0).abs())
+            .fold(0.0, f64::max)
     }
 }
 

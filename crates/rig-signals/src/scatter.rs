@@ -23,11 +23,12 @@ pub fn scatter(values: &[f64]) -> Option<f64> {
         return None;
     }
     let single = by_differences(values, 8, 1);
-    let at = |stride| {
-        let [low, high] = [6, 8].map(|order| by_differences(values, order, stride));
-        (stride == 1 || (high >= AGREE * low && high <= MOST * single)).then_some(high)
-    };
-    let all: Vec<f64> = STRIDES.filter_map(at).collect();
+    let all: Vec<f64> = STRIDES
+        .filter_map(|stride| {
+            let [low, high] = [6, 8].map(|order| by_differences(values, order, stride));
+            (stride == 1 || (high >= AGREE * low && high <= MOST * single)).then_some(high)
+        })
+        .collect();
     let most = single * (1.0 + CHANCE / (values.len() as f64).sqrt());
     match all.iter().copied().reduce(f64::max) {
         Some(largest) if largest > most => Some(largest),

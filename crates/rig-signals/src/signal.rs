@@ -53,9 +53,8 @@ impl Spline {
     /// A gap longer than `longest_gap` steps (of median length) is refused.
     pub fn new(name: &str, time: &[f64], values: &[f64], longest_gap: f64) -> Result<Self, SignalError> {
         const LEAST: usize = 8;
-        let pairs = time.iter().zip(values);
-        let known = pairs.filter(|(t, v)| t.is_finite() && v.is_finite());
-        let (time, values): (Vec<f64>, Vec<f64>) = known.unzip();
+        let (time, values): (Vec<f64>, Vec<f64>) =
+            time.iter().zip(values).filter(|(t, v)| t.is_finite() && v.is_finite()).unzip();
         if time.len() < LEAST {
             return Err(SignalError::TooShort { name: name.into(), usable: time.len(), needed: LEAST });
         }
@@ -89,8 +88,7 @@ impl Spline {
 
     /// The value at a time; outside the span the end segments continue.
     pub fn at(&self, t: f64) -> f64 {
-        let after = self.time.partition_point(|&x| x <= t);
-        let k = after.saturating_sub(1).min(self.time.len() - 2);
+        let k = self.time.partition_point(|&x| x <= t).saturating_sub(1).min(self.time.len() - 2);
         let h = self.time[k + 1] - self.time[k];
         let (a, b) = ((self.time[k + 1] - t) / h, (t - self.time[k]) / h);
         a * self.values[k]
@@ -134,15 +132,13 @@ impl Even {
     /// Resamples a spline from `start` at steps of `step` up to `end`.
     pub fn from_spline(spline: &Spline, start: f64, end: f64, step: f64) -> Self {
         let n = ((end - start) / step * (1.0 + 1e-12)).floor() as usize + 1;
-        let value = |k| spline.at(start + k as f64 * step);
-        let values = (0..n).map(value).collect();
+        let values = (0..n).map(|k| spline.at(start + k as f64 * step)).collect();
         Self { start, step, values }
     }
 
     /// The times of the samples, s.
     pub fn times(&self) -> Vec<f64> {
-        let time = |k| self.start + k as f64 * self.step;
-        (0..self.values.len()).map(time).collect()
+        (0..self.values.len()).map(|k| self.start + k as f64 * self.step).collect()
     }
 }
 

@@ -3,8 +3,7 @@
 use super::signal::SignalError;
 use nalgebra::DMatrix;
 use serde::Deserialize;
-use std::f64::consts::PI;
-use std::fmt;
+use std::{f64::consts::PI, fmt};
 
 /// How a signal is smoothed.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
@@ -75,8 +74,7 @@ fn savitzky_golay(values: &[f64], window: usize, order: usize) -> Result<Vec<f64
     let n = values.len();
     let fitted = |i: usize| -> f64 {
         let start = i.saturating_sub(half).min(n - window);
-        let weighted = (0..window).map(|k| hat[(i - start, k)] * values[start + k]);
-        weighted.sum()
+        (0..window).map(|k| hat[(i - start, k)] * values[start + k]).sum()
     };
     Ok((0..n).map(fitted).collect())
 }
@@ -100,8 +98,7 @@ fn butterworth(values: &[f64], cutoff: f64, order: usize) -> Result<Vec<f64>, Si
         )));
     }
     let sections = sections(cutoff, order);
-    let pad = (3 * (order + 1)).max((1.5 / cutoff) as usize);
-    let pad = pad.min(values.len() - 1);
+    let pad = (3 * (order + 1)).max((1.5 / cutoff) as usize).min(values.len() - 1);
     let (first, last) = (values[0], values[values.len() - 1]);
     let n = values.len();
     let mut extended: Vec<f64> = (1..=pad).rev().map(|k| 2.0 * first - values[k]).collect();

@@ -4,10 +4,11 @@
 //! between the lines, and what both channels have in common there is the load at random, mains hum, or one channel that
 //! leaks into the other.
 
-use super::scatter::{freedom, scatter};
-use super::signal::Even;
-use realfft::RealFftPlanner;
-use realfft::num_complex::Complex;
+use super::{
+    scatter::{freedom, scatter},
+    signal::Even,
+};
+use realfft::{RealFftPlanner, num_complex::Complex};
 use sampling::statistics::moments::sorted;
 use std::f64::consts::{LN_2, TAU};
 
@@ -65,10 +66,7 @@ impl Noise {
 
     /// The deviation to state of a row where rows are taken for independent.
     pub fn stated(&self) -> f64 {
-        match self.is_shared() {
-            true => self.equivalent,
-            false => self.row,
-        }
+        if self.is_shared() { self.equivalent } else { self.row }
     }
 
     /// How many rows count as one with an independent noise of that deviation.
@@ -86,22 +84,21 @@ fn transform(values: &[f64]) -> Vec<Complex<f64>> {
     let slope = pairs.map(|(k, v)| place(k) * v).sum::<f64>() / (n * (n * n - 1.0) / 12.0);
     let window = window(values.len());
     let scale = window.iter().map(|w| w * w).sum::<f64>().sqrt();
-    let pairs = values.iter().zip(&window).enumerate();
-    let mut tapered: Vec<f64> = pairs.map(|(k, (v, w))| (v - centre - slope * place(k)) * w / scale).collect();
+    let mut tapered: Vec<f64> =
+        values.iter().zip(&window).enumerate().map(|(k, (v, w))| (v - centre - slope * place(k)) * w / scale).collect();
     let transform = RealFftPlanner::new().plan_fft_forward(values.len());
     let mut bins = transform.make_output_vec();
-    let done = transform.process(&mut tapered, &mut bins);
-    done.expect("the buffers are the planner's own");
+    transform.process(&mut tapered, &mut bins).expect("the buffers are the planner's own");
     bins
 }
 
 fn window(n: usize) -> Vec<f64> {
-    let at = |k: usize| {
-        let turn = TAU * k as f64 / n as f64;
-        let terms = WINDOW.iter().enumerate();
-        terms.map(|(m, a)| a * (m as f64 * turn).cos()).sum()
-    };
-    (0..n).map(at).collect()
+    (0..n)
+        .map(|k| {
+            let turn = TAU * k as f64 / n as f64;
+            WINDOW.iter().enumerate().map(|(m, a)| a * (m as f64 * turn).cos()).sum()
+        })
+        .collect()
 }
 
 /// By how much fewer bins are independent: the window spreads each over its neighbours.
@@ -185,10 +182,11 @@ impl Comb {
         if let Some(shaft) = self.shaft {
             for harmonic in 1..=(self.line.len() as f64 / shaft) as usize {
                 let [from, to] = [-0.5, 0.5].map(|off| (harmonic as f64 + off) * shaft);
-                let around = |k: &&usize| (from..to).contains(&(**k as f64));
-                let (noise, count) = level(&mut places.iter().filter(around));
-                let lines = (0..density.len()).filter(|&k| self.line[k] == Some(harmonic));
-                let power: f64 = lines.map(|k| (density[k] - row).max(0.0)).sum();
+                let (noise, count) = level(&mut places.iter().filter(|k| (from..to).contains(&(**k as f64))));
+                let power: f64 = (0..density.len())
+                    .filter(|&k| self.line[k] == Some(harmonic))
+                    .map(|k| (density[k] - row).max(0.0))
+                    .sum();
                 if noise.is_finite() {
                     weighted += power * noise;
                     weights += power;
@@ -196,10 +194,8 @@ impl Comb {
                 }
             }
         }
-        let (equivalent, variance) = match weights > 0.0 {
-            true => (weighted / weights, variance / weights.powi(2) + 1.0 / all),
-            false => (row, 0.0),
-        };
+        let (equivalent, variance) =
+            if weights > 0.0 { (weighted / weights, variance / weights.powi(2) + 1.0 / all) } else { (row, 0.0) };
         Some(Noise {
             row: row.sqrt(),
             equivalent: equivalent.sqrt(),
@@ -292,12 +288,14 @@ impl Comb {
                 0.6 * frequency
             ));
         }
-        let white = |&(i, k): &(usize, usize)| {
-            let scale = (levels[0][i] * levels[1][i]).sqrt();
-            (k, cross(k) / scale)
-        };
-        let quiet = numbered.iter().filter(|(_, k)| !near(&lines, *k));
-        let quiet: Vec<(usize, Complex<f64>)> = quiet.map(white).collect();
+        let quiet: Vec<(usize, Complex<f64>)> = numbered
+            .iter()
+            .filter(|(_, k)| !near(&lines, *k))
+            .map(|&(i, k)| {
+                let scale = (levels[0][i] * levels[1][i]).sqrt();
+                (k, cross(k) / scale)
+            })
+            .collect();
         let power: f64 = quiet.iter().map(|(_, c)| c.norm_sqr()).sum();
         let deviation = (power * memory() / 2.0).sqrt();
         let together = |lag: f64| {
@@ -305,9 +303,10 @@ impl Comb {
             terms.sum::<f64>() / deviation
         };
         let most = (2.0 * longest / kernel).ceil().min(500.0);
-        let lags = (0..=2 * most as usize).map(|k| (k as f64 / most - 1.0) * longest);
-        let scanned = lags.map(|lag| (lag, together(lag)));
-        let (at, best) = scanned.max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
+        let (at, best) = (0..=2 * most as usize)
+            .map(|k| (k as f64 / most - 1.0) * longest)
+            .map(|lag| (lag, together(lag)))
+            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))?;
         let best = best.abs();
         let related = together(delay) > 0.7 * best;
         // What leaks does so at once: at this delay less is chance.
@@ -366,24 +365,25 @@ impl Comb {
 
     /// Bins of the mains that hide behind a harmonic, and stand far above the harmonics next to it in both channels.
     fn mains(&self, both: [&[Complex<f64>]; 2]) -> Vec<usize> {
-        let Some(shaft) = self.shaft else {
-            return Vec::new();
-        };
+        let Some(shaft) = self.shaft else { return Vec::new() };
         let power = |bins: &[Complex<f64>], place: f64| {
             let middle = place.round() as usize;
-            let lobe = bins.iter().skip(middle.saturating_sub(LOBE));
-            lobe.take(2 * LOBE + 1).map(Complex::norm_sqr).sum::<f64>()
+            bins.iter().skip(middle.saturating_sub(LOBE)).take(2 * LOBE + 1).map(Complex::norm_sqr).sum::<f64>()
         };
-        let hidden = MAINS.iter().map(|mains| mains / self.bin).filter(|&place| {
-            let middle = place.round() as usize;
-            let hides = matches!(self.line.get(middle), Some(Some(3..)));
-            let stands = |bins: &&[Complex<f64>]| {
-                let next = power(bins, place - shaft) + power(bins, place + shaft);
-                power(bins, place) > ABOVE_NEXT * next
-            };
-            hides && both.iter().all(stands)
-        });
-        hidden.map(|place| place.round() as usize).collect()
+        MAINS
+            .iter()
+            .map(|mains| mains / self.bin)
+            .filter(|&place| {
+                let middle = place.round() as usize;
+                let hides = matches!(self.line.get(middle), Some(Some(3..)));
+                hides
+                    && both.iter().all(|bins| {
+                        let next = power(bins, place - shaft) + power(bins, place + shaft);
+                        power(bins, place) > ABOVE_NEXT * next
+                    })
+            })
+            .map(|place| place.round() as usize)
+            .collect()
     }
 }
 

@@ -3,8 +3,10 @@
 //! Samples of a fast record depend on each other; means of blocks (whole turns, where the turn is
 //! known) hardly do. All tests work on them.
 
-use sampling::statistics::estimate::Estimate;
-use sampling::statistics::moments::{mean, variance};
+use sampling::statistics::{
+    estimate::Estimate,
+    moments::{mean, variance},
+};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 

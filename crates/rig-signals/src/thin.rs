@@ -53,9 +53,12 @@ pub fn polyline(time: &[f64], values: &[f64], tolerance: Option<f64>) -> Polylin
     loop {
         let corners = fit(time, values, &knots);
         let left = residuals(time, values, &knots, &corners);
-        let ends = knots.windows(2).map(|pair| [pair[0], pair[1]]);
-        let bad = ends.filter(|[from, to]| to - from > 1 && !is_good(&left[*from..=*to]));
-        let halves: Vec<usize> = bad.map(|[from, to]| usize::midpoint(from, to)).collect();
+        let halves: Vec<usize> = knots
+            .windows(2)
+            .map(|pair| [pair[0], pair[1]])
+            .filter(|[from, to]| to - from > 1 && !is_good(&left[*from..=*to]))
+            .map(|[from, to]| usize::midpoint(from, to))
+            .collect();
         if halves.is_empty() {
             let squares = left.iter().map(|off| off * off).sum::<f64>();
             return Polyline {

@@ -130,15 +130,10 @@ impl Distribution {
 
     /// The first whole number of a uniform distribution over whole numbers, and how many there are.
     fn uniform_whole(&self) -> Option<[f64; 2]> {
-        let Self::Uniform { min, max } = *self else {
-            return None;
-        };
+        let Self::Uniform { min, max } = *self else { return None };
         let (first, last) = (min.ceil(), max.floor());
         // A narrowed one may hold none; the nearest stands for it then.
-        Some(match first <= last {
-            true => [first, last - first + 1.0],
-            false => [(0.5 * (min + max)).round(), 1.0],
-        })
+        Some(if first <= last { [first, last - first + 1.0] } else { [(0.5 * (min + max)).round(), 1.0] })
     }
 
     /// Says what is wrong with the numbers, if anything is.
@@ -184,9 +179,7 @@ impl Distribution {
 
     /// The probabilities below the cuts of a truncated distribution.
     fn cut(&self) -> [f64; 2] {
-        let Self::TruncatedNormal { mean, deviation, min, max } = *self else {
-            return [0.0, 1.0];
-        };
+        let Self::TruncatedNormal { mean, deviation, min, max } = *self else { return [0.0, 1.0] };
         limits(min, max).map(|end| normal_cdf((end - mean) / deviation))
     }
 

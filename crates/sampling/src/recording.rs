@@ -1,7 +1,9 @@
 //! Errors of a recording's rows, drawn again and again: what a measured curve may truly have been.
 
-use crate::distribution::normal_quantile;
-use crate::random::{Purpose, bits, pair};
+use crate::{
+    distribution::normal_quantile,
+    random::{Purpose, bits, pair},
+};
 
 /// Standard errors of a recording's rows, by parts: one that all rows share, such as an offset of the sensor, another one that
 /// they share, such as its gain, and a part of each row's own, such as noise.
@@ -27,8 +29,7 @@ impl RowErrors {
     pub fn new(seed: u64, rectangular: bool) -> Self {
         let sliced = |part: u32, quantile: fn(f64) -> f64| {
             let mut order: Vec<usize> = (0..Self::REPLICATES).collect();
-            let place = |replicate: &usize| bits(seed, Purpose::Common, *replicate as u64, part);
-            order.sort_by_cached_key(place);
+            order.sort_by_cached_key(|replicate| bits(seed, Purpose::Common, *replicate as u64, part));
             let middle = |slice: usize| (slice as f64 + 0.5) / Self::REPLICATES as f64;
             order.into_iter().map(|slice| quantile(middle(slice))).collect()
         };
@@ -60,8 +61,10 @@ impl RowErrors {
             let (sine, cosine) = (std::f64::consts::TAU * v).sin_cos();
             [(2 * number, radius * cosine), (2 * number + 1, radius * sine)]
         };
-        let drawn = (first / 2..last.div_ceil(2)).flat_map(draw);
-        drawn.filter(move |(row, _)| (first..last).contains(row)).map(|(_, error)| error)
+        (first / 2..last.div_ceil(2))
+            .flat_map(draw)
+            .filter(move |(row, _)| (first..last).contains(row))
+            .map(|(_, error)| error)
     }
 }
 

@@ -25,8 +25,7 @@ pub const RUNS: &[&dyn FromRuns] = &[&sobol::Sobol, &morris::Morris, &shapley::S
 /// # Errors
 /// Lists the names that there are.
 pub fn named(name: &str) -> Result<&'static dyn FromRuns, String> {
-    let known = RUNS.iter().find(|method| method.facts().name == name);
-    known.copied().ok_or_else(|| {
+    RUNS.iter().find(|method| method.facts().name == name).copied().ok_or_else(|| {
         let names: Vec<&str> = RUNS.iter().map(|method| method.facts().name).collect();
         format!("unknown method `{name}`; there are {}", names.join(", "))
     })

@@ -7,9 +7,13 @@
 
 use crate::method::{Facts, FromRuns, Measure, Settled, Space, Told, read};
 use conformity::interval::clopper_pearson;
-use sampling::random::{Purpose, Random};
-use sampling::statistics::estimate::Estimate;
-use sampling::statistics::moments::{deviation, mean};
+use sampling::{
+    random::{Purpose, Random},
+    statistics::{
+        estimate::Estimate,
+        moments::{deviation, mean},
+    },
+};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -40,9 +44,10 @@ impl FromRuns for Morris {
     /// The ends of a distribution may reach far; the grid covers its middle 98 %.
     fn design(&self, space: &Space, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
         let trajectories = usize::try_from(settled.size).map_err(|error| error.to_string())?;
-        let cube = design(space.parameters, trajectories, LEVELS, settled.seed);
-        let middle = |row: &Vec<f64>| row.iter().map(|u| 0.01 + 0.98 * u).collect();
-        Ok(cube.iter().map(middle).collect())
+        Ok(design(space.parameters, trajectories, LEVELS, settled.seed)
+            .iter()
+            .map(|row| row.iter().map(|u| 0.01 + 0.98 * u).collect())
+            .collect())
     }
 
     fn done(&self, runs: usize, _: &Settled) -> String {
@@ -60,13 +65,15 @@ impl FromRuns for Morris {
 
     fn shown(&self, told: &Told) -> Vec<Measure> {
         let effects: Option<Vec<Effect>> = read(told, "morris");
-        effects.map_or_else(Vec::new, |effects| {
-            let alone = |value| Estimate::around(value, f64::NAN);
-            vec![
-                Measure::drawn("mu*", effects.iter().map(|e| e.mu_star).collect()),
-                Measure::listed("sigma", effects.iter().map(|e| alone(e.sigma)).collect()),
-            ]
-        })
+        effects
+            .map(|effects| {
+                let alone = |value| Estimate::around(value, f64::NAN);
+                vec![
+                    Measure::drawn("mu*", effects.iter().map(|e| e.mu_star).collect()),
+                    Measure::listed("sigma", effects.iter().map(|e| alone(e.sigma)).collect()),
+                ]
+            })
+            .unwrap_or_default()
     }
 }
 
@@ -133,8 +140,7 @@ pub fn effects(rows: &[Vec<f64>], outputs: &[f64]) -> Option<Vec<Effect>> {
     let step = rows[1].iter().zip(&rows[0]).map(|(to, from)| to - from);
     let jump = pass_or_fail.then(|| (high - low) / step.sum::<f64>().abs());
     let effects: Vec<Effect> = all.iter().map(|effects| summary(effects, jump)).collect();
-    let any = effects.iter().any(|effect| effect.used >= FEWEST);
-    any.then_some(effects)
+    effects.iter().any(|effect| effect.used >= FEWEST).then_some(effects)
 }
 
 /// Fewer effects have no mean with an interval.

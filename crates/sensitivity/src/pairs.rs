@@ -1,7 +1,9 @@
 //! Two independent samples, in blocks of base points whose scatter tells the error.
 
-use sampling::design::cube;
-use sampling::random::{Purpose, Random};
+use sampling::{
+    design::cube,
+    random::{Purpose, Random},
+};
 
 /// Blocks of consecutive base points.
 pub(crate) const BLOCKS: usize = 16;

@@ -1,8 +1,10 @@
 //! The ratio of two means over base points, such as a part of the variance over the variance, with its 95 % interval.
 
 use crate::pairs::{BLOCKS, block};
-use sampling::statistics::estimate::Estimate;
-use sampling::statistics::moments::{mean, moderate_unit};
+use sampling::statistics::{
+    estimate::Estimate,
+    moments::{mean, moderate_unit},
+};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Parts of the base points whose estimators are weighted by the others.
@@ -23,14 +25,14 @@ impl Parts {
 
     /// Of the base points to keep: sum and count.
     fn total(&self, keep: impl Fn(usize) -> bool) -> [f64; 2] {
-        let kept = (0..self.sums.len()).filter(|&j| keep(j));
-        kept.fold([0.0, 0.0], |[sum, count], j| [sum + self.sums[j], count + self.counts[j]])
+        (0..self.sums.len())
+            .filter(|&j| keep(j))
+            .fold([0.0, 0.0], |[sum, count], j| [sum + self.sums[j], count + self.counts[j]])
     }
 
     /// Each base point's own mean.
     pub fn means(&self) -> impl Iterator<Item = f64> {
-        let each = self.sums.iter().zip(&self.counts);
-        each.map(|(sum, count)| sum / count)
+        self.sums.iter().zip(&self.counts).map(|(sum, count)| sum / count)
     }
 
     /// The mean of all terms.
@@ -50,8 +52,10 @@ impl<T: IntoIterator<Item = f64>> FromIterator<T> for Parts {
     fn from_iter<I: IntoIterator<Item = T>>(points: I) -> Self {
         let mut parts = Self::default();
         for point in points {
-            let finite = point.into_iter().filter(|term| term.is_finite());
-            let [sum, count] = finite.fold([0.0, 0.0], |[sum, n], term| [sum + term, n + 1.0]);
+            let [sum, count] = point
+                .into_iter()
+                .filter(|term| term.is_finite())
+                .fold([0.0, 0.0], |[sum, n], term| [sum + term, n + 1.0]);
             parts.sums.push(sum);
             parts.counts.push(count);
         }
@@ -99,8 +103,10 @@ fn is_seen(variance: f64, mean: f64) -> bool {
 pub fn carriers(outputs: &[f64], ends: &[[f64; 2]]) -> f64 {
     let known: Vec<f64> = outputs.iter().copied().filter(|value| value.is_finite()).collect();
     let (centre, count) = (mean(&known), known.len() as f64);
-    let squares = known.iter().map(|value| (value - centre).powi(2));
-    let [sum, of_squares] = squares.fold([0.0, 0.0], |[sum, of], square| [sum + square, of + square * square]);
+    let [sum, of_squares] = known
+        .iter()
+        .map(|value| (value - centre).powi(2))
+        .fold([0.0, 0.0], |[sum, of], square| [sum + square, of + square * square]);
     let independent = ends.iter().flatten().filter(|value| value.is_finite()).count() as f64;
     if is_seen(sum / count, centre) { independent / count * sum * sum / of_squares } else { f64::INFINITY }
 }
@@ -144,9 +150,10 @@ pub fn scattering(
         _ => f64::NAN,
     };
     let rare = carriers < 12.0_f64.max((over.sums.len() as f64).sqrt());
-    let half = match carriers < 8.0 {
-        true => f64::NAN,
-        false => half * (1.0 + 16.0 / carriers) + if rare { 3.7 / carriers } else { 0.0 },
+    let half = if carriers < 8.0 {
+        f64::NAN
+    } else {
+        half * (1.0 + 16.0 / carriers) + if rare { 3.7 / carriers } else { 0.0 }
     };
     Some(Estimate::around(value, half))
 }
@@ -164,13 +171,9 @@ fn half_width(over: &Parts, under: &Parts, least: f64) -> Option<f64> {
     let points = over.sums.len();
     let block = |j: usize| block(j, points);
     let mut filled = [false; BLOCKS];
-    let complete = (0..points).filter(|&j| over.counts[j] > 0.0);
-    complete.for_each(|j| filled[block(j)] = true);
+    (0..points).filter(|&j| over.counts[j] > 0.0).for_each(|j| filled[block(j)] = true);
     let filled: Vec<usize> = (0..BLOCKS).filter(|&k| filled[k]).collect();
-    let quantile = |numbers: usize| {
-        let student = StudentsT::new(0.0, 1.0, numbers as f64 - 1.0).ok()?;
-        Some(student.inverse_cdf(0.975))
-    };
+    let quantile = |numbers: usize| Some(StudentsT::new(0.0, 1.0, numbers as f64 - 1.0).ok()?.inverse_cdf(0.975));
     quantile(filled.len())?;
     let ratio_of_all = ratio(over, under, |_| true);
     if !ratio_of_all.is_finite() {
@@ -181,12 +184,15 @@ fn half_width(over: &Parts, under: &Parts, least: f64) -> Option<f64> {
     let ([above, terms], [below, squares]) = (over.total(|_| true), under.total(|_| true));
     let (above, below) = (above / terms, below / squares);
     let n = points as f64;
-    let influence = |j: usize| {
-        let term = (over.sums[j] - above * over.counts[j]) * n / terms;
-        let square = (under.sums[j] - below * under.counts[j]) * n / squares;
-        (term - ratio_of_all * square).powi(2)
-    };
-    let independent = (0..points).map(influence).sum::<f64>().sqrt() / (n * below);
+    let independent = (0..points)
+        .map(|j| {
+            let term = (over.sums[j] - above * over.counts[j]) * n / terms;
+            let square = (under.sums[j] - below * under.counts[j]) * n / squares;
+            (term - ratio_of_all * square).powi(2)
+        })
+        .sum::<f64>()
+        .sqrt()
+        / (n * below);
     let of_points = quantile(over.used())? * independent.max(least);
     let of_nets = quantile(filled.len())? * jackknife(&without);
     Some(of_points.max(of_nets))
@@ -222,20 +228,18 @@ impl Combined {
 pub fn combined(first: &[f64], second: &[f64], under: &Parts) -> Combined {
     let deviations = |terms: &[f64]| -> Vec<f64> {
         let ratio = ratio(&Parts::of(terms.iter().copied()), under, |_| true);
-        let pairs = terms.iter().zip(under.means());
-        pairs.map(|(term, v)| term - ratio * v).collect()
+        terms.iter().zip(under.means()).map(|(term, v)| term - ratio * v).collect()
     };
     let (one, other) = (deviations(first), deviations(second));
     // The products whose sums give the weight, a point each.
-    let pairs = one.iter().zip(&other);
-    let products = pairs.map(|(one, other)| [one * (one - other), (other - one).powi(2)]);
-    let products: Vec<[f64; 2]> = products.collect();
+    let products: Vec<[f64; 2]> =
+        one.iter().zip(&other).map(|(one, other)| [one * (one - other), (other - one).powi(2)]).collect();
     let points = products.len();
     let fold = |j: usize| j * FOLDS / points;
     let weight = |left_out: Option<usize>| {
-        let kept = (0..points).filter(|&j| Some(fold(j)) != left_out);
-        let [above, below] =
-            kept.fold([0.0, 0.0], |[above, below], j| [above + products[j][0], below + products[j][1]]);
+        let [above, below] = (0..points)
+            .filter(|&j| Some(fold(j)) != left_out)
+            .fold([0.0, 0.0], |[above, below], j| [above + products[j][0], below + products[j][1]]);
         // Both are the same where nothing scatters.
         match above / below {
             weight if weight.is_finite() => weight.clamp(0.0, 1.0),
@@ -243,9 +247,7 @@ pub fn combined(first: &[f64], second: &[f64], under: &Parts) -> Combined {
         }
     };
     let weighted = |weight: &dyn Fn(usize) -> f64| {
-        let pairs = first.iter().zip(second).enumerate();
-        let terms = pairs.map(|(j, (a, b))| (1.0 - weight(j)) * a + weight(j) * b);
-        terms.collect()
+        first.iter().zip(second).enumerate().map(|(j, (a, b))| (1.0 - weight(j)) * a + weight(j) * b).collect()
     };
     let of_all = weight(None);
     let of_others: [f64; FOLDS] = std::array::from_fn(|k| weight(Some(k)));

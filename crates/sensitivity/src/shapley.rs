@@ -13,12 +13,16 @@
 //! of both is (f_after - f_before) (f_A - f_B) / 2, after Goda (2021), "A simple algorithm for global sensitivity analysis with
 //! Shapley effects", Reliability Engineering & System Safety 213, 107702.
 
-use crate::method::{Facts, FromRuns, Measure, Settled, Space, Told, read};
-use crate::pairs::pairs;
-use crate::ratio::{self, Parts};
+use crate::{
+    method::{Facts, FromRuns, Measure, Settled, Space, Told, read},
+    pairs::pairs,
+    ratio::{self, Parts},
+};
 use nalgebra::{DMatrix, DVector};
-use sampling::random::{Purpose, Random};
-use sampling::statistics::estimate::Estimate;
+use sampling::{
+    random::{Purpose, Random},
+    statistics::estimate::Estimate,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 use statrs::distribution::{ContinuousCDF, Normal};
@@ -52,8 +56,7 @@ impl FromRuns for Shapley {
     }
 
     fn tell(&self, design: &[Vec<f64>], values: &[f64], settled: &Settled) -> Told {
-        let parameters = design.first().map_or(0, Vec::len);
-        let effects = effects(values, parameters, settled);
+        let effects = effects(values, design.first().map_or(0, Vec::len), settled);
         Told::from_iter([("shapley".to_owned(), json!(effects))])
     }
 
@@ -80,22 +83,20 @@ fn orders(parameters: usize, correlated: bool, random: &mut Random) -> Vec<Vec<u
     }
     random.shuffle(&mut order);
     let reverse: Vec<usize> = order.iter().rev().copied().collect();
-    match correlated {
-        true => vec![order, reverse],
-        false => vec![order],
-    }
+    if correlated { vec![order, reverse] } else { vec![order] }
 }
 
 fn permutations(of: &[usize]) -> Vec<Vec<usize>> {
     if of.is_empty() {
         return vec![Vec::new()];
     }
-    let with = |&first: &usize| {
-        let rest: Vec<usize> = of.iter().copied().filter(|&k| k != first).collect();
-        let rest = permutations(&rest).into_iter();
-        rest.map(move |rest| [vec![first], rest].concat())
-    };
-    of.iter().flat_map(with).collect()
+    of.iter()
+        .flat_map(|&first| {
+            let rest: Vec<usize> = of.iter().copied().filter(|&k| k != first).collect();
+            let rest = permutations(&rest).into_iter();
+            rest.map(move |rest| [vec![first], rest].concat())
+        })
+        .collect()
 }
 
 /// The first `count` parameters of an order, as a set.
@@ -169,8 +170,7 @@ fn places(scores: &DVector<f64>) -> Vec<f64> {
 /// Scores that are those of `a` in a set, and elsewhere those of `b` moved by what the correlations make of the difference.
 fn conditional(a: &DVector<f64>, b: &DVector<f64>, set: &[usize], matrix: &DMatrix<f64>) -> Option<DVector<f64>> {
     let known = DVector::from_iterator(set.len(), set.iter().map(|&k| a[k] - b[k]));
-    let within = DMatrix::from_fn(set.len(), set.len(), |i, j| matrix[(set[i], set[j])]);
-    let weights = within.cholesky()?.solve(&known);
+    let weights = DMatrix::from_fn(set.len(), set.len(), |i, j| matrix[(set[i], set[j])]).cholesky()?.solve(&known);
     let mut mixed = b + matrix.select_columns(set) * weights;
     set.iter().for_each(|&k| mixed[k] = a[k]);
     Some(mixed)
@@ -206,12 +206,10 @@ pub fn effects(outputs: &[f64], parameters: usize, settled: &Settled) -> Option<
     for values in outputs.chunks(width) {
         let steps = steps(values, &orders(parameters, correlated, &mut random));
         ends.push([values[0], values[1]]);
-        let pairs = terms.iter_mut().zip(steps);
-        pairs.for_each(|(terms, steps)| terms.push(steps));
+        terms.iter_mut().zip(steps).for_each(|(terms, steps)| terms.push(steps));
     }
-    let explained = |[before, after, a, b]: &Step| match correlated {
-        true => (after - before) * (a - (after + before) / 2.0),
-        false => (after - before) * (a - b) / 2.0,
+    let explained = |[before, after, a, b]: &Step| {
+        if correlated { (after - before) * (a - (after + before) / 2.0) } else { (after - before) * (a - b) / 2.0 }
     };
     let mean = |steps: &Vec<Step>| steps.iter().map(explained).sum::<f64>() / steps.len() as f64;
     let (variance, carriers) = (ratio::paired_variance(&ends), ratio::carriers(outputs, &ends));

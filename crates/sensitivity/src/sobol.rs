@@ -5,11 +5,12 @@
 //! Computer Physics Communications 181, 259-270: two independent samples A and B, and for every
 //! parameter i the sample A_B^(i), which is A with column i from B.
 
-use crate::method::{Facts, FirstOrder, FromRuns, Measure, Settled, Space, Told, read};
-use crate::pairs::pairs;
-use crate::ratio::{self, Combined, Parts};
-use sampling::statistics::estimate::Estimate;
-use sampling::statistics::moments::mean;
+use crate::{
+    method::{Facts, FirstOrder, FromRuns, Measure, Settled, Space, Told, read},
+    pairs::pairs,
+    ratio::{self, Combined, Parts},
+};
+use sampling::statistics::{estimate::Estimate, moments::mean};
 use serde::{Deserialize, Serialize};
 use serde_json::json;
 
@@ -49,9 +50,9 @@ impl FromRuns for Sobol {
 
     fn shown(&self, told: &Told) -> Vec<Measure> {
         let indices: Option<Indices> = read(told, "sobol");
-        indices.map_or_else(Vec::new, |indices| {
-            vec![Measure::drawn("total", indices.total), Measure::drawn("first order", indices.first)]
-        })
+        indices
+            .map(|indices| vec![Measure::drawn("total", indices.total), Measure::drawn("first order", indices.first)])
+            .unwrap_or_default()
     }
 }
 
@@ -109,14 +110,15 @@ fn apart(runs: &[[f64; 3]], term: impl Fn([f64; 3]) -> f64) -> f64 {
     const SHIFTS: usize = 32;
     let n = runs.len();
     let of = |which: usize| {
-        let shifts = (0..SHIFTS).map(|k| 1 + k * (n - 1) / SHIFTS);
-        let parted = shifts.flat_map(|shift| (0..n).map(move |j| (runs[j], runs[(j + shift) % n][which])));
-        let terms = parted.map(|(mut run, other)| {
-            run[which] = other;
-            term(run)
-        });
-        let finite = terms.filter(|term| term.is_finite());
-        let [count, sum, squares] = finite.fold([0.0; 3], |[n, sum, squares], x| [n + 1.0, sum + x, squares + x * x]);
+        let [count, sum, squares] = (0..SHIFTS)
+            .map(|k| 1 + k * (n - 1) / SHIFTS)
+            .flat_map(|shift| (0..n).map(move |j| (runs[j], runs[(j + shift) % n][which])))
+            .map(|(mut run, other)| {
+                run[which] = other;
+                term(run)
+            })
+            .filter(|term| term.is_finite())
+            .fold([0.0; 3], |[n, sum, squares], x| [n + 1.0, sum + x, squares + x * x]);
         ((squares - sum * sum / count).max(0.0) / (count * n as f64)).sqrt()
     };
     of(0).min(of(2))
@@ -164,11 +166,10 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
             };
             let [terms, crosswise] = [terms, crosswise].map(Parts::of);
             let ratio = ratio::ratio(&terms, &variance, |_| true);
-            let error = |run: [f64; 3]| {
+            let least = apart(&runs, |run| {
                 let v = part_of_variance(run);
                 (1.0 - weight) * forms[0](v, run) + weight * forms[1](v, run) - ratio * v
-            };
-            let least = apart(&runs, error) / variance.mean();
+            }) / variance.mean();
             ratio::scattering(&terms, &crosswise, &variance, offset, least, carriers)
         };
         result.first.push(match estimator {
@@ -186,9 +187,9 @@ pub fn indices(outputs: &[f64], parameters: usize, estimator: FirstOrder) -> Opt
 pub fn convergence(outputs: &[f64], parameters: usize) -> Vec<(usize, Indices)> {
     let width = parameters + 2;
     let n = outputs.len() / width;
-    let halves = std::iter::successors(Some(n), |m| (*m / 2 >= 32).then_some(m / 2));
-    let of_part = |m| Some((m, indices(&outputs[..m * width], parameters, FirstOrder::default())?));
-    let mut parts: Vec<(usize, Indices)> = halves.filter_map(of_part).collect();
+    let mut parts: Vec<(usize, Indices)> = std::iter::successors(Some(n), |m| (*m / 2 >= 32).then_some(m / 2))
+        .filter_map(|m| Some((m, indices(&outputs[..m * width], parameters, FirstOrder::default())?)))
+        .collect();
     parts.reverse();
     parts
 }

@@ -1,26 +1,24 @@
 //! Ties a study to an FMU: names become variables, units convert, numbers are checked.
 
-use std::collections::HashSet;
-use std::sync::Arc;
+use std::{collections::HashSet, sync::Arc};
 
 use toml::Spanned;
 
-use super::input::Input;
-use super::inputs::Recordings;
-use super::limit::limit;
-use super::measured::{self, Binder as CurveBinder};
-use super::samples::{self, Together};
-use super::values::{find, size_of, slot_of, value_of};
-use super::{CaseText, CriterionText, Name, ParameterText, Study, inputs, ssv};
-use crate::cases::SEPARATOR;
-use crate::concern::Concern;
-use fmu_import::quantity::Scale;
-use fmu_import::units::Conversion;
-use fmu_import::{Content, Description, Handle, Value, Variable};
+use super::{
+    CaseText, CriterionText, Name, ParameterText, Study,
+    input::Input,
+    inputs::{self, Recordings},
+    limit::limit,
+    measured::{self, Binder as CurveBinder},
+    samples::{self, Together},
+    ssv,
+    values::{find, size_of, slot_of, value_of},
+};
+use crate::{cases::SEPARATOR, concern::Concern};
+use fmu_import::{Content, Description, Handle, Value, Variable, quantity::Scale, units::Conversion};
 use fmu_points::task::{Detail, MeasuredCurve, Probe, Product, Schedule, Slot, Task};
 use number_tables::files::FileError;
-use sampling::design::Joint;
-use sampling::statistics::Statistic;
+use sampling::{design::Joint, statistics::Statistic};
 
 /// Finds variables and checks values for one FMU.
 pub(super) struct Binder<'a> {
@@ -47,8 +45,7 @@ impl Binder<'_> {
             None => self.study.error(format!("[simulation] {message}")),
             Some(case) => {
                 let name = case.name.as_ref();
-                let message = format!("the simulation of the case `{name}`: {message}");
-                self.study.error_at(&case.name, message)
+                self.study.error_at(&case.name, format!("the simulation of the case `{name}`: {message}"))
             }
         })?;
         let (outputs, observed) = self.criteria(&schedule)?;
@@ -71,14 +68,17 @@ impl Binder<'_> {
     }
 
     pub(super) fn parameters(&self) -> Result<(Vec<Input>, Vec<Slot>), FileError> {
-        let bind = |(name, parameter): (&Name, &ParameterText)| {
-            let variable = self.variable(name)?;
-            let at = |message: String| self.study.error_of(name, message);
-            let slot = slot_of(variable).map_err(at)?;
-            let input = self.parameter(variable, parameter).map_err(at)?;
-            Ok((input, slot))
-        };
-        self.study.parameters.iter().map(bind).collect()
+        self.study
+            .parameters
+            .iter()
+            .map(|(name, parameter)| {
+                let variable = self.variable(name)?;
+                let at = |message| self.study.error_of(name, message);
+                let slot = slot_of(variable).map_err(at)?;
+                let input = self.parameter(variable, parameter).map_err(at)?;
+                Ok((input, slot))
+            })
+            .collect()
     }
 
     /// Reads the parameters that come from samples, and gives each its distribution.
@@ -121,21 +121,24 @@ impl Binder<'_> {
     }
 
     fn criteria(&self, schedule: &Schedule) -> Result<(Vec<Conversion>, Vec<Probe>), FileError> {
-        let bind = |(name, criterion): (&Name, &CriterionText)| {
-            let variable = self.variable(&criterion.variable)?;
-            let at = |message| self.study.error_at(&criterion.variable, message);
-            let probe = Probe::of(variable, criterion.statistic.unwrap_or_default())
-                .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;
-            let scale = criterion.scale(Some((self.fmu, variable))).map_err(at)?;
-            let probe = Probe {
-                curve: self.curve(name, criterion, &scale, &probe.handle, schedule)?,
-                detail: self.detail(name, criterion, variable, schedule)?,
-                product: self.product(criterion, variable),
-                ..probe
-            };
-            Ok((scale.conversion.inverse(), probe))
-        };
-        self.study.criteria.iter().map(bind).collect()
+        self.study
+            .criteria
+            .iter()
+            .map(|(name, criterion)| {
+                let variable = self.variable(&criterion.variable)?;
+                let at = |message| self.study.error_at(&criterion.variable, message);
+                let probe = Probe::of(variable, criterion.statistic.unwrap_or_default())
+                    .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;
+                let scale = criterion.scale(Some((self.fmu, variable))).map_err(at)?;
+                let probe = Probe {
+                    curve: self.curve(name, criterion, &scale, &probe.handle, schedule)?,
+                    detail: self.detail(name, criterion, variable, schedule)?,
+                    product: self.product(criterion, variable),
+                    ..probe
+                };
+                Ok((scale.conversion.inverse(), probe))
+            })
+            .collect()
     }
 
     /// What a derived criterion is the product of, where one factor is a recorded input.
@@ -171,14 +174,15 @@ impl Binder<'_> {
         variable: &Variable,
         schedule: &Schedule,
     ) -> Result<Option<Detail>, FileError> {
-        let named = |message: String| self.study.error_of(name, message);
+        let named = |message| self.study.error_of(name, message);
         let detail = text.detail().map_err(named)?;
         let is_whole = text.turns.is_some() || text.periods.is_some();
         let needs_lines = detail.is_some() || is_whole || text.statistic.is_some_and(Statistic::needs_lines);
         if needs_lines && variable.handle().content != Content::Real {
-            let message =
-                "this statistic follows straight lines, and the variable is not real; take final, mean, min or max";
-            return Err(named(message.to_owned()));
+            return Err(named(
+                "this statistic follows straight lines, and the variable is not real; take final, mean, min or max"
+                    .to_owned(),
+            ));
         }
         if let Some(angle) = &text.turns {
             return self.turns(angle, variable).map(Some);
@@ -193,8 +197,7 @@ impl Binder<'_> {
         match detail {
             Some(Detail::Level(number, direction)) => {
                 let unit = text.level.as_ref().and_then(|level| level.as_ref().unit.as_deref());
-                let scale = Scale::new(unit, self.fmu, variable).map_err(named)?;
-                let level = scale.conversion.value(number);
+                let level = Scale::new(unit, self.fmu, variable).map_err(named)?.conversion.value(number);
                 Ok(Some(Detail::Level(level, direction)))
             }
             Some(Detail::At(time)) if !(schedule.start..=schedule.stop).contains(&time) => Err(named(format!(
@@ -207,14 +210,16 @@ impl Binder<'_> {
 
     /// The angle over whose whole turns the mean of a variable is taken.
     fn turns(&self, name: &Spanned<String>, of: &Variable) -> Result<Detail, FileError> {
-        let at = |message: String| self.study.error_at(name, message);
+        let at = |message| self.study.error_at(name, message);
         let angle = self.variable(name)?;
         let handle = angle.number_handle();
-        let handle = handle.filter(|handle| handle.content == Content::Real && angle.name != of.name);
-        let handle = handle.ok_or_else(|| at("turns must name another real variable, an angle".to_owned()))?;
-        let scale = Scale::new(Some("rad"), self.fmu, angle);
-        let scale = scale.map_err(|message| at(format!("turns must name an angle: {message}")))?;
-        let turn = scale.conversion.difference(std::f64::consts::TAU);
+        let handle = handle
+            .filter(|handle| handle.content == Content::Real && angle.name != of.name)
+            .ok_or_else(|| at("turns must name another real variable, an angle".to_owned()))?;
+        let turn = Scale::new(Some("rad"), self.fmu, angle)
+            .map_err(|message| at(format!("turns must name an angle: {message}")))?
+            .conversion
+            .difference(std::f64::consts::TAU);
         Ok(Detail::Turns(handle, turn.abs()))
     }
 
@@ -227,12 +232,9 @@ impl Binder<'_> {
         handle: &Handle,
         schedule: &Schedule,
     ) -> Result<Option<Arc<MeasuredCurve>>, FileError> {
-        let (Some(reference), Some(metric)) = (&text.reference, text.metric) else {
-            return Ok(None);
-        };
+        let (Some(reference), Some(metric)) = (&text.reference, text.metric) else { return Ok(None) };
         if handle.content != Content::Real {
-            let message = "only real variables can be compared with a curve";
-            return Err(self.study.error_at(&text.variable, message));
+            return Err(self.study.error_at(&text.variable, "only real variables can be compared with a curve"));
         }
         let run = [schedule.start, schedule.stop];
         let general = [schedule.window_start, schedule.stop];
@@ -252,11 +254,8 @@ impl Binder<'_> {
 
     /// The part of the run that a criterion looks at by itself, s.
     fn stated_window(&self, text: &CriterionText, run: [f64; 2]) -> Result<Option<[f64; 2]>, FileError> {
-        let Some(window) = &text.window else {
-            return Ok(None);
-        };
-        let times = window.as_ref().times(run);
-        times.map(Some).map_err(|message| self.study.error_at(window, message))
+        let Some(window) = &text.window else { return Ok(None) };
+        window.as_ref().times(run).map(Some).map_err(|message| self.study.error_at(window, message))
     }
 
     /// The probes with their windows; what lies before the first window may be leapt over.
@@ -282,16 +281,13 @@ impl Binder<'_> {
         schedule.window_start = begins.fold(schedule.stop, f64::min);
         let points = schedule.points();
         for (probe, criterion) in observed.iter().zip(criteria()) {
-            let (Some([from, to]), Some(stated)) = (probe.window, &criterion.window) else {
-                continue;
-            };
+            let (Some([from, to]), Some(stated)) = (probe.window, &criterion.window) else { continue };
             let rounding = 1e-9 * (from.abs() + to.abs());
             if points.at(points.from(from - rounding)) > to + rounding {
-                let message = format!(
+                return Err(self.study.error_at(stated, format!(
                     "no communication point lies in the window from {from} s to {to} s; make `step` under [simulation] \
                      smaller"
-                );
-                return Err(self.study.error_at(stated, message));
+                )));
             }
         }
         Ok(observed)
@@ -301,8 +297,8 @@ impl Binder<'_> {
     fn exchange(&self, fixed: &[(u32, Value)]) -> Option<(u32, i128)> {
         let variable = self.fmu.variables.get("container.ts_multiplier")?;
         let reference = variable.handle().reference;
-        let given = fixed.iter().find(|(fixed, _)| *fixed == reference).map(|(_, value)| value.clone());
-        match given.or_else(|| variable.kind.start_value())? {
+        let stated = fixed.iter().find(|(fixed, _)| *fixed == reference).map(|(_, value)| value.clone());
+        match stated.or_else(|| variable.kind.start_value())? {
             Value::Integer(steps) => Some((reference, steps)),
             _ => None,
         }
@@ -311,7 +307,7 @@ impl Binder<'_> {
     fn fixed(&self) -> Result<Vec<(u32, Value)>, FileError> {
         let mut values = self.set()?;
         for (name, setting) in &self.study.fixed {
-            let at = |message: String| self.study.error_at(setting, message);
+            let at = |message| self.study.error_at(setting, message);
             let variable = self.variable(name)?;
             match size_of(self.fmu, variable, setting.as_ref()).map_err(at)? {
                 None => {
@@ -331,15 +327,15 @@ impl Binder<'_> {
 
     /// The start values of a parameter set that the study does not give itself.
     fn set(&self) -> Result<Vec<(u32, Value)>, FileError> {
-        let Some(file) = &self.study.fixed_from else {
-            return Ok(Vec::new());
-        };
+        let Some(file) = &self.study.fixed_from else { return Ok(Vec::new()) };
         let path = self.study.path_of(file.as_ref());
-        let named = ssv::read(&path, self.fmu);
-        let named = named.map_err(|error| self.study.error_at(file, error.to_string()))?;
+        let named = ssv::read(&path, self.fmu).map_err(|error| self.study.error_at(file, error.to_string()))?;
         let set: HashSet<&str> = self.study.set().map(|(name, _)| &**name.as_ref()).collect();
-        let free = named.into_iter().filter(|(name, ..)| !set.contains(&**name));
-        Ok(free.map(|(_, reference, value)| (reference, value)).collect())
+        Ok(named
+            .into_iter()
+            .filter(|(name, ..)| !set.contains(&**name))
+            .map(|(_, reference, value)| (reference, value))
+            .collect())
     }
 
     fn schedule(&self) -> Result<Schedule, String> {

@@ -27,16 +27,14 @@ impl Study {
             let of_case = criteria(&common, case);
             if of_case.is_empty() {
                 let case = case.name.as_ref();
-                let message = format!(
+                return Err(self.error_at(&self.cases[number].name, format!(
                     "the case `{case}` has no criteria: add [cases.criteria.NAME] with variable, nominal and tolerance, \
                      or [criteria.NAME] for all cases"
-                );
-                return Err(self.error_at(&self.cases[number].name, message));
+                )));
             }
             for (name, text) in of_case {
                 let full = format!("{}{SEPARATOR}{}", case.name.as_ref(), name.as_ref());
-                let text = CriterionText { case: Some(number), ..text.clone() };
-                all.insert(Name::new(name.span(), full), text);
+                all.insert(Name::new(name.span(), full), CriterionText { case: Some(number), ..text.clone() });
             }
         }
         self.criteria = all;
@@ -46,7 +44,7 @@ impl Study {
     fn check_cases(&self) -> Result<(), FileError> {
         for (number, case) in self.cases.iter().enumerate() {
             let name = case.name.as_ref();
-            let wrong = |message: String| Err(self.error_at(&case.name, message));
+            let wrong = |message| Err(self.error_at(&case.name, message));
             if name.trim().is_empty() || name.contains(SEPARATOR) || name.contains(char::is_control) {
                 return wrong(format!(
                     "a case needs a name of printable characters without `{SEPARATOR}`, which stands between case and \
@@ -61,13 +59,11 @@ impl Study {
                 return wrong(format!("case {name}: {message}"));
             }
             let keys = case.fixed.keys().chain(case.inputs.keys());
-            let sampled = |key: &&Name| self.parameters.contains_key(key.as_ref().as_str());
-            if let Some(key) = keys.into_iter().find(sampled) {
-                let message = format!(
+            if let Some(key) = keys.into_iter().find(|key| self.parameters.contains_key(key.as_ref().as_str())) {
+                return Err(self.error_at(key, format!(
                     "{} is under [parameters], which are common to all cases; remove it there or from the case `{name}`",
                     key.as_ref()
-                );
-                return Err(self.error_at(key, message));
+                )));
             }
         }
         Ok(())
@@ -78,8 +74,7 @@ impl Study {
         if self.cases.is_empty() {
             return vec![(None, self.clone())];
         }
-        let cases = self.cases.iter().enumerate();
-        cases.map(|(number, case)| (Some(case), self.in_case(number, case))).collect()
+        self.cases.iter().enumerate().map(|(number, case)| (Some(case), self.in_case(number, case))).collect()
     }
 
     fn in_case(&self, number: usize, case: &CaseText) -> Self {
@@ -124,8 +119,7 @@ impl Study {
     /// What the study sets a variable to before the start, in the case of a criterion.
     pub fn setting(&self, name: &str, criterion: &CriterionText) -> Option<&Setting> {
         let case = criterion.case.and_then(|case| self.cases.get(case));
-        let of_case = case.and_then(|case| case.fixed.get(name));
-        of_case.or(self.fixed.get(name)).map(Spanned::as_ref)
+        case.and_then(|case| case.fixed.get(name)).or(self.fixed.get(name)).map(Spanned::as_ref)
     }
 
     /// Whether an input follows a recording, in the case of a criterion.

@@ -17,7 +17,7 @@ pub struct Concern {
     /// What is doubtful: a sentence for people, without its full stop.
     pub text: String,
     /// What to do about it: a sentence of its own. Summaries of earlier versions end the text with it.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub remedy: Option<String>,
 }
 

@@ -1,11 +1,8 @@
 //! Numbers without which a statistic is not complete.
 
-use super::CriterionText;
-use super::window::seconds;
-use fmu_import::quantity::Scale;
-use fmu_import::{Description, Variable};
-use fmu_points::names::behind;
-use fmu_points::task::Detail;
+use super::{CriterionText, window::seconds};
+use fmu_import::{Description, Variable, quantity::Scale};
+use fmu_points::{names::behind, task::Detail};
 use sampling::statistics::{Direction, Statistic};
 
 impl CriterionText {
@@ -61,25 +58,22 @@ impl CriterionText {
         if let Some(level) = &self.level {
             let level = level.as_ref().number;
             let direction = self.direction.as_ref().map(|direction| *direction.as_ref());
-            return match level.is_finite() {
-                true => Ok(Some(Detail::Level(level, direction.unwrap_or_default()))),
-                false => Err(format!("level = {level} is no level that a signal can cross; give a finite number")),
+            return if level.is_finite() {
+                Ok(Some(Detail::Level(level, direction.unwrap_or_default())))
+            } else {
+                Err(format!("level = {level} is no level that a signal can cross; give a finite number"))
             };
         }
         if let Some(percent) = self.percent.as_ref().map(|percent| *percent.as_ref()) {
-            return match (0.0..=100.0).contains(&percent) {
-                true => Ok(Some(Detail::Percent(percent))),
-                false => Err(format!("percent = {percent} must lie between 0 and 100")),
+            return if (0.0..=100.0).contains(&percent) {
+                Ok(Some(Detail::Percent(percent)))
+            } else {
+                Err(format!("percent = {percent} must lie between 0 and 100"))
             };
         }
-        let Some(time) = &self.at else {
-            return Ok(None);
-        };
+        let Some(time) = &self.at else { return Ok(None) };
         let time = seconds(time.as_ref())?;
-        match time.is_finite() {
-            true => Ok(Some(Detail::At(time))),
-            false => Err(format!("at = {time} is not a time")),
-        }
+        if time.is_finite() { Ok(Some(Detail::At(time))) } else { Err(format!("at = {time} is not a time")) }
     }
 
     /// The level of an event and its direction as people read them; its unit is the variable's where it has none of its own.
@@ -100,8 +94,7 @@ impl CriterionText {
 /// # Errors
 /// The remedy.
 pub fn first_wrong(wrong: &[(bool, &str)]) -> Result<(), String> {
-    let wrong = wrong.iter().find(|(is_so, _)| *is_so);
-    wrong.map_or(Ok(()), |(_, remedy)| Err((*remedy).to_owned()))
+    wrong.iter().find(|(is_so, _)| *is_so).map_or(Ok(()), |(_, remedy)| Err((*remedy).to_owned()))
 }
 
 #[cfg(test)]

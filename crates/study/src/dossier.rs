@@ -1,8 +1,7 @@
 //! Who answers for a verdict, and on which test it rests.
 
 use chrono::NaiveDate;
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize};
+use serde::{Deserialize, Deserializer, Serialize, de::Error as _};
 use toml::value::Datetime;
 
 /// Who tested what and when: text for the reader of a verdict.
@@ -35,7 +34,7 @@ pub struct Dossier {
 impl Dossier {
     /// The statements, by their keys.
     pub fn stated(&self) -> impl Iterator<Item = (&'static str, &str)> {
-        let all = [
+        [
             ("responsible", &self.responsible),
             ("organisation", &self.organisation),
             ("rig", &self.rig),
@@ -43,8 +42,9 @@ impl Dossier {
             ("test", &self.test),
             ("tested", &self.tested),
             ("document", &self.document),
-        ];
-        all.into_iter().filter_map(|(key, text)| Some((key, text.as_deref()?)))
+        ]
+        .into_iter()
+        .filter_map(|(key, text)| Some((key, text.as_deref()?)))
     }
 }
 
@@ -70,9 +70,7 @@ fn check_date(text: &str) -> Result<(), String> {
         4 | 7 => byte == b'-',
         _ => byte.is_ascii_digit(),
     };
-    let Some(date) = text.get(..10) else {
-        return Ok(());
-    };
+    let Some(date) = text.get(..10) else { return Ok(()) };
     if date.bytes().enumerate().all(digits) && NaiveDate::parse_from_str(date, "%Y-%m-%d").is_err() {
         return Err(format!("`{date}` is no date of the calendar"));
     }

@@ -62,8 +62,8 @@ impl Place<'_> {
                 let line = self.text.get(..span.start).unwrap_or_default();
                 let begin = line.rfind('\n').map_or(0, |end| end + 1);
                 let line = self.text[begin..].lines().next().unwrap_or_default();
-                let lines = self.text[..begin + line.len()].lines().rev();
-                let section = lines.map(str::trim).find(|line| line.starts_with('['));
+                let section =
+                    self.text[..begin + line.len()].lines().rev().map(str::trim).find(|line| line.starts_with('['));
                 let is_unknown = message.starts_with("unknown") && section == Some(line.trim());
                 let message = match section {
                     Some(section) if !is_broken && is_single(section) && !is_unknown => format!(
@@ -93,11 +93,15 @@ impl Place<'_> {
         let (section, (name, content)) =
             sections.find_map(|(name, words)| Some((words, study.get_ref().get_key_value(name)?)))?;
         let mut words = section.split(|c: char| !(c.is_alphanumeric() || c == '-'));
-        let key = content
-            .get_ref()
-            .as_table()
-            .and_then(|keys| words.find_map(|word| keys.get_key_value(word).map(|(key, _)| key)));
-        Some(key.unwrap_or(name).span().start)
+        Some(
+            content
+                .get_ref()
+                .as_table()
+                .and_then(|keys| words.find_map(|word| keys.get_key_value(word).map(|(key, _)| key)))
+                .unwrap_or(name)
+                .span()
+                .start,
+        )
     }
 }
 
@@ -168,8 +172,7 @@ fn plain(message: &str) -> String {
         ("floating point `", "number `"),
         (" as i128", " with more digits than can be read"),
     ];
-    let replaced = |text: String, (from, to): &(&str, &str)| text.replace(from, to);
-    let message = WORDS.iter().fold(message.to_owned(), replaced);
+    let message = WORDS.iter().fold(message.to_owned(), |text, (from, to)| text.replace(from, to));
     // The name of a struct says something to us alone.
     match message.split_once("expected struct ") {
         Some((before, _)) => format!("{before}expected a section with keys, or {{ key = value }}"),

@@ -1,7 +1,9 @@
 //! A study's file as a whole.
 
-use std::fmt::Display;
-use std::path::{Path, PathBuf};
+use std::{
+    fmt::Display,
+    path::{Path, PathBuf},
+};
 
 use fmu_import::{Package, digest, sha256};
 use indexmap::IndexMap;
@@ -11,13 +13,15 @@ use serde::Deserialize;
 use sha2::{Digest, Sha256};
 use toml::Spanned;
 
-use crate::dossier::Dossier;
-use crate::error::{OpenError, Place, unusable};
-use crate::identification::Identification;
-use crate::name::{Name, Pair};
-use crate::sections::{RobustnessText, SensitivityText, TolerancesText};
-use crate::text::{CaseText, CriterionText, ParameterText, RecordingText, Required, Setting, Simulation};
-use crate::values::size_of;
+use crate::{
+    dossier::Dossier,
+    error::{OpenError, Place, unusable},
+    identification::Identification,
+    name::{Name, Pair},
+    sections::{RobustnessText, SensitivityText, TolerancesText},
+    text::{CaseText, CriterionText, ParameterText, RecordingText, Required, Setting, Simulation},
+    values::size_of,
+};
 
 /// The content of a study file.
 #[derive(Clone, Debug, Deserialize)]
@@ -141,8 +145,7 @@ impl Study {
 
     /// The FMU's path, as seen from here.
     pub fn fmu_path(&self) -> PathBuf {
-        let folder = self.path.parent().unwrap_or(Path::new(""));
-        folder.join(self.fmu.as_ref())
+        self.path.parent().unwrap_or(Path::new("")).join(self.fmu.as_ref())
     }
 
     /// Opens its FMU, or another one instead, with the sizes of arrays that it fixes.
@@ -159,8 +162,7 @@ impl Study {
             .into());
         }
         let named = self.fmu_path();
-        let package = Package::open(instead.unwrap_or(&named));
-        let mut package = package.map_err(|error| match instead {
+        let mut package = Package::open(instead.unwrap_or(&named)).map_err(|error| match instead {
             None => self.error_at(&self.fmu, unusable(&error)).into(),
             Some(_) => OpenError::from(error),
         })?;
@@ -195,8 +197,8 @@ impl Study {
 
     /// Whether a sample gives several parameters, which are drawn together.
     pub fn binds_by_samples(&self) -> bool {
-        let files = self.parameters.values().filter_map(|p| p.file.as_ref());
-        let mut files: Vec<PathBuf> = files.map(|file| self.one_path(file.as_ref())).collect();
+        let mut files: Vec<PathBuf> =
+            self.parameters.values().filter_map(|p| p.file.as_ref()).map(|file| self.one_path(file.as_ref())).collect();
         files.sort_unstable();
         files.windows(2).any(|pair| pair[0] == pair[1])
     }
@@ -223,15 +225,10 @@ impl Study {
     /// The files that a verdict depends on.
     fn named(&self) -> impl Iterator<Item = &Path> {
         let of_cases = self.cases.iter().flat_map(|case| case.inputs.values());
-        let inputs = self.inputs.values().chain(of_cases);
-        let inputs = inputs.map(|input| &input.file);
-        let criteria = self.criteria.values();
-        let curves = criteria.filter_map(|text| Some(&text.reference.as_ref()?.file));
-        let samples = self.parameters.values();
-        let samples = samples.filter_map(|parameter| parameter.file.as_ref());
-        let named = inputs.chain(curves).chain(samples);
-        let named = named.chain(&self.fixed_from);
-        named.map(|file| file.as_ref().as_path())
+        let inputs = self.inputs.values().chain(of_cases).map(|input| &input.file);
+        let curves = self.criteria.values().filter_map(|text| Some(&text.reference.as_ref()?.file));
+        let samples = self.parameters.values().filter_map(|parameter| parameter.file.as_ref());
+        inputs.chain(curves).chain(samples).chain(&self.fixed_from).map(|file| file.as_ref().as_path())
     }
 
     /// The study's text.

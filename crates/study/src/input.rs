@@ -29,8 +29,8 @@ pub struct Input {
 impl Input {
     /// Rounds its values in a column of a table where the FMU takes whole numbers only, and says so.
     pub fn round(&self, table: &mut Table, column: usize, path: &Path) {
-        let values = table.rows.iter_mut().map(|row| &mut row[column]);
-        let fractions: Vec<&mut f64> = values.filter(|value| value.fract() != 0.0).collect();
+        let fractions: Vec<&mut f64> =
+            table.rows.iter_mut().map(|row| &mut row[column]).filter(|value| value.fract() != 0.0).collect();
         if !self.is_whole || fractions.is_empty() {
             return;
         }

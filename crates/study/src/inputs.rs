@@ -1,18 +1,23 @@
 //! Inputs that follow a recording.
 
-use super::limit::{gain, part};
-use super::values::{find, slot_of};
-use super::{CaseText, CriterionText, Name, RecordingText, Study};
-use crate::cases::SEPARATOR;
-use crate::concern::{Code, Concern};
+use super::{
+    CaseText, CriterionText, Name, RecordingText, Study,
+    limit::{gain, part},
+    values::{find, slot_of},
+};
+use crate::{
+    cases::SEPARATOR,
+    concern::{Code, Concern},
+};
 use conformity::uncertainty::Uncertainty;
-use fmu_import::description::Interface;
-use fmu_import::quantity::{Quantity, Scale, Sense};
-use fmu_import::units::{Conversion, known};
-use fmu_import::{Causality, Content, Description, Variability, Variable};
+use fmu_import::{
+    Causality, Content, Description, Variability, Variable,
+    description::Interface,
+    quantity::{Quantity, Scale, Sense},
+    units::{Conversion, known},
+};
 use fmu_points::task::{Probe, Schedule, SensorError, Series, Slot, place};
-use number_tables::Table;
-use number_tables::files::FileError;
+use number_tables::{Table, files::FileError};
 use sampling::statistics::moments::{quantile, sorted};
 
 /// How the name of a sensor's zero error ends behind `/`, and its key in a study.
@@ -34,12 +39,11 @@ pub(super) struct Recordings {
 pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> Result<Recordings, FileError> {
     let (mut errors, mut concerns) = (Vec::new(), Vec::new());
     let mut bind = |(name, recording): (&Name, &RecordingText)| {
-        let wrong = |message: String| study.error_at(name, message);
+        let wrong = |message| study.error_at(name, message);
         let key = name.as_ref().as_str();
-        let named = |message: String| study.error_of(name, message);
+        let named = |message| study.error_of(name, message);
         if schedule.leap {
-            let message = "leap would hold the input; remove one of them";
-            return Err(study.error_of(name, message));
+            return Err(study.error_of(name, "leap would hold the input; remove one of them"));
         }
         let variable = find(fmu, key).map_err(wrong)?;
         let slot = slot_while_running(variable).map_err(named)?;
@@ -53,9 +57,9 @@ pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> R
             number_tables::time_column(recording.time.as_deref()),
             number_tables::column(column, format!("the input {key}")),
         ];
-        let table = Table::read(&path, &columns);
-        let mut table = table.map_err(|error| study.error_at(&recording.file, error.to_string()))?;
-        let in_file = |message: String| named(format!("{}: {message}", path.display()));
+        let mut table =
+            Table::read(&path, &columns).map_err(|error| study.error_at(&recording.file, error.to_string()))?;
+        let in_file = |message| named(format!("{}: {message}", path.display()));
         in_seconds(&mut table, time).map_err(in_file)?;
         let unit = number_tables::agreed(column, table.units[1].as_deref(), recording.unit.as_deref());
         let scale = Scale::new(unit.map_err(in_file)?, fmu, variable).map_err(named)?;
@@ -75,8 +79,7 @@ pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> R
         errors.extend(InputError::all(name, recording, &series.slot, &scale).map_err(named)?);
         Ok(series)
     };
-    let inputs = study.inputs.iter().map(&mut bind);
-    let series: Vec<Series> = inputs.collect::<Result<_, _>>()?;
+    let series: Vec<Series> = study.inputs.iter().map(&mut bind).collect::<Result<_, _>>()?;
     concerns.extend(many_steps(&series, schedule));
     Ok(Recordings { series, errors, concerns })
 }
@@ -111,8 +114,9 @@ impl InputError {
                 Some("%") => None,
                 _ => Some(scale.number(stated, Sense::Difference)?),
             };
-            let number = number.filter(|number| *number > 0.0 && number.is_finite());
-            number.ok_or_else(|| format!("the {what} {stated} must be a positive number in the input's unit"))
+            number
+                .filter(|number| *number > 0.0 && number.is_finite())
+                .ok_or_else(|| format!("the {what} {stated} must be a positive number in the input's unit"))
         };
         let mut all = Vec::new();
         let mut add = |name: &str, error, unit: Option<&str>, spread, conversion| {
@@ -141,12 +145,11 @@ impl InputError {
             let deviation = differences.value(in_unit("noise", stated)?).abs();
             add("noise", SensorError::Noise { deviation }, None, 1.0, Conversion::IDENTITY);
         }
-        match all.is_empty() || slot.handle.content == Content::Real {
-            true => Ok(all),
-            false => {
-                Err("only a real input has errors of a sensor; remove `uncertainty`, `gain-uncertainty` and `noise`"
-                    .to_owned())
-            }
+        if all.is_empty() || slot.handle.content == Content::Real {
+            Ok(all)
+        } else {
+            Err("only a real input has errors of a sensor; remove `uncertainty`, `gain-uncertainty` and `noise`"
+                .to_owned())
         }
     }
 
@@ -163,9 +166,10 @@ impl InputError {
 
     /// Adds that of a case to those of the cases before.
     pub(super) fn join(mut self, all: &mut Vec<Self>, number: usize, case: Option<&CaseText>) {
-        let is_same =
-            |known: &&mut Self| (&known.slot, &known.unit, known.spread) == (&self.slot, &self.unit, self.spread);
-        if let Some(same) = all.iter_mut().find(is_same) {
+        if let Some(same) = all
+            .iter_mut()
+            .find(|known| (&known.slot, &known.unit, known.spread) == (&self.slot, &self.unit, self.spread))
+        {
             return same.cases.push(number);
         }
         if let Some(case) = case
@@ -186,11 +190,9 @@ impl InputError {
 
 /// A verdict whose points have none of a stated error.
 pub fn taken_as_exact(error: &str, points: &str) -> Concern {
-    let text = format!(
+    Concern::new(Code::InputTakenAsExact, format!(
         "{error}: {points} take the recorded input as free of this error, though it is stated: no risk and no error bar has it"
-    );
-    let remedy = "Take a design that draws its points, such as `sobol`; `identify` finds offsets and gains, too.";
-    Concern::new(Code::InputTakenAsExact, text).remedied(remedy)
+    )).remedied("Take a design that draws its points, such as `sobol`; `identify` finds offsets and gains, too.")
 }
 
 /// The known offset, in the recording's unit, and gain of its sensor.
@@ -222,9 +224,7 @@ fn known_errors(recording: &RecordingText, slot: &Slot, scale: &Scale<'_>) -> Re
 /// # Errors
 /// Says which part is missing, and the remedy.
 pub fn covers(series: &Series, schedule: &Schedule, words: [&str; 3]) -> Result<(), String> {
-    let Some([from, to]) = series.uncovered(schedule) else {
-        return Ok(());
-    };
+    let Some([from, to]) = series.uncovered(schedule) else { return Ok(()) };
     let [first, last] = series.span();
     let Schedule { start, stop, .. } = *schedule;
     let [set_start, set_stop, hold] = words;
@@ -261,8 +261,7 @@ pub fn takes_any_step(fmu: &Description) -> bool {
 
 /// What an FMU gets otherwise than it was on the rig.
 pub fn doubts(series: &Series, schedule: &Schedule, scale: &Scale<'_>) -> impl Iterator<Item = Concern> + use<> {
-    let missed = missed(series, schedule, scale);
-    missed.into_iter().chain(hole(series, schedule))
+    missed(series, schedule, scale).into_iter().chain(hole(series, schedule))
 }
 
 /// Warns of a hole in a recording, over which the input is a straight line that nobody measured. Few rows are the corners of a
@@ -276,39 +275,35 @@ fn hole(series: &Series, schedule: &Schedule) -> Option<Concern> {
     let lengths = gaps().map(|[from, to]| to - from);
     let usual = quantile(&sorted(lengths.filter(|&length| length > 0.0).collect()), 0.5);
     let share = |[from, to]: [f64; 2]| (to.min(stop) - from.max(start)) / (stop - start);
-    let is_hole = |&[from, to]: &[f64; 2]| to - from > USUAL * usual && share([from, to]) >= SHARE;
-    let longest = gaps().filter(is_hole).max_by(|a, b| share(*a).total_cmp(&share(*b)));
-    let [from, to] = longest.filter(|_| series.times.len() >= FEWEST && !series.hold)?;
+    let [from, to] = gaps()
+        .filter(|&[from, to]| to - from > USUAL * usual && share([from, to]) >= SHARE)
+        .max_by(|a, b| share(*a).total_cmp(&share(*b)))
+        .filter(|_| series.times.len() >= FEWEST && !series.hold)?;
     let name = &series.slot.name;
-    let text = format!(
+    Some(Concern::new(Code::Hole, format!(
         "{name}: the recording has no rows between {from} s and {to} s, {:.0} % of the run (elsewhere they are {} s apart), and \
          the FMU gets a straight line there",
         100.0 * share([from, to]),
         short(usual)
-    );
-    let remedy = format!("Record {name} without the hole, or cut the run so that it has none.");
-    Some(Concern::new(Code::Hole, text).remedied(remedy))
+    )).remedied(format!("Record {name} without the hole, or cut the run so that it has none.")))
 }
 
 /// Warns of rows of a recording that an FMU of fixed steps cannot follow.
 fn missed(series: &Series, schedule: &Schedule, scale: &Scale<'_>) -> Option<Concern> {
     let unseen = Some(series).filter(|series| !series.each_row).and_then(|series| series.unseen(schedule))?;
-    let unit = scale.unit.as_deref().filter(|unit| *unit != "1");
-    let unit = unit.unwrap_or_default();
+    let unit = scale.unit.as_deref().filter(|unit| *unit != "1").unwrap_or_default();
     let most = scale.conversion.inverse().difference(unseen.most).abs();
     let rows = match unseen.rows {
         1 => "1 row".to_owned(),
         rows => format!("{rows} rows"),
     };
-    let text = format!(
+    Some(Concern::new(Code::MissedRows, format!(
         "{}: the FMU gets another input than the recorded one at {rows} between communication points, by up to {} (at \
          {} s), since its steps have one size (no canHandleVariableCommunicationStepSize)",
         series.slot.name,
         format!("{} {unit}", short(most)).trim_end(),
         short(unseen.at),
-    );
-    let remedy = "Make `step` under [simulation] a divisor of the recording's step.";
-    Some(Concern::new(Code::MissedRows, text).remedied(remedy))
+    )).remedied("Make `step` under [simulation] a divisor of the recording's step."))
 }
 
 /// Tells of recordings that make the steps many more than the study asks for.
@@ -317,13 +312,11 @@ pub fn many_steps(inputs: &[Series], schedule: &Schedule) -> Option<Concern> {
     let more = place(&mut inputs.to_vec(), schedule).len() as u64;
     let steps = schedule.steps();
     (more >= MANY * steps).then(|| {
-        let text = format!(
+        Concern::new(Code::ManySteps, format!(
             "the recorded inputs have {more} rows between the communication points, and each takes a step of its own: {} \
              steps rather than {steps}",
             more + steps
-        );
-        let remedy = "Smooth and thin recorded inputs whose rows are noise.";
-        Concern::new(Code::ManySteps, text).remedied(remedy)
+        )).remedied("Smooth and thin recorded inputs whose rows are noise.")
     })
 }
 

@@ -1,7 +1,6 @@
 //! How far a metric of curves may be from that of equal ones.
 
-use super::CriterionText;
-use super::ToleranceText;
+use super::{CriterionText, ToleranceText};
 use curves::{Kind, Metric};
 use fmu_import::quantity::{Quantity, Scale, Sense};
 
@@ -18,14 +17,14 @@ pub fn limit(text: &CriterionText, metric: Metric, scale: &Scale<'_>) -> Result<
             Ok((0.0, tolerance, format!("{label} at most {stated}")))
         }
         (Kind::Relative, Some(stated), _) => {
-            let tolerance = part(stated).filter(|tolerance| *tolerance > 0.0);
-            let tolerance =
-                tolerance.ok_or_else(|| format!("the tolerance {stated} must be a positive share, such as \"5 %\""))?;
+            let tolerance = part(stated)
+                .filter(|tolerance| *tolerance > 0.0)
+                .ok_or_else(|| format!("the tolerance {stated} must be a positive share, such as \"5 %\""))?;
             Ok((0.0, tolerance, format!("{label} at most {stated}")))
         }
         (_, _, Some(stated)) => {
-            let least = part(stated).filter(|least| *least > 0.0 && *least <= 1.0);
-            let least = least
+            let least = part(stated)
+                .filter(|least| *least > 0.0 && *least <= 1.0)
                 .ok_or_else(|| format!("`least` = {stated} must be more than 0 and at most 1, such as \"90 %\""))?;
             if least == 1.0 && metric == Metric::Iso18571 {
                 return Err("only equal curves have a rating of 1; give `least` below 1".to_owned());
@@ -44,9 +43,10 @@ pub fn error(stated: &Quantity, scale: &Scale<'_>) -> Result<f64, String> {
         ));
     }
     let tolerance = scale.number(stated, Sense::Difference)?;
-    match tolerance > 0.0 && tolerance.is_finite() {
-        true => Ok(tolerance),
-        false => Err(format!("the tolerance {stated} must be a positive, finite number")),
+    if tolerance > 0.0 && tolerance.is_finite() {
+        Ok(tolerance)
+    } else {
+        Err(format!("the tolerance {stated} must be a positive, finite number"))
     }
 }
 

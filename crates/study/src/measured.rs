@@ -2,20 +2,23 @@
 
 use std::fmt::Display;
 
-use super::inputs::in_seconds;
-use super::limit::{gain, limit};
-use super::reference::{DelayRange, DelayText, Normalise, OwnNormaliser, ReferenceText};
-use super::window::seconds;
-use super::{CriterionText, Name, Study, first_wrong};
-use crate::concern::{ACCEPTS_ZERO, Code, Concern};
+use super::{
+    CriterionText, Name, Study, first_wrong,
+    inputs::in_seconds,
+    limit::{gain, limit},
+    reference::{DelayRange, DelayText, Normalise, OwnNormaliser, ReferenceText},
+    window::seconds,
+};
 use conformity::uncertainty::{Distribution, Uncertainty};
+use crate::concern::{ACCEPTS_ZERO, Code, Concern};
 use curves::{Curve, Metric, Pair, iso18571};
-use fmu_import::digest;
-use fmu_import::quantity::{Quantity, Scale, Sense};
-use fmu_import::units::Conversion;
+use fmu_import::{
+    digest,
+    quantity::{Quantity, Scale, Sense},
+    units::Conversion,
+};
 use fmu_points::task::{CurveErrors, Delay, MeasuredCurve, Resampling};
-use number_tables::Table;
-use number_tables::files::FileError;
+use number_tables::{Table, files::FileError};
 use toml::Spanned;
 
 /// The most samples of which a rating is drawn again: its time grows with their square, and 256 draws of 1,000 take a third of
@@ -48,12 +51,13 @@ pub(super) struct Binder<'a> {
 impl Binder<'_> {
     /// Reads the measured curve.
     pub(super) fn bind(&self) -> Result<MeasuredCurve, FileError> {
-        let named = |message: String| self.study.error_of(self.name, message);
+        let named = |message| self.study.error_of(self.name, message);
         let Recorded { curve, expanded, first } = self.read()?;
         let delay = self.delay().map_err(named)?;
         if self.metric == Metric::Iso18571 && matches!(delay, Delay::Within(_)) {
-            let message = "iso18571 finds the shift between the curves itself; give a known delay or none";
-            return Err(named(message.to_owned()));
+            return Err(named(
+                "iso18571 finds the shift between the curves itself; give a known delay or none".to_owned(),
+            ));
         }
         let band = self.band(&curve, expanded.as_deref()).map_err(named)?;
         let errors = self.errors(&curve, expanded.as_deref())?;
@@ -84,14 +88,12 @@ impl Binder<'_> {
 
     fn error_in_file(&self, message: impl Display) -> FileError {
         let file = &self.reference.file;
-        let message = format!("{}: {message}", file.as_ref().display());
-        self.study.error_at(file, message)
+        self.study.error_at(file, format!("{}: {message}", file.as_ref().display()))
     }
 
     /// The column of the values.
     fn column(&self) -> &String {
-        let column = self.reference.column.as_ref();
-        column.unwrap_or_else(|| self.text.variable.as_ref())
+        self.reference.column.as_ref().unwrap_or_else(|| self.text.variable.as_ref())
     }
 
     /// How the curve is drawn anew within its uncertainty. Criteria on the same column see the same errors, as do those whose
@@ -108,7 +110,7 @@ impl Binder<'_> {
     /// The parts of the rows' errors (shared, gain, own), without noise and with it; none where no uncertainty is stated.
     fn errors(&self, curve: &Curve, expanded: Option<&[f64]>) -> Result<Option<(CurveErrors, CurveErrors)>, FileError> {
         let reference = self.reference;
-        let named = |message: String| self.study.error_of(self.name, message);
+        let named = |message| self.study.error_of(self.name, message);
         let is_rectangular = reference.uncertainty_distribution == Some(Distribution::Rectangular);
         let stray = reference.coverage.is_some()
             && (is_rectangular || !reference.has_uncertainty() && reference.gain_uncertainty.is_none());
@@ -147,20 +149,15 @@ impl Binder<'_> {
         let stated = reference.coverage.as_ref();
         let coverage = stated.map_or(Uncertainty::USUAL, |coverage| *coverage.as_ref());
         if !(coverage > 0.0 && coverage.is_finite()) {
-            let message = format!("the coverage factor {coverage} must be a positive, finite number");
-            return Err(named(message));
+            return Err(named(format!("the coverage factor {coverage} must be a positive, finite number")));
         }
-        let of_offset = match is_rectangular {
-            true => Uncertainty::rectangular(1.0),
-            false => Uncertainty::normal(1.0, coverage),
-        };
+        let of_offset = if is_rectangular { Uncertainty::rectangular(1.0) } else { Uncertainty::normal(1.0, coverage) };
         let gain = reference
             .gain_uncertainty
             .as_ref()
             .map(|stated| gain(stated.as_ref()).map_err(|message| self.study.error_at(stated, message)));
-        let noise = reference.noise.as_ref();
-        let noise = noise.map(|stated| self.widths(stated, curve.values()));
-        let noise = noise.transpose().map_err(named)?;
+        let noise =
+            reference.noise.as_ref().map(|stated| self.widths(stated, curve.values())).transpose().map_err(named)?;
         let rows = 0..curve.values().len();
         let standard = |row: usize| expanded.map_or(0.0, |widths| widths[row] * of_offset.offset());
         let [shared, own] = [correlation, 1.0 - correlation].map(f64::sqrt);
@@ -182,13 +179,12 @@ impl Binder<'_> {
         if let Some(stated) = &self.reference.correlation
             && !(0.0..=1.0).contains(stated.as_ref())
         {
-            let message = format!(
+            return Err(self.study.error_at(stated, format!(
                 "{}: the correlation of the reference's errors is {}; it must be from 0 (noise) to 1 (an offset that all rows \
                  share)",
                 self.name.as_ref(),
                 stated.as_ref()
-            );
-            return Err(self.study.error_at(stated, message));
+            )));
         }
         Ok(self.reference.row_correlation())
     }
@@ -196,8 +192,8 @@ impl Binder<'_> {
     /// The rows that count, and the expanded uncertainty of each, in the criterion's unit.
     fn read(&self) -> Result<Recorded, FileError> {
         let reference = self.reference;
-        let named = |message: String| self.study.error_of(self.name, message);
-        let at_file = |message: String| self.study.error_at(&reference.file, message);
+        let named = |message| self.study.error_of(self.name, message);
+        let at_file = |message| self.study.error_at(&reference.file, message);
         let path = self.study.path_of(reference.file.as_ref());
         let time = reference.time.as_deref().unwrap_or("time");
         let column = self.column();
@@ -209,11 +205,11 @@ impl Binder<'_> {
             columns.push(number_tables::column(column, "the uncertainty"));
         }
         let mut table = Table::read(&path, &columns).map_err(|error| at_file(error.to_string()))?;
-        let in_file = |message: String| at_file(format!("{}: {message}", path.display()));
+        let in_file = |message| at_file(format!("{}: {message}", path.display()));
         in_seconds(&mut table, time).map_err(in_file)?;
         let unit = number_tables::agreed(column, table.units[1].as_deref(), reference.unit.as_deref());
-        let conversion = unit.map_err(in_file)?.map_or(Ok(Conversion::IDENTITY), |unit| self.scale.from(unit));
-        let conversion = conversion.map_err(named)?;
+        let conversion =
+            unit.map_err(in_file)?.map_or(Ok(Conversion::IDENTITY), |unit| self.scale.from(unit)).map_err(named)?;
         let cells = |place: usize| table.rows.iter().map(move |row| row[place]);
         let values = cells(1).map(|value| conversion.value(value)).collect();
         let curve = Curve::new(cells(0).collect(), values).map_err(|fault| {
@@ -225,8 +221,7 @@ impl Binder<'_> {
         })?;
         let expanded = match (&reference.uncertainty, &reference.uncertainty_column) {
             (Some(_), Some(_)) => {
-                let message = "the reference has both uncertainty and uncertainty-column; keep one";
-                return Err(named(message.to_owned()));
+                return Err(named("the reference has both uncertainty and uncertainty-column; keep one".to_owned()));
             }
             (Some(stated), None) => Some(self.widths(stated, curve.values()).map_err(named)?),
             (None, Some(_)) => Some(cells(2).map(|value| conversion.difference(value)).collect()),
@@ -240,12 +235,9 @@ impl Binder<'_> {
         let is_width = |width: &f64| *width >= 0.0 && width.is_finite();
         let wrong = expanded.iter().flatten().position(|width| !is_width(width));
         if let Some(row) = wrong {
-            let message = format!("row {}: the uncertainty must be 0 or more", row + 1);
-            return Err(self.error_in_file(message));
+            return Err(self.error_in_file(format!("row {}: the uncertainty must be 0 or more", row + 1)));
         }
-        let Some([from, to]) = self.window else {
-            return Ok(Recorded { curve, expanded, first: 0 });
-        };
+        let Some([from, to]) = self.window else { return Ok(Recorded { curve, expanded, first: 0 }) };
         let rounding = 1e-9 * (from.abs() + to.abs());
         let window = [from - rounding, to + rounding];
         let rows = curve.rows(window);
@@ -266,9 +258,10 @@ impl Binder<'_> {
             Some("%") => values.iter().map(|value| 0.01 * stated.number * value.abs()).collect(),
             _ => vec![self.scale.number(stated, Sense::Difference)?; values.len()],
         };
-        match stated.number > 0.0 && stated.number.is_finite() {
-            true => Ok(widths),
-            false => Err(format!("the width {stated} must be a positive, finite number")),
+        if stated.number > 0.0 && stated.number.is_finite() {
+            Ok(widths)
+        } else {
+            Err(format!("the width {stated} must be a positive, finite number"))
         }
     }
 
@@ -294,21 +287,21 @@ impl Binder<'_> {
         let (least, most) = (iso18571::LEAST, iso18571::MOST);
         let count = curve.even_count();
         if count < least as f64 || count > most as f64 {
-            let message = format!(
-                "{} needs {least} to {most} evenly spaced samples, and the reference has {count}; resample it",
-                self.metric.name()
-            );
-            return Err(self.study.error_of(self.name, message));
+            return Err(self.study.error_of(
+                self.name,
+                format!(
+                    "{} needs {least} to {most} evenly spaced samples, and the reference has {count}; resample it",
+                    self.metric.name()
+                ),
+            ));
         }
         // An error that all rows share goes along the same straight lines as the values; that of a single row does not.
         let known = |errors: &&CurveErrors| {
             let shared_alone = errors.own.iter().all(|own| *own == 0.0);
             count <= MOST_DRAWN && (curve.is_even() || shared_alone)
         };
-        let evenly = |widths: &[f64]| {
-            let widths = Curve::new(curve.times().to_vec(), widths.to_vec()).ok()?;
-            Some(widths.evenly().values().to_vec())
-        };
+        let evenly =
+            |widths: &[f64]| Some(Curve::new(curve.times().to_vec(), widths.to_vec()).ok()?.evenly().values().to_vec());
         let errors = errors.filter(known).and_then(|errors| {
             Some(CurveErrors { shared: evenly(&errors.shared)?, own: evenly(&errors.own)?, ..errors.clone() })
         });
@@ -343,9 +336,10 @@ impl Binder<'_> {
             Some(DelayText::Known(delay)) => Ok(Delay::Known(seconds(delay)?)),
             Some(DelayText::Within(DelayRange { from, to })) => {
                 let range = [seconds(from)?, seconds(to)?];
-                match range[0] < range[1] && range.iter().all(|end| end.is_finite()) {
-                    true => Ok(Delay::Within(range)),
-                    false => Err(format!("the delays from {from} to {to} are no range")),
+                if range[0] < range[1] && range.iter().all(|end| end.is_finite()) {
+                    Ok(Delay::Within(range))
+                } else {
+                    Err(format!("the delays from {from} to {to} are no range"))
                 }
             }
         }
@@ -412,9 +406,12 @@ impl Study {
         match &tied[..] {
             [_] => {
                 let file = text.reference.as_ref().map(|reference| reference.file.as_ref().display());
-                let column = text.reference.as_ref().and_then(|reference| reference.column.as_ref());
-                let column = column.unwrap_or_else(|| text.variable.as_ref());
-                let file = file.map_or_else(String::new, |file| file.to_string());
+                let column = text
+                    .reference
+                    .as_ref()
+                    .and_then(|reference| reference.column.as_ref())
+                    .unwrap_or_else(|| text.variable.as_ref());
+                let file = file.map(|file| file.to_string()).unwrap_or_default();
                 (format!("{file}\0{column}"), 1.0)
             }
             several => {

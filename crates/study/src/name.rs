@@ -1,7 +1,6 @@
 //! A name with its place in the file, and pairs of names.
 
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer};
+use serde::{Deserialize, Deserializer, de::Error as _};
 use toml::Spanned;
 
 /// A name with its place in the file.

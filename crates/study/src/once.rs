@@ -28,13 +28,8 @@ impl Study {
         let mut seen: HashMap<_, (&str, &str)> = HashMap::new();
         for (name, section) in set {
             let key = name.as_ref().as_str();
-            let Some(variable) = fmu.variables.get(key) else {
-                continue;
-            };
-            let handle = variable.handle();
-            let Some((first, other)) = seen.insert(handle, (key, section)) else {
-                continue;
-            };
+            let Some(variable) = fmu.variables.get(key) else { continue };
+            let Some((first, other)) = seen.insert(variable.handle(), (key, section)) else { continue };
             let message = if first == key {
                 format!("{key} is under {other} and {section}; keep one")
             } else {

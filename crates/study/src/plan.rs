@@ -1,24 +1,33 @@
 //! A study that fits an FMU: its points in the FMU's units, their results in those of the study.
 
-use std::collections::BTreeSet;
-use std::ops::Range;
-use std::sync::{Arc, Mutex};
+use std::{
+    collections::BTreeSet,
+    ops::Range,
+    sync::{Arc, Mutex},
+};
 
-use super::bind::Binder;
-use super::inputs::{InputError, taken_as_exact};
-use super::{Study, points};
+use super::{
+    Study,
+    bind::Binder,
+    inputs::{InputError, taken_as_exact},
+    points,
+};
 use crate::concern::{Code, Concern};
-use fmu_import::Description;
-use fmu_import::units::Conversion;
-use fmu_points::names::behind;
-use fmu_points::task::{Case, Probe, Slot};
+use fmu_import::{Description, units::Conversion};
+use fmu_points::{
+    names::behind,
+    task::{Case, Probe, Slot},
+};
 use number_tables::files::FileError;
-use sampling::design::correlation::Correlation;
-use sampling::design::{self, Design, Joint, Sampling};
-use sampling::distribution::Distribution;
+use sampling::{
+    design::{self, Design, Joint, Sampling, correlation::Correlation},
+    distribution::Distribution,
+};
 
-pub use super::input::Input;
-pub use super::values::{bare, find, size_of, slot_of, value_of};
+pub use super::{
+    input::Input,
+    values::{bare, find, size_of, slot_of, value_of},
+};
 
 /// A study that fits an FMU.
 #[derive(Clone, Debug)]
@@ -53,9 +62,10 @@ impl Plan {
         points::check(study)?;
         let mut from_case_to_case = study.parameters.values().filter_map(|text| text.varies.as_ref());
         if let Some(varies) = from_case_to_case.next() {
-            let message =
-                "only identify gives each case its own value; remove `varies`, and the cases have one value in common";
-            return Err(study.error_at(varies, message));
+            return Err(study.error_at(
+                varies,
+                "only identify gives each case its own value; remove `varies`, and the cases have one value in common",
+            ));
         }
         let binder = Binder { study, fmu };
         let (mut inputs, varied) = binder.parameters()?;
@@ -159,30 +169,23 @@ impl Plan {
     /// The parameters at a point of the unit cube. Its axes are the parameters that vary; the others have their medians.
     pub fn from_cube(&self, cube: &[f64]) -> Vec<f64> {
         // Away from the ends of the unit interval where a distribution reaches to infinity.
-        let varied = self.varied().into_iter().zip(cube);
-        let given = varied.map(|(k, &u)| match self.inputs[k].distribution.is_bounded() {
+        let given = self.varied().into_iter().zip(cube).map(|(k, &u)| match self.inputs[k].distribution.is_bounded() {
             [true, true] => u,
             _ => u.clamp(1e-6, 1.0 - 1e-6),
         });
         let places = self.with_fixed(given, 0.5);
-        let pairs = self.inputs.iter().zip(&places);
-        let point = pairs.map(|(input, &u)| input.distribution.quantile(u));
+        let point = self.inputs.iter().zip(&places).map(|(input, &u)| input.distribution.quantile(u));
         self.with_samples(&places, point.collect())
     }
 
     /// A number for each parameter: those that are given for the ones that vary, and `otherwise`.
     fn with_fixed(&self, mut given: impl Iterator<Item = f64>, otherwise: f64) -> Vec<f64> {
         let mut next = || given.next().expect("a number for each that varies");
-        let number = |input: &Input| match input.distribution.varies() {
-            true => next(),
-            false => otherwise,
-        };
-        self.inputs.iter().map(number).collect()
+        self.inputs.iter().map(|input| if input.distribution.varies() { next() } else { otherwise }).collect()
     }
 
     fn distributions(&self) -> Vec<Distribution> {
-        let distributions = self.inputs.iter().map(|input| input.distribution.clone());
-        distributions.collect()
+        self.inputs.iter().map(|input| input.distribution.clone()).collect()
     }
 
     /// Puts the rows of the samples into a point.
@@ -199,10 +202,7 @@ impl Plan {
         let inputs = self.distributions();
         let point: Vec<f64> = match &self.correlation {
             Some(correlation) => correlation.at_scores(&all, &inputs),
-            None => {
-                let pairs = inputs.iter().zip(&all);
-                pairs.map(|(input, &z)| input.at_score(z)).collect()
-            }
+            None => inputs.iter().zip(&all).map(|(input, &z)| input.at_score(z)).collect(),
         };
         let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
         let places: Vec<f64> = all.iter().map(|&z| unit.at_score(z)).collect();
@@ -211,11 +211,14 @@ impl Plan {
 
     /// A point as a surrogate sees it: a model changes evenly with the logarithm of a quantity that is normal in it.
     pub fn coordinates(&self, point: &[f64]) -> Vec<f64> {
-        let one = |(input, &value): (&Input, &f64)| match &input.distribution {
-            Distribution::Lognormal { .. } => value.ln(),
-            _ => value,
-        };
-        self.inputs.iter().zip(point).map(one).collect()
+        self.inputs
+            .iter()
+            .zip(point)
+            .map(|(input, &value)| match &input.distribution {
+                Distribution::Lognormal { .. } => value.ln(),
+                _ => value,
+            })
+            .collect()
     }
 
     /// Whether every parameter varies on its own.
@@ -225,42 +228,45 @@ impl Plan {
 
     /// The names of parameters that are drawn together with others from a sample.
     pub fn together(&self) -> Vec<&str> {
-        let bound = self.joints.iter().filter(|joint| joint.binds());
-        bound.flat_map(Joint::inputs).map(|&k| self.inputs[k].name.as_str()).collect()
+        self.joints
+            .iter()
+            .filter(|joint| joint.binds())
+            .flat_map(Joint::inputs)
+            .map(|&k| self.inputs[k].name.as_str())
+            .collect()
     }
 
     /// Doubts about the study's numbers: parameters of which the FMU refuses a large part of the
     /// distribution, recorded inputs that it cannot follow.
     pub fn concerns(&self) -> Vec<Concern> {
         const LARGE: f64 = 0.05;
-        let concern = |(input, slot): (&Input, &Slot)| {
-            let inverse = input.conversion.inverse();
-            let below = |limit: f64| match limit {
-                f64::INFINITY => 1.0,
-                f64::NEG_INFINITY => 0.0,
-                limit => input.distribution.below(inverse.value(limit)),
-            };
-            let allowed = slot.allowed().into_iter();
-            let inside: f64 = allowed.map(|[low, high]| below(high) - below(low)).sum();
-            let unit = behind(input.unit.as_deref());
-            (1.0 - inside >= LARGE && input.distribution.varies()).then(|| {
-                let text = format!(
+        self.inputs
+            .iter()
+            .zip(&self.slots)
+            .filter_map(|(input, slot)| {
+                let inverse = input.conversion.inverse();
+                let below = |limit: f64| match limit {
+                    f64::INFINITY => 1.0,
+                    f64::NEG_INFINITY => 0.0,
+                    limit => input.distribution.below(inverse.value(limit)),
+                };
+                let inside: f64 = slot.allowed().into_iter().map(|[low, high]| below(high) - below(low)).sum();
+                let unit = behind(input.unit.as_deref());
+                (1.0 - inside >= LARGE && input.distribution.varies()).then(|| {
+                    Concern::new(Code::RefusedDistribution, format!(
                     "{}: {:.0} % of the distribution lies outside of what the FMU allows ({}{unit}); such points \
                      fail and count as not verified",
                     input.name,
                     100.0 * (1.0 - inside),
                     slot.allowed_text(|limit| inverse.value(limit)),
-                );
-                let remedy = format!(
+                )).remedied(format!(
                     "Cut the distribution of {} to what the FMU allows (`truncated-normal`), or correct it.",
                     input.name
-                );
-                Concern::new(Code::RefusedDistribution, text).remedied(remedy)
+                ))
+                })
             })
-        };
-        let pairs = self.inputs.iter().zip(&self.slots);
-        let refused = pairs.filter_map(concern);
-        refused.chain(self.of_inputs.iter().cloned()).collect()
+            .chain(self.of_inputs.iter().cloned())
+            .collect()
     }
 
     /// Tells at once of recorded inputs that the FMU gets otherwise, or at a great cost: every analysis rests on them.
@@ -277,18 +283,13 @@ impl Plan {
 
     /// Concerns about parameters from samples of so few points.
     pub fn concerns_of_samples(&self, points: u64) -> Vec<Concern> {
-        let few = self.joints.iter().filter(|joint| (joint.count() as u64) < points);
-        let concern = |joint: &Joint| {
-            let names = joint.inputs().iter().map(|&k| self.inputs[k].name.as_str());
-            let names = names.collect::<Vec<_>>().join(", ");
-            let text = format!(
+        self.joints.iter().filter(|joint| (joint.count() as u64) < points).map(|joint| {
+            let names = joint.inputs().iter().map(|&k| self.inputs[k].name.as_str()).collect::<Vec<_>>().join(", ");
+            Concern::new(Code::RepeatedSample, format!(
                 "{names}: {points} points repeat the {} rows of the sample, so the interval of the verified share is too narrow",
                 joint.count()
-            );
-            let remedy = format!("Give {names} a sample of {points} rows or more.");
-            Concern::new(Code::RepeatedSample, text).remedied(remedy)
-        };
-        few.map(concern).collect()
+            )).remedied(format!("Give {names} a sample of {points} rows or more."))
+        }).collect()
     }
 
     /// The observations of each criterion, in the order of the study.
@@ -298,14 +299,15 @@ impl Plan {
 
     /// The same, each with the number of its case.
     pub fn placed_probes(&self) -> impl Iterator<Item = (usize, &Probe)> {
-        let cases = self.cases.iter().enumerate();
-        cases.flat_map(|(number, case)| case.task.observed.iter().map(move |probe| (number, probe)))
+        self.cases
+            .iter()
+            .enumerate()
+            .flat_map(|(number, case)| case.task.observed.iter().map(move |probe| (number, probe)))
     }
 
     /// Which of the study's criteria a case has.
     pub fn criteria_of(&self, case: usize) -> Range<usize> {
-        let before = self.cases.iter().take(case);
-        let first = before.map(|case| case.task.observed.len()).sum();
+        let first = self.cases.iter().take(case).map(|case| case.task.observed.len()).sum();
         first..first + self.cases[case].task.observed.len()
     }
 

@@ -22,13 +22,14 @@ pub(super) fn check(study: &Study) -> Result<(), FileError> {
     if !study.design.method.is_by_levels()
         && let Some(levels) = study.parameters.values().find_map(|p| p.levels.as_ref())
     {
-        let message = "only a full factorial has levels; remove this, or set method = \"full-factorial\" in [design]";
-        return Err(study.error_at(levels, message));
+        return Err(study.error_at(
+            levels,
+            "only a full factorial has levels; remove this, or set method = \"full-factorial\" in [design]",
+        ));
     }
     match study.section::<Text>()?.design.points {
         Some(points) if study.design.method.is_by_levels() => {
-            let message = "the design has as many points as the levels make; remove `points`";
-            Err(study.error_at(&points, message))
+            Err(study.error_at(&points, "the design has as many points as the levels make; remove `points`"))
         }
         _ => Ok(()),
     }
@@ -73,12 +74,11 @@ pub fn pairs(
     for entry in entries {
         let Pair { between: [a, b], coefficient, .. } = entry.as_ref();
         let (a, b) = (place(a)?, place(b)?);
-        let known = |&(x, y, _): &(usize, usize, f64)| (x, y) == (a, b) || (y, x) == (a, b);
         let wrong = if a == b {
             alone
         } else if !limits.0(*coefficient) {
             limits.1
-        } else if pairs.iter().any(known) {
+        } else if pairs.iter().any(|&(x, y, _)| (x, y) == (a, b) || (y, x) == (a, b)) {
             "the correlation of these two stands above already; keep one"
         } else {
             pairs.push((a, b, *coefficient));
@@ -91,31 +91,26 @@ pub fn pairs(
 
 /// The correlations of a study's parameters, the first ones among `count` values of a point.
 pub(super) fn correlation(study: &Study, count: usize) -> Result<Option<Correlation>, FileError> {
-    let place = |name: &Name| {
-        let parameter = study.parameters.get_full(name.as_ref().as_str());
-        let (index, _, parameter) = parameter.ok_or_else(|| {
-            let names = study.parameters.keys().map(|key| key.as_ref().as_str());
-            let suggestion = did_you_mean(nearest(name.as_ref(), names));
-            let message = format!("no parameter `{}`{suggestion}", name.as_ref());
-            study.error_at(name, message)
-        })?;
-        let wrong = match parameter.distribution {
-            Shape::Fixed => "does not vary",
-            Shape::Sample => "comes from a sample, which has its correlations already; remove the pair",
-            _ => return Ok(index),
-        };
-        Err(study.error_at(name, format!("{} {wrong}", name.as_ref())))
-    };
     let pairs = pairs(
         study,
         &study.correlations,
-        place,
+        |name| {
+            let parameter = study.parameters.get_full(name.as_ref().as_str());
+            let (index, _, parameter) = parameter.ok_or_else(|| {
+                let names = study.parameters.keys().map(|key| key.as_ref().as_str());
+                let suggestion = did_you_mean(nearest(name.as_ref(), names));
+                study.error_at(name, format!("no parameter `{}`{suggestion}", name.as_ref()))
+            })?;
+            let wrong = match parameter.distribution {
+                Shape::Fixed => "does not vary",
+                Shape::Sample => "comes from a sample, which has its correlations already; remove the pair",
+                _ => return Ok(index),
+            };
+            Err(study.error_at(name, format!("{} {wrong}", name.as_ref())))
+        },
         "a parameter is not correlated with itself; name two",
         (|coefficient: f64| coefficient.abs() < 1.0, "the coefficient must be more than -1 and less than 1"),
     )?;
-    let Some(first) = study.correlations.first() else {
-        return Ok(None);
-    };
-    let correlation = Correlation::new(count, &pairs);
-    correlation.map(Some).map_err(|message| study.error_at(first, message))
+    let Some(first) = study.correlations.first() else { return Ok(None) };
+    Correlation::new(count, &pairs).map(Some).map_err(|message| study.error_at(first, message))
 }

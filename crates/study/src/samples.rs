@@ -1,19 +1,20 @@
 //! Parameters that come together from a sample, such as the `posterior.csv` of `identify`.
 
-use std::collections::HashMap;
-use std::io::{BufRead, BufReader, Read};
-use std::path::PathBuf;
+use std::{
+    collections::HashMap,
+    io::{BufRead, BufReader, Read},
+    path::PathBuf,
+};
 
 use indexmap::IndexMap;
 use toml::Spanned;
 
-use super::input::Input;
-use super::{Name, ParameterText, Shape, Study};
-use number_tables::files;
-use number_tables::files::FileError;
-use number_tables::{Column, Table};
-use sampling::design::Joint;
-use sampling::distribution::Distribution;
+use super::{Name, ParameterText, Shape, Study, input::Input};
+use number_tables::{
+    Column, Table,
+    files::{self, FileError},
+};
+use sampling::{design::Joint, distribution::Distribution};
 
 /// A parameter that comes from a sample.
 struct Member<'a> {
@@ -40,13 +41,11 @@ pub(super) fn read(study: &Study, inputs: &[Input]) -> Result<Vec<Together>, Fil
         if text.distribution != Shape::Sample {
             continue;
         }
-        let file = text.file.as_ref();
-        let file = file.expect("a sample without a file has no distribution");
+        let file = text.file.as_ref().expect("a sample without a file has no distribution");
         let (_, members) = files.entry(study.one_path(file.as_ref())).or_insert_with(|| (file, Vec::new()));
         members.push(Member { index, name, text });
     }
-    let files = files.into_values();
-    files.map(|(file, members)| together(study, file, &members, inputs)).collect()
+    files.into_values().map(|(file, members)| together(study, file, &members, inputs)).collect()
 }
 
 fn together(
@@ -62,8 +61,7 @@ fn together(
         number_tables::column(column, format!("the parameter {name}"))
     };
     let columns: Vec<Column> = members.iter().map(column).collect();
-    let table = Table::read_points(&path, &columns);
-    let mut table = table.map_err(|error| study.error_at(file, error.to_string()))?;
+    let mut table = Table::read_points(&path, &columns).map_err(|error| study.error_at(file, error.to_string()))?;
     for (column, member) in members.iter().enumerate() {
         inputs[member.index].round(&mut table, column, &path);
     }
@@ -72,18 +70,22 @@ fn together(
         let unit = inputs[member.index].unit.as_deref().unwrap_or("1");
         if let Some(stated) = stated.get(&names[0]).filter(|stated| *stated != unit) {
             let path = path.display();
-            let message = format!("{path} has it in {stated}, the study in {unit}; write unit = \"{stated}\"");
-            return Err(study.error_of(member.name, message));
+            return Err(study.error_of(
+                member.name,
+                format!("{path} has it in {stated}, the study in {unit}; write unit = \"{stated}\""),
+            ));
         }
     }
-    let alone = members.iter().enumerate().map(|(column, member)| {
-        let values = table.rows.iter().map(|row| row[column]).collect();
-        (member.index, Distribution::sample(values))
-    });
-    let alone = alone.collect();
+    let alone = members
+        .iter()
+        .enumerate()
+        .map(|(column, member)| {
+            let values = table.rows.iter().map(|row| row[column]).collect();
+            (member.index, Distribution::sample(values))
+        })
+        .collect();
     let places = members.iter().map(|member| member.index).collect();
-    let joint = Joint::new(places, table.rows);
-    let joint = joint.map_err(|message| study.error_at(file, message))?;
+    let joint = Joint::new(places, table.rows).map_err(|message| study.error_at(file, message))?;
     Ok(Together { joint, alone })
 }
 
@@ -92,11 +94,17 @@ fn stated_units(path: &std::path::Path) -> HashMap<String, String> {
     let mut first = String::new();
     const MOST: u64 = 1 << 20;
     let file = files::open(path).map(|file| BufReader::new(file.take(MOST)));
-    let read = file.and_then(|mut file| file.read_line(&mut first));
-    let Some(comment) = read.ok().and(first.trim_start_matches('\u{feff}').strip_prefix("# ")) else {
+    let Some(comment) = file
+        .and_then(|mut file| file.read_line(&mut first))
+        .ok()
+        .and(first.trim_start_matches('\u{feff}').strip_prefix("# "))
+    else {
         return HashMap::new();
     };
-    let pairs = comment.trim_end().split(", ");
-    let pairs = pairs.filter_map(|pair| pair.rsplit_once(" in "));
-    pairs.map(|(name, unit)| (name.to_owned(), unit.to_owned())).collect()
+    comment
+        .trim_end()
+        .split(", ")
+        .filter_map(|pair| pair.rsplit_once(" in "))
+        .map(|(name, unit)| (name.to_owned(), unit.to_owned()))
+        .collect()
 }

@@ -2,8 +2,7 @@
 
 use super::{ParameterText, Shape};
 use fmu_import::quantity::{Quantity, Scale, Sense};
-use sampling::distribution::Distribution;
-use sampling::word;
+use sampling::{distribution::Distribution, word};
 
 impl ParameterText {
     /// Its numbers, by their keys.
@@ -20,8 +19,7 @@ impl ParameterText {
 
     /// The unit of its first number that has one; a deviation is a difference, which may have another one.
     pub(super) fn first_unit(&self) -> Option<&str> {
-        let values = self.numbers().into_iter().take(5);
-        let mut given = values.filter_map(|(_, number)| number.as_ref());
+        let mut given = self.numbers().into_iter().take(5).filter_map(|(_, number)| number.as_ref());
         given.find_map(|number| number.unit.as_deref())
     }
 
@@ -56,9 +54,9 @@ impl ParameterText {
             // Its values come when the file is read.
             Shape::Sample if self.file.is_some() => Distribution::sample(vec![0.0]),
             Shape::Sample => {
-                let message = "`file` is missing for the distribution sample: a table with a column of its values, \
-                               such as the posterior.csv of identify";
-                return Err(message.to_owned());
+                return Err("`file` is missing for the distribution sample: a table with a column of its values, \
+                               such as the posterior.csv of identify"
+                    .to_owned());
             }
             Shape::Fixed => Distribution::Fixed { value: need("value")? },
         })

@@ -7,11 +7,12 @@ use std::path::Path;
 
 use roxmltree::Node;
 
-use super::Setting;
-use super::values::{find, value_of};
+use super::{
+    Setting,
+    values::{find, value_of},
+};
 use fmu_import::{Description, Value, xml};
-use number_tables::files;
-use number_tables::files::FileError;
+use number_tables::files::{self, FileError};
 
 pub use write::write;
 
@@ -34,14 +35,12 @@ pub fn read(path: &Path, fmu: &Description) -> Result<Vec<(String, u32, Value)>,
 fn parse<T>(path: &Path, text: &str, take: impl Fn(&str, Setting) -> Result<T, String>) -> Result<Vec<T>, FileError> {
     let text = text.trim_start_matches('\u{feff}');
     let document = xml::parse(text).map_err(|error| FileError::new(path, format!("no SSP parameter set: {error}")))?;
-    let at = |node: Node<'_, '_>, message: String| {
-        FileError::new(path, message).at(document.text_pos_at(node.range().start).row)
-    };
+    let at =
+        |node: Node<'_, '_>, message| FileError::new(path, message).at(document.text_pos_at(node.range().start).row);
     let root = document.root_element();
     let name = root.tag_name().name();
     if name != "ParameterSet" {
-        let message = format!("`{name}` is no SSP parameter set (`ParameterSet`)");
-        return Err(at(root, message));
+        return Err(at(root, format!("`{name}` is no SSP parameter set (`ParameterSet`)")));
     }
     let parameters = root.descendants().filter(|node| node.has_tag_name((NAMESPACE, "Parameter")));
     let entry = |node: Node<'_, '_>| {
@@ -59,8 +58,7 @@ fn parse<T>(path: &Path, text: &str, take: impl Fn(&str, Setting) -> Result<T, S
         };
         take(name, Setting::Text(text))
     };
-    let entry = |node| entry(node).map_err(|message| at(node, message));
-    parameters.map(entry).collect()
+    parameters.map(|node| entry(node).map_err(|message| at(node, message))).collect()
 }
 
 #[cfg(test)]

@@ -10,10 +10,12 @@ use sampling::statistics::{Direction, Statistic};
 use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
-use crate::name::Name;
-use crate::reference::{DelayText, Normalise, ReferenceText};
-use crate::tolerance::ToleranceText;
-use crate::window::{self, Window};
+use crate::{
+    name::Name,
+    reference::{DelayText, Normalise, ReferenceText},
+    tolerance::ToleranceText,
+    window::{self, Window},
+};
 
 /// An operating point or a test of the model. The parameters are common to all cases; what a case gives itself counts more
 /// than what the study gives for all.

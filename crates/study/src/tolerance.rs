@@ -1,7 +1,6 @@
 //! How far a model value may be from the measured one, as a study writes it.
 
-use std::collections::HashMap;
-use std::fmt;
+use std::{collections::HashMap, fmt};
 
 use fmu_import::quantity::Quantity;
 use serde::Deserialize;

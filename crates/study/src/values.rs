@@ -1,11 +1,15 @@
 //! Start values for an FMU's variables: found by name, converted, checked.
 
 use super::Setting;
-use fmu_import::description::Storage;
-use fmu_import::quantity::{Quantity, Scale, Sense};
-use fmu_import::{Causality, Description, Kind, Place, Value, Variability, Variable, bytes_of};
-use fmu_points::names::{behind, did_you_mean, nearest};
-use fmu_points::task::Slot;
+use fmu_import::{
+    Causality, Description, Kind, Place, Value, Variability, Variable, bytes_of,
+    description::Storage,
+    quantity::{Quantity, Scale, Sense},
+};
+use fmu_points::{
+    names::{behind, did_you_mean, nearest},
+    task::Slot,
+};
 
 /// The variable of this name.
 ///
@@ -27,8 +31,7 @@ pub fn find<'a>(fmu: &'a Description, name: &str) -> Result<&'a Variable, String
 /// When it cannot be set, or is a text.
 pub fn slot_of(variable: &Variable) -> Result<Slot, String> {
     settable(variable)?;
-    let slot = Slot::of(variable);
-    slot.ok_or_else(|| "a text cannot vary; set it under [fixed]".to_owned())
+    Slot::of(variable).ok_or_else(|| "a text cannot vary; set it under [fixed]".to_owned())
 }
 
 /// How a number without a unit was read, where people see its variable in another unit.
@@ -81,7 +84,7 @@ pub fn size_of(fmu: &Description, variable: &Variable, setting: &Setting) -> Res
 /// # Errors
 /// When the type, the unit or the number doesn't fit.
 pub fn value_of(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Value, String> {
-    let named = |message: String| format!("{}: {message}", variable.name);
+    let named = |message| format!("{}: {message}", variable.name);
     settable(variable).map_err(named)?;
     value(fmu, variable, setting).map_err(named)
 }
@@ -93,15 +96,11 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
         Setting::Number(number) => number.to_string(),
         Setting::Text(text) => text.clone(),
     };
-    let whole = || {
-        let number = text.trim().parse::<i128>();
-        number.map_err(|_| format!("`{text}` is not a whole number"))
-    };
+    let whole = || text.trim().parse::<i128>().map_err(|_| format!("`{text}` is not a whole number"));
     match &variable.kind {
         Kind::Real { .. } => {
             let quantity: Quantity = text.parse()?;
-            let scale = Scale::new(None, fmu, variable)?;
-            let number = scale.number(&quantity, Sense::Value)?;
+            let number = Scale::new(None, fmu, variable)?.number(&quantity, Sense::Value)?;
             check_limits(variable, number)?;
             Ok(Value::Real(number))
         }
@@ -126,11 +125,13 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
                 return Ok(Value::Integer(*number));
             }
             let number = whole().ok();
-            let known = |number: &i128| items.is_empty() || items.iter().any(|(_, value)| value == number);
-            number.filter(known).map(Value::Integer).ok_or_else(|| {
-                let names: Vec<&str> = items.iter().map(|(name, _)| name.as_str()).collect();
-                format!("`{text}` is none of {}", names.join(", "))
-            })
+            number
+                .filter(|number| items.is_empty() || items.iter().any(|(_, value)| value == number))
+                .map(Value::Integer)
+                .ok_or_else(|| {
+                    let names: Vec<&str> = items.iter().map(|(name, _)| name.as_str()).collect();
+                    format!("`{text}` is none of {}", names.join(", "))
+                })
         }
     }
 }

@@ -2,8 +2,7 @@
 
 use serde::Deserialize;
 
-use fmu_import::quantity::Quantity;
-use fmu_import::quantity::to_own;
+use fmu_import::quantity::{Quantity, to_own};
 
 /// A window as the study writes it: `window = 10`, or `window = { from = "140 s", to = "150 s" }`.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
@@ -51,8 +50,7 @@ impl Window {
 
 /// A time in seconds.
 pub(super) fn seconds(quantity: &Quantity) -> Result<f64, String> {
-    let unit = quantity.unit.as_deref().unwrap_or("s");
-    Ok(to_own(unit, "s")?.value(quantity.number))
+    Ok(to_own(quantity.unit.as_deref().unwrap_or("s"), "s")?.value(quantity.number))
 }
 
 /// Reads a time: a number of seconds, or a text with a unit such as `2 ms`.

@@ -2,14 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use clap::builder::{RangedU64ValueParser, TypedValueParser};
-use clap::{Args, Parser};
+use clap::{
+    Args, Parser,
+    builder::{RangedU64ValueParser, TypedValueParser},
+};
 
 use super::{Cli, Command, verdict_help};
-use crate::methods::rare::{self, RareEvent};
-use crate::options::{Shards, Work};
-use crate::results::MOST_EXTRA_RUNS;
-use crate::session::Until;
+use crate::{
+    methods::rare::{self, RareEvent},
+    options::{Shards, Work},
+    results::MOST_EXTRA_RUNS,
+    session::Until,
+};
 
 /// What a build server wants.
 #[derive(Debug, Args)]

@@ -1,18 +1,15 @@
 //! The best point as a parameter set of SSP.
 
-use crate::error::Error;
-use crate::results::Summary;
+use crate::{error::Result, results::Summary};
 use fmu_import::{Description, Value, Variable};
-use fmu_points::task::Case;
 use point_journal::files::write_text;
 use std::path::Path;
-use study::plan::Plan;
-use study::ssv;
+use study::{plan::Plan, ssv};
 
 const SET: &str = "best.ssv";
 
 /// Writes `best.ssv` with all start values of the best point.
-pub(super) fn write(folder: &Path, plan: &Plan, fmu: &Description, summary: &Summary) -> Result<(), Error> {
+pub(super) fn write(folder: &Path, plan: &Plan, fmu: &Description, summary: &Summary) -> Result {
     let Some(best) = &summary.best_point else {
         // An earlier run may have left one.
         let _ = std::fs::remove_file(folder.join(SET));
@@ -22,15 +19,16 @@ pub(super) fn write(folder: &Path, plan: &Plan, fmu: &Description, summary: &Sum
     let mut values = Vec::new();
     plan.to_fmu(&parameters, &mut values);
     // Start values of single cases belong to the tests, not to the model.
-    let common = |setting: &(u32, Value)| {
-        let has = |case: &Case| case.task.fixed.contains(setting);
-        plan.cases.iter().all(has)
-    };
-    let first = plan.cases.first().map_or(&[][..], |case| &case.task.fixed);
-    let fixed = first.iter().filter(|setting| common(setting)).cloned();
+    let common = |setting: &(u32, Value)| plan.cases.iter().all(|case| case.task.fixed.contains(setting));
+    let fixed =
+        plan.cases.first().map_or(&[][..], |case| &case.task.fixed).iter().filter(|setting| common(setting)).cloned();
     // What a sensor reads wrong is no start value of the model.
-    let varied = plan.slots.iter().zip(&values).filter(|(slot, _)| slot.error.is_none());
-    let varied = varied.map(|(slot, &value)| (slot.handle.reference, slot.value(value)));
+    let varied = plan
+        .slots
+        .iter()
+        .zip(&values)
+        .filter(|(slot, _)| slot.error.is_none())
+        .map(|(slot, &value)| (slot.handle.reference, slot.value(value)));
     let named = fixed.chain(varied).filter_map(|(reference, value)| {
         let variable = variable(fmu, reference, &value)?;
         Some((variable, value))

@@ -1,19 +1,23 @@
 //! `check`: looks at an FMU before it is used.
 
-use std::fs;
-use std::path::Path;
-use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::{
+    fs,
+    path::Path,
+    process::ExitCode,
+    time::{Duration, Instant},
+};
 
-use fmu_check::{CheckError, Conditions, Finding, Findings, RULES, Severity, check};
+use fmu_check::{CheckError, Conditions, Findings, RULES, Severity, check};
 use fmu_import::{Package, Value};
 use fmu_points::names::{did_you_mean, nearest};
 use serde::Deserialize;
 
 use super::{output, simulate};
-use crate::cli::{Check, Format};
-use crate::error::Error;
-use crate::junit::{self, Outcome, Test};
+use crate::{
+    cli::{Check, Format},
+    error::{Error, Result},
+    junit::{self, Outcome, Test},
+};
 
 /// The findings that are known.
 #[derive(Deserialize)]
@@ -33,7 +37,7 @@ struct Entry {
     reason: String,
 }
 
-pub(super) fn run(options: &Check) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Check) -> Result<ExitCode> {
     let begun = Instant::now();
     let known = options.ignore.as_deref().map(known).transpose()?;
     let patience = Duration::try_from_secs_f64(options.patience).unwrap_or(Duration::MAX);
@@ -45,8 +49,7 @@ pub(super) fn run(options: &Check) -> Result<ExitCode, Error> {
     })?;
     for Entry { rule, variable, reason } in known.iter().flat_map(|known| &known.ignore) {
         if findings.ignore(rule, variable.as_deref(), reason) == 0 {
-            let variable = variable.as_ref();
-            let of = variable.map_or_else(String::new, |name| format!(" of {name}"));
+            let of = variable.as_ref().map(|name| format!(" of {name}")).unwrap_or_default();
             fmu_points::tell::line!("note: no finding of the rule {rule}{of} is left to ignore: remove the entry");
         }
     }
@@ -55,13 +58,9 @@ pub(super) fn run(options: &Check) -> Result<ExitCode, Error> {
         Format::Json => findings.json(),
         Format::Sarif => findings.sarif("orchestrator check"),
     });
-    let enough = match options.gate.strict {
-        true => Severity::Warning,
-        false => Severity::Error,
-    };
+    let enough = if options.gate.strict { Severity::Warning } else { Severity::Error };
     if let Some(file) = &options.gate.junit {
-        let seconds = begun.elapsed().as_secs_f64();
-        junit::write(file, "check", &tests(&findings, enough), seconds)?;
+        junit::write(file, "check", &tests(&findings, enough), begun.elapsed().as_secs_f64())?;
     }
     Ok(match findings.worst() {
         Some(severity) if severity >= enough => ExitCode::FAILURE,
@@ -70,7 +69,7 @@ pub(super) fn run(options: &Check) -> Result<ExitCode, Error> {
 }
 
 /// The start values that the user gives.
-fn start_values(options: &Check) -> Result<Vec<(u32, Value)>, Error> {
+fn start_values(options: &Check) -> Result<Vec<(u32, Value)>> {
     if options.step.is_some_and(|step| !(step > 0.0 && step.is_finite())) {
         return Err(Error::option("step", "it must be a positive, finite number of seconds".to_owned()));
     }
@@ -80,14 +79,15 @@ fn start_values(options: &Check) -> Result<Vec<(u32, Value)>, Error> {
     let mut package = Package::open(&options.fmu)?;
     let sizes = package.description().sizes.clone();
     let values = simulate::settings(&options.set, &mut package)?;
-    match package.description().sizes == sizes {
-        true => Ok(values),
-        false => Err(Error::option("set", "check leaves the sizes of arrays as they are".to_owned())),
+    if package.description().sizes == sizes {
+        Ok(values)
+    } else {
+        Err(Error::option("set", "check leaves the sizes of arrays as they are".to_owned()))
     }
 }
 
 /// Reads the findings that are known.
-fn known(path: &Path) -> Result<Known, Error> {
+fn known(path: &Path) -> Result<Known> {
     let text = fs::read_to_string(path).map_err(Error::io(path))?;
     let known: Known = toml::from_str(&text).map_err(|error| {
         let line = error.span().map_or(1, |span| text[..span.start].lines().count());
@@ -96,12 +96,13 @@ fn known(path: &Path) -> Result<Known, Error> {
     for Entry { rule, reason, .. } in &known.ignore {
         if RULES.iter().all(|known| known.id != rule) {
             let suggestion = did_you_mean(nearest(rule, RULES.iter().map(|rule| rule.id)));
-            let message = format!("there is no rule `{rule}`{suggestion}; --format json names them");
-            return Err(Error::content(path, message));
+            return Err(Error::content(
+                path,
+                format!("there is no rule `{rule}`{suggestion}; --format json names them"),
+            ));
         }
         if reason.trim().is_empty() {
-            let message = format!("`{rule}` has no reason: say why its findings are accepted");
-            return Err(Error::content(path, message));
+            return Err(Error::content(path, format!("`{rule}` has no reason: say why its findings are accepted")));
         }
     }
     Ok(known)
@@ -110,22 +111,17 @@ fn known(path: &Path) -> Result<Known, Error> {
 /// A test for the FMU as a whole, and one a finding.
 fn tests(findings: &Findings, enough: Severity) -> Vec<Test> {
     let fmu = findings.fmu.file_stem().unwrap_or_default().to_string_lossy();
-    let counting = |finding: &&Finding| finding.rule.severity >= enough;
-    let count = findings.all.iter().filter(counting).count();
+    let count = findings.all.iter().filter(|finding| finding.rule.severity >= enough).count();
     let whole = Outcome::of(count == 0, || format!("{count} findings of severity {} or worse", enough.word()));
     let found = findings.all.iter().map(|finding| {
         let (severity, text) = (finding.rule.severity, finding.hit.full());
         let text = format!("{}: {text} [{}]", severity.word(), finding.rule.source);
-        match severity >= enough {
-            true => (finding, Outcome::Failed(text)),
-            false => (finding, Outcome::Skipped(text)),
-        }
+        if severity >= enough { (finding, Outcome::Failed(text)) } else { (finding, Outcome::Skipped(text)) }
     });
-    let known = findings.ignored.iter();
-    let known = known.map(|(finding, reason)| {
-        let text = format!("known: {reason} ({})", finding.hit.full());
-        (finding, Outcome::Skipped(text))
-    });
+    let known = findings
+        .ignored
+        .iter()
+        .map(|(finding, reason)| (finding, Outcome::Skipped(format!("known: {reason} ({})", finding.hit.full()))));
     let each = found.chain(known).map(|(finding, outcome)| {
         let name = format!("{}: {}", finding.rule.id, finding.hit.text);
         Test::new(&format!("{fmu}.check"), &name, outcome)

@@ -3,12 +3,14 @@
 use std::process::ExitCode;
 
 use super::output;
-use crate::cli;
-use crate::compare::{compare, write};
-use crate::error::Error;
-use crate::junit;
+use crate::{
+    cli,
+    compare::{compare, write},
+    error::Result,
+    junit,
+};
 
-pub(super) fn run(options: &cli::Compare) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &cli::Compare) -> Result<ExitCode> {
     let comparison = compare(&options.old, &options.new)?;
     if let Some(folder) = &options.output {
         write(&comparison, folder)?;
@@ -18,8 +20,5 @@ pub(super) fn run(options: &cli::Compare) -> Result<ExitCode, Error> {
     }
     output::print(&format!("{}\n{}", comparison.headline(), comparison.document().as_text()));
     let fails = !comparison.same || (options.gate.strict && !comparison.warnings.is_empty());
-    Ok(match fails {
-        true => ExitCode::FAILURE,
-        false => ExitCode::SUCCESS,
-    })
+    Ok(if fails { ExitCode::FAILURE } else { ExitCode::SUCCESS })
 }

@@ -2,15 +2,20 @@
 
 use conformity::conclusion::grouped;
 
-use crate::error::Error;
-use crate::options::Means;
-use crate::session::Verification;
-use fmu_points::Limits;
-use fmu_points::crew::{Crew, Place};
-use fmu_points::stop;
-use fmu_points::{Event, Job, Post};
-use std::ops::ControlFlow;
-use std::time::{Duration, Instant};
+use crate::{
+    error::{Error, Result},
+    options::Means,
+    session::Verification,
+};
+use fmu_points::{
+    Event, Job, Limits, Post,
+    crew::{Crew, Place},
+    stop,
+};
+use std::{
+    ops::ControlFlow,
+    time::{Duration, Instant},
+};
 
 /// How long the point may take; nobody waits longer for an estimate.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -20,7 +25,7 @@ const POINTS: usize = 1024;
 const ENOUGH: Duration = Duration::from_secs(3);
 
 /// The estimate for people, or why there is none.
-pub(super) fn of(verification: &mut Verification, means: &Means, jobs: usize) -> Result<String, Error> {
+pub(super) fn of(verification: &mut Verification, means: &Means, jobs: usize) -> Result<String> {
     let scratch = stop::scratch().map_err(Error::from)?;
     let place = match means.place(jobs)? {
         Place::Processes(limits, isolation) => {
@@ -32,10 +37,8 @@ pub(super) fn of(verification: &mut Verification, means: &Means, jobs: usize) ->
     let session = &mut verification.session;
     let crew = Crew::new(&mut session.package, place, scratch.path(), 1)?;
     let mut worker = crew.worker(&session.plan.cases);
-    let Some(index) = verification.indexes().next() else {
-        return Ok(String::new());
-    };
-    let mut run = |points: usize, most: Duration| {
+    let Some(index) = verification.indexes().next() else { return Ok(String::new()) };
+    let mut run = |points: usize, most| {
         let points: Vec<Job> = verification.indexes().take(points).map(|index| verification.job(index)).collect();
         let (begun, mut count, mut took, mut failure) = (Instant::now(), 0_u32, Duration::ZERO, None);
         let mut take = |event| {

@@ -1,26 +1,28 @@
 //! `verify --budget N`: few runs of an FMU whose runs are dear.
 
-use std::fs;
-use std::path::Path;
-use std::process::ExitCode;
-use std::time::Instant;
+use std::{fs, path::Path, process::ExitCode, time::Instant};
 
 use super::{cost, gate, output, table, verify};
-use crate::cli::Verify;
-use crate::error::Error;
-use crate::methods::asking::{self, Delivery};
-use crate::methods::sensitivity;
-use crate::methods::setup::{self, Place, Source as _, Work};
-use crate::reruns::Wish;
-use crate::results::summary::Run;
-use crate::results::{self, Summary};
-use crate::session::budget::{self, Budget};
-use crate::session::{Request, Until, Verification};
-use crate::source::Source;
+use crate::{
+    cli::Verify,
+    error::{Error, Result},
+    methods::{
+        asking::{self, Delivery},
+        sensitivity,
+        setup::{self, Place, Source as _, Work},
+    },
+    reruns::Wish,
+    results::{self, Summary, summary::Run},
+    session::{
+        Request, Until, Verification,
+        budget::{self, Budget},
+    },
+    source::Source,
+};
 use sampling::design::Design;
 
 /// Runs the command.
-pub(super) fn run(options: &Verify, runs: u64) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Verify, runs: u64) -> Result<ExitCode> {
     let folder = options.work.folder();
     let verification = open(options, runs, &folder)?;
     if options.dry_run {
@@ -32,7 +34,7 @@ pub(super) fn run(options: &Verify, runs: u64) -> Result<ExitCode, Error> {
 }
 
 /// Runs `sensitivity --budget N`: the points are those of `verify --budget N`, and what is there of them is not run again.
-pub(super) fn sensitivity(mut options: sensitivity::Options, runs: u64) -> Result<Delivery, Error> {
+pub(super) fn sensitivity(mut options: sensitivity::Options, runs: u64) -> Result<Delivery> {
     let folder = options.work.folder();
     let mut verify = Verify::of(&options.work.study);
     let then = Request::read(&folder).ok().and_then(|request| request.budget);
@@ -49,7 +51,7 @@ pub(super) fn sensitivity(mut options: sensitivity::Options, runs: u64) -> Resul
 }
 
 /// Says what a budget costs and what it can be expected to answer.
-fn tried(options: &Verify, mut verification: Verification, folder: &Path) -> Result<ExitCode, Error> {
+fn tried(options: &Verify, mut verification: Verification, folder: &Path) -> Result<ExitCode> {
     let spent = verification.session.request.budget.clone().unwrap_or_default();
     // The first points are plain; the others take as long.
     let places = (0..spent.points() as u64).collect();
@@ -69,20 +71,21 @@ fn net(verification: &Verification) -> Design {
 }
 
 /// Runs the points, and completes the folder.
-fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> Result<Summary, Error> {
+fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> Result<Summary> {
     let begun = Instant::now();
     let means = &options.work.means;
     let net = net(&verification);
     let session = &verification.session;
     asking::warn(&session.judge);
     if !session.judge.guard.leaves_something(&session.judge.measurement) {
-        let message = "the guard band is as wide as a tolerance, so that no point can be accepted; change [verdict]";
-        return Err(session.study.error(message).into());
+        return Err(session
+            .study
+            .error("the guard band is as wide as a tolerance, so that no point can be accepted; change [verdict]")
+            .into());
     }
     budget::guard(&session.judge).map_err(|message| session.study.error(message))?;
     if let (Some(Until::Verdict), None) = (options.until, session.judge.rule) {
-        let message = "there is no verdict to wait for: add [verdict] with the required share";
-        return Err(Error::option("until", message));
+        return Err(Error::option("until", "there is no verdict to wait for: add [verdict] with the required share"));
     }
     let spent = session.request.budget.clone().unwrap_or_default();
     let jobs = means.jobs_of(spent.points())?;
@@ -91,9 +94,10 @@ fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> 
     let (header, summary) = (verification.header.clone(), folder.join("summary.json"));
     let taken = place.take(verification.parts(), &header, || {
         // What was complete is so no more.
-        match options.work.resuming.resume && spent.places.is_empty() && summary.exists() {
-            true => fs::remove_file(&summary).map_err(Error::io(&summary)),
-            false => Ok(()),
+        if options.work.resuming.resume && spent.places.is_empty() && summary.exists() {
+            fs::remove_file(&summary).map_err(Error::io(&summary))
+        } else {
+            Ok(())
         }
     })?;
     let work = Work { means, jobs, ends: false };
@@ -122,7 +126,7 @@ fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> 
 }
 
 /// The study with its budget, which goes on from what the folder holds where that is resumed.
-fn open(options: &Verify, runs: u64, folder: &Path) -> Result<Verification, Error> {
+fn open(options: &Verify, runs: u64, folder: &Path) -> Result<Verification> {
     let resumed = options.work.resuming.resume && Request::is_in(folder);
     let then = if resumed { Request::read(folder)?.budget } else { None };
     let mut request = verify::request(options)?;

@@ -1,21 +1,23 @@
 //! A verdict for a build server: its exit code, and its tests as JUnit XML.
 
-use std::path::Path;
-use std::process::ExitCode;
+use std::{path::Path, process::ExitCode};
 
-use crate::cli::Gate;
-use crate::error::Error;
-use crate::junit::{self, Outcome, Test};
-use crate::methods::asking::exit_code;
-use crate::results::Summary;
-use crate::results::summary::Count;
-use conformity::conclusion::{Conclusion, grouped};
-use conformity::decision::Decision;
+use crate::{
+    cli::Gate,
+    error::Result,
+    junit::{self, Outcome, Test},
+    methods::asking::exit_code,
+    results::{Summary, summary::Count},
+};
+use conformity::{
+    conclusion::{Conclusion, grouped},
+    decision::Decision,
+};
 use indexmap::IndexMap;
 use study::concern::{Concern, Severity};
 
 /// The exit code of a verdict. Writes its tests where they are wanted.
-pub(super) fn verdict(summary: &Summary, gate: &Gate) -> Result<ExitCode, Error> {
+pub(super) fn verdict(summary: &Summary, gate: &Gate) -> Result<ExitCode> {
     if let Some(file) = &gate.junit {
         let seconds = summary.run.as_ref().map_or(0.0, |run| run.wall_seconds);
         junit::write(file, &name(summary), &tests(summary, gate.strict), seconds)?;
@@ -34,14 +36,13 @@ pub(super) fn verdict(summary: &Summary, gate: &Gate) -> Result<ExitCode, Error>
 }
 
 fn warnings(summary: &Summary) -> impl Iterator<Item = &Concern> {
-    let concerns = summary.concerns.iter();
-    concerns.filter(|concern| concern.severity == Severity::Warning)
+    summary.concerns.iter().filter(|concern| concern.severity == Severity::Warning)
 }
 
 /// The study's name.
 pub(super) fn name(summary: &Summary) -> String {
     let stem = Path::new(&summary.provenance.study).file_stem();
-    stem.map_or_else(String::new, |stem| stem.to_string_lossy().into_owned())
+    stem.map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 /// The verdict, each criterion, each case, and each warning as a test. A criterion that no point meets, or fewer than the
@@ -78,10 +79,8 @@ pub(super) fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
             None => Test::new(&study, name, outcome),
         }
     });
-    let cases = summary.cases.iter();
-    let cases = cases.map(|(name, case)| {
-        let outcome = counted("all criteria of the case", &case.count);
-        Test::new(&format!("{study}.{name}"), "all criteria", outcome)
+    let cases = summary.cases.iter().map(|(name, case)| {
+        Test::new(&format!("{study}.{name}"), "all criteria", counted("all criteria of the case", &case.count))
     });
     let mut named: IndexMap<String, usize> = IndexMap::new();
     let doubts = warnings(summary).map(|concern| {
@@ -92,10 +91,7 @@ pub(super) fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
             1 => concern.code.name(),
             number => format!("{} {number}", concern.code.name()),
         };
-        let outcome = match strict {
-            true => Outcome::Failed(text),
-            false => Outcome::Skipped(format!("warning: {text}")),
-        };
+        let outcome = if strict { Outcome::Failed(text) } else { Outcome::Skipped(format!("warning: {text}")) };
         Test::new(&format!("{study}.warnings"), &name, outcome)
     });
     let verdict = Test::new(&study, "verdict", whole);

@@ -1,19 +1,15 @@
 //! `inspect`: what an FMU is.
 
-use std::fmt::Write;
-use std::process::ExitCode;
+use std::{fmt::Write, process::ExitCode};
 
 use serde_json::json;
 
 use super::output;
-use crate::cli::Inspect;
-use crate::error::Error;
-use crate::results::points::number;
-use fmu_import::units::Conversion;
-use fmu_import::{Causality, Description, Kind, Package, Variable};
+use crate::{cli::Inspect, error::Result, results::points::number};
+use fmu_import::{Causality, Description, Kind, Package, Variable, units::Conversion};
 use fmu_points::tell::one_line;
 
-pub(super) fn run(options: &Inspect) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Inspect) -> Result<ExitCode> {
     let package = Package::open(&options.fmu)?;
     let fmu = package.description();
     let platforms = package.platforms();
@@ -45,8 +41,7 @@ fn text(fmu: &Description, platforms: &[String]) -> String {
     row("platforms", &platforms.join(", "));
     row("experiment", &experiment(fmu));
     row("capabilities", &capabilities(fmu));
-    let unusable = fmu.unusable.iter();
-    let unusable: Vec<String> = unusable.map(|(name, why)| format!("{name} ({why})")).collect();
+    let unusable: Vec<String> = fmu.unusable.iter().map(|(name, why)| format!("{name} ({why})")).collect();
     row("not usable", &unusable.join("; "));
     let remarks: Vec<String> = fmu.remarks.iter().map(ToString::to_string).collect();
     row("remarks", &remarks.join("; "));
@@ -68,15 +63,21 @@ fn text(fmu: &Description, platforms: &[String]) -> String {
 
 fn experiment(fmu: &Description) -> String {
     let experiment = &fmu.default_experiment;
-    let times = [("start", experiment.start), ("stop", experiment.stop), ("step", experiment.step)];
-    let times = times.iter().filter_map(|(name, time)| Some(format!("{name} {} s", (*time)?)));
-    times.collect::<Vec<_>>().join(", ")
+    [("start", experiment.start), ("stop", experiment.stop), ("step", experiment.step)]
+        .iter()
+        .filter_map(|(name, time)| Some(format!("{name} {} s", (*time)?)))
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 fn capabilities(fmu: &Description) -> String {
-    let flags = json!(fmu.capabilities);
-    let set = flags.as_object().into_iter().flatten().filter(|(_, flag)| flag.as_bool() == Some(true));
-    let names: Vec<String> = set.map(|(name, _)| name.replace('_', " ")).collect();
+    let names: Vec<String> = json!(fmu.capabilities)
+        .as_object()
+        .into_iter()
+        .flatten()
+        .filter(|(_, flag)| flag.as_bool() == Some(true))
+        .map(|(name, _)| name.replace('_', " "))
+        .collect();
     names.join(", ")
 }
 
@@ -85,11 +86,9 @@ fn section(text: &mut String, fmu: &Description, title: &str, causality: Causali
     if variables.is_empty() {
         return;
     }
-    let longest = variables.iter().map(|variable| variable.name.chars().count()).max();
-    let width = longest.unwrap_or(0).min(48);
+    let width = variables.iter().map(|variable| variable.name.chars().count()).max().unwrap_or(0).min(48);
     let values: Vec<String> = variables.iter().map(|variable| value(fmu, variable)).collect();
-    let longest = values.iter().map(|value| value.chars().count()).max();
-    let widest = longest.unwrap_or(0).clamp(24, 36);
+    let widest = values.iter().map(|value| value.chars().count()).max().unwrap_or(0).clamp(24, 36);
     let _ = writeln!(text, "\n{title}");
     for (variable, value) in variables.iter().zip(values) {
         let description = variable.description.as_deref().unwrap_or("");
@@ -105,13 +104,15 @@ fn value(fmu: &Description, variable: &Variable) -> String {
             // Twelve digits hide what a conversion rounds.
             let rounded = |value: f64| format!("{value:.11e}").parse().unwrap_or(value);
             let with = |value: Option<f64>, unit: Option<&str>| {
-                let parts = [value.map(rounded).map(number), unit.map(str::to_owned)];
-                parts.into_iter().flatten().collect::<Vec<_>>().join(" ")
+                [value.map(rounded).map(number), unit.map(str::to_owned)]
+                    .into_iter()
+                    .flatten()
+                    .collect::<Vec<_>>()
+                    .join(" ")
             };
             let text = with(*start, unit.as_deref());
             let shown = variable.display_unit().filter(|shown| unit.as_deref() != Some(shown));
-            let conversion = shown.and_then(|shown| fmu.conversion(shown, variable).ok());
-            match conversion.map(Conversion::inverse) {
+            match shown.and_then(|shown| fmu.conversion(shown, variable).ok()).map(Conversion::inverse) {
                 Some(way) => format!("{text} ({})", with(start.map(|start| way.value(start)), shown)),
                 None => text,
             }
@@ -124,9 +125,9 @@ fn value(fmu: &Description, variable: &Variable) -> String {
         }
         Kind::Boolean { start } => start.map_or("Boolean".to_owned(), |v| v.to_string()),
         Kind::String { start } => start.as_ref().map_or("String".to_owned(), |v| format!("{v:?}")),
-        Kind::Enumeration { start, items } => {
-            let item = items.iter().find(|(_, value)| Some(*value) == *start);
-            item.map_or("Enumeration".to_owned(), |(name, _)| name.clone())
-        }
+        Kind::Enumeration { start, items } => items
+            .iter()
+            .find(|(_, value)| Some(*value) == *start)
+            .map_or("Enumeration".to_owned(), |(name, _)| name.clone()),
     }
 }

@@ -1,17 +1,25 @@
 //! Single points, each in a process of its own, with their trajectories as csv.
 
-use std::borrow::Cow;
-use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::{
+    borrow::Cow,
+    io::{BufWriter, Write},
+    path::{Path, PathBuf},
+    time::Instant,
+};
 
-use crate::error::Error;
-use crate::results::points::number;
+use crate::{
+    error::{Error, Result},
+    results::points::number,
+};
 use fmu_import::{Causality, Description, Handle, Package, Value, Variable};
-use fmu_points::scratch::Scratch;
-use fmu_points::single::Recorder;
-use fmu_points::task::{Case, Task};
-use fmu_points::{Answer, Job, Limits, RunError, stop, working_directory};
+use fmu_points::{
+    Answer, Job, Limits, RunError,
+    scratch::Scratch,
+    single::Recorder,
+    stop,
+    task::{Case, Task},
+    working_directory,
+};
 use number_tables::csv_file;
 
 /// The variables that a trajectory shows.
@@ -49,11 +57,14 @@ impl Columns {
 
     /// The values of a row, for people.
     pub(super) fn summary(&self, row: &[String]) -> String {
-        let lines = self.variables.iter().zip(row).map(|(variable, value)| {
-            let unit = variable.unit().unwrap_or("");
-            format!("{} = {value} {unit}", variable.name).trim_end().to_owned() + "\n"
-        });
-        lines.collect()
+        self.variables
+            .iter()
+            .zip(row)
+            .map(|(variable, value)| {
+                let unit = variable.unit().unwrap_or("");
+                format!("{} = {value} {unit}", variable.name).trim_end().to_owned() + "\n"
+            })
+            .collect()
     }
 }
 
@@ -79,7 +90,7 @@ pub(super) struct Isolated {
 }
 
 impl Isolated {
-    pub(super) fn new(package: &mut Package) -> Result<Self, Error> {
+    pub(super) fn new(package: &mut Package) -> Result<Self> {
         let scratch = stop::scratch()?;
         let rooms = scratch.path().to_owned();
         let fmu = package.unpack(&rooms)?;
@@ -87,7 +98,7 @@ impl Isolated {
     }
 
     /// The same from another path than that of all other commands: an FMU whose results depend on where it lies shows it there.
-    pub(super) fn elsewhere(package: &mut Package) -> Result<Self, Error> {
+    pub(super) fn elsewhere(package: &mut Package) -> Result<Self> {
         let scratch = stop::scratch()?;
         let folder = scratch.path().join("again");
         std::fs::create_dir(&folder).map_err(Error::io(&folder))?;
@@ -135,8 +146,7 @@ impl Isolated {
         });
         stop::give_way();
         // Rows before the failure are kept.
-        let flushed = csv.flush().map_err(Error::io(path));
-        recorded.and(flushed).map(|()| last)
+        recorded.and(csv.flush().map_err(Error::io(path))).map(|()| last)
     }
 
     /// Simulates, and hands over time and values at every communication point; at `until` it has failed.
@@ -146,7 +156,7 @@ impl Isolated {
         variables: &[Handle],
         until: Option<Instant>,
         mut take: impl FnMut(f64, &[Value]),
-    ) -> Result<(), Error> {
+    ) -> Result {
         let mut recording = self.recorder([task].into_iter()).of(task)?;
         recording.record(&[], variables, until, |time, values| {
             take(time, values);

@@ -1,31 +1,28 @@
 //! `judge`: applies a study's criteria to outputs that already stand in a table.
 
-use std::collections::HashSet;
-use std::path::Path;
-use std::process::ExitCode;
-use std::time::Instant;
+use std::{collections::HashSet, path::Path, process::ExitCode, time::Instant};
 
 use super::{complete, gate, output, table};
-use crate::cli;
-use crate::error::Error;
-use crate::judge::Judge;
-use crate::methods::asking::warn;
-use crate::results::concerns;
-use crate::results::summary::{Provenance, Run};
-use crate::results::survey::Survey;
-use crate::results::tally::{Sample, Tally};
-use crate::session::{FileSet, Request, provenance};
-use fmu_import::quantity::Scale;
-use fmu_import::units::Conversion;
-use fmu_import::{Description, Package};
+use crate::{
+    cli,
+    error::Result,
+    judge::Judge,
+    methods::asking::warn,
+    results::{
+        concerns,
+        summary::{Provenance, Run},
+        survey::Survey,
+        tally::{Sample, Tally},
+    },
+    session::{FileSet, Request, provenance},
+};
+use fmu_import::{Description, Package, quantity::Scale, units::Conversion};
 use fmu_points::failure::{Failure, Partial};
 use number_tables::Table;
-use point_journal::files::write_text;
-use point_journal::pipeline::folder::Earlier;
-use point_journal::{Lock, lines};
+use point_journal::{Lock, files::write_text, lines, pipeline::folder::Earlier};
 use study::Study;
 
-pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &cli::Judge) -> Result<ExitCode> {
     let begun = Instant::now();
     let study = Study::read(&options.study)?;
     // The FMU only helps to convert units; without it the table must be in the study's.
@@ -36,8 +33,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
     let conversions = conversions(&study, &judge, fmu)?;
     let mut rows = Table::read_results(&options.table, &columns(&study))?;
     // The rows of a table need not be in the order of the points, so that nobody knows which belong to one net.
-    let sample = Sample::of(&study, rows.rows.len() as u64, 1);
-    let mut tally = Tally::new(&judge, sample);
+    let mut tally = Tally::new(&judge, Sample::of(&study, rows.rows.len() as u64, 1));
     let mut survey = Survey::new(&judge, None);
     let (mut seen, mut repeated) = (HashSet::new(), 0);
     let folder = options.output.as_deref();
@@ -55,10 +51,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
         let outcome = match missing {
             None => Ok(std::mem::take(row)),
             Some(k) => Err(Failure::NotFinite(Partial::new(
-                match judge.cases.is_empty() {
-                    true => &judge.criteria[k].variable,
-                    false => &judge.criteria[k].name,
-                },
+                if judge.cases.is_empty() { &judge.criteria[k].variable } else { &judge.criteria[k].name },
                 row,
             ))),
         };
@@ -71,8 +64,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
     let provenance = Provenance { method: "table".to_owned(), ..provenance(&study) };
     let mut summary = tally.summary(study.title.clone(), provenance, Vec::new());
     survey.complete(&mut summary);
-    let repeated = concerns::repeated(repeated, tally.points);
-    summary.concerns.extend(repeated);
+    summary.concerns.extend(concerns::repeated(repeated, tally.points));
     summary.dossier = study.dossier.clone();
     summary.run = Some(Run::since(begun, 0, 0));
     if let Some(files) = files {
@@ -82,19 +74,15 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode, Error> {
         write_text(&folder.join("study.toml"), study.text())?;
         complete(folder);
     }
-    let folder = options.output.as_deref();
-    output::print(&table::told(&summary, folder, options.verbose));
+    output::print(&table::told(&summary, options.output.as_deref(), options.verbose));
     gate::verdict(&summary, &options.gate)
 }
 
 /// Takes the folder for the results. It keeps the request, unless it holds that of a run of the same study.
-fn take(options: &cli::Judge, study: &Study, folder: &Path) -> Result<Lock, Error> {
+fn take(options: &cli::Judge, study: &Study, folder: &Path) -> Result<Lock> {
     let request =
         Request { study: options.study.clone(), points_from: Some(options.table.clone()), ..Request::default() };
-    let earlier = match options.force {
-        true => Earlier::Replaced,
-        false => Earlier::Complete,
-    };
+    let earlier = if options.force { Earlier::Replaced } else { Earlier::Complete };
     request.check(folder, None, None, earlier)?;
     request.check_files(folder, earlier)?;
     let lock = Lock::take(folder)?;
@@ -113,8 +101,7 @@ fn columns(study: &Study) -> Vec<(Vec<String>, String)> {
     };
     let names = study.criteria.iter().map(|(name, criterion)| {
         let in_case = criterion.case.is_some();
-        let mapped = criterion.column.clone();
-        let mapped = mapped.filter(|column| !(in_case && is_shared(column)));
+        let mapped = criterion.column.clone().filter(|column| !(in_case && is_shared(column)));
         let usual = [name.as_ref().clone(), criterion.variable.as_ref().clone()];
         // A table has no room for curves: its column holds the metric's value, not the variable's.
         let only_named = criterion.reference.is_some() || in_case;
@@ -126,23 +113,22 @@ fn columns(study: &Study) -> Vec<(Vec<String>, String)> {
 }
 
 /// From each column's unit to the criterion's.
-fn conversions(study: &Study, judge: &Judge, fmu: Option<&Description>) -> Result<Vec<Conversion>, Error> {
+fn conversions(study: &Study, judge: &Judge, fmu: Option<&Description>) -> Result<Vec<Conversion>> {
     let pairs = study.criteria.iter().zip(&judge.criteria);
     let conversion = |(name, text): (&study::Name, &study::CriterionText), unit| {
-        let Some(column_unit) = text.column_unit.as_deref() else {
-            return Ok(Conversion::IDENTITY);
-        };
+        let Some(column_unit) = text.column_unit.as_deref() else { return Ok(Conversion::IDENTITY) };
         let variable = fmu.and_then(|fmu| fmu.variables.get(text.variable.as_ref().as_str()));
         let scale = match (fmu, variable) {
             (Some(fmu), Some(variable)) => Scale::new(unit, fmu, variable),
             _ => Ok(Scale::alone(unit)),
         };
         let conversion = scale.and_then(|scale| scale.from(column_unit));
-        let conversion = conversion.map(|conversion| match text.reference {
-            Some(_) => conversion.of_differences(),
-            None => conversion,
-        });
-        conversion.map_err(|message| study.error_at(name, message).into())
+        conversion
+            .map(|conversion| match text.reference {
+                Some(_) => conversion.of_differences(),
+                None => conversion,
+            })
+            .map_err(|message| study.error_at(name, message).into())
     };
     pairs.map(|(entry, criterion)| conversion(entry, criterion.unit.as_deref())).collect()
 }

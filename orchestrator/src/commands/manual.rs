@@ -2,12 +2,14 @@
 
 use std::process::ExitCode;
 
-use crate::cli::{Cli, Manual};
-use crate::error::Error;
+use crate::{
+    cli::{Cli, Manual},
+    error::{Error, Result},
+};
 use clap::CommandFactory;
 use point_journal::files::make_folder;
 
-pub(super) fn run(options: &Manual) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Manual) -> Result<ExitCode> {
     let folder = &options.folder;
     make_folder(folder)?;
     clap_mangen::generate_to(Cli::command(), folder).map_err(Error::io(folder))?;

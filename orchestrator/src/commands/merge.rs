@@ -1,28 +1,28 @@
 //! `merge`: joins shards; the same result as one run.
 
-use std::path::PathBuf;
-use std::process::ExitCode;
-use std::thread::available_parallelism;
-use std::time::{Duration, Instant};
+use std::{
+    path::PathBuf,
+    process::ExitCode,
+    thread::available_parallelism,
+    time::{Duration, Instant},
+};
 
 use super::verify;
-use crate::cli::Merge;
-use crate::error::Error;
-use crate::methods::setup::{Place, Source};
-use crate::reruns::Wish;
-use crate::results::MOST_EXTRA_RUNS;
-use crate::results::summary::Run;
-use crate::session::{Request, Verification};
+use crate::{
+    cli::Merge,
+    error::{Error, Result},
+    methods::setup::{Place, Source},
+    reruns::Wish,
+    results::{MOST_EXTRA_RUNS, summary::Run},
+    session::{Request, Verification},
+};
 use fmu_points::Limits;
-use point_journal::pipeline::folder::Earlier;
-use point_journal::{Header, journal, lines};
+use point_journal::{Header, journal, lines, pipeline::folder::Earlier};
 
-pub(super) fn run(options: &Merge) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Merge) -> Result<ExitCode> {
     let start = Instant::now();
     let Merge { folders, output, .. } = options;
-    let [first, ..] = &folders[..] else {
-        return Err(Error::Missing(output.clone()));
-    };
+    let [first, ..] = &folders[..] else { return Err(Error::Missing(output.clone())) };
     let mut request = Request::read(first)?;
     request.shard = None;
     request.fmu = options.fmu.clone().or(request.fmu);
@@ -42,8 +42,7 @@ pub(super) fn run(options: &Merge) -> Result<ExitCode, Error> {
     }
     taken.journal.sync()?;
     let run = Run::since(start, 0, 0);
-    let summary = verification.conclude(output, Some(run), None, &mut looked, None);
-    let summary = summary.map_err(|error| match error {
+    let summary = verification.conclude(output, Some(run), None, &mut looked, None).map_err(|error| match error {
         Error::Incomplete { missing, points, .. } => Error::Refused(format!(
             "{missing} of {points} points are in none of the shards {}; merge all of them, or compute what is missing with \
              `verify STUDY --output {} --resume`",
@@ -73,7 +72,7 @@ pub(super) fn run(options: &Merge) -> Result<ExitCode, Error> {
 }
 
 /// Refuses folders that are not of one study, before anything is written; names their shards.
-fn shards(folders: &[PathBuf], of: &Header) -> Result<Vec<String>, Error> {
+fn shards(folders: &[PathBuf], of: &Header) -> Result<Vec<String>> {
     let name = |folder: &PathBuf| {
         let then = lines::header(folder)?;
         // Only the part differs from one to the other.

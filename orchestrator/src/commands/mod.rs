@@ -21,22 +21,18 @@ mod synchronise;
 mod table;
 mod verify;
 
-use std::ffi::OsString;
-use std::path::Path;
-use std::process::ExitCode;
+use std::{ffi::OsString, path::Path, process::ExitCode};
 
-use crate::cli::{Cli, Command};
-use crate::error::Error;
-use crate::junit::{self, Outcome, Test};
-use crate::methods::Method;
-use crate::methods::asking::Delivery;
-use crate::methods::rare;
-use crate::report::Report;
+use crate::{
+    cli::{Cli, Command},
+    error::{Error, Result},
+    junit::{self, Outcome, Test},
+    methods::{Method, asking::Delivery, rare},
+    report::Report,
+};
 use conformity::decision::Decision;
-use fmu_points::stop::INTERRUPTED;
-use fmu_points::tell as output;
-use point_journal::Error as Halt;
-use point_journal::files::write_json;
+use fmu_points::{stop::INTERRUPTED, tell as output};
+use point_journal::{Error as Halt, files::write_json};
 
 /// The exit code for a mistake in what was asked for.
 pub const MISTAKE: u8 = 2;
@@ -45,7 +41,7 @@ pub const MISTAKE: u8 = 2;
 ///
 /// # Errors
 /// With one clear line, for a mistake in what was asked for.
-pub fn run(cli: Cli) -> Result<ExitCode, Error> {
+pub fn run(cli: Cli) -> Result<ExitCode> {
     let junit = cli.command.junit().map(Path::to_owned);
     let done = dispatch(cli);
     if let (Err(error), Some(file)) = (&done, junit) {
@@ -63,8 +59,8 @@ pub fn run(cli: Cli) -> Result<ExitCode, Error> {
 /// Writes a mistake into the file of the tests, as that of an earlier run must not stand for this one.
 fn note_mistake(file: &Path, mistake: String) {
     let test = Test::new("orchestrator", "run", Outcome::Broken(mistake));
-    let written = junit::write(file, "orchestrator", &[test], 0.0);
-    written.unwrap_or_else(|error| left_out("the tests are in no file", &error));
+    junit::write(file, "orchestrator", &[test], 0.0)
+        .unwrap_or_else(|error| left_out("the tests are in no file", &error));
 }
 
 /// The same for a command line that cannot be read: the word after `--junit` is the file.
@@ -76,7 +72,7 @@ pub fn note_misread(mistake: &str) {
     }
 }
 
-fn dispatch(cli: Cli) -> Result<ExitCode, Error> {
+fn dispatch(cli: Cli) -> Result<ExitCode> {
     match cli.command {
         Command::Inspect(options) => inspect::run(&options),
         Command::Check(options) => check::run(&options),
@@ -109,7 +105,7 @@ fn dispatch(cli: Cli) -> Result<ExitCode, Error> {
 
 /// Delivers the result of a method: to its file, to the terminal, and to the page of a finished study in the same folder,
 /// where it belongs to that study.
-fn deliver(delivery: Delivery) -> Result<ExitCode, Error> {
+fn deliver(delivery: Delivery) -> Result<ExitCode> {
     let Delivery { result, folder, .. } = &delivery;
     result.write(folder)?;
     if let (Some(origin), true) = (&result.origin, folder.join("summary.json").exists()) {
@@ -136,8 +132,9 @@ fn deliver(delivery: Delivery) -> Result<ExitCode, Error> {
 
 /// Writes the page of a verdict, which is known and written: what fails here costs itself alone.
 fn complete(folder: &Path) {
-    let page = Report::from_folder(folder).and_then(|report| report.write(folder));
-    page.map_or_else(|error| left_out("there is no page", &error), drop);
+    Report::from_folder(folder)
+        .and_then(|report| report.write(folder))
+        .map_or_else(|error| left_out("there is no page", &error), drop);
 }
 
 fn left_out(what: &str, error: &dyn std::error::Error) {

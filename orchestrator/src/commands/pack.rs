@@ -1,18 +1,18 @@
 //! `pack`, and `verify` of what it has packed.
 
-use std::fs;
-use std::path::Path;
-use std::process::ExitCode;
+use std::{fs, path::Path, process::ExitCode};
 
 use super::{gate, output, verify};
-use crate::cli::{Pack, Verify};
-use crate::compare::{compare, write};
-use crate::error::Error;
-use crate::junit::{self, Outcome, Test};
-use crate::options::folder_of;
-use crate::packed::{altered, changed, choose, digests, pack, settle};
-use crate::results::table;
-use crate::session::Request;
+use crate::{
+    cli::{Pack, Verify},
+    compare::{compare, write},
+    error::{Error, Result},
+    junit::{self, Outcome, Test},
+    options::folder_of,
+    packed::{altered, changed, choose, digests, pack, settle},
+    results::table,
+    session::Request,
+};
 use fmu_import::Package;
 use point_journal::Lock;
 use study::Study;
@@ -21,7 +21,7 @@ use study::Study;
 const CARRIED: &str = "carried";
 
 /// `pack`: puts a study with its results into a copy of its FMU.
-pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Pack) -> Result<ExitCode> {
     let study = Study::read(&options.study)?;
     check_output(options, &study)?;
     let results = match &options.from {
@@ -33,8 +33,7 @@ pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
             own.work.output = Some(folder.clone());
             own.work.means.fmu.clone_from(&options.fmu);
             verify::run(&own).map_err(|error| {
-                let text = error.to_string();
-                match text.split_once(';') {
+                match error.to_string().split_once(';') {
                     // Its options are those of `verify`.
                     Some((what, remedy)) if remedy.contains("--force") => {
                         Error::Refused(format!("{what}; verify the study into another folder, and name that by --from"))
@@ -47,13 +46,16 @@ pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
     };
     let summary = table::summary(&results)?;
     let mut package = study.open_fmu(options.fmu.as_deref())?;
-    let fits = |digest: Option<&String>, wanted: &str, what: &str| match digest.map(String::as_str) == Some(wanted) {
-        true => Ok(()),
-        false => Err(Error::Refused(format!(
-            "{} holds results of another {what}; verify {} again, or leave out --from",
-            results.display(),
-            options.study.display()
-        ))),
+    let fits = |digest: Option<&String>, wanted: &str, what: &str| {
+        if digest.map(String::as_str) == Some(wanted) {
+            Ok(())
+        } else {
+            Err(Error::Refused(format!(
+                "{} holds results of another {what}; verify {} again, or leave out --from",
+                results.display(),
+                options.study.display()
+            )))
+        }
     };
     let from = &summary.provenance;
     fits(Some(&from.study_sha256), &study.digest(), "study, or of its earlier text")?;
@@ -74,7 +76,7 @@ pub(super) fn run(options: &Pack) -> Result<ExitCode, Error> {
 }
 
 /// Refuses to replace a file without the user's word, and the study's own FMU with it.
-fn check_output(options: &Pack, study: &Study) -> Result<(), Error> {
+fn check_output(options: &Pack, study: &Study) -> Result {
     let there = fs::canonicalize(&options.output).ok();
     let refuse = |message: &str| Err(Error::option("output", format!("{} {message}", options.output.display())));
     match there {
@@ -93,14 +95,17 @@ pub(super) fn is_fmu(path: &Path) -> bool {
 }
 
 /// `verify MODEL.fmu`: runs the study that the FMU carries, and compares with the result that it carries.
-pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
+pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode> {
     let fmu = options.work.study.clone();
     let mut package = Package::open(&fmu)?;
     let (carried, others) = choose(&mut package, options.carried.as_deref())?;
     let name = &carried.name;
     // Two FMUs may carry studies of one name, and `pack` has the study's own results in a folder of this name.
-    let usual = || Path::new("results").join(fmu.file_name().unwrap_or_default()).join(name);
-    let folder = options.work.output.clone().unwrap_or_else(usual);
+    let folder = options
+        .work
+        .output
+        .clone()
+        .unwrap_or_else(|| Path::new("results").join(fmu.file_name().unwrap_or_default()).join(name));
     let place = folder.join(CARRIED);
     let earlier = options.work.resuming.earlier();
     let aside = settle(&mut package, &carried, &place, |study| {
@@ -164,10 +169,7 @@ pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode, Error> {
         junit::write(&file, &gate::name(&summary), &tests, seconds)?;
     }
     let strict = options.gate.strict && !(changed.is_empty() && altered.is_empty());
-    Ok(match met && !strict {
-        true => code,
-        false => ExitCode::FAILURE,
-    })
+    Ok(if met && !strict { code } else { ExitCode::FAILURE })
 }
 
 /// Whether files are those that were packed.

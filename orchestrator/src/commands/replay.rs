@@ -1,24 +1,33 @@
 //! `replay`: runs one point of a study again, with its trajectory.
 
-use std::fs::File;
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::{
+    fs::File,
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
-use super::isolated::{Columns, Isolated};
-use super::output;
-use crate::cli::Replay;
-use crate::error::Error;
-use crate::judge::Judge;
-use crate::results::points::number;
-use crate::results::table;
-use crate::session::Verification;
-use fmu_points::names::{did_you_mean, nearest};
-use fmu_points::task::Case;
-use point_journal::files::{draft, keep};
-use point_journal::pipeline::{Model, difference};
-use point_journal::{Finished, Outcome};
+use super::{
+    isolated::{Columns, Isolated},
+    output,
+};
+use crate::{
+    cli::Replay,
+    error::{Error, Result},
+    judge::Judge,
+    results::{points::number, table},
+    session::Verification,
+};
+use fmu_points::{
+    names::{did_you_mean, nearest},
+    task::Case,
+};
+use point_journal::{
+    Finished, Outcome,
+    files::{draft, keep},
+    pipeline::{Model, difference},
+};
 
-pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Replay) -> Result<ExitCode> {
     let mut verification = Verification::reopen(&options.folder, options.fmu.clone())?;
     let source = &verification.source;
     let index = source.index_of(options.point).ok_or_else(|| {
@@ -39,8 +48,7 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
         let again = Isolated::new(&mut session.package)?;
         let case = std::slice::from_ref(&session.plan.cases[case]);
         // One in the folder is replaced when it is complete; where the user wants it may be a pipe.
-        let kept = options.output.is_none().then(|| draft(&options.folder));
-        let kept = kept.transpose().map_err(Error::io(&path))?;
+        let kept = options.output.is_none().then(|| draft(&options.folder)).transpose().map_err(Error::io(&path))?;
         let file = match &kept {
             Some(file) => file.reopen(),
             None => File::create(&path),
@@ -54,8 +62,7 @@ pub(super) fn run(options: &Replay) -> Result<ExitCode, Error> {
         if let Some(file) = kept {
             keep(file, &path)?;
         }
-        let of = case[0].name.as_ref();
-        let of = of.map_or_else(String::new, |name| format!(" of the case {name}"));
+        let of = case[0].name.as_ref().map(|name| format!(" of the case {name}")).unwrap_or_default();
         files += &format!("trajectory{of} in {}\n", path.display());
     }
     let mut text = format!("point {}\n", options.point);
@@ -102,9 +109,9 @@ fn recorded(folder: &Path, index: u64) -> Option<Outcome> {
 }
 
 /// The cases whose trajectories are written, each with its file.
-fn wanted(options: &Replay, cases: &[Case]) -> Result<Vec<(usize, PathBuf)>, Error> {
+fn wanted(options: &Replay, cases: &[Case]) -> Result<Vec<(usize, PathBuf)>> {
     let point = options.point;
-    let wrong = |option, message: String| Err(Error::option(option, message));
+    let wrong = |option, message| Err(Error::option(option, message));
     let names: Vec<&str> = cases.iter().filter_map(|case| case.name.as_deref()).collect();
     let chosen = match &options.case {
         None => None,
@@ -115,25 +122,23 @@ fn wanted(options: &Replay, cases: &[Case]) -> Result<Vec<(usize, PathBuf)>, Err
             Some(case) => Some(case),
             None => {
                 let suggestion = did_you_mean(nearest(name, names.iter().copied()));
-                let message = format!("the study has no case `{name}`{suggestion}");
-                return wrong("case", message);
+                return wrong("case", format!("the study has no case `{name}`{suggestion}"));
             }
         },
     };
     if options.output.is_some() && chosen.is_none() && cases.len() > 1 {
-        let message = "one file holds the trajectory of one case; choose it with --case NAME";
-        return wrong("output", message.to_owned());
+        return wrong("output", "one file holds the trajectory of one case; choose it with --case NAME".to_owned());
     }
-    let usual = |case: usize| match names.is_empty() {
-        true => format!("point-{point}.csv"),
-        false => format!("point-{point}-case-{}.csv", case + 1),
+    let usual = |case: usize| {
+        if names.is_empty() { format!("point-{point}.csv") } else { format!("point-{point}-case-{}.csv", case + 1) }
     };
-    let numbers = chosen.map_or(0..cases.len(), |case| case..case + 1);
-    let file = |case| {
-        let given = options.output.clone();
-        (case, given.unwrap_or_else(|| options.folder.join(usual(case))))
-    };
-    Ok(numbers.map(file).collect())
+    Ok(chosen
+        .map_or(0..cases.len(), |case| case..case + 1)
+        .map(|case| {
+            let given = options.output.clone();
+            (case, given.unwrap_or_else(|| options.folder.join(usual(case))))
+        })
+        .collect())
 }
 
 /// Whether the study's guard band lets a point pass; none where no guard band acts, or the study has not found it yet.

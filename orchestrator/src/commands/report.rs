@@ -3,11 +3,9 @@
 use std::process::ExitCode;
 
 use super::output;
-use crate::cli;
-use crate::error::Error;
-use crate::report::Report;
+use crate::{cli, error::Result, report::Report};
 
-pub(super) fn run(options: &cli::Report) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &cli::Report) -> Result<ExitCode> {
     let page = Report::from_folder(&options.folder)?.write(&options.folder)?;
     output::print(&format!("{}\n", page.display()));
     Ok(ExitCode::SUCCESS)

@@ -2,30 +2,31 @@
 
 pub(super) mod recorded;
 
-use std::fs::File;
-use std::io;
-use std::path::Path;
-use std::process::ExitCode;
+use std::{fs::File, io, path::Path, process::ExitCode};
 
-use super::isolated::{Columns, Isolated};
-use super::output;
-use crate::cli::Simulate;
-use crate::error::Error;
+use super::{
+    isolated::{Columns, Isolated},
+    output,
+};
+use crate::{
+    cli::Simulate,
+    error::{Error, Result},
+};
 use fmu_import::{Causality, Description, Package, Value, Variable};
 use fmu_points::task::{Schedule, Task};
-use study::inputs::takes_any_step;
-use study::plan::{bare, find, size_of, value_of};
-use study::{Setting, ssv};
+use study::{
+    Setting,
+    inputs::takes_any_step,
+    plan::{bare, find, size_of, value_of},
+    ssv,
+};
 
-pub(super) fn run(options: &Simulate) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Simulate) -> Result<ExitCode> {
     let mut package = Package::open(&options.fmu)?;
     let set = settings(&options.set, &mut package)?;
     let fmu = package.description();
     let from = match &options.set_from {
-        Some(path) => {
-            let named = ssv::read(path, fmu)?.into_iter();
-            named.map(|(_, reference, value)| (reference, value)).collect()
-        }
+        Some(path) => ssv::read(path, fmu)?.into_iter().map(|(_, reference, value)| (reference, value)).collect(),
         None => Vec::new(),
     };
     // The command line overrides the file.
@@ -75,7 +76,7 @@ pub(super) fn schedule(
     start: Option<f64>,
     stop: Option<f64>,
     step: Option<f64>,
-) -> Result<Schedule, Error> {
+) -> Result<Schedule> {
     let suggested = Schedule::suggested(fmu);
     let start = start.unwrap_or(suggested.start);
     let stop = stop.unwrap_or(suggested.stop);
@@ -87,8 +88,7 @@ pub(super) fn schedule(
         leap: false,
         tolerance: suggested.tolerance,
     };
-    let checked = schedule.check();
-    checked.map_err(|message| Error::option("stop/--step", message))?;
+    schedule.check().map_err(|message| Error::option("stop/--step", message))?;
     if step.is_none() {
         schedule.check_suggested().map_err(|message| Error::option("step", message))?;
     }
@@ -99,8 +99,8 @@ pub(super) fn schedule(
 }
 
 /// Start values from `NAME=VALUE`; the package gets the sizes of arrays among them.
-pub(super) fn settings(texts: &[String], package: &mut Package) -> Result<Vec<(u32, Value)>, Error> {
-    let wrong = |message: String| Error::option("set", message);
+pub(super) fn settings(texts: &[String], package: &mut Package) -> Result<Vec<(u32, Value)>> {
+    let wrong = |message| Error::option("set", message);
     let mut sizes = Vec::new();
     for text in texts {
         // A name may be one that only these sizes give.

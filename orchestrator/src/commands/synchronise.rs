@@ -3,14 +3,19 @@
 use std::process::ExitCode;
 
 use super::output;
-use crate::cli;
-use crate::error::Error;
-use crate::recording::{Recorded, Settings};
-use crate::report::recording;
+use crate::{
+    cli,
+    error::Result,
+    recording::{Recorded, Settings},
+    report::recording,
+};
 use number_tables::files::FileError;
 use point_journal::files::{make_folder, write_text};
-use rig_signals::case::{Case, Frame};
-use rig_signals::{RigRecording, Synchronised, criteria, synchronise};
+use rig_signals::{
+    RigRecording, Synchronised,
+    case::{Case, Frame},
+    criteria, synchronise,
+};
 
 const NO_POWER: &str = "\n# No criterion on the friction power (torque times speed): for one, name the variable of the FMU\n\
     # in the settings, power = { variable = \"...\" }.\n";
@@ -19,7 +24,7 @@ const NO_POWER: &str = "\n# No criterion on the friction power (torque times spe
 const NO_DRIVE: &str = "nothing drives the model in a case: add the FMU's variable to the speed, speed = { variable = \
                         \"drive.speed\", ... }, or inputs.\"VARIABLE\" = { column = \"...\" }";
 
-pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode> {
     let settings = Settings::read(&options.settings)?;
     let files = settings.files(&options.measured)?;
     let recorded = files.recording()?;
@@ -27,8 +32,7 @@ pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode, Error> {
     let mut result = synchronise(&recorded).map_err(|error| FileError::new(first, error.to_string()))?;
     result.warnings.extend(files.notes());
     if options.case.is_some() {
-        let notes = files.too_tight(&recorded, &result);
-        result.warnings.extend(notes);
+        result.warnings.extend(files.too_tight(&recorded, &result));
     }
     let folder = &options.output;
     make_folder(folder)?;
@@ -56,7 +60,7 @@ fn case(
     (settings, files): (&Settings, &Recorded<'_>),
     recorded: &RigRecording,
     result: &Synchronised,
-) -> Result<String, Error> {
+) -> Result<String> {
     let (folder, drives) = (&options.output, files.drives()?);
     settings.check_case(name)?;
     if drives.is_empty() && recorded.bearing.is_some() {

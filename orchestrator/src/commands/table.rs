@@ -1,14 +1,17 @@
 //! The result on the terminal: the first screen, or all of it with the table of counts that the paper prints.
 
-use std::fmt::Write;
-use std::path::Path;
+use std::{fmt::Write, path::Path};
 
-use crate::methods::{self, known::Finished};
-use crate::report::counted::risks;
-use crate::results::Summary;
-use crate::results::answer::{Answer, remarks};
-use crate::results::summary::{Count, FailedPoint, FailureKind};
-use crate::results::surrogate;
+use crate::{
+    methods::{self, known::Finished},
+    report::counted::risks,
+    results::{
+        Summary,
+        answer::{Answer, remarks},
+        summary::{Count, FailedPoint, FailureKind},
+        surrogate,
+    },
+};
 use result_document::wrapped;
 
 /// The result for people: what fits a screen, or all of it. The page is in `folder`.
@@ -25,8 +28,7 @@ pub(super) fn told(summary: &Summary, folder: Option<&Path>, verbose: bool) -> S
     }
     // Of what does not fit, the less important is left out: first of what decides, down to its warnings, then of what to do next,
     // then warnings, down to two sentences, and at last criteria.
-    let warns = |sentence: &String| sentence.starts_with("Warning: ");
-    let warned = answer.decides.iter().rposition(warns).map_or(0, |k| k + 1);
+    let warned = answer.decides.iter().rposition(|sentence| sentence.starts_with("Warning: ")).map_or(0, |k| k + 1);
     let ([mut decides, mut next], mut rows) = (all, MOST_ROWS);
     loop {
         let more = match all[0] + all[1] - decides - next {
@@ -55,10 +57,7 @@ fn clipped(label: &str, sentence: &str) -> String {
     const MOST: usize = 4;
     let whole = wrapped(label, sentence);
     let lines: Vec<&str> = whole.lines().take(MOST).collect();
-    match lines.len() < whole.lines().count() {
-        true => lines.join("\n") + " …\n",
-        false => whole,
-    }
+    if lines.len() < whole.lines().count() { lines.join("\n") + " …\n" } else { whole }
 }
 
 /// The lines of a terminal.
@@ -67,8 +66,7 @@ const LINES: usize = 24;
 /// How many lines a terminal of 80 columns takes for a text.
 fn height(text: &str) -> usize {
     const WIDTH: usize = 80;
-    let lines = text.lines().map(|line| line.chars().count().div_ceil(WIDTH).max(1));
-    lines.sum()
+    text.lines().map(|line| line.chars().count().div_ceil(WIDTH).max(1)).sum()
 }
 
 /// The first screen with so many sentences on what decides and on what to do next.
@@ -81,9 +79,11 @@ fn screen(answer: &Answer, [decides, next]: [usize; 2], line: impl Fn(&str, &str
         ("Next", &answer.next[..next]),
     ];
     let lines = |(label, sentences): (&str, &[String])| -> String {
-        let labels = std::iter::once(label).chain(std::iter::repeat(""));
-        let pairs = labels.zip(sentences);
-        pairs.map(|(label, sentence)| line(label, sentence)).collect()
+        std::iter::once(label)
+            .chain(std::iter::repeat(""))
+            .zip(sentences)
+            .map(|(label, sentence)| line(label, sentence))
+            .collect()
     };
     let parts: String = parts.into_iter().map(lines).collect();
     format!("{} {}\n{parts}", answer.sign.mark(), answer.title)
@@ -97,10 +97,7 @@ fn least_met(summary: &Summary, most: usize) -> String {
         shown.truncate(most);
     }
     shown.sort_unstable();
-    let mut text = match shown.is_empty() {
-        true => String::new(),
-        false => heads(summary),
-    };
+    let mut text = if shown.is_empty() { String::new() } else { heads(summary) };
     for k in &shown {
         let (name, entry) = summary.criteria.get_index(*k).expect("a criterion's number");
         line(&mut text, &format!("{name}  {}", entry.criterion.wanted()), &entry.count);
@@ -171,11 +168,9 @@ fn line(text: &mut String, what: &str, count: &Count) {
 
 /// The best point for people.
 fn best(summary: &Summary) -> String {
-    let Some(best) = &summary.best_point else {
-        return String::new();
-    };
+    let Some(best) = &summary.best_point else { return String::new() };
     let with_unit = |name: &str, value: f64, unit: Option<&str>| {
-        let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
+        let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
         // Five places would leave nothing of a coefficient of expansion.
         if value != 0.0 && value.abs() < 0.01 {
             return format!("{name} {value:.4e}{unit}");
@@ -190,10 +185,7 @@ fn best(summary: &Summary) -> String {
         let unit = summary.criteria.get(name).and_then(|entry| entry.criterion.unit.as_deref());
         with_unit(name, value, unit)
     });
-    let kind = match best.verified {
-        true => format!("nearest {} point", summary.met()),
-        false => "nearest point".to_owned(),
-    };
+    let kind = if best.verified { format!("nearest {} point", summary.met()) } else { "nearest point".to_owned() };
     let parts: Vec<String> = values.chain(parameters).collect();
     format!("\n{kind}: {}\n  {}\n", best.point, parts.join("\n  "))
 }

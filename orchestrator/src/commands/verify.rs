@@ -1,35 +1,32 @@
 //! `verify`: simulates a study's points and judges them.
 
-use std::collections::BTreeMap;
-use std::fs;
-use std::ops::ControlFlow;
-use std::path::Path;
-use std::process::ExitCode;
-use std::time::Instant;
+use std::{collections::BTreeMap, fs, ops::ControlFlow, path::Path, process::ExitCode, time::Instant};
 
 use indexmap::{IndexMap, IndexSet};
-use toml::Spanned;
 
 use super::{best, complete, cost, gate, left_out, output, table};
-use crate::cli::{Gate, Verify};
-use crate::error::Error;
-use crate::methods::setup::{self, Place, Source, Work};
-use crate::methods::{asking, identify};
-use crate::options::folder_of;
-use crate::reruns::{self, Wish};
-use crate::results::summary::Run;
-use crate::results::{Looked, Summary};
-use crate::session::{Ending, Front, Request, Session, Verification};
+use crate::{
+    cli::{Gate, Verify},
+    error::{Error, Result},
+    methods::{
+        asking, identify,
+        setup::{self, Place, Source, Work},
+    },
+    options::folder_of,
+    reruns::{self, Wish},
+    results::{Looked, Summary, summary::Run},
+    session::{Ending, Front, Request, Session, Verification},
+};
 use conformity::decision::Decision;
 use fmu_points::names::behind;
-use fmu_points::task::Case;
-use point_journal::files::write_json;
-use point_journal::pipeline::Pipeline;
-use point_journal::pipeline::folder::Earlier;
-use point_journal::{Journal, lines};
+use point_journal::{
+    Journal,
+    files::write_json,
+    lines,
+    pipeline::{Pipeline, folder::Earlier},
+};
 use sampling::design::Method;
 use study::plan::bare;
-use study::{Name, Setting};
 
 /// With `--until`, a study has as many points as needed, but for a limit.
 const MOST_POINTS: u64 = 1_000_000;
@@ -45,7 +42,7 @@ fn refuse_no_verdict(options: &Verify) -> Result<(), Error> {
     Err(Error::option("junit", message))
 }
 
-pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
+pub(super) fn run(options: &Verify) -> Result<ExitCode> {
     let begun = Instant::now();
     refuse_no_verdict(options)?;
     let mut verification = Verification::open(request(options)?)?;
@@ -67,9 +64,8 @@ pub(super) fn run(options: &Verify) -> Result<ExitCode, Error> {
     }
     let place = Place { output: &folder, analysis: None, earlier: options.work.resuming.earlier() };
     let header = verification.header.clone();
-    let taken = place.take(verification.parts(), &header, || match place.earlier == Earlier::Resumed {
-        true => extend(&verification, &folder),
-        false => Ok(()),
+    let taken = place.take(verification.parts(), &header, || {
+        if place.earlier == Earlier::Resumed { extend(&verification, &folder) } else { Ok(()) }
     })?;
     let work = Work {
         means,
@@ -129,24 +125,25 @@ fn explain(options: &Verify, folder: &Path, summary: &mut Summary) {
         Ok(causes) => summary.causes = causes,
         Err(error) => left_out("what would explain the verdict was not sought", &error),
     }
-    let written = write_json(&folder.join("summary.json"), summary);
-    written.unwrap_or_else(|error| left_out("the causes are in no summary", &error));
+    write_json(&folder.join("summary.json"), summary)
+        .unwrap_or_else(|error| left_out("the causes are in no summary", &error));
 }
 
 /// When the study may end before its last point. Refuses options that the study's design cannot follow.
-fn check(options: &Verify, verification: &Verification, looked: &Looked) -> Result<Option<Ending>, Error> {
+fn check(options: &Verify, verification: &Verification, looked: &Looked) -> Result<Option<Ending>> {
     let method = verification.session.study.design.method;
     if options.points.is_some() && method.is_by_levels() {
-        let message = "the design has as many points as the levels make; change `levels`";
-        return Err(Error::option("points", message));
+        return Err(Error::option("points", "the design has as many points as the levels make; change `levels`"));
     }
-    let ending = options.until;
-    let ending = ending.map(|until| verification.ending(until, &looked.history));
-    ending.transpose().map_err(|message| Error::option("until", message))
+    options
+        .until
+        .map(|until| verification.ending(until, &looked.history))
+        .transpose()
+        .map_err(|message| Error::option("until", message))
 }
 
 /// Lets a run with fewer points go on with more, where these are the first ones of the longer run.
-fn extend(verification: &Verification, folder: &Path) -> Result<(), Error> {
+fn extend(verification: &Verification, folder: &Path) -> Result {
     let header = &verification.header;
     let then = match lines::header(folder) {
         Ok(then) if header.extends(&then) => then,
@@ -164,11 +161,13 @@ fn extend(verification: &Verification, folder: &Path) -> Result<(), Error> {
     let method = verification.session.study.design.method.name();
     let with = Method::named(Method::is_extensible);
     let points = then.points.unwrap_or(0);
-    let message = format!(
-        "the points of a {method} depend on how many they are, so the {points} that are done are none of a longer one; \
+    Err(Error::option(
+        "points",
+        format!(
+            "the points of a {method} depend on how many they are, so the {points} that are done are none of a longer one; \
          choose another --output, or method = {with}"
-    );
-    Err(Error::option("points", message))
+        ),
+    ))
 }
 
 /// Completes the folder and says what came out. The verdict is known and written: what fails here costs itself alone.
@@ -178,7 +177,7 @@ pub(super) fn conclude(
     mut summary: Summary,
     wish: &Wish,
     (gate, verbose): (&Gate, bool),
-) -> Result<ExitCode, Error> {
+) -> Result<ExitCode> {
     finish(verification, folder, &mut summary, wish);
     output::print(&table::told(&summary, Some(folder), verbose));
     gate::verdict(&summary, gate)
@@ -192,11 +191,11 @@ pub(super) fn finish(verification: &mut Verification, folder: &Path, summary: &m
 
 /// Runs some points once more, and writes the files of the best one.
 fn run_again(verification: &mut Verification, folder: &Path, summary: &mut Summary, wish: &Wish) {
-    let again = reruns::run(verification, folder, summary, wish);
-    again.unwrap_or_else(|error| left_out("no point was run once more", &error));
+    reruns::run(verification, folder, summary, wish)
+        .unwrap_or_else(|error| left_out("no point was run once more", &error));
     let Session { plan, package, .. } = &verification.session;
-    let best = best::write(folder, plan, package.description(), summary);
-    best.unwrap_or_else(|error| left_out("the best point is in no file", &error));
+    best::write(folder, plan, package.description(), summary)
+        .unwrap_or_else(|error| left_out("the best point is in no file", &error));
 }
 
 /// A number of things.
@@ -207,18 +206,22 @@ fn counted(number: u64, thing: &str) -> String {
 /// The plan of the run, for `--dry-run`.
 pub(super) fn plan(verification: &Verification, folder: &Path) -> String {
     let session = &verification.session;
-    let simulated = |case: &Case| {
-        let schedule = &case.task.schedule;
-        let name = case.name.as_ref();
-        format!(
-            "{}{} ({} to {} s)",
-            name.map_or_else(String::new, |name| format!("{name}: ")),
-            counted(schedule.steps(), "step"),
-            schedule.start,
-            schedule.stop,
-        )
-    };
-    let cases: Vec<String> = session.plan.cases.iter().map(simulated).collect();
+    let cases: Vec<String> = session
+        .plan
+        .cases
+        .iter()
+        .map(|case| {
+            let schedule = &case.task.schedule;
+            let name = case.name.as_ref();
+            format!(
+                "{}{} ({} to {} s)",
+                name.map_or_else(String::new, |name| format!("{name}: ")),
+                counted(schedule.steps(), "step"),
+                schedule.start,
+                schedule.stop,
+            )
+        })
+        .collect();
     let mut text =
         format!("{} of {} into {}\n", counted(verification.expected(), "point"), cases.join(", "), folder.display());
     for input in &session.plan.inputs {
@@ -258,17 +261,20 @@ fn set(session: &Session) -> String {
         format!("  {name} {low:.5} .. {high:.5}{unit} (recorded)\n")
     });
     let fixed = session.study.by_case().into_iter().flat_map(|(_, study)| {
-        let read = |(name, setting): (&Name, &Spanned<Setting>)| {
-            let variable = fmu.variables.get(name.as_ref())?;
-            bare(fmu, variable, setting.as_ref()).map(|read| format!("  {read}\n"))
-        };
-        study.fixed.iter().filter_map(read).collect::<Vec<_>>()
+        study
+            .fixed
+            .iter()
+            .filter_map(|(name, setting)| {
+                let variable = fmu.variables.get(name.as_ref())?;
+                bare(fmu, variable, setting.as_ref()).map(|read| format!("  {read}\n"))
+            })
+            .collect::<Vec<_>>()
     });
     let lines: IndexSet<String> = recorded.chain(fixed).collect();
     lines.into_iter().collect()
 }
 
-pub(super) fn request(options: &Verify) -> Result<Request, Error> {
+pub(super) fn request(options: &Verify) -> Result<Request> {
     Ok(Request {
         study: options.work.study.clone(),
         fmu: options.work.means.fmu.clone(),
@@ -287,7 +293,7 @@ fn compute(
     pipeline: &mut Pipeline<'_>,
     ending: Option<&Ending>,
     jobs: usize,
-) -> Result<bool, Error> {
+) -> Result<bool> {
     let judge = &verification.session.judge;
     let job = |index| verification.job(index);
     let finished = pipeline.finished();
@@ -306,10 +312,8 @@ fn compute(
         }
     }
     // The workers share out what is left, so they have to know how much that is.
-    let left = verification.expected().saturating_sub(pipeline.done());
-    let left = usize::try_from(left).unwrap_or(usize::MAX);
-    let is_open = |index: &u64| !finished.as_ref().is_some_and(|f| f.has(*index));
-    let open = verification.indexes().filter(is_open).take(left);
+    let left = usize::try_from(verification.expected().saturating_sub(pipeline.done())).unwrap_or(usize::MAX);
+    let open = verification.indexes().filter(|index| !finished.as_ref().is_some_and(|f| f.has(*index))).take(left);
     let (begun, mut done) = (Instant::now(), 0);
     pipeline.compute(open, &job, |index, outcome| {
         done += 1;

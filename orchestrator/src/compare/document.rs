@@ -3,14 +3,16 @@
 use std::path::Path;
 
 use super::{Change, Comparison, said};
-use crate::error::Error;
-use crate::judge::Criterion;
-use crate::plain;
+use crate::{error::Result, judge::Criterion, plain};
 use point_journal::files::{make_folder, write_json};
-use result_document::bins::axis_range;
-use result_document::format::{count, number, with_unit};
-use result_document::svg::{Frame, area, circle, path};
-use result_document::{Block, Document, Figure, Key, Table, numbers, words};
+use result_document::{
+    Block, Document, Figure, Key, Table,
+    bins::axis_range,
+    format::{count, number, with_unit},
+    numbers,
+    svg::{Frame, area, circle, path},
+    words,
+};
 
 impl Comparison {
     /// The document for terminal and page.
@@ -19,8 +21,8 @@ impl Comparison {
         told.blocks.push(Block::List(self.differences.clone()));
         told.warn(&self.warnings);
         told.heading(format!("Changes at {} points", count(self.pairs as usize)));
-        let figures = self.criteria.values().filter(|change| change.changed > 0).map(|change| change.figure.clone());
-        let figures: Vec<Figure> = figures.collect();
+        let figures: Vec<Figure> =
+            self.criteria.values().filter(|change| change.changed > 0).map(|change| change.figure.clone()).collect();
         if !figures.is_empty() {
             told.blocks.push(legend());
             told.blocks.push(Block::Figures("thirds".into(), figures));
@@ -54,10 +56,7 @@ impl Comparison {
         let number = |value: u64| count(value as usize);
         let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "–".to_owned());
         let short = |digest: &Option<String>| text(digest).chars().take(12).collect::<String>();
-        let new_fmu = match self.as_packed {
-            true => "as packed".to_owned(),
-            false => short(&self.new.from.fmu_sha256),
-        };
+        let new_fmu = if self.as_packed { "as packed".to_owned() } else { short(&self.new.from.fmu_sha256) };
         Table {
             name: "Both results".into(),
             columns: vec![words(""), numbers("Old"), numbers("New")],
@@ -150,10 +149,12 @@ pub(super) fn scatter(
     for (class, radius, sides) in
         [("out", 3.0, [[false; 2]; 2]), ("in", 3.0, [[true; 2]; 2]), ("part", 4.5, [[true, false], [false, true]])]
     {
-        let of_kind =
-            points.clone().enumerate().filter(|(k, (_, ok))| sides.contains(ok) && (ok[0] != ok[1] || k % every == 0));
-        let (shown, hidden): (Vec<[f64; 2]>, Vec<[f64; 2]>) =
-            of_kind.map(|(_, (values, _))| values).partition(|[old, new]| x.contains(*old) && y.contains(*new));
+        let (shown, hidden): (Vec<[f64; 2]>, Vec<[f64; 2]>) = points
+            .clone()
+            .enumerate()
+            .filter(|(k, (_, ok))| sides.contains(ok) && (ok[0] != ok[1] || k % every == 0))
+            .map(|(_, (values, _))| values)
+            .partition(|[old, new]| x.contains(*old) && y.contains(*new));
         outside += hidden.len();
         let marks = shown.into_iter().map(|[old, new]| circle([x.at(old), y.at(new)], radius));
         out += &path(&format!("pt {class}"), marks.collect::<String>());
@@ -177,7 +178,7 @@ pub(super) fn scatter(
 ///
 /// # Errors
 /// When the system says no.
-pub fn write(comparison: &Comparison, folder: &Path) -> Result<(), Error> {
+pub fn write(comparison: &Comparison, folder: &Path) -> Result {
     make_folder(folder)?;
     write_json(&folder.join("compare.json"), comparison)?;
     let title = comparison.headline();

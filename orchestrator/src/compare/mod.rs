@@ -8,17 +8,20 @@ use std::path::{Path, PathBuf};
 use indexmap::IndexMap;
 use serde::Serialize;
 
-use crate::error::Error;
-use crate::judge::Criterion;
-use crate::junit::{Outcome, Test};
-use crate::results::summary::{CriterionCount, Provenance};
-use crate::results::{self, Summary, table};
-use conformity::conclusion::grouped;
-use conformity::decision::Decision;
+use crate::{
+    error::Result,
+    judge::Criterion,
+    junit::{Outcome, Test},
+    results::{
+        self, Summary,
+        summary::{CriterionCount, Provenance},
+        table,
+    },
+};
+use conformity::{conclusion::grouped, decision::Decision};
 use pairs::Pairs;
 use parameter_regions::table::PointTable;
-use result_document::Figure;
-use result_document::format::number;
+use result_document::{Figure, format::number};
 use sampling::statistics::moments::{mean, quantile, sorted};
 
 pub use document::write;
@@ -178,7 +181,7 @@ fn is_rounding(old: f64, new: f64, scale: f64) -> bool {
 ///
 /// # Errors
 /// When one of them holds no finished study, or a damaged one.
-pub fn compare(old: &Path, new: &Path) -> Result<Comparison, Error> {
+pub fn compare(old: &Path, new: &Path) -> Result<Comparison> {
     let before = table::read(old)?;
     let now = table::read(new)?;
     Ok(between([old, new], [&before, &now]))
@@ -200,15 +203,12 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
     };
     let completed = |[i, j]: [usize; 2]| [before.1.completed(i), now.1.completed(j)];
     let with = |wanted: [bool; 2]| {
-        let points = pairs.both.iter().filter(|pair| completed(**pair) == wanted);
-        points.map(|[i, _]| before.1.ids[*i]).collect()
+        pairs.both.iter().filter(|pair| completed(**pair) == wanted).map(|[i, _]| before.1.ids[*i]).collect()
     };
     (told.lost, told.gained) = (with([true, false]), with([false, true]));
     let mut really = vec![false; pairs.both.len()];
     for (k, (name, was)) in before.0.criteria.iter().enumerate() {
-        let Some((l, _, is)) = now.0.criteria.get_full(name) else {
-            continue;
-        };
+        let Some((l, _, is)) = now.0.criteria.get_full(name) else { continue };
         if was.criterion.unit != is.criterion.unit || was.criterion.source() != is.criterion.source() {
             continue;
         }
@@ -266,8 +266,8 @@ impl Judged<'_> {
         let [was, is] = self.criteria;
         let room = was.room();
         let id = |pair: usize| table.ids[pairs.both[pair][0]];
-        let has_both = |pair: &usize| values[*pair].iter().all(|value| value.is_finite());
-        let both: Vec<usize> = (0..values.len()).filter(has_both).collect();
+        let both: Vec<usize> =
+            (0..values.len()).filter(|pair| values[*pair].iter().all(|value| value.is_finite())).collect();
         let difference = |pair: usize| values[pair][1] - values[pair][0];
         let is_changed = |pair: &usize| !is_rounding(values[*pair][0], values[*pair][1], room);
         let changed: Vec<usize> = both.iter().copied().filter(is_changed).collect();
@@ -277,19 +277,21 @@ impl Judged<'_> {
         // Another answer at the same value has no numerical reason.
         let is_same = |pair: &usize| values[*pair][0].to_bits() == values[*pair][1].to_bits();
         let other_limits = was.limits != is.limits;
-        let is_real = |pair: &usize| other_limits || is_same(pair) || (is_changed(pair) && exceeds(pair));
-        let (flipped, within): (Vec<usize>, Vec<usize>) = flipped.partition(is_real);
+        let (flipped, within): (Vec<usize>, Vec<usize>) =
+            flipped.partition(|pair| other_limits || is_same(pair) || (is_changed(pair) && exceeds(pair)));
         flipped.iter().for_each(|&pair| really[pair] = true);
-        let by_size = |a: &&usize, b: &&usize| {
-            let [a, b] = [a, b].map(|pair| difference(**pair).abs());
-            a.total_cmp(&b)
-        };
-        let largest = changed.iter().max_by(by_size).map(|&pair| Largest {
-            point: id(pair),
-            old: values[pair][0],
-            new: values[pair][1],
-            of_tolerance: difference(pair) / room,
-        });
+        let largest = changed
+            .iter()
+            .max_by(|a, b| {
+                let [a, b] = [a, b].map(|pair| difference(**pair).abs());
+                a.total_cmp(&b)
+            })
+            .map(|&pair| Largest {
+                point: id(pair),
+                old: values[pair][0],
+                new: values[pair][1],
+                of_tolerance: difference(pair) / room,
+            });
         let differences: Vec<f64> = both.iter().map(|&pair| difference(pair)).collect();
         let ids = |pairs: &[usize]| pairs.iter().map(|&pair| id(pair)).collect();
         Change {
@@ -313,18 +315,23 @@ fn place(table: &PointTable, pairs: &Pairs, both: &[usize], flipped: &[usize], d
     /// Fewer points show no region.
     const LEAST: usize = 5;
     let limit = quantile(&sorted(differences.iter().map(|difference| difference.abs()).collect()), 0.9);
-    let points = both.iter().zip(differences).map(|(pair, difference)| {
-        let is_chosen = match flipped.len() {
-            LEAST.. => flipped.binary_search(pair).is_ok(),
-            _ => difference.abs() >= limit && *difference != 0.0,
-        };
-        let parameters = table.parameters.iter().map(|parameter| parameter.values[pairs.both[*pair][0]]);
-        (parameters.collect(), is_chosen)
-    });
-    let points: Vec<(Vec<f64>, bool)> = points.collect();
+    let points: Vec<(Vec<f64>, bool)> = both
+        .iter()
+        .zip(differences)
+        .map(|(pair, difference)| {
+            let is_chosen = match flipped.len() {
+                LEAST.. => flipped.binary_search(pair).is_ok(),
+                _ => difference.abs() >= limit && *difference != 0.0,
+            };
+            let parameters = table.parameters.iter().map(|parameter| parameter.values[pairs.both[*pair][0]]);
+            (parameters.collect(), is_chosen)
+        })
+        .collect();
     let chosen = points.iter().filter(|(_, is_chosen)| *is_chosen).count();
-    let named = table.parameters.iter().enumerate();
-    let named: Vec<_> = named
+    let named: Vec<_> = table
+        .parameters
+        .iter()
+        .enumerate()
         .map(|(k, parameter)| (k, &*parameter.name, Some(&*parameter.unit).filter(|unit| !unit.is_empty())))
         .collect();
     (chosen.min(both.len() - chosen) >= LEAST).then(|| results::place(&named, &points))?
@@ -394,17 +401,14 @@ impl Comparison {
             differences.push(format!("{} {what}: {}{more}", points(found.count), first.join(", ")));
         }
         for (these, others, side) in [(before, now, "old"), (now, before, "new")] {
-            let is_missing = |name: &&String| !others.criteria.contains_key(*name);
-            let missing = these.criteria.keys().filter(is_missing);
+            let missing = these.criteria.keys().filter(|name| !others.criteria.contains_key(*name));
             differences.extend(missing.map(|name| format!("The criterion {name} is only in the {side} result")));
         }
         for (name, was) in &before.criteria {
-            let Some(is) = now.criteria.get(name) else {
-                continue;
-            };
+            let Some(is) = now.criteria.get(name) else { continue };
             let in_words = |count: &CriterionCount| {
                 let unit = count.criterion.unit.as_ref();
-                let unit = unit.map_or_else(String::new, |unit| format!(" in {unit}"));
+                let unit = unit.map(|unit| format!(" in {unit}")).unwrap_or_default();
                 count.criterion.source() + &unit
             };
             let (old, new) = (in_words(was), in_words(is));
@@ -453,8 +457,7 @@ impl Comparison {
             };
             Test::new(class, name, outcome)
         });
-        let first = [Test::new(class, "verdict", verdict), Test::new(class, "points", whole)];
-        first.into_iter().chain(criteria).collect()
+        [Test::new(class, "verdict", verdict), Test::new(class, "points", whole)].into_iter().chain(criteria).collect()
     }
 }
 

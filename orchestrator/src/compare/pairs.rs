@@ -20,8 +20,12 @@ pub(super) struct Pairs {
 impl Pairs {
     pub(super) fn new(old: &PointTable, new: &PointTable) -> Self {
         let named = |table: &PointTable| -> HashMap<(String, String), usize> {
-            let columns = table.parameters.iter().enumerate();
-            columns.map(|(k, column)| ((column.name.clone(), column.unit.clone()), k)).collect()
+            table
+                .parameters
+                .iter()
+                .enumerate()
+                .map(|(k, column)| ((column.name.clone(), column.unit.clone()), k))
+                .collect()
         };
         let (theirs, ours) = (named(old), named(new));
         // What `judge` has read says nothing of parameters: there the number alone tells a point.
@@ -35,13 +39,15 @@ impl Pairs {
                 pairs.only_old.push(id);
                 continue;
             };
-            let same = |[k, l]: &[usize; 2]| {
-                let [a, b] = [old.parameters[*k].values[i], new.parameters[*l].values[j]];
-                super::is_rounding(a, b, 0.0)
-            };
-            match same_columns && columns.iter().all(same) {
-                true => pairs.both.push([i, j]),
-                false => pairs.other_parameters.push(id),
+            if same_columns
+                && columns.iter().all(|[k, l]| {
+                    let [a, b] = [old.parameters[*k].values[i], new.parameters[*l].values[j]];
+                    super::is_rounding(a, b, 0.0)
+                })
+            {
+                pairs.both.push([i, j])
+            } else {
+                pairs.other_parameters.push(id)
             }
         }
         let known: HashMap<u64, usize> = old.ids.iter().copied().zip(0..).collect();

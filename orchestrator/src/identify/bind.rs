@@ -1,25 +1,29 @@
 //! Ties the section `[identify]` of a study to its FMU and its table.
 
-use super::cases::Columns;
-use super::late::Reading;
+use super::{cases::Columns, late::Reading};
 use crate::judge::sense;
 use calibration::problem::{
     Case, Channel, Effect, Free, Interval, Latent, Measured, Prior, Problem, Quantity, SharedKind, Source, Spacing,
 };
 use conformity::uncertainty::Uncertainty;
-use fmu_import::Description;
-use fmu_import::quantity::Quantity as Text;
-use fmu_import::quantity::{Scale, Sense};
-use fmu_import::units::Conversion;
-use fmu_points::task::{Case as Simulation, Probe, Slot};
-use fmu_points::tell;
+use fmu_import::{
+    Description,
+    quantity::{Quantity as Text, Scale, Sense},
+    units::Conversion,
+};
+use fmu_points::{
+    task::{Case as Simulation, Probe, Slot},
+    tell,
+};
 use number_tables::files::FileError;
 use sampling::statistics::Statistic;
-use study::identification::{Exception, FreeText, Identification, LatentText, MeasuredText};
-use study::inputs::taken_as_exact;
-use study::limit::gain;
-use study::plan::{Plan, find, slot_of};
-use study::{Name, Study};
+use study::{
+    Name, Study,
+    identification::{Exception, FreeText, Identification, LatentText, MeasuredText},
+    inputs::taken_as_exact,
+    limit::gain,
+    plan::{Plan, find, slot_of},
+};
 
 /// How far the bounds of a normal parameter are from its mean, in standard deviations.
 pub(super) const REACH: f64 = 5.0;
@@ -88,8 +92,7 @@ impl Bound {
         conversion: Conversion,
     ) -> Result<(), FileError> {
         for end in [free.min, free.max] {
-            let allowed = slot.check(conversion.value(end));
-            allowed.map_err(|message| study.error_of(name, message))?;
+            slot.check(conversion.value(end)).map_err(|message| study.error_of(name, message))?;
         }
         self.problem.free.push(free);
         self.inputs.push(conversion);
@@ -133,10 +136,8 @@ impl<'a> Input<'a> {
         name: &Name,
         text: &FreeText,
     ) -> Result<(Free, Self), FileError> {
-        let unit = text.unit.as_deref().or(text.min.unit.as_deref());
-        let input = Self::new(study, fmu, name, unit)?;
-        let free = free(name.as_ref(), text, &input.scale);
-        let free = free.map_err(|message| study.error_of(name, message))?;
+        let input = Self::new(study, fmu, name, text.unit.as_deref().or(text.min.unit.as_deref()))?;
+        let free = free(name.as_ref(), text, &input.scale).map_err(|message| study.error_of(name, message))?;
         Ok((free, input))
     }
 
@@ -161,9 +162,10 @@ pub(super) fn check_effort(study: &Study, settings: &Identification) -> Result<(
     if let Some((key, _)) = numbers.into_iter().find(|(_, number)| *number == 0) {
         return Err(study.error(format!("[identify] {key} must be 1 or more")));
     }
-    match settings.difference > 0.0 && settings.difference < 0.5 {
-        true => Ok(()),
-        false => Err(study.error("[identify] difference must lie between 0 and 0.5")),
+    if settings.difference > 0.0 && settings.difference < 0.5 {
+        Ok(())
+    } else {
+        Err(study.error("[identify] difference must lie between 0 and 0.5"))
     }
 }
 
@@ -178,13 +180,15 @@ impl Binder<'_> {
     fn bind(&self) -> Result<Bound, FileError> {
         let settings = self.settings;
         if !self.study.parameters.is_empty() {
-            let message = "identify does not use [parameters]: give each under [fixed], \
-                           [identify.free], [identify.known] or [identify.latent]";
-            return Err(self.study.error(message));
+            return Err(self.study.error(
+                "identify does not use [parameters]: give each under [fixed], \
+                           [identify.free], [identify.known] or [identify.latent]",
+            ));
         }
         if settings.free.is_empty() || settings.measured.is_empty() {
-            let message = "identify needs at least one [identify.free.NAME] and one [identify.measured.NAME]";
-            return Err(self.study.error(message));
+            return Err(self
+                .study
+                .error("identify needs at least one [identify.free.NAME] and one [identify.measured.NAME]"));
         }
         check_effort(self.study, settings)?;
         self.refuse_doubles()?;
@@ -253,13 +257,13 @@ impl Binder<'_> {
             let input = self.input(name, text.unit.as_deref())?;
             for exception in &text.except {
                 if !self.table.labels.contains(exception.case.as_ref()) {
-                    let message = format!("there is no case {}", exception.case.as_ref());
-                    return Err(self.study.error_at(&exception.case, message));
+                    return Err(self
+                        .study
+                        .error_at(&exception.case, format!("there is no case {}", exception.case.as_ref())));
                 }
             }
             let of_input = (&input.scale, Sense::Value);
-            let middles = self.values(text.column.as_deref(), text.value.as_ref(), of_input);
-            let middles = middles.map_err(self.at(name))?;
+            let middles = self.values(text.column.as_deref(), text.value.as_ref(), of_input).map_err(self.at(name))?;
             let cases = bound.problem.cases.iter_mut().zip(&self.table.labels);
             for ((case, label), middle) in cases.zip(middles) {
                 let exception = text.except.iter().find(|e| e.case.as_ref() == label);
@@ -280,8 +284,8 @@ impl Binder<'_> {
         for (name, text) in &self.settings.measured {
             let (probe, scale) = self.probe(text)?;
             let sense = sense(text.statistic);
-            let values = self.values(text.column.as_deref(), text.value.as_ref(), (&scale, sense));
-            let values = values.map_err(self.at(name))?;
+            let values =
+                self.values(text.column.as_deref(), text.value.as_ref(), (&scale, sense)).map_err(self.at(name))?;
             for (case, value) in bound.problem.cases.iter_mut().zip(values) {
                 let accuracy = deviation(text, value, &scale).map_err(self.at(name))?;
                 case.measured.push(Measured { value, accuracy });
@@ -325,8 +329,7 @@ impl Binder<'_> {
                 ))
             })?;
             let standard = expanded / Uncertainty::USUAL;
-            let cases = problem.cases.iter().enumerate();
-            let effects = cases.map(|(case, values)| Effect {
+            let effects = problem.cases.iter().enumerate().map(|(case, values)| Effect {
                 case,
                 quantity,
                 change: match kind {
@@ -348,16 +351,15 @@ impl Binder<'_> {
     }
 
     fn probe(&self, text: &MeasuredText) -> Result<(Probe, Scale<'_>), FileError> {
-        let at = |message: String| self.study.error_at::<String>(&text.variable, message);
+        let at = |message| self.study.error_at::<String>(&text.variable, message);
         let variable = find(self.fmu, text.variable.as_ref()).map_err(at)?;
         let probe = Probe::of(variable, text.statistic)
             .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;
         if text.statistic == Statistic::Percentile || text.statistic.unit().is_some() {
-            let message = format!(
+            return Err(at(format!(
                 "identify takes no {}; choose another statistic, such as max, or give the data as [[cases]]",
                 text.statistic.name()
-            );
-            return Err(at(message));
+            )));
         }
         let scale = Scale::new(text.unit.as_deref(), self.fmu, variable).map_err(at)?;
         Ok((probe, scale))
@@ -442,8 +444,9 @@ fn deviation(text: &MeasuredText, value: f64, scale: &Scale<'_>) -> Result<f64, 
         }
         _ => scale.number(number, Sense::Difference)?,
     };
-    match deviation > 0.0 && deviation.is_finite() {
-        true => Ok(deviation),
-        false => Err(format!("the accuracy {number} of {value} must be positive")),
+    if deviation > 0.0 && deviation.is_finite() {
+        Ok(deviation)
+    } else {
+        Err(format!("the accuracy {number} of {value} must be positive"))
     }
 }

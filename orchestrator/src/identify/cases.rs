@@ -1,7 +1,6 @@
 //! The table of measured cases.
 
-use number_tables::files::FileError;
-use number_tables::{Column, Table};
+use number_tables::{Column, Table, files::FileError};
 use study::{Identification, Name, Study};
 
 /// The columns of the table that the section names, or a single case without any.
@@ -18,20 +17,18 @@ impl Columns {
         let known = known.map(|(name, known)| (name, Some(&known.column)));
         let latent = settings.latent.iter();
         let latent = latent.map(|(name, latent)| (name, latent.column.as_ref()));
-        let measured = settings.measured.iter();
-        let measured = measured.map(|(name, text)| (name, text.column.as_ref()));
+        let measured = settings.measured.iter().map(|(name, text)| (name, text.column.as_ref()));
         let named: Vec<(&Name, &String)> =
             known.chain(latent).chain(measured).filter_map(|(name, column)| Some((name, column?))).collect();
         let Some(path) = &settings.cases else {
             if let Some((name, column)) = named.first() {
-                let message = format!("column `{column}` of which table? `cases` is missing under [identify]");
-                return Err(study.error_at(name, message));
+                return Err(study
+                    .error_at(name, format!("column `{column}` of which table? `cases` is missing under [identify]")));
             }
             return Ok(Self { names: Vec::new(), rows: vec![Vec::new()], labels: vec![1] });
         };
-        let wanted = named.iter();
-        let wanted = wanted.map(|(name, column)| number_tables::column(column, name.as_ref()));
-        let wanted: Vec<Column> = wanted.collect();
+        let wanted: Vec<Column> =
+            named.iter().map(|(name, column)| number_tables::column(column, name.as_ref())).collect();
         let table = Table::read_points(&study.path_of(path.as_ref()), &wanted)
             .map_err(|error| study.error_at(path, error.to_string()))?;
         let names = named.into_iter().map(|(_, column)| column.clone());
@@ -45,8 +42,8 @@ impl Columns {
 
     /// A column's numbers, case by case.
     pub(super) fn column(&self, name: &str) -> Vec<f64> {
-        let place = self.names.iter().position(|known| known == name);
-        let place = place.expect("every column that the section names was read");
+        let place =
+            self.names.iter().position(|known| known == name).expect("every column that the section names was read");
         self.rows.iter().map(|row| row[place]).collect()
     }
 }

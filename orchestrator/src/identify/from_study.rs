@@ -7,27 +7,34 @@
 
 use indexmap::IndexMap;
 
-use super::bind::{Bound, BoundCurve, Input, REACH, bare, check_effort};
-use super::late::{Read, Reading, late};
-use super::offsets;
-use crate::judge::{Criterion, Judge};
-use calibration::digits::rounded;
-use calibration::problem::{
-    Case, Channel, Effect, Estimate, Free, Measured, NotNormal, Population, Prior, Quantity, SharedKind, Source,
-    Spacing,
+use super::{
+    bind::{Bound, BoundCurve, Input, REACH, bare, check_effort},
+    late::{Read, Reading, late},
+    offsets,
 };
-use calibration::text::digits;
+use crate::judge::{Criterion, Judge};
+use calibration::{
+    digits::rounded,
+    problem::{
+        Case, Channel, Effect, Estimate, Free, Measured, NotNormal, Population, Prior, Quantity, SharedKind, Source,
+        Spacing,
+    },
+    text::digits,
+};
 use conformity::uncertainty::{self, Law, Uncertainty};
-use fmu_import::Description;
-use fmu_import::units::Conversion;
-use fmu_points::names::behind;
-use fmu_points::task::{Delay, MeasuredCurve, Probe, Schedule, Slot};
+use fmu_import::{Description, units::Conversion};
+use fmu_points::{
+    names::behind,
+    task::{Delay, MeasuredCurve, Probe, Schedule, Slot},
+};
 use number_tables::files::FileError;
 use rig_signals::scatter;
 use sampling::distribution::Distribution;
-use study::cases::SEPARATOR;
-use study::plan::{self, Plan};
-use study::{CriterionText, EstimateText, Identification, Name, Study};
+use study::{
+    CriterionText, EstimateText, Identification, Name, Study,
+    cases::SEPARATOR,
+    plan::{self, Plan},
+};
 
 /// The least independent part of an uncertainty that is otherwise shared: what no statement and no scatter tells, such as
 /// rounding.
@@ -40,8 +47,8 @@ pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Resu
     check(study, settings)?;
     let mut fitted = study.fitted();
     if let (Some(first), true) = (study.cases.first(), fitted.cases.is_empty()) {
-        let message = "every case is held out, so there is nothing to fit; remove `held-out` from one";
-        return Err(study.error_at(&first.name, message));
+        return Err(study
+            .error_at(&first.name, "every case is held out, so there is nothing to fit; remove `held-out` from one"));
     }
     for text in fitted.parameters.values_mut() {
         text.varies = None;
@@ -54,13 +61,9 @@ pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Resu
         known: vec![Vec::new()],
         ..Bound::default()
     };
-    let names = fitted.cases.iter().map(|case| case.name.as_ref().as_str());
-    let names: Vec<&str> = names.collect();
+    let names: Vec<&str> = fitted.cases.iter().map(|case| case.name.as_ref().as_str()).collect();
     bound.problem.cases.push(Case {
-        label: match names.is_empty() {
-            true => "1".to_owned(),
-            false => names.join(", "),
-        },
+        label: if names.is_empty() { "1".to_owned() } else { names.join(", ") },
         latents: Vec::new(),
         measured: Vec::new(),
     });
@@ -100,8 +103,7 @@ pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Resu
                 data
             }
             None => {
-                let uncertainty = criterion.uncertainty;
-                let uncertainty = uncertainty.ok_or_else(|| without_uncertainty(study, name, text))?;
+                let uncertainty = criterion.uncertainty.ok_or_else(|| without_uncertainty(study, name, text))?;
                 let (accuracy, law) = tied.value(number, first, criterion, &uncertainty, &mut shared);
                 bound.problem.not_normal.extend(law.map(|law| NotNormal { case: 0, quantity: first, law }));
                 let value = criterion.measured().value.ok_or_else(|| {
@@ -113,10 +115,7 @@ pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Resu
                 })?;
                 let difference = probe.statistic.is_difference();
                 bound.readings.push(Reading::Value(bound.outputs.len()));
-                bound.outputs.push(match difference {
-                    true => conversion.of_differences(),
-                    false => *conversion,
-                });
+                bound.outputs.push(if difference { conversion.of_differences() } else { *conversion });
                 bound.simulations[case].task.observed.push(probe.clone());
                 vec![(name.as_ref().clone(), Measured { value, accuracy })]
             }
@@ -156,12 +155,18 @@ fn as_normal(study: &Study, judge: &Judge, plan: &Plan) -> Option<String> {
         errors.is_some_and(|errors| errors.rectangular)
     };
     let of_value = |criterion: &Criterion| {
-        let is_other = |u: Uncertainty| u.repeats.is_some() || u.distribution == uncertainty::Distribution::Rectangular;
-        criterion.uncertainty.is_some_and(is_other)
+        criterion
+            .uncertainty
+            .is_some_and(|u| u.repeats.is_some() || u.distribution == uncertainty::Distribution::Rectangular)
     };
-    let all = study.criteria.keys().zip(&judge.criteria).zip(plan.placed_probes());
-    let others = all.filter(|((_, criterion), (_, probe))| of_curve(probe) || of_value(criterion));
-    let names: Vec<&str> = others.map(|((name, _), _)| name.as_ref().as_str()).collect();
+    let names: Vec<&str> = study
+        .criteria
+        .keys()
+        .zip(&judge.criteria)
+        .zip(plan.placed_probes())
+        .filter(|((_, criterion), (_, probe))| of_curve(probe) || of_value(criterion))
+        .map(|((name, _), _)| name.as_ref().as_str())
+        .collect();
     (!names.is_empty()).then(|| {
         format!(
             "The table takes the errors of {} as normal, though they are rectangular, or known from few repeats: rectangular ones with \
@@ -196,8 +201,7 @@ impl Lags {
         let own = text.lag.as_ref().map(|lag| (name, lag));
         let mut lags = Vec::new();
         for (name, lag) in of_case.into_iter().chain(own) {
-            let ends = lag.ends();
-            let ends = ends.map_err(|message| study.error_of(name, message))?;
+            let ends = lag.ends().map_err(|message| study.error_of(name, message))?;
             lags.push((format!("{}/lag", name.as_ref()), ends));
         }
         if let Delay::Within(ends) = curve.delay {
@@ -237,18 +241,15 @@ fn check(study: &Study, settings: &Identification) -> Result<(), FileError> {
     if let Some((name, section)) = measured.chain(known).chain(latent).next() {
         return Err(study.error_at(name, format!("{advice} [identify.{section}]")));
     }
-    check_effort(study, settings)?;
-    Ok(())
+    check_effort(study, settings)
 }
 
 fn without_uncertainty(study: &Study, name: &Name, text: &CriterionText) -> FileError {
-    let stated = text.tolerance.as_ref();
-    let stated = stated.map_or_else(String::new, |tolerance| format!(" {tolerance}"));
-    let message = format!(
+    let stated = text.tolerance.as_ref().map(|tolerance| format!(" {tolerance}")).unwrap_or_default();
+    study.error_of(name, format!(
         "identify weighs each measured value by its uncertainty: add `uncertainty`; the tolerance{stated} says what is \
          accepted, not how well it was measured"
-    );
-    study.error_of(name, message)
+    ))
 }
 
 /// A measured curve of a criterion, whose rows are values of the problem from the number `first` on.
@@ -269,19 +270,23 @@ impl Recorded<'_> {
     /// The standard deviation of each row's own error. Where none is stated it is the recording's scatter, with a note.
     fn own(&self, notes: &mut Vec<String>) -> Result<Vec<f64>, String> {
         let Some(errors) = &self.curve.errors else {
-            let message = "identify weighs each value of a curve by its uncertainty: add `uncertainty` and `noise` to the reference \
-                           (one that is resampled to even times has none)";
-            return Err(message.to_owned());
+            return Err("identify weighs each value of a curve by its uncertainty: add `uncertainty` and `noise` to the reference \
+                           (one that is resampled to even times has none)".to_owned());
         };
         let combined = |(row, shared): (usize, &f64)| shared.hypot(errors.gain * self.curve.values[row]);
         let combined: Vec<f64> = errors.shared.iter().enumerate().map(combined).collect();
         let is_stated = self.states_noise();
         let scatter = scatter::scatter(&self.curve.values);
-        let own = errors.own.iter().zip(&combined).map(|(own, combined)| match is_stated {
-            true => *own,
-            false => scatter.map_or(*combined, |scatter| scatter.max(LEAST * combined)),
-        });
-        let own: Vec<f64> = own.collect();
+        let own: Vec<f64> = errors
+            .own
+            .iter()
+            .zip(&combined)
+            .map(
+                |(own, combined)| {
+                    if is_stated { *own } else { scatter.map_or(*combined, |scatter| scatter.max(LEAST * combined)) }
+                },
+            )
+            .collect();
         if let Some(row) = own.iter().position(|own| *own <= 0.0) {
             return Err(format!("the uncertainty at {} s is {}; it must be positive", self.curve.times[row], own[row]));
         }
@@ -329,20 +334,17 @@ impl Recorded<'_> {
         lags: (Vec<usize>, [f64; 2]),
         first: usize,
     ) -> Result<(Vec<Datum>, Read), String> {
-        let rows = self.curve.times.iter().zip(&self.curve.values);
-        let data = rows.zip(own).map(|((time, &value), &accuracy)| {
+        let data = self.curve.times.iter().zip(&self.curve.values).zip(own).map(|((time, &value), &accuracy)| {
             // Without the rounding of times that were shifted by a delay.
             let time = (time * 1e9).round() / 1e9;
             (format!("{} at {time} s", self.name.as_ref()), Measured { value, accuracy })
         });
-        let read = match lags.0.is_empty() {
-            false => late(probe, self.curve, schedule, lags, first)?,
-            true => {
-                let probes = self.curve.shown_times();
-                let probes = probes.map(|time| probe.at_row(self.curve, time));
-                let numbers = first..first + own.len();
-                (probes.collect(), numbers.map(Reading::Value).collect())
-            }
+        let read = if lags.0.is_empty() {
+            let probes = self.curve.shown_times().map(|time| probe.at_row(self.curve, time));
+            let numbers = first..first + own.len();
+            (probes.collect(), numbers.map(Reading::Value).collect())
+        } else {
+            late(probe, self.curve, schedule, lags, first)?
         };
         Ok((data.collect(), read))
     }
@@ -360,13 +362,12 @@ struct Shared {
 impl Shared {
     /// Lists a channel's error. Where the same error of the same sensor is listed already, only the channel's name is added.
     fn tell(&mut self, channel: Channel) {
-        let same = |known: &&mut Channel| {
+        match self.channels.iter_mut().find(|known| {
             known.kind == channel.kind
                 && known.unit == channel.unit
                 && known.sources == channel.sources
                 && known.limit == channel.limit
-        };
-        match self.channels.iter_mut().find(same) {
+        }) {
             Some(known) => known.name = format!("{} and {}", known.name, channel.name),
             None => self.channels.push(channel),
         }
@@ -382,16 +383,11 @@ impl Shared {
 
     /// Adds the offset and the gain of a curve's sensor.
     fn add(&mut self, recorded: &Recorded<'_>, (sensor, sign): (String, f64)) {
-        let Some(errors) = &recorded.curve.errors else {
-            return;
-        };
+        let Some(errors) = &recorded.curve.errors else { return };
         let [of_offset, of_gain] = errors.coverage;
         let first = errors.shared.first().copied().unwrap_or(0.0);
         let even = errors.shared.iter().all(|shared| (shared - first).abs() <= 1e-9 * first);
-        let (kind, one) = match even {
-            true => (SharedKind::Offset, first),
-            false => (SharedKind::Scaled, of_offset.recip()),
-        };
+        let (kind, one) = if even { (SharedKind::Offset, first) } else { (SharedKind::Scaled, of_offset.recip()) };
         // An uncertainty in per cent is a part of the value, as a gain's is.
         let values = recorded.curve.values.iter();
         let ratio = first / recorded.curve.values.first().copied().unwrap_or(1.0);
@@ -457,8 +453,11 @@ impl Tied {
             (matrix[a][b], matrix[b][a]) = (coefficient, coefficient);
         }
         let factor = factor(&matrix);
-        let repeats = |criterion: &Criterion| criterion.uncertainty?.repeats;
-        Self { means: judge.criteria.iter().filter_map(repeats).count(), numbers, factor }
+        Self {
+            means: judge.criteria.iter().filter_map(|criterion| criterion.uncertainty?.repeats).count(),
+            numbers,
+            factor,
+        }
     }
 
     /// The independent standard uncertainty of a value, number `quantity` of the problem, and its distribution where that is not
@@ -471,9 +470,7 @@ impl Tied {
         uncertainty: &Uncertainty,
         shared: &mut Shared,
     ) -> (f64, Option<Law>) {
-        let measured = criterion.measured().value;
-        let value = measured.unwrap_or(criterion.limits.about);
-        let law = uncertainty.law(value);
+        let law = uncertainty.law(criterion.measured().value.unwrap_or(criterion.limits.about));
         let Ok(place) = self.numbers.binary_search(&number) else {
             let accuracy = law.among(self.means).as_normal();
             return (accuracy, Some(law).filter(|law| !law.is_normal()));
@@ -547,18 +544,21 @@ impl Unknowns<'_> {
                 continue;
             }
             if !self.settings.free.is_empty() {
-                let message = "varies under [parameters], but is not under [identify.free]; add it there, or give it the \
-                               distribution `fixed`";
-                return Err(self.study.error_of(name, message));
+                return Err(self.study.error_of(
+                    name,
+                    "varies under [parameters], but is not under [identify.free]; add it there, or give it the \
+                               distribution `fixed`",
+                ));
             }
             let free = prior(input, slot).map_err(|message| self.study.error_of(name, message))?;
             self.add(bound, name, free, slot.clone(), input.conversion)?;
         }
-        match bound.problem.free.is_empty() {
-            true => Err(self.study.error(
+        if bound.problem.free.is_empty() {
+            Err(self.study.error(
                 "identify needs at least one parameter: one that varies under [parameters], or [identify.free.NAME]",
-            )),
-            false => Ok(()),
+            ))
+        } else {
+            Ok(())
         }
     }
 
@@ -575,11 +575,12 @@ impl Unknowns<'_> {
         let Some(varies) = text.and_then(|text| text.varies.as_ref()) else {
             return bound.add_free(self.study, name, free, slot, conversion);
         };
-        let cases = bound.simulations.iter().map(|case| case.name.clone());
-        let cases: Vec<String> = cases.flatten().collect();
+        let cases: Vec<String> = bound.simulations.iter().map(|case| case.name.clone()).flatten().collect();
         if cases.len() < 2 {
-            let message = "one case that is fitted shows no spread from case to case; give more, or remove `varies`";
-            return Err(self.study.error_at(varies, message));
+            return Err(self.study.error_at(
+                varies,
+                "one case that is fitted shows no spread from case to case; give more, or remove `varies`",
+            ));
         }
         let first = bound.problem.free.len();
         for (number, case) in cases.iter().enumerate() {
@@ -603,8 +604,7 @@ impl Unknowns<'_> {
         let free = || self.settings.free.keys();
         let is_free = |name: &Name| self.settings.free.contains_key(name.as_ref().as_str());
         for (_, study) in self.study.by_case() {
-            let others = study.set();
-            let others = others.filter(|(name, section)| *section != "[parameters]" || !is_free(name));
+            let others = study.set().filter(|(name, section)| *section != "[parameters]" || !is_free(name));
             let names = free().map(|name| (name, "[identify.free]"));
             self.study.once(self.fmu, others.chain(names))?;
         }

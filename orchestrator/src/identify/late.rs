@@ -41,8 +41,8 @@ impl Reading {
         let last = late.count - 1;
         let place = ((late.time - lag - late.start) / late.step).clamp(0.0, last as f64);
         let before = (place.floor() as usize).min(last - 1);
-        let at = |number: usize| readings[late.first + number.min(last)];
-        let [a, b, c, d] = [before.saturating_sub(1), before, before + 1, before + 2].map(at);
+        let [a, b, c, d] = [before.saturating_sub(1), before, before + 1, before + 2]
+            .map(|number| readings[late.first + number.min(last)]);
         // Catmull & Rom 1974: a cubic with the slopes of the neighbours' secants.
         let x = place - before as f64;
         let bend = 2.0 * a - 5.0 * b + 4.0 * c - d + x * (3.0 * (b - c) + d - a);

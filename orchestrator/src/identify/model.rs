@@ -5,10 +5,14 @@ use std::cell::RefCell;
 use super::bind::Bound;
 use crate::error::Error;
 use calibration::problem::{NoPrediction, Prediction, Query, Simulate};
-use fmu_points::Answer;
-use fmu_points::task::{Slot, Task};
-use point_journal::Outcome;
-use point_journal::pipeline::{Model, Pipeline};
+use fmu_points::{
+    Answer,
+    task::{Slot, Task},
+};
+use point_journal::{
+    Outcome,
+    pipeline::{Model, Pipeline},
+};
 
 impl Model for Bound {
     fn values(&self, point: &[f64]) -> Vec<f64> {
@@ -17,8 +21,7 @@ impl Model for Bound {
 
     fn outcome(&self, answer: Answer) -> Outcome {
         answer.map(|results| {
-            let predicted = results.iter().zip(&self.outputs);
-            predicted.map(|(&value, conversion)| conversion.value(value)).collect()
+            results.iter().zip(&self.outputs).map(|(&value, conversion)| conversion.value(value)).collect()
         })
     }
 
@@ -47,8 +50,7 @@ impl<'a, 'b> FmuModel<'a, 'b> {
 
     /// The communication steps of its simulations, s: each size once.
     pub fn steps(&self) -> Vec<f64> {
-        let simulations = self.bound.simulations.iter();
-        let mut steps: Vec<f64> = simulations.map(|case| case.task.schedule.step).collect();
+        let mut steps: Vec<f64> = self.bound.simulations.iter().map(|case| case.task.schedule.step).collect();
         steps.sort_by(f64::total_cmp);
         steps.dedup();
         steps
@@ -63,11 +65,12 @@ impl<'a, 'b> FmuModel<'a, 'b> {
     fn point(&self, query: &Query) -> Vec<f64> {
         // Lags stand last, and the FMU knows nothing of them.
         let free = &query.free[..query.free.len() - self.bound.lags.len()];
-        let sought = free.iter().chain(&query.latents);
-        let sought = sought.zip(&self.bound.inputs);
-        let sought = sought.map(|(&value, conversion)| conversion.value(value));
-        let known = self.bound.known[query.case].iter().copied();
-        known.chain(sought).collect()
+        let sought = free
+            .iter()
+            .chain(&query.latents)
+            .zip(&self.bound.inputs)
+            .map(|(&value, conversion)| conversion.value(value));
+        self.bound.known[query.case].iter().copied().chain(sought).collect()
     }
 
     /// The predictions of queries, given the outcomes of their points.
@@ -80,12 +83,14 @@ impl<'a, 'b> FmuModel<'a, 'b> {
             *self.halted.borrow_mut() = Some(halt.into());
             NoPrediction::Stopped
         })?;
-        let predicted = |(query, outcome): (&Query, Outcome)| {
-            let readings = outcome.map_err(|failure| failure.to_string())?;
-            let values = self.bound.readings.iter();
-            Ok(values.map(|reading| reading.value(&readings, &query.free)).collect())
-        };
-        Ok(queries.iter().zip(outcomes).map(predicted).collect())
+        Ok(queries
+            .iter()
+            .zip(outcomes)
+            .map(|(query, outcome)| {
+                let readings = outcome.map_err(|failure| failure.to_string())?;
+                Ok(self.bound.readings.iter().map(|reading| reading.value(&readings, &query.free)).collect())
+            })
+            .collect())
     }
 
     /// The predictions of queries by other simulations, whose runs are in no journal.
@@ -133,19 +138,24 @@ pub struct Extended<'a, 'b, 'c> {
 
 impl Simulate for Extended<'_, '_, '_> {
     fn simulate(&self, queries: &[Query]) -> Result<Vec<Prediction>, NoPrediction> {
-        let split = |query: &Query| {
-            let own = query.free.len() - self.slots.len();
-            let (free, further) = query.free.split_at(own);
-            (Query { free: free.to_vec(), ..query.clone() }, further.to_vec())
-        };
-        let (queries, further): (Vec<Query>, Vec<Vec<f64>>) = queries.iter().map(split).unzip();
-        let points = self.model.points(&queries).into_iter().zip(further);
-        let points = points.map(|(point, further)| [point, further].concat());
-        let change = |task: &mut Task| {
-            let is_further = |reference: u32| self.slots.iter().any(|slot| slot.handle.reference == reference);
-            task.fixed.retain(|(reference, _)| !is_further(*reference));
-            task.varied.extend(self.slots.iter().cloned());
-        };
-        self.model.apart(change, &queries, points.collect())
+        let (queries, further): (Vec<Query>, Vec<Vec<f64>>) = queries
+            .iter()
+            .map(|query| {
+                let own = query.free.len() - self.slots.len();
+                let (free, further) = query.free.split_at(own);
+                (Query { free: free.to_vec(), ..query.clone() }, further.to_vec())
+            })
+            .unzip();
+        let points =
+            self.model.points(&queries).into_iter().zip(further).map(|(point, further)| [point, further].concat());
+        self.model.apart(
+            |task| {
+                let is_further = |reference: u32| self.slots.iter().any(|slot| slot.handle.reference == reference);
+                task.fixed.retain(|(reference, _)| !is_further(*reference));
+                task.varied.extend(self.slots.iter().cloned());
+            },
+            &queries,
+            points.collect(),
+        )
     }
 }

@@ -9,8 +9,7 @@ use super::bind::{Bound, REACH};
 use calibration::problem::{Free, Prior, Spacing};
 use fmu_points::task::Series;
 use number_tables::files::FileError;
-use study::Study;
-use study::plan::Plan;
+use study::{Study, plan::Plan};
 
 /// Adds the errors of the recorded inputs of a study's cases to its unknowns, and says which inputs count as exact.
 ///
@@ -60,8 +59,8 @@ pub fn held(bound: &Bound) -> Option<String> {
         let moves = series.values.iter().any(|value| *value != series.values[0]);
         moves && !series.hold && !series.ramp
     };
-    let held = tasks().flat_map(|task| task.inputs.iter().filter(is_held));
-    let names: IndexSet<&str> = held.map(|series| series.slot.name.as_str()).collect();
+    let names: IndexSet<&str> =
+        tasks().flat_map(|task| task.inputs.iter().filter(is_held)).map(|series| series.slot.name.as_str()).collect();
     let step = tasks().map(|task| task.schedule.step).reduce(f64::max)?;
     (!names.is_empty()).then(|| {
         format!(

@@ -5,23 +5,21 @@ use conformity::measured::Limits;
 use curves::{Kind, Metric};
 use fmu_import::quantity::Scale;
 use number_tables::files::FileError;
-use study::limit::limit;
-use study::{CriterionText, DelayText, Name, ReferenceText, Study, first_wrong};
+use study::{CriterionText, DelayText, Name, ReferenceText, Study, first_wrong, limit::limit};
 
 /// Refuses keys of curves on a criterion that has no `reference`.
 pub(super) fn refuse_keys(text: &CriterionText) -> Result<(), String> {
-    let keys = [
+    [
         ("metric", text.metric.is_some()),
         ("normalise", text.normalise.is_some()),
         ("band", text.band.is_some()),
         ("least", text.least.is_some()),
         ("delay", text.delay.is_some()),
         ("lag", text.lag.is_some()),
-    ];
-    let stray = keys.iter().find(|(_, there)| *there);
-    stray.map_or(Ok(()), |(key, _)| {
-        Err(format!("`{key}` belongs to a measured curve; add `reference`, or remove `{key}`"))
-    })
+    ]
+    .iter()
+    .find(|(_, there)| *there)
+    .map_or(Ok(()), |(key, _)| Err(format!("`{key}` belongs to a measured curve; add `reference`, or remove `{key}`")))
 }
 
 /// The criterion on a curve: the metric's value has the ideal value 0 or 1, and may be so far away from it.
@@ -31,7 +29,7 @@ pub(super) fn criterion(
     text: &CriterionText,
     scale: &Scale<'_>,
 ) -> Result<Criterion, FileError> {
-    let at = |message: String| study.error_of(name, message);
+    let at = |message| study.error_of(name, message);
     let metric = text.metric.ok_or_else(|| {
         let names: Vec<String> = Metric::ALL.iter().map(|metric| metric.name()).collect();
         at(format!("a curve needs `metric`: {}", names.join(", ")))

@@ -1,13 +1,10 @@
 //! Measured values that are the product of two others: their errors follow, and are no second measurement.
 
-use super::scalar::distance_unit;
-use super::{Judge, product};
+use super::{Judge, product, scalar::distance_unit};
 use conformity::uncertainty::Uncertainty;
 use fmu_import::Description;
 use number_tables::files::FileError;
-use study::cases::SEPARATOR;
-use study::points::Pairs;
-use study::{CriterionText, Name, Study};
+use study::{CriterionText, Name, Study, cases::SEPARATOR, points::Pairs};
 
 /// A criterion whose error follows from others'.
 #[derive(Clone, Debug)]
@@ -32,18 +29,15 @@ impl Judge {
             if text.derived.is_none() {
                 continue;
             }
-            let wrong = |message: String| study.error_of(name, message);
+            let wrong = |message| study.error_of(name, message);
             if self.criteria[number].uncertainty.is_some() {
-                let message = "its error follows from those of its factors; remove `uncertainty` and the keys beside it, or `derived`";
-                return Err(wrong(message.to_owned()));
+                return Err(wrong("its error follows from those of its factors; remove `uncertainty` and the keys beside it, or `derived`".to_owned()));
             }
             let value = |k: usize| self.value(k).filter(|value| *value != 0.0);
             let mut factors: Vec<(usize, f64)> = Vec::new();
             for factor in self.factors(study, text, number).map_err(wrong)? {
                 let criterion = &self.criteria[factor];
-                let known = value(number).zip(value(factor));
-                let known = known.filter(|_| criterion.uncertainty.is_some());
-                let (product, factor_value) = known.ok_or_else(|| {
+                let (product, factor_value) = value(number).zip(value(factor)).filter(|_| criterion.uncertainty.is_some()).ok_or_else(|| {
                     wrong(format!(
                         "an error can only follow where both have a measured value other than 0, and {} its `uncertainty`",
                         criterion.name
@@ -100,10 +94,8 @@ impl Judge {
 
     /// The numbers of the criteria that are the factors of a derived one.
     fn factors(&self, study: &Study, text: &CriterionText, number: usize) -> Result<Vec<usize>, String> {
-        let Some(derived) = &text.derived else {
-            return Ok(Vec::new());
-        };
-        let case = text.case.map_or_else(String::new, |case| format!("{}{SEPARATOR}", study.cases[case].name.as_ref()));
+        let Some(derived) = &text.derived else { return Ok(Vec::new()) };
+        let case = text.case.map(|case| format!("{}{SEPARATOR}", study.cases[case].name.as_ref())).unwrap_or_default();
         let find = |key: &Name| {
             let full = format!("{case}{}", key.as_ref());
             self.names().position(|known| *known == full)
@@ -120,12 +112,11 @@ impl Judge {
         let factors: Vec<usize> = [Some(first), second].into_iter().flatten().collect();
         let is_derived = |k: usize| study.criteria.values().nth(k).is_some_and(|text| text.derived.is_some());
         let is_same = second == Some(first) || factors.contains(&number);
-        match is_same || factors.iter().any(|&k| is_derived(k)) {
-            true => Err(
-                "it is the product of another criterion and a further one, or an input; neither may be derived itself"
-                    .to_owned(),
-            ),
-            false => Ok(factors),
+        if is_same || factors.iter().any(|&k| is_derived(k)) {
+            Err("it is the product of another criterion and a further one, or an input; neither may be derived itself"
+                .to_owned())
+        } else {
+            Ok(factors)
         }
     }
 
@@ -136,8 +127,7 @@ impl Judge {
                 derived.number == a || derived.number == b || derived.has_factor(a) && derived.has_factor(b)
             });
             if follows {
-                let message = "this correlation follows from `derived`, whose factors' errors are independent; remove one of them";
-                return Err(study.error_at(&study.uncertainty_correlations[place], message));
+                return Err(study.error_at(&study.uncertainty_correlations[place], "this correlation follows from `derived`, whose factors' errors are independent; remove one of them"));
             }
         }
         for Derived { number, factors } in &self.derived {

@@ -1,10 +1,11 @@
 //! Whether a derived value is what it says: the product of its factors, in units that fit.
 
 use super::Criterion;
-use fmu_import::Description;
-use fmu_import::units::{BaseUnit, Conversion};
-use study::values::value_of;
-use study::{CriterionText, DerivedText, Setting, Study};
+use fmu_import::{
+    Description,
+    units::{BaseUnit, Conversion},
+};
+use study::{CriterionText, DerivedText, Setting, Study, values::value_of};
 
 /// How far a product of measured values may be from the measured product: means of swings do not multiply exactly.
 const CLOSE: f64 = 0.1;
@@ -37,17 +38,13 @@ pub(super) fn check(
     first: &Criterion,
     second: Option<&Criterion>,
 ) -> Result<(), String> {
-    let Some(DerivedText { from, by }) = &text.derived else {
-        return Ok(());
-    };
+    let Some(DerivedText { from, by }) = &text.derived else { return Ok(()) };
     let of = |criterion| amount_of(criterion, fmu);
     let second = match second {
         Some(criterion) => of(criterion),
         None => amount_of_setting(study, fmu, by.as_ref(), text),
     };
-    let [Some(product), Some(first), Some(second)] = [of(product), of(first), second] else {
-        return Ok(());
-    };
+    let [Some(product), Some(first), Some(second)] = [of(product), of(first), second] else { return Ok(()) };
     let amounts = [product, first, second];
     if let [Some(product), Some(a), Some(b)] = amounts.map(|amount| amount.exponents)
         && (0..7).any(|k| product[k] != a[k] + b[k])

@@ -5,15 +5,18 @@ use std::collections::HashMap;
 use toml::Spanned;
 
 use super::{Criterion, Judge};
-use conformity::decision::Rule;
-use conformity::measured::{Limits, Measurement};
-use conformity::risk::Guard;
-use fmu_import::quantity::Quantity;
-use fmu_import::{Causality, Variable};
+use conformity::{
+    decision::Rule,
+    measured::{Limits, Measurement},
+    risk::Guard,
+};
+use fmu_import::{Causality, Variable, quantity::Quantity};
 use number_tables::files::FileError;
-use study::concern::{ACCEPTS_ZERO, Code, Concern};
-use study::points::{Pairs, pairs};
-use study::{CriterionText, Name, Required, Study};
+use study::{
+    CriterionText, Name, Required, Study,
+    concern::{ACCEPTS_ZERO, Code, Concern},
+    points::{Pairs, pairs},
+};
 
 /// Refuses a criterion on what the study sets itself: it would only judge the sampling.
 pub(super) fn check_variable(
@@ -31,11 +34,13 @@ pub(super) fn check_variable(
         None if study.feeds(name, text) => "an input",
         None => return Ok(()),
     };
-    let message = format!(
-        "{name} is {kind} of the model, not a result of it: a criterion on it judges the study's own \
+    Err(study.error_at(
+        &text.variable,
+        format!(
+            "{name} is {kind} of the model, not a result of it: a criterion on it judges the study's own \
          setting; remove the criterion or name an output"
-    );
-    Err(study.error_at(&text.variable, message))
+        ),
+    ))
 }
 
 impl Judge {
@@ -60,18 +65,28 @@ impl Judge {
 
     /// A model that agrees with its own values has been compared with nothing.
     fn warn_of_own_values(&mut self, study: &Study) {
-        let own = self.criteria.iter().zip(study.criteria.keys());
-        let own = own.filter(|(criterion, _)| criterion.nominal_from.is_some());
-        let (names, places): (Vec<&str>, Vec<&Name>) =
-            own.map(|(criterion, place)| (criterion.name.as_str(), place)).unzip();
+        let (names, places): (Vec<&str>, Vec<&Name>) = self
+            .criteria
+            .iter()
+            .zip(study.criteria.keys())
+            .filter(|(criterion, _)| criterion.nominal_from.is_some())
+            .map(|(criterion, place)| (criterion.name.as_str(), place))
+            .unzip();
         let Some(place) = places.first() else { return };
-        let message = format!(
-            "no measured value yet: the nominal value of {} comes from a run of the model itself",
-            names.join(", ")
+        let warning = study
+            .error_at(
+                place,
+                format!(
+                    "no measured value yet: the nominal value of {} comes from a run of the model itself",
+                    names.join(", ")
+                ),
+            )
+            .to_string();
+        self.warnings.push(
+            Concern::new(Code::NominalFromModel, warning).remedied(
+                "Write measured values into the study in place of the model's own, and remove `nominal-from`.",
+            ),
         );
-        let warning = study.error_at(place, message).to_string();
-        let remedy = "Write measured values into the study in place of the model's own, and remove `nominal-from`.";
-        self.warnings.push(Concern::new(Code::NominalFromModel, warning).remedied(remedy));
     }
 
     fn correlated(&self, study: &Study) -> Result<Measurement, FileError> {
@@ -86,23 +101,19 @@ impl Judge {
         let is_curve = |number: usize| self.criteria[number].metric.is_some();
         for (entry, (a, b, coefficient)) in study.uncertainty_correlations.iter().zip(&pairs) {
             if (is_curve(*a) || is_curve(*b)) && !(is_curve(*a) && is_curve(*b) && coefficient.abs() == 1.0) {
-                let message = "the error of a curve is correlated with that of another curve alone, and fully: coefficient = 1 where \
-                               both come from the same sensor (-1 with the other sign); otherwise remove the pair";
-                return Err(study.error_at(entry, message));
+                return Err(study.error_at(entry, "the error of a curve is correlated with that of another curve alone, and fully: coefficient = 1 where \
+                               both come from the same sensor (-1 with the other sign); otherwise remove the pair"));
             }
         }
         let mut pairs = self.with_derived(study, pairs)?;
         pairs.retain(|&(a, ..)| !is_curve(a));
         let measured = |count: usize| {
             let criteria = self.criteria.iter().take(count).map(Criterion::measured);
-            let within = |&&(a, b, _): &&(usize, usize, f64)| a < count && b < count;
-            let pairs: Pairs = pairs.iter().filter(within).copied().collect();
+            let pairs: Pairs = pairs.iter().filter(|&&(a, b, _)| a < count && b < count).copied().collect();
             Measurement::new(criteria.collect(), &pairs)
         };
         let told = (0..self.criteria.len()).filter(|&k| self.criteria[k].row_correlation.is_some());
-        let all = measured(self.criteria.len());
-        let all = all.map(|measurement| measurement.with_told(told.collect()));
-        all.map_err(|message| {
+        measured(self.criteria.len()).map(|measurement| measurement.with_told(told.collect())).map_err(|message| {
             // The first criterion with which it cannot be.
             let first = (0..self.criteria.len()).find(|&k| measured(k + 1).is_err());
             let name = first.map_or("", |k| self.criteria[k].name.as_str());
@@ -149,8 +160,10 @@ impl Judge {
                     self.warn_of_guard_band(study, band);
                     return Ok(Guard::Given(factor));
                 }
-                let message = format!("the guard band {factor} must be a number of expanded uncertainties, 0 or more");
-                Err(study.error_at(band, message))
+                Err(study.error_at(
+                    band,
+                    format!("the guard band {factor} must be a number of expanded uncertainties, 0 or more"),
+                ))
             }
             (None, None, None) => Ok(Guard::Given(0.0)),
         }
@@ -233,18 +246,21 @@ impl Judge {
             let Some(reading) = criterion.reading.filter(|&value| !criterion.limits.accepts(value)) else {
                 continue;
             };
-            let message = format!(
-                "{}: the measured value {reading}{} is itself beyond the limit ({})",
-                criterion.name,
-                criterion.unit_behind(),
-                criterion.wanted()
-            );
-            let warning = study.error_at(name, message).to_string();
-            let remedy = format!(
+            let warning = study
+                .error_at(
+                    name,
+                    format!(
+                        "{}: the measured value {reading}{} is itself beyond the limit ({})",
+                        criterion.name,
+                        criterion.unit_behind(),
+                        criterion.wanted()
+                    ),
+                )
+                .to_string();
+            self.warnings.push(Concern::new(Code::MeasuredBeyondLimit, warning).remedied(format!(
                 "Correct the measured value of {} or its limit, unless the model shall fail as the specimen did.",
                 criterion.name
-            );
-            self.warnings.push(Concern::new(Code::MeasuredBeyondLimit, warning).remedied(remedy));
+            )));
         }
     }
 
@@ -264,22 +280,21 @@ impl Judge {
             let Some(other) = other.map(|other| &self.criteria[other].name) else {
                 continue;
             };
-            let message = format!(
+            let warning = study.error_at(*name, format!(
                 "no point can meet both {other} and {}: they judge the same value, and their limits have nothing in common",
                 criterion.name
+            )).to_string();
+            self.warnings.push(
+                Concern::new(Code::Contradictory, warning)
+                    .remedied(format!("Find out which of {other} and {} was measured wrongly.", criterion.name)),
             );
-            let warning = study.error_at(*name, message).to_string();
-            let remedy = format!("Find out which of {other} and {} was measured wrongly.", criterion.name);
-            self.warnings.push(Concern::new(Code::Contradictory, warning).remedied(remedy));
         }
     }
 
     /// Where the measurement is worse than what it shall tell, acceptance means little.
     fn warn_of_uncertainties(&mut self, study: &Study) {
         for (criterion, (name, text)) in self.criteria.iter().zip(&study.criteria) {
-            let Some(error) = criterion.measured().error else {
-                continue;
-            };
+            let Some(error) = criterion.measured().error else { continue };
             let Limits { minus, plus, .. } = criterion.limits;
             if !criterion.limits.is_one_sided() && error.expanded > minus.min(plus) {
                 let message = format!(
@@ -295,8 +310,7 @@ impl Judge {
                 );
                 let place = text.uncertainty.as_ref().map_or(name.span(), Spanned::span);
                 let warning = study.error_at(&Spanned::new(place, ()), message).to_string();
-                let remedy = "Measure better what is less sure than its tolerance, or state a `share` and a `risk` under [verdict].";
-                self.warnings.push(Concern::new(Code::UncertaintyAboveTolerance, warning).remedied(remedy));
+                self.warnings.push(Concern::new(Code::UncertaintyAboveTolerance, warning).remedied("Measure better what is less sure than its tolerance, or state a `share` and a `risk` under [verdict]."));
             }
         }
     }
@@ -308,12 +322,11 @@ fn refuse_grid(study: &Study, required: &Spanned<Required>) -> Result<(), FileEr
     if !method.is_by_levels() {
         return Ok(());
     }
-    let message = format!(
+    Err(study.error_at(required, format!(
         "[verdict] needs points that are drawn at random: those of a {} grid are not, so that no share of the space can be \
          stated with a confidence; use method = \"monte-carlo\" under [design], or remove [verdict]",
         method.name()
-    );
-    Err(study.error_at(required, message))
+    )))
 }
 
 fn rule(study: &Study, required: &Required) -> Result<Rule, FileError> {
@@ -329,9 +342,10 @@ fn rule(study: &Study, required: &Required) -> Result<Rule, FileError> {
 
 fn between_0_and_1(study: &Study, quantity: &Spanned<Quantity>, what: &str) -> Result<f64, FileError> {
     share(quantity.as_ref()).ok_or_else(|| {
-        let message =
-            format!("{what} {} must be more than 0 % and less than 100 %, such as \"5 %\" or 0.05", quantity.as_ref());
-        study.error_at(quantity, message)
+        study.error_at(
+            quantity,
+            format!("{what} {} must be more than 0 % and less than 100 %, such as \"5 %\" or 0.05", quantity.as_ref()),
+        )
     })
 }
 

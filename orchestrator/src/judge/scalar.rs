@@ -3,14 +3,15 @@
 use toml::Spanned;
 
 use super::{Criterion, curve};
-use conformity::measured::Limits;
-use conformity::uncertainty::{Distribution, Uncertainty};
+use conformity::{
+    measured::Limits,
+    uncertainty::{Distribution, Uncertainty},
+};
 use fmu_import::quantity::{Quantity, Scale, Sense};
 use fmu_points::names::behind;
 use number_tables::files::FileError;
 use sampling::statistics::Statistic;
-use study::limit::gain;
-use study::{BOTH_SIDES, CriterionText, Name, Study, ToleranceText, first_wrong};
+use study::{BOTH_SIDES, CriterionText, Name, Study, ToleranceText, first_wrong, limit::gain};
 
 /// The criterion on one number.
 pub(super) fn criterion(
@@ -19,7 +20,7 @@ pub(super) fn criterion(
     text: &CriterionText,
     scale: &Scale<'_>,
 ) -> Result<Criterion, FileError> {
-    let at = |message: String| study.error_of(name, message);
+    let at = |message| study.error_of(name, message);
     curve::refuse_keys(text).map_err(at)?;
     let alone = match (&text.at_most, &text.at_least) {
         (Some(most), _) => Some((most, "at most", Limits::at_most as fn(f64) -> Limits)),
@@ -52,13 +53,11 @@ pub(super) fn criterion(
             (limits, stated(accuracy, measured, scale), measured)
         }
         (None, None, _) => {
-            let message = "the measured value is missing: add `nominal`, `reference` for a curve, or `at-most` or `at-least` for a \
-                           limit alone";
-            return Err(at(message.to_owned()));
+            return Err(at("the measured value is missing: add `nominal`, `reference` for a curve, or `at-most` or `at-least` for a \
+                           limit alone".to_owned()));
         }
         (None, _, None) => {
-            let message = "the accuracy is missing: add `tolerance`, such as \"0.5 %\"";
-            return Err(at(message.to_owned()));
+            return Err(at("the accuracy is missing: add `tolerance`, such as \"0.5 %\"".to_owned()));
         }
     };
     let mut criterion = Criterion {
@@ -85,12 +84,12 @@ pub(super) fn criterion(
 pub(super) fn distance_unit(criterion: &Criterion) -> f64 {
     let measured = criterion.measured();
     let inside = measured.value.map(|value| criterion.limits.rest(value));
-    let expanded = measured.error.map(|error| error.expanded);
-    let unit = expanded.or(inside.filter(|rest| *rest > 0.0));
-    unit.unwrap_or(match criterion.limits.about {
-        0.0 => 1.0,
-        limit => limit.abs(),
-    })
+    measured.error.map(|error| error.expanded).or(inside.filter(|rest| *rest > 0.0)).unwrap_or(
+        match criterion.limits.about {
+            0.0 => 1.0,
+            limit => limit.abs(),
+        },
+    )
 }
 
 fn check_keys(text: &CriterionText, is_alone: bool) -> Result<(), String> {
@@ -127,10 +126,7 @@ fn check_keys(text: &CriterionText, is_alone: bool) -> Result<(), String> {
 /// Whether the numbers of a statistic are values, or differences of two, such as amplitudes: these have no offset when units
 /// convert.
 pub fn sense(statistic: Statistic) -> Sense {
-    match statistic.is_difference() {
-        true => Sense::Difference,
-        false => Sense::Value,
-    }
+    if statistic.is_difference() { Sense::Difference } else { Sense::Value }
 }
 
 /// A measured value with its tolerance, in the study's unit.
@@ -151,10 +147,7 @@ fn stated(tolerance: &ToleranceText, nominal: &Quantity, scale: &Scale<'_>) -> S
         ToleranceText::Even(even) => percent(even),
         ToleranceText::Uneven { minus, plus } => percent(minus) || percent(plus),
     };
-    match is_elsewhere && of_nominal {
-        true => format!("{tolerance} of {nominal}"),
-        false => tolerance.to_string(),
-    }
+    if is_elsewhere && of_nominal { format!("{tolerance} of {nominal}") } else { tolerance.to_string() }
 }
 
 /// A tolerance in the study's unit. Percents are of the nominal value as written: 0.75 % of 82 degC is 0.615 degC.
@@ -223,23 +216,19 @@ fn uncertainty(
     .map_err(|message| study.error_of(name, message))?;
     let amount = |stated: &Option<Spanned<Quantity>>, what: &str| {
         let stated = stated.as_ref();
-        let number = stated.map(|stated| {
-            let amount = tolerance(stated.as_ref(), nominal, scale);
-            amount.map_err(|message| at(stated, what, message))
-        });
-        number.transpose()
+        stated
+            .map(|stated| tolerance(stated.as_ref(), nominal, scale).map_err(|message| at(stated, what, message)))
+            .transpose()
     };
     let coverage = text.coverage.as_ref().map_or(Uncertainty::USUAL, |k| *k.as_ref());
     if !(coverage > 0.0 && coverage.is_finite()) {
-        let message = format!("the coverage factor {coverage} must be a positive, finite number");
-        return Err(study.error_of(name, message));
+        return Err(study.error_of(name, format!("the coverage factor {coverage} must be a positive, finite number")));
     }
     let offset = amount(&text.uncertainty, "the uncertainty")?;
     let gain = text.gain_uncertainty.as_ref().map(|stated| {
         let part = gain(stated.as_ref()).map_err(|message| study.error_at(stated, message))?;
         // Where it is not clear of which number it is a part, this says so.
-        let is_clear = scale.part(part, nominal);
-        is_clear.map_err(|message| at(stated, "the gain uncertainty", message))?;
+        scale.part(part, nominal).map_err(|message| at(stated, "the gain uncertainty", message))?;
         Ok(part)
     });
     let gain = gain.transpose()?;
@@ -248,10 +237,7 @@ fn uncertainty(
         return Ok(None);
     }
     let offset = offset.unwrap_or(0.0);
-    let offset = match is_rectangular {
-        true => Uncertainty::rectangular(offset),
-        false => Uncertainty::normal(offset, coverage),
-    };
+    let offset = if is_rectangular { Uncertainty::rectangular(offset) } else { Uncertainty::normal(offset, coverage) };
     let uncertainty = Uncertainty {
         gain: gain.unwrap_or(0.0) / coverage,
         noise: noise.unwrap_or(0.0),
@@ -259,13 +245,10 @@ fn uncertainty(
         repeats: text.repeats.map(|repeats| repeats as u32),
         ..offset
     };
-    let sense = sense(text.statistic.unwrap_or_default());
-    let value = scale.number(nominal, sense).unwrap_or(f64::NAN);
+    let value = scale.number(nominal, sense(text.statistic.unwrap_or_default())).unwrap_or(f64::NAN);
     match &text.gain_uncertainty {
-        Some(stated) if uncertainty.standard(value) == 0.0 => {
-            let message = "a part of a measured value of 0 is no uncertainty; add `uncertainty`, the error there";
-            Err(study.error_at(stated, message))
-        }
+        Some(stated) if uncertainty.standard(value) == 0.0 => Err(study
+            .error_at(stated, "a part of a measured value of 0 is no uncertainty; add `uncertainty`, the error there")),
         _ => Ok(Some(uncertainty)),
     }
 }

@@ -1,24 +1,30 @@
 //! Analyses that ask for points of their own, however they come to be run: begun or resumed.
 
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+};
 
 use serde::Serialize;
 
 use super::setup::{self, Place, Source, SourceParts};
-use crate::error::Error;
-use crate::judge::Judge;
-use crate::options::{Means, Work};
-use crate::results::origin::Origin;
-use crate::results::table;
-use crate::results::validity::Validity;
-use crate::session::{Request, Session};
+use crate::{
+    error::Result,
+    judge::Judge,
+    options::{Means, Work},
+    results::{origin::Origin, table, validity::Validity},
+    session::{Request, Session},
+};
 use conformity::decision::Decision;
 use parameter_regions::table::PointTable;
-use point_journal::files::{make_folder, write_json};
-use point_journal::pipeline::Pipeline;
-use point_journal::pipeline::folder::{Earlier, Kept};
-use point_journal::{Header, Outcome};
+use point_journal::{
+    Header, Outcome,
+    files::{make_folder, write_json},
+    pipeline::{
+        Pipeline,
+        folder::{Earlier, Kept},
+    },
+};
 
 /// An analysis that asks for points of its own. Its fields are its options.
 pub trait Analysis {
@@ -32,20 +38,20 @@ pub trait Analysis {
     ///
     /// # Errors
     /// When either cannot be used.
-    fn open(&self, request: Request) -> Result<Self::Source, Error>;
+    fn open(&self, request: Request) -> Result<Self::Source>;
 
     /// The seed, how many points it asks for where that is known beforehand, and what else the points depend on
     /// beside study and FMU.
     ///
     /// # Errors
     /// When the options say nothing that can be run.
-    fn points(&self, source: &Self::Source) -> Result<PointSet, Error>;
+    fn points(&self, source: &Self::Source) -> Result<PointSet>;
 
     /// Refuses what it cannot do, before the folder is taken and what an earlier run left there is replaced.
     ///
     /// # Errors
     /// Says why.
-    fn check(&self, _: &Self::Source) -> Result<(), Error> {
+    fn check(&self, _: &Self::Source) -> Result {
         Ok(())
     }
 
@@ -53,7 +59,7 @@ pub trait Analysis {
     ///
     /// # Errors
     /// Why there is no answer.
-    fn find(&self, source: &Self::Source, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult, Error>;
+    fn find(&self, source: &Self::Source, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult>;
 }
 
 /// Identity of an analysis's points, besides study and FMU: seed, number, method.
@@ -102,7 +108,7 @@ impl AnalysisResult {
     }
 
     /// Tells how many of the points in a journal went beyond what the model is valid for.
-    pub(super) fn tell_validity(&mut self, of: SourceParts<'_>, folder: &Path) -> Result<(), Error> {
+    pub(super) fn tell_validity(&mut self, of: SourceParts<'_>, folder: &Path) -> Result {
         if let Some(told) = Validity::of_journal(of.package.description(), folder)? {
             self.text += &format!("\nwarning: {told}\n");
             self.add("beyond_validity", &told);
@@ -117,15 +123,20 @@ impl AnalysisResult {
 
     /// Sentences that were added under a name.
     pub fn sentences(&self, name: &str) -> Vec<String> {
-        let all = self.content.get(name).and_then(|all| all.as_array());
-        all.into_iter().flatten().filter_map(|one| one.as_str().map(str::to_owned)).collect()
+        self.content
+            .get(name)
+            .and_then(|all| all.as_array())
+            .into_iter()
+            .flatten()
+            .filter_map(|one| one.as_str().map(str::to_owned))
+            .collect()
     }
 
     /// Writes the file.
     ///
     /// # Errors
     /// When the system says no.
-    pub fn write(&self, folder: &Path) -> Result<(), Error> {
+    pub fn write(&self, folder: &Path) -> Result {
         make_folder(folder)?;
         Ok(write_json(&folder.join(self.file), &self.content)?)
     }
@@ -154,7 +165,7 @@ impl Delivery {
         study: &Path,
         earlier: Earlier,
         folder: PathBuf,
-    ) -> Result<Self, Error> {
+    ) -> Result<Self> {
         let request = Request { study: study.to_owned(), ..Request::default() };
         request.check(&folder, None, None, earlier)?;
         Ok(Self { result, folder, _kept: None })
@@ -176,27 +187,33 @@ impl Takes {
 }
 
 /// A study whose parameters are as free as an analysis needs them.
-pub(super) fn session(request: Request, takes: Takes) -> Result<Session, Error> {
+pub(super) fn session(request: Request, takes: Takes) -> Result<Session> {
     let session = Session::open(request)?;
     if session.plan.correlation.is_some() && !takes.correlations {
-        let message = "this analysis takes every parameter on its own, and correlated ones cannot be changed alone; remove \
-                       [[correlations]], or use `sensitivity STUDY --shapley N`, which keeps them together";
-        return Err(session.study.error(message).into());
+        return Err(session
+            .study
+            .error(
+                "this analysis takes every parameter on its own, and correlated ones cannot be changed alone; remove \
+                       [[correlations]], or use `sensitivity STUDY --shapley N`, which keeps them together",
+            )
+            .into());
     }
     let together = session.plan.together();
     if !together.is_empty() && !takes.samples {
-        let message = format!(
-            "{} are drawn together from a sample, and this analysis changes every parameter alone; give them other \
+        return Err(session
+            .study
+            .error(format!(
+                "{} are drawn together from a sample, and this analysis changes every parameter alone; give them other \
              distributions, or use verify, robustness or tolerances, which draw whole rows",
-            together.join(", ")
-        );
-        return Err(session.study.error(message).into());
+                together.join(", ")
+            ))
+            .into());
     }
     Ok(session)
 }
 
 /// Reads what the points of an analysis are run of.
-pub(super) fn open<A: Analysis>(work: &Work, analysis: &A) -> Result<A::Source, Error> {
+pub(super) fn open<A: Analysis>(work: &Work, analysis: &A) -> Result<A::Source> {
     analysis.open(request(&work.study, &work.means))
 }
 
@@ -209,7 +226,7 @@ pub(super) fn request(study: &Path, means: &Means) -> Request {
 ///
 /// # Errors
 /// When the options say nothing that can be run, or the FMU cannot be read any more.
-pub fn header<A: Analysis>(source: &A::Source, analysis: &A) -> Result<Header, Error> {
+pub fn header<A: Analysis>(source: &A::Source, analysis: &A) -> Result<Header> {
     let set = analysis.points(source)?;
     let parts = source.parts();
     Ok(Header {
@@ -225,12 +242,7 @@ pub fn header<A: Analysis>(source: &A::Source, analysis: &A) -> Result<Header, E
 }
 
 /// Runs an analysis whose results go into `folder`.
-pub(super) fn run<A: Analysis>(
-    source: A::Source,
-    analysis: &A,
-    work: &Work,
-    folder: PathBuf,
-) -> Result<Delivery, Error> {
+pub(super) fn run<A: Analysis>(source: A::Source, analysis: &A, work: &Work, folder: PathBuf) -> Result<Delivery> {
     run_by(source, analysis, (&work.means, work.resuming.earlier()), folder)
 }
 
@@ -240,7 +252,7 @@ pub(super) fn run_by<A: Analysis>(
     analysis: &A,
     (means, earlier): (&Means, Earlier),
     folder: PathBuf,
-) -> Result<Delivery, Error> {
+) -> Result<Delivery> {
     analysis.check(&source)?;
     let header = header(&source, analysis)?;
     let place = Place { output: &folder, analysis: Some(A::NAME), earlier };
@@ -253,7 +265,7 @@ pub(super) fn run_by<A: Analysis>(
 }
 
 /// Which study and FMU the results of an analysis with runs of its own came from.
-pub(super) fn origin(session: &Session) -> Result<Origin, Error> {
+pub(super) fn origin(session: &Session) -> Result<Origin> {
     Ok(Origin { study_sha256: session.study.digest(), fmu_sha256: Some(session.package.digest()?), points: None })
 }
 

@@ -2,15 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::error::Error;
-use crate::options::folder_of;
-use crate::results::origin::Origin;
-use crate::results::{Summary, table};
-use crate::session::Request;
+use crate::{
+    error::{Error, Result},
+    options::folder_of,
+    results::{Summary, origin::Origin, table},
+    session::Request,
+};
 use number_tables::files;
 use parameter_regions::table::PointTable;
-use serde::Deserialize;
-use serde::de::DeserializeOwned;
+use serde::{Deserialize, de::DeserializeOwned};
 use study::Study;
 
 /// The folder of the finished study that the user names, the one for the results where a study is in it, or the usual one.
@@ -25,41 +25,47 @@ pub(super) fn absolute(path: &Path) -> PathBuf {
 }
 
 /// The points of a finished study, for an analysis of `study`.
-pub(super) fn points_of(folder: &Path, study: &Study) -> Result<(Summary, PointTable), Error> {
+pub(super) fn points_of(folder: &Path, study: &Study) -> Result<(Summary, PointTable)> {
     let (summary, table) = table::read(folder)?;
     if study.digest() != summary.provenance.study_sha256 {
-        let message = format!(
-            "the points in {} are not of {} as it is now; verify it again, or name the folder of its points",
-            folder.display(),
-            study.path().display()
-        );
-        return Err(Error::option("from", message));
+        return Err(Error::option(
+            "from",
+            format!(
+                "the points in {} are not of {} as it is now; verify it again, or name the folder of its points",
+                folder.display(),
+                study.path().display()
+            ),
+        ));
     }
     if table.parameters.is_empty() {
-        let message = format!(
-            "the points in {} have no parameters, so nothing can be said of these; `judge` writes none, `verify` does",
-            folder.display()
-        );
-        return Err(Error::option("from", message));
+        return Err(Error::option(
+            "from",
+            format!(
+                "the points in {} have no parameters, so nothing can be said of these; `judge` writes none, `verify` does",
+                folder.display()
+            ),
+        ));
     }
     Ok((summary, table))
 }
 
 /// The rows of a finished study's points that are a sample of the space; those that `--budget` chose near limits are not.
-pub(super) fn sample_of(folder: &Path, summary: &Summary, rows: usize) -> Result<Vec<usize>, Error> {
+pub(super) fn sample_of(folder: &Path, summary: &Summary, rows: usize) -> Result<Vec<usize>> {
     if summary.surrogate.is_none() {
         return Ok((0..rows).collect());
     }
     let budget = Request::read(folder)?.budget.unwrap_or_default();
     if budget.places.len() != rows {
-        let message = format!("{} rows, and request.json tells {} points", rows, budget.places.len());
-        return Err(Error::content(&folder.join("points.csv"), message));
+        return Err(Error::content(
+            &folder.join("points.csv"),
+            format!("{} rows, and request.json tells {} points", rows, budget.places.len()),
+        ));
     }
     Ok(budget.plain().enumerate().filter_map(|(row, plain)| plain.then_some(row)).collect())
 }
 
 /// A digest that identifies the points of a finished study.
-pub(super) fn digest_of(folder: &Path) -> Result<String, Error> {
+pub(super) fn digest_of(folder: &Path) -> Result<String> {
     let path = folder.join("points.csv");
     files::digest(&path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => Error::Missing(folder.to_owned()),

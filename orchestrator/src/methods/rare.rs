@@ -1,23 +1,24 @@
 //! `verify --rare`: shares that are too small to be counted among sampled points.
 
-use std::path::Path;
-use std::process::ExitCode;
+use std::{path::Path, process::ExitCode};
 
 use clap::ValueEnum;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes, exit_code};
-use super::known::Finished;
-use crate::error::Error;
-use crate::options::Work;
-use crate::results::surrogate::limits;
-use crate::session::budget::Budget;
-use crate::session::{Request, Session};
-use conformity::decision::{Decision, Rule};
+use super::{
+    asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes, exit_code},
+    known::Finished,
+};
+use crate::{
+    error::{Error, Result},
+    options::Work,
+    results::surrogate::limits,
+    session::{Request, Session, budget::Budget},
+};
+use conformity::decision::Decision;
 use point_journal::pipeline::Pipeline;
-use result_document::Document;
-use result_document::format::number;
+use result_document::{Document, format::number};
 use run_budget::{Answer, Event, Search, Unknown};
 use sampling::word;
 
@@ -60,37 +61,45 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 ///
 /// # Errors
 /// When the options or the study cannot be used.
-pub fn run(options: &Options) -> Result<Delivery, Error> {
+pub fn run(options: &Options) -> Result<Delivery> {
     let mut analysis = Rare { event: options.event, budget: options.budget.unwrap_or(USUAL_RUNS), seed: 1 };
     let session = asking::open(&options.work, &analysis)?;
     analysis.seed = options.seed.unwrap_or(session.study.design.seed);
     // A refusal is one line, without doubts before it.
     analysis.check(&session)?;
     asking::warn(&session.judge);
-    let folder = options.work.folder();
-    asking::run(session, &analysis, &options.work, folder)
+    asking::run(session, &analysis, &options.work, options.work.folder())
 }
 
 /// Refuses studies of which a rare share says nothing.
-fn refuse(session: &Session, event: RareEvent) -> Result<(), Error> {
+fn refuse(session: &Session, event: RareEvent) -> Result {
     if event != RareEvent::Failed && session.judge.has_own_values() {
-        let message =
-            "a share of verified points needs measured values; write them as `nominal` and remove `nominal-from`";
-        return Err(session.study.error(message).into());
+        return Err(session
+            .study
+            .error(
+                "a share of verified points needs measured values; write them as `nominal` and remove `nominal-from`",
+            )
+            .into());
     }
     if let Some(joint) = session.plan.joints.first() {
         let name = &session.plan.inputs[joint.lead()].name;
-        let message = format!(
-            "{name} is drawn from a sample of {} rows, which knows nothing as rare as --rare looks for; give the \
+        return Err(session
+            .study
+            .error(format!(
+                "{name} is drawn from a sample of {} rows, which knows nothing as rare as --rare looks for; give the \
              parameters of the sample other distributions, or leave out --rare",
-            joint.count()
-        );
-        return Err(session.study.error(message).into());
+                joint.count()
+            ))
+            .into());
     }
     if session.judge.is_guarded() {
-        let message = "--rare counts points by their tolerances alone, and a guard band decides otherwise; remove `risk` \
-                       and `guard-band` under [verdict]";
-        return Err(session.study.error(message).into());
+        return Err(session
+            .study
+            .error(
+                "--rare counts points by their tolerances alone, and a guard band decides otherwise; remove `risk` \
+                       and `guard-band` under [verdict]",
+            )
+            .into());
     }
     Ok(())
 }
@@ -109,7 +118,7 @@ impl Analysis for Rare {
 
     type Source = Session;
 
-    fn points(&self, _: &Session) -> Result<PointSet, Error> {
+    fn points(&self, _: &Session) -> Result<PointSet> {
         Ok(PointSet {
             seed: self.seed,
             // The search ends when it knows enough.
@@ -119,18 +128,18 @@ impl Analysis for Rare {
         })
     }
 
-    fn open(&self, request: Request) -> Result<Session, Error> {
+    fn open(&self, request: Request) -> Result<Session> {
         // `check` refuses samples with a reason of its own.
         asking::session(request, Takes::ALL)
     }
 
-    fn check(&self, session: &Session) -> Result<(), Error> {
-        let budget = Budget::new(self.budget, 1, session.plan.cases.len().max(1), None);
-        budget.map_err(|message| Error::option("budget", message))?;
+    fn check(&self, session: &Session) -> Result {
+        Budget::new(self.budget, 1, session.plan.cases.len().max(1), None)
+            .map_err(|message| Error::option("budget", message))?;
         refuse(session, self.event)
     }
 
-    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult, Error> {
+    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult> {
         let Session { plan, judge, .. } = session;
         let cases = plan.cases.len().max(1);
         let limits = limits(judge, 0.0);
@@ -147,7 +156,7 @@ impl Analysis for Rare {
             seed: self.seed,
         };
         pipeline.repeat_at_most(1);
-        let answer = search.answer(&mut |scores| -> Result<_, Error> {
+        let answer = search.answer(&mut |scores| -> Result<_> {
             let points: Vec<Vec<f64>> = scores.iter().map(|scores| plan.at_scores(scores)).collect();
             Ok(pipeline.ask(&points)?.into_iter().map(Result::ok).collect())
         })?;
@@ -195,12 +204,10 @@ impl Statement {
         let Session { plan, judge, .. } = session;
         let confidence = judge.rule.map_or(USUAL, |rule| rule.confidence);
         let point = |&run: &usize| {
-            let values = plan.at_scores(&answer.scores[run]);
-            plan.inputs.iter().map(|input| input.name.clone()).zip(values).collect()
+            plan.inputs.iter().map(|input| input.name.clone()).zip(plan.at_scores(&answer.scores[run])).collect()
         };
         let share = answer.share.as_ref().ok();
         let interval = share.map(|share| share.interval(confidence));
-        let decided = |rule: Rule| rule.decide(verified(event, interval.unwrap_or([0.0, 1.0])));
         Self {
             event,
             surrogate: BySurrogate {
@@ -212,7 +219,7 @@ impl Statement {
             confidence,
             inside: answer.inside.iter().map(point).collect(),
             required: judge.rule.map(|rule| rule.share),
-            verdict: judge.rule.map(decided),
+            verdict: judge.rule.map(|rule| rule.decide(verified(event, interval.unwrap_or([0.0, 1.0])))),
         }
     }
 

@@ -1,14 +1,19 @@
 //! The set-up of a run, whatever it is for: its folder, its processes, and the pipeline from one to the other.
 
-use crate::error::Error;
-use crate::options::Means;
-use crate::session::{Request, Session, Verification};
+use crate::{
+    error::{Error, Result},
+    options::Means,
+    session::{Request, Session, Verification},
+};
 use fmu_import::Package;
-use fmu_points::crew::Crew;
-use fmu_points::task::Case;
-use point_journal::pipeline::folder::{Earlier, Kept, RunFolder};
-use point_journal::pipeline::{Model, Part, Pipeline};
-use point_journal::{Header, Lock, lines};
+use fmu_points::{crew::Crew, task::Case};
+use point_journal::{
+    Header, Lock, lines,
+    pipeline::{
+        Model, Part, Pipeline,
+        folder::{Earlier, Kept, RunFolder},
+    },
+};
 use std::path::{Path, PathBuf};
 use study::Study;
 
@@ -76,8 +81,7 @@ pub struct Place<'a> {
 impl Place<'_> {
     /// The folder of the journal.
     pub fn state(&self) -> PathBuf {
-        let inner = self.analysis.map(|name| self.output.join(name));
-        inner.unwrap_or_else(|| self.output.to_owned())
+        self.analysis.map(|name| self.output.join(name)).unwrap_or_else(|| self.output.to_owned())
     }
 
     /// Takes the folder for a run, and keeps there what was asked for. `prepare` may change what an earlier run left, when
@@ -89,8 +93,8 @@ impl Place<'_> {
         &self,
         source: SourceParts<'_>,
         header: &Header,
-        prepare: impl FnOnce() -> Result<(), Error>,
-    ) -> Result<RunFolder, Error> {
+        prepare: impl FnOnce() -> Result,
+    ) -> Result<RunFolder> {
         let SourceParts { request, study, .. } = source;
         request.check(self.output, self.analysis, Some(study), self.earlier)?;
         if self.analysis.is_none() {
@@ -128,37 +132,31 @@ pub fn run<S: Source, T>(
     header: &Header,
     folder: RunFolder,
     work: Work<'_>,
-    ask: impl FnOnce(&S, &mut Pipeline<'_>) -> Result<T, Error>,
-) -> Result<(T, Kept), Error> {
+    ask: impl FnOnce(&S, &mut Pipeline<'_>) -> Result<T>,
+) -> Result<(T, Kept)> {
     let place = folder.journal.folder().to_owned();
-    let told = run_in(source, header, folder, work, ask);
-    match lines::path_in(&place).exists() {
-        true => told,
-        false => Err(Error::Refused(format!(
+    let RunFolder { journal, finished, kept } = folder;
+    let told = || {
+        let crew = Crew::new(source.package(), work.means.place(work.jobs)?, kept.scratch.path(), work.jobs)?;
+        let source = &*source;
+        let parts = source.parts();
+        let part = Part::of(parts.request.shard, header);
+        let mut pipeline = Pipeline::new(parts.model, (&crew, parts.cases), journal, finished, part);
+        let told = ask(source, &mut pipeline);
+        if told.is_ok() && work.ends {
+            pipeline.end()?
+        } else {
+            pipeline.pause()?
+        }
+        told
+    };
+    let told = told();
+    if lines::path_in(&place).exists() {
+        Ok((told?, kept))
+    } else {
+        Err(Error::Refused(format!(
             "{}: this folder, or the journal in it, was removed or moved while points ran; run the command again",
             place.display()
-        ))),
+        )))
     }
-}
-
-fn run_in<S: Source, T>(
-    source: &mut S,
-    header: &Header,
-    folder: RunFolder,
-    work: Work<'_>,
-    ask: impl FnOnce(&S, &mut Pipeline<'_>) -> Result<T, Error>,
-) -> Result<(T, Kept), Error> {
-    let RunFolder { kept, .. } = folder;
-    let place = work.means.place(work.jobs)?;
-    let crew = Crew::new(source.package(), place, kept.scratch.path(), work.jobs)?;
-    let source = &*source;
-    let parts = source.parts();
-    let part = Part::of(parts.request.shard, header);
-    let mut pipeline = Pipeline::new(parts.model, (&crew, parts.cases), folder.journal, folder.finished, part);
-    let told = ask(source, &mut pipeline);
-    match told.is_ok() && work.ends {
-        true => pipeline.end()?,
-        false => pipeline.pause()?,
-    }
-    Ok((told?, kept))
 }

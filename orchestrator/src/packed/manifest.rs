@@ -44,18 +44,20 @@ pub(super) fn with(before: Option<&str>, own: &str, files: &[&Related]) -> Resul
     let mut text = before.to_owned();
     // From the end on, so that what comes before keeps its place.
     let range = root.range();
-    let annotations = root.children().find(|node| node.has_tag_name("Annotations"));
-    let end = annotations.map(|node| node.range().start);
+    let end = root.children().find(|node| node.has_tag_name("Annotations")).map(|node| node.range().start);
     let close = before[range.clone()].rfind("</").map(|at| range.start + at);
     match (end, close) {
         (Some(end), _) => text.insert_str(end, new.trim_start()),
         (None, Some(close)) => text.insert_str(close, &new),
         (None, None) => text.replace_range(range.end - 2..range.end, &format!(">\n{new}</fmiReferences>")),
     }
-    let is_own = |node: &roxmltree::Node<'_, '_>| {
-        node.has_tag_name("Related") && node.attribute("source").is_some_and(|source| source.starts_with(own))
-    };
-    let ours: Vec<_> = root.children().filter(is_own).map(|node| node.range()).collect();
+    let ours: Vec<_> = root
+        .children()
+        .filter(|node| {
+            node.has_tag_name("Related") && node.attribute("source").is_some_and(|source| source.starts_with(own))
+        })
+        .map(|node| node.range())
+        .collect();
     for range in ours.into_iter().rev() {
         let line = text[range.end..].strip_prefix('\n').map_or(0, |_| 1);
         let indent = text[..range.start].len() - text[..range.start].trim_end_matches([' ', '\t']).len();

@@ -2,15 +2,19 @@
 
 mod manifest;
 
-use std::fs;
-use std::path::{Component, Path, PathBuf};
+use std::{
+    fs,
+    path::{Component, Path, PathBuf},
+};
 
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
-use crate::results::Summary;
-use crate::session::Request;
+use crate::{
+    error::{Error, Result},
+    results::Summary,
+    session::Request,
+};
 use fmu_import::{Package, digest, percent_encoded};
 use manifest::Related;
 use point_journal::files::{draft, keep, make_folder, write_text};
@@ -69,18 +73,23 @@ pub struct Carried {
 ///
 /// # Errors
 /// When one of them cannot be read.
-pub fn digests(package: &mut Package) -> Result<IndexMap<String, String>, Error> {
-    let matters = |entry: &String| {
-        let within = ["binaries/", "resources/"].iter().any(|folder| entry.starts_with(folder));
-        !entry.ends_with('/') && (within || entry == "modelDescription.xml")
-    };
-    let mut entries: Vec<String> = package.entries().into_iter().filter(matters).collect();
+pub fn digests(package: &mut Package) -> Result<IndexMap<String, String>> {
+    let mut entries: Vec<String> = package
+        .entries()
+        .into_iter()
+        .filter(|entry| {
+            let within = ["binaries/", "resources/"].iter().any(|folder| entry.starts_with(folder));
+            !entry.ends_with('/') && (within || entry == "modelDescription.xml")
+        })
+        .collect();
     entries.sort_unstable();
-    let digest = |entry: String| {
-        let bytes = package.bytes_of(&entry)?;
-        Ok((entry, digest(&bytes)))
-    };
-    entries.into_iter().map(digest).collect()
+    entries
+        .into_iter()
+        .map(|entry| {
+            let bytes = package.bytes_of(&entry)?;
+            Ok((entry, digest(&bytes)))
+        })
+        .collect()
 }
 
 /// What became of the files that a study was run with, in words.
@@ -98,7 +107,7 @@ pub fn changed(then: &IndexMap<String, String>, now: &IndexMap<String, String>) 
 ///
 /// # Errors
 /// When one of them cannot be read.
-pub fn altered(package: &mut Package, carried: &Carried) -> Result<Vec<String>, Error> {
+pub fn altered(package: &mut Package, carried: &Carried) -> Result<Vec<String>> {
     let prefix = format!("{FOLDER}{}/", carried.name);
     let mut now = IndexMap::new();
     for entry in package.entries() {
@@ -108,10 +117,7 @@ pub fn altered(package: &mut Package, carried: &Carried) -> Result<Vec<String>, 
         now.insert(below.to_owned(), digest(&package.bytes_of(&entry)?));
     }
     now.shift_remove(TIES);
-    Ok(match carried.ties.packed.is_empty() {
-        true => Vec::new(),
-        false => changed(&carried.ties.packed, &now),
-    })
+    Ok(if carried.ties.packed.is_empty() { Vec::new() } else { changed(&carried.ties.packed, &now) })
 }
 
 /// Whether a path below a study's folder is that of a file.
@@ -123,7 +129,7 @@ fn is_file(below: &str) -> bool {
 ///
 /// # Errors
 /// When what ties one of them to the FMU is damaged.
-pub fn studies(package: &mut Package) -> Result<Vec<Carried>, Error> {
+pub fn studies(package: &mut Package) -> Result<Vec<Carried>> {
     let entries = package.entries();
     let named = entries.iter().filter_map(|entry| {
         let name = entry.strip_prefix(FOLDER)?.strip_suffix(TIES)?.strip_suffix('/')?;
@@ -140,14 +146,14 @@ pub fn studies(package: &mut Package) -> Result<Vec<Carried>, Error> {
         let ties: Ties = serde_json::from_slice(&bytes).map_err(|error| Error::content(&path, error))?;
         let named = [Some(&ties.study), ties.points_from.as_ref()];
         if let Some(file) = named.into_iter().flatten().find(|file| !is_within(file)) {
-            let message = format!("`{file}` is no path within the study's folder");
-            return Err(Error::content(&path, message));
+            return Err(Error::content(&path, format!("`{file}` is no path within the study's folder")));
         }
         studies.push(Carried { name, ties });
     }
-    let order = match entries.iter().any(|entry| entry == MANIFEST) {
-        true => String::from_utf8_lossy(&package.bytes_of(MANIFEST)?).into_owned(),
-        false => String::new(),
+    let order = if entries.iter().any(|entry| entry == MANIFEST) {
+        String::from_utf8_lossy(&package.bytes_of(MANIFEST)?).into_owned()
+    } else {
+        String::new()
     };
     studies.sort_by_key(|study| order.find(&format!("\"{}/{TIES}\"", study.name)));
     Ok(studies)
@@ -157,7 +163,7 @@ pub fn studies(package: &mut Package) -> Result<Vec<Carried>, Error> {
 ///
 /// # Errors
 /// When there is none.
-pub fn choose(package: &mut Package, name: Option<&str>) -> Result<(Carried, Vec<String>), Error> {
+pub fn choose(package: &mut Package, name: Option<&str>) -> Result<(Carried, Vec<String>)> {
     let mut all = studies(package)?;
     let names: Vec<String> = all.iter().map(|study| study.name.clone()).collect();
     let path = package.path().display();
@@ -209,30 +215,30 @@ pub fn settle<T>(
     package: &mut Package,
     carried: &Carried,
     place: &Path,
-    take: impl FnOnce(&Study) -> Result<Option<T>, Error>,
-) -> Result<Option<TempDir>, Error> {
+    take: impl FnOnce(&Study) -> Result<Option<T>>,
+) -> Result<Option<TempDir>> {
     let aside = TempDir::new().map_err(Error::io(&std::env::temp_dir()))?;
     unpack(package, &carried.name, aside.path())?;
     let of_package = package.path().join(format!("{FOLDER}{}", carried.name));
     for result in ["summary.json", "points.csv"] {
         if !aside.path().join(RESULT).join(result).exists() {
-            let message =
-                format!("carries no {RESULT}{result} to compare with; `orchestrator pack` puts study and result in");
-            return Err(Error::content(&of_package, message));
+            return Err(Error::content(
+                &of_package,
+                format!("carries no {RESULT}{result} to compare with; `orchestrator pack` puts study and result in"),
+            ));
         }
     }
     let study = Study::read(&aside.path().join(&carried.ties.study))?;
     if let Some(file) = outside(&study, &carried.ties.study) {
-        let message = format!("its study reads `{}`, which is none of the files that came with it", file.display());
-        return Err(Error::content(&of_package, message));
+        return Err(Error::content(
+            &of_package,
+            format!("its study reads `{}`, which is none of the files that came with it", file.display()),
+        ));
     }
-    let Some(_taken) = take(&study)? else {
-        return Ok(Some(aside));
-    };
+    let Some(_taken) = take(&study)? else { return Ok(Some(aside)) };
     if place.symlink_metadata().is_ok() {
         if !place.join(TIES).exists() {
-            let message = "was there before any FMU put its study here; choose another --output";
-            return Err(Error::content(place, message));
+            return Err(Error::content(place, "was there before any FMU put its study here; choose another --output"));
         }
         fs::remove_dir_all(place).map_err(Error::io(place))?;
     }
@@ -244,7 +250,7 @@ pub fn settle<T>(
 ///
 /// # Errors
 /// When one of them is damaged or has a path that leads elsewhere, and when the system says no.
-fn unpack(package: &mut Package, name: &str, folder: &Path) -> Result<(), Error> {
+fn unpack(package: &mut Package, name: &str, folder: &Path) -> Result {
     let prefix = format!("{FOLDER}{name}/");
     let mut total = 0;
     for entry in package.entries() {
@@ -257,8 +263,10 @@ fn unpack(package: &mut Package, name: &str, folder: &Path) -> Result<(), Error>
         let bytes = package.bytes_of(&entry)?;
         total += bytes.len();
         if total > MOST_UNPACKED {
-            let message = format!("its files have more than {} MB together", MOST_UNPACKED >> 20);
-            return Err(Error::content(&package.path().join(&prefix), message));
+            return Err(Error::content(
+                &package.path().join(&prefix),
+                format!("its files have more than {} MB together", MOST_UNPACKED >> 20),
+            ));
         }
         let path = folder.join(below);
         make_folder(path.parent().unwrap_or(folder))?;
@@ -277,8 +285,7 @@ struct File {
 impl File {
     /// Its path below the study's folder, and its digest.
     fn tie(&self) -> (String, String) {
-        let below = self.name.strip_prefix(FOLDER);
-        let below = below.and_then(|path| path.split_once('/'));
+        let below = self.name.strip_prefix(FOLDER).and_then(|path| path.split_once('/'));
         let (_, below) = below.expect("it lies in the study's folder");
         (below.to_owned(), digest(&self.content))
     }
@@ -289,13 +296,7 @@ impl File {
 ///
 /// # Errors
 /// When a file cannot be read or written, or lies where it cannot be packed.
-pub fn pack(
-    package: &mut Package,
-    study: &Study,
-    results: &Path,
-    summary: &Summary,
-    output: &Path,
-) -> Result<String, Error> {
+pub fn pack(package: &mut Package, study: &Study, results: &Path, summary: &Summary, output: &Path) -> Result<String> {
     let stem = study.path().file_stem().unwrap_or_default().to_string_lossy();
     let name: String =
         stem.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' }).collect();
@@ -315,23 +316,18 @@ pub fn pack(
     };
     let read = |path: &Path| fs::read(path).map_err(Error::io(path));
     let (place, data) = layout(study)?;
-    let role = match study.parameters.is_empty() {
-        true => "experiment/validation",
-        false => "experiment/uncertainty-analysis",
-    };
+    let role = if study.parameters.is_empty() { "experiment/validation" } else { "experiment/uncertainty-analysis" };
     let title = format!("The study: {}", study.title.as_deref().unwrap_or(&stem));
     let content = read(study.path())?;
     let mut files = vec![entry(&place, role, "application/toml", &title, content)];
     for (path, below) in data {
-        let about = "Data that the study names";
-        files.push(entry(&below, "other", "text/csv", about, read(&path)?));
+        files.push(entry(&below, "other", "text/csv", "Data that the study names", read(&path)?));
     }
     let mut points_from = None;
     if let Some(table) = &request.points_from {
         let end = table.extension().unwrap_or("csv".as_ref());
         let below = format!("points.{}", end.to_string_lossy());
-        let about = "The points' parameters";
-        files.push(entry(&below, "other", "text/csv", about, read(table)?));
+        files.push(entry(&below, "other", "text/csv", "The points' parameters", read(table)?));
         points_from = Some(below);
     }
     for (file, role, kind, what) in RESULTS {
@@ -354,14 +350,15 @@ pub fn pack(
     let about = "How the study was run, and the digests of the files that it was run with";
     let content = serde_json::to_vec_pretty(&ties)?;
     files.push(entry(TIES, "other", "application/json", about, content));
-    let before = match package.entries().iter().any(|entry| entry == MANIFEST) {
-        true => Some(String::from_utf8_lossy(&package.bytes_of(MANIFEST)?).into_owned()),
-        false => None,
+    let before = if package.entries().iter().any(|entry| entry == MANIFEST) {
+        Some(String::from_utf8_lossy(&package.bytes_of(MANIFEST)?).into_owned())
+    } else {
+        None
     };
     let own = format!("{name}/");
     let related: Vec<&Related> = files.iter().map(|file| &file.related).collect();
-    let manifest = manifest::with(before.as_deref(), &own, &related);
-    let manifest = manifest.map_err(|message| Error::content(&package.path().join(MANIFEST), message))?;
+    let manifest = manifest::with(before.as_deref(), &own, &related)
+        .map_err(|message| Error::content(&package.path().join(MANIFEST), message))?;
     let mut contents: Vec<(String, Vec<u8>)> = vec![(MANIFEST.to_owned(), manifest.into_bytes())];
     contents.extend(files.into_iter().map(|file| (file.name, file.content)));
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
@@ -375,7 +372,7 @@ pub fn pack(
 
 /// Where a study and the files that it names lie in the FMU, such that it finds them as it does now: the study's place, and
 /// each file's path with its place.
-fn layout(study: &Study) -> Result<(String, Vec<(PathBuf, String)>), Error> {
+fn layout(study: &Study) -> Result<(String, Vec<(PathBuf, String)>)> {
     let mut files: Vec<&Path> = study.files();
     files.sort_unstable();
     files.dedup();
@@ -406,8 +403,7 @@ fn layout(study: &Study) -> Result<(String, Vec<(PathBuf, String)>), Error> {
         format!("study/{}", below.join("/"))
     };
     let named = files.iter().map(|file| (study.path_of(file), place(file)));
-    let own = own.file_name().unwrap_or_default();
-    Ok((place(Path::new(own)), named.collect()))
+    Ok((place(Path::new(own.file_name().unwrap_or_default())), named.collect()))
 }
 
 /// How many folders a relative path leads up.

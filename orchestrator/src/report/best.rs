@@ -48,18 +48,18 @@ pub(super) fn best_rows(
         .map(|ranked| {
             let Ranked { point: i, distance, binding } = *ranked;
             let parameters = table.parameters.iter().map(|p| Cell { text: number(p.values[i], 5), ..Cell::default() });
-            let is_shown = |k: &usize| pictured.is_none_or(|shown| shown.contains(k));
-            let criteria = (0..table.criteria.len()).filter(is_shown).map(|k| {
-                let c = &table.criteria[k];
-                let deviation = c.deviation(c.values[i]);
-                let bar = deviation.min(1.5) * (c.values[i] - c.nominal).signum();
-                Cell {
-                    text: number(c.values[i], 5),
-                    note: format!("{} of the tolerance", number(deviation, 2)),
-                    bad: !c.ok[i],
-                    bar: Some((100.0 * bar).round() / 100.0),
-                }
-            });
+            let criteria =
+                (0..table.criteria.len()).filter(|k| pictured.is_none_or(|shown| shown.contains(k))).map(|k| {
+                    let c = &table.criteria[k];
+                    let deviation = c.deviation(c.values[i]);
+                    let bar = deviation.min(1.5) * (c.values[i] - c.nominal).signum();
+                    Cell {
+                        text: number(c.values[i], 5),
+                        note: format!("{} of the tolerance", number(deviation, 2)),
+                        bad: !c.ok[i],
+                        bar: Some((100.0 * bar).round() / 100.0),
+                    }
+                });
             BestRow {
                 id: table.ids[i],
                 verified: table.verified[i],

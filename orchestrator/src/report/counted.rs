@@ -1,12 +1,19 @@
 //! Tables of counts that the terminal and the page share: the risk of accepting, and the cases.
 
 use super::outlook::of_freedom;
-use crate::results::Summary;
-use crate::results::summary::{CaseCount, Count, CriterionCount};
-use conformity::measured::{Limits, Measured};
-use conformity::risk::Risk;
-use result_document::format::{count, number, percent};
-use result_document::{Block, Column, Table, numbers, words};
+use crate::results::{
+    Summary,
+    summary::{CaseCount, Count, CriterionCount},
+};
+use conformity::{
+    measured::{Limits, Measured},
+    risk::Risk,
+};
+use result_document::{
+    Block, Column, Table,
+    format::{count, number, percent},
+    numbers, words,
+};
 use study::cases::SEPARATOR;
 
 fn heading(title: &str) -> Block {
@@ -29,25 +36,20 @@ fn share(count: &Count, with_interval: bool) -> Vec<String> {
 }
 
 fn share_columns(with_interval: bool) -> Vec<Column> {
-    let columns = [numbers("Share %"), words("95 % interval")].into_iter();
-    columns.take(1 + usize::from(with_interval)).collect()
+    [numbers("Share %"), words("95 % interval")].into_iter().take(1 + usize::from(with_interval)).collect()
 }
 
 /// The risk of accepting, of every criterion and of all; nothing where none is known.
 pub fn risks(summary: &Summary) -> Vec<Block> {
     let criteria = || summary.criteria.iter();
     let measurement = summary.measurement();
-    let Ok(measurement) = measurement else {
-        return Vec::new();
-    };
+    let Ok(measurement) = measurement else { return Vec::new() };
     if criteria().all(|(_, entry)| entry.risk.is_none()) {
         return Vec::new();
     }
     let all = summary.conclusion.as_ref().and_then(|c| c.risk.as_ref());
-    let rows = criteria().zip(measurement.criteria());
-    let rows = rows.map(|((name, entry), measured)| risk(name, entry, measured));
-    let total = ["all criteria", "", "", ""].map(str::to_owned).into_iter();
-    let total = total.chain(shares(all)).collect();
+    let rows = criteria().zip(measurement.criteria()).map(|((name, entry), measured)| risk(name, entry, measured));
+    let total = ["all criteria", "", "", ""].map(str::to_owned).into_iter().chain(shares(all)).collect();
     let table = Table {
         name: "Risks".into(),
         class: "risks stack".into(),
@@ -84,14 +86,14 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
     let uncertainty = match (measured.error.zip(entry.criterion.uncertainty), &entry.risk) {
         (Some((error, stated)), _) => {
             let expanded = number(error.expanded, 4);
-            match error.is_normal() {
-                true => format!("{expanded}{unit} (k = {})", number(stated.coverage, 3)),
-                false => {
-                    let freedom = error.freedom_within(error.standard());
-                    let freedom =
-                        freedom.map_or_else(String::new, |f| format!(", {} degrees of freedom", of_freedom(f)));
-                    format!("{expanded}{unit} (95.45 %: k = {}{freedom})", number(error.expanded / error.standard(), 3))
-                }
+            if error.is_normal() {
+                format!("{expanded}{unit} (k = {})", number(stated.coverage, 3))
+            } else {
+                let freedom = error
+                    .freedom_within(error.standard())
+                    .map(|f| format!(", {} degrees of freedom", of_freedom(f)))
+                    .unwrap_or_default();
+                format!("{expanded}{unit} (95.45 %: k = {}{freedom})", number(error.expanded / error.standard(), 3))
             }
         }
         (None, Some(_)) => "that of the rows".to_owned(),
@@ -100,7 +102,7 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
     let Limits { minus, plus, .. } = measured.limits;
     let capability = measured.capability().map(|c| number(c, 3));
     let is_one_sided = entry.criterion.metric.is_some() || measured.limits.is_one_sided();
-    let stated = [
+    [
         name.to_owned(),
         match (is_one_sided, minus == plus) {
             (true, _) => entry.criterion.stated_tolerance.clone(),
@@ -109,16 +111,15 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
         },
         uncertainty,
         capability.unwrap_or_default(),
-    ];
-    let stated = stated.into_iter();
-    stated.chain(shares(entry.risk.as_ref())).collect()
+    ]
+    .into_iter()
+    .chain(shares(entry.risk.as_ref()))
+    .collect()
 }
 
 /// Per cent, with their intervals: the consumer's risk, the producer's, and that of an accepted point.
 fn shares(risk: Option<&Risk>) -> [String; 3] {
-    let Some(risk) = risk else {
-        return [dash(), dash(), dash()];
-    };
+    let Some(risk) = risk else { return [dash(), dash(), dash()] };
     let intervals = risk.intervals.as_ref();
     let given = risk.not_conforming_given_accepted;
     let cell = |value: Option<f64>, interval: Option<[f64; 2]>| {

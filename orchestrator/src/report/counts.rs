@@ -1,9 +1,7 @@
 //! The page's counts: how many points pass, and what decides.
 
-use super::judgement::Judgement;
-use super::overlay::metric_of;
-use crate::results::Summary;
-use crate::results::summary::Count;
+use super::{judgement::Judgement, overlay::metric_of};
+use crate::results::{Summary, summary::Count};
 use conformity::conclusion::grouped;
 use curves::{Kind, Metric};
 use parameter_regions::table::{CriterionColumn, PointTable};
@@ -75,7 +73,7 @@ fn guarded(judgement: &Judgement, total: usize) -> Option<(String, Count)> {
 }
 
 pub(super) fn count_rows(table: &PointTable, summary: &Summary, judgement: &Judgement) -> Vec<CountRow> {
-    let row = |name: &str, kind, count: Count| CountRow { name: name.to_owned(), kind, count, ..CountRow::default() };
+    let row = |name: &str, kind, count| CountRow { name: name.to_owned(), kind, count, ..CountRow::default() };
     let criterion = |k: usize| {
         let (c, v) = (&table.criteria[k], &summary.criteria[k]);
         CountRow {
@@ -93,10 +91,9 @@ pub(super) fn count_rows(table: &PointTable, summary: &Summary, judgement: &Judg
                 Some(_) => format!("at most {}", quantity(c.upper, &c.unit)),
                 None => interval([c.lower, c.upper], &c.unit),
             },
-            drawn_in: judgement.drawn_in(k, [c.lower, c.upper]).map(|[low, high]| match low <= high {
-                true => interval([low, high], &c.unit),
-                false => "nothing".to_owned(),
-            }),
+            drawn_in: judgement
+                .drawn_in(k, [c.lower, c.upper])
+                .map(|[low, high]| if low <= high { interval([low, high], &c.unit) } else { "nothing".to_owned() }),
             binds: grouped(v.binds),
             only: grouped(v.only_failure),
             miss: median_miss(c).map_or_else(|| "–".into(), |m| format!("{} ×", number(m, 3))),
@@ -143,10 +140,14 @@ fn interval([low, high]: [f64; 2], unit: &str) -> String {
 
 /// The median deviation of the points that fail a criterion, in units of its tolerance.
 fn median_miss(criterion: &CriterionColumn) -> Option<f64> {
-    let failed = criterion.values.iter().zip(&criterion.ok);
-    let failed = failed.filter(|(_, ok)| !**ok);
-    let misses = failed.map(|(value, _)| criterion.deviation(*value));
-    let mut misses: Vec<f64> = misses.filter(|miss| !miss.is_nan()).collect();
+    let mut misses: Vec<f64> = criterion
+        .values
+        .iter()
+        .zip(&criterion.ok)
+        .filter(|(_, ok)| !**ok)
+        .map(|(value, _)| criterion.deviation(*value))
+        .filter(|miss| !miss.is_nan())
+        .collect();
     misses.sort_by(f64::total_cmp);
     misses.get(misses.len() / 2).copied()
 }

@@ -1,12 +1,13 @@
 //! The plots that need no script: the page shows them until its script takes over, and they are
 //! written beside it as files.
 
-use super::overlay::Measured;
-use super::payload::PlotColumn;
+use super::{overlay::Measured, payload::PlotColumn};
 use parameter_regions::table::PointTable;
-use result_document::bins::{axis_range, bins_for, histogram};
-use result_document::format::{count, number, with_unit};
-use result_document::svg::{Axis, Frame, area, circle, envelope, path, text, ticks};
+use result_document::{
+    bins::{axis_range, bins_for, histogram},
+    format::{count, number, with_unit},
+    svg::{Axis, Frame, area, circle, envelope, path, text, ticks},
+};
 use std::fmt::Write as _;
 
 /// `points` of one column against another, with the accepted box; of very many an even part.
@@ -21,18 +22,14 @@ pub fn plane(
     frame.y.to = CAPTION;
     let mut out = frame.axes(&with_unit(x.name, x.unit), Some(&with_unit(y.name, y.unit)));
     out.push_str(&acceptance(&frame, x, y));
-    let every = points.len().div_ceil(MOST_MARKS).max(1);
-    let points: Vec<usize> = points.iter().copied().step_by(every).collect();
+    let points: Vec<usize> = points.iter().copied().step_by(points.len().div_ceil(MOST_MARKS).max(1)).collect();
     out.push_str(&marks(table, &frame, x, y, &points));
     let inside = (0..table.len()).filter(|&i| within(x, i) && within(y, i)).count();
     let in_box = match x.is_criterion || y.is_criterion {
         true if table.len() == total => format!(", {} in the box", count(inside)),
         _ => String::new(),
     };
-    let drawn = match points.len() < total {
-        true => format!(", {} drawn", count(points.len())),
-        false => String::new(),
-    };
+    let drawn = if points.len() < total { format!(", {} drawn", count(points.len())) } else { String::new() };
     out.push_str(&frame.caption(&format!("{} points{in_box}, {} accepted{drawn}", count(total), count(accepted))));
     let title =
         format!("{} against {}: {inside} of {} points lie in the box of the tolerances", y.name, x.name, table.len());
@@ -98,8 +95,7 @@ fn marks(table: &PointTable, frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'
             let _ = write!(paths[0], "M{left:.1},{top:.1}l{d},{d}m0,-{d}l-{d},{d}");
         }
     }
-    let classes = ["pt out", "pt part", "pt in", "pt beyond"].iter().zip(paths);
-    classes.map(|(class, d)| path(class, d)).collect()
+    ["pt out", "pt part", "pt in", "pt beyond"].iter().zip(paths).map(|(class, d)| path(class, d)).collect()
 }
 
 /// The size of a mark, so that a crowd stays readable.
@@ -163,10 +159,8 @@ fn highest(counts: &[usize]) -> f64 {
 /// The numbers of points in a bar, at the left side of all points, at the right one of the accepted points.
 fn heights(counts: &[usize], frame: &Frame, accepted: bool) -> String {
     let most = highest(counts);
-    let (x, anchor, class) = match accepted {
-        false => (frame.x.from - 4.0, "end", "tick"),
-        true => (frame.x.to + 4.0, "start", "tick in"),
-    };
+    let (x, anchor, class) =
+        if accepted { (frame.x.to + 4.0, "start", "tick in") } else { (frame.x.from - 4.0, "end", "tick") };
     let whole = |t: &f64| t.fract() == 0.0;
     let mut out = String::new();
     for t in ticks(0.0, most, 3).into_iter().filter(whole) {
@@ -263,6 +257,5 @@ pub fn history(series: &Series) -> Option<String> {
 
 /// The deviations from the measured curve, where there is one.
 pub fn residuals(series: &Series) -> Option<String> {
-    let measured = series.measured.as_ref()?;
-    measured.residuals(&series.name, &series.unit, &series.time, &series.values)
+    series.measured.as_ref()?.residuals(&series.name, &series.unit, &series.time, &series.values)
 }

@@ -1,20 +1,13 @@
 //! A report from the folder that `verify` leaves behind.
 
-use super::judgement::Judgement;
-use super::outlook::comparison;
-use super::whatif::WhatIf;
-use super::{Report, history};
-use crate::error::Error;
-use crate::methods;
-use crate::methods::known::Finished;
-use crate::results::Summary;
-use crate::results::answer;
-use crate::results::choice;
-use crate::results::table;
-use crate::results::words::capitalised;
+use super::{Report, history, judgement::Judgement, outlook::comparison, whatif::WhatIf};
+use crate::{
+    error::{Error, Result},
+    methods::{self, known::Finished},
+    results::{Summary, answer, choice, table, words::capitalised},
+};
 use conformity::decision::Decision;
-use result_document::format::count;
-use result_document::{Block, Document};
+use result_document::{Block, Document, format::count};
 use std::path::Path;
 use study::Study;
 
@@ -23,14 +16,14 @@ impl Report {
     ///
     /// # Errors
     /// When there is no finished study in the folder, or one of the files is damaged.
-    pub fn from_folder(folder: &Path) -> Result<Self, Error> {
+    pub fn from_folder(folder: &Path) -> Result<Self> {
         let (summary, table) = table::read_some(folder, choice::MOST)?;
         let study_text = std::fs::read_to_string(folder.join("study.toml")).unwrap_or_default();
         let study = Study::parse(&folder.join("study.toml"), study_text.clone()).ok();
-        let damaged = |message| Error::content(&folder.join("summary.json"), message);
         let mut report = Self {
             command: command(&summary),
-            judgement: Judgement::new(&summary).map_err(damaged)?,
+            judgement: Judgement::new(&summary)
+                .map_err(|message| Error::content(&folder.join("summary.json"), message))?,
             history: history::read(folder, &table, study.as_ref()),
             documents: documents(folder, &summary),
             study_text,
@@ -69,7 +62,7 @@ fn command(summary: &Summary) -> String {
         (None, _) => format!("orchestrator judge {study} TABLE.csv"),
         (_, "table") => format!("orchestrator verify {study} --points-from TABLE.csv"),
         _ => {
-            let seed = p.seed.map_or_else(String::new, |seed| format!(" --seed {seed}"));
+            let seed = p.seed.map(|seed| format!(" --seed {seed}")).unwrap_or_default();
             format!("orchestrator verify {study} --points {}{seed}", summary.points)
         }
     }
@@ -130,10 +123,14 @@ pub(super) fn provenance(summary: &Summary) -> Vec<(String, String)> {
                 .filter(|run| run.computed > 0)
                 .map(|run| format!("{:.1} s with {} at a time", run.wall_seconds, run.jobs)),
         ),
-    ];
-    let rows = rows.into_iter();
-    let rows = rows.filter_map(|(name, value)| Some((name.to_owned(), value?)));
-    let stated = summary.dossier.iter().flat_map(|dossier| dossier.stated());
-    let stated = stated.map(|(key, text)| (capitalised(key), text.to_owned()));
-    stated.chain(rows).collect()
+    ]
+    .into_iter()
+    .filter_map(|(name, value)| Some((name.to_owned(), value?)));
+    summary
+        .dossier
+        .iter()
+        .flat_map(|dossier| dossier.stated())
+        .map(|(key, text)| (capitalised(key), text.to_owned()))
+        .chain(rows)
+        .collect()
 }

@@ -1,7 +1,9 @@
 //! The best point's trajectory, as a file beside the results.
 
-use super::figures::Series;
-use super::overlay::{Measured, is_of, metric_of};
+use super::{
+    figures::Series,
+    overlay::{Measured, is_of, metric_of},
+};
 use indexmap::IndexMap;
 use number_tables::csv_file;
 use parameter_regions::table::PointTable;
@@ -80,9 +82,7 @@ fn measured(path: &Path) -> csv::Result<IndexMap<String, Measured>> {
     for record in csv::Reader::from_path(path)?.records() {
         let record = record?;
         let number = |place: usize| record.get(place).and_then(|cell| cell.parse::<f64>().ok());
-        let (Some(name), Some(time), Some(value)) = (record.get(0), number(1), number(2)) else {
-            continue;
-        };
+        let (Some(name), Some(time), Some(value)) = (record.get(0), number(1), number(2)) else { continue };
         let curve = curves.entry(csv_file::text(name).into_owned()).or_default();
         curve.time.push(time);
         curve.values.push(value);
@@ -106,8 +106,7 @@ pub fn trajectories(folder: &Path) -> Vec<Trajectory> {
 
 fn trajectory(path: &Path) -> Option<Trajectory> {
     let (header, columns) = columns(path).ok()?;
-    let names = header.iter().map(|name| csv_file::text(name).into_owned());
-    let mut columns = names.zip(columns);
+    let mut columns = header.iter().map(|name| csv_file::text(name).into_owned()).zip(columns);
     let (_, time) = columns.next()?;
     Some((time, columns.collect()))
 }

@@ -3,9 +3,11 @@
 use std::borrow::Cow;
 
 use crate::results::Summary;
-use conformity::conclusion::{Conclusion, Requirement, percent};
-use conformity::measured::{Assessed, Measurement};
-use conformity::risk::Guard;
+use conformity::{
+    conclusion::{Conclusion, Requirement, percent},
+    measured::{Assessed, Measurement},
+    risk::Guard,
+};
 use parameter_regions::table::PointTable;
 use result_document::format::number;
 
@@ -97,14 +99,15 @@ impl Judgement {
         if !self.measurement.complete() {
             return None;
         }
-        let of = |point: usize| {
-            let values: Vec<f64> = table.criteria.iter().map(|c| c.values[point]).collect();
-            if values.iter().any(|value| !value.is_finite()) {
-                return Some(0.0);
-            }
-            self.measurement.assess(&values).all.probability
-        };
-        (0..table.len()).map(of).collect()
+        (0..table.len())
+            .map(|point| {
+                let values: Vec<f64> = table.criteria.iter().map(|c| c.values[point]).collect();
+                if values.iter().any(|value| !value.is_finite()) {
+                    return Some(0.0);
+                }
+                self.measurement.assess(&values).all.probability
+            })
+            .collect()
     }
 }
 

@@ -15,8 +15,10 @@ mod planes;
 pub(crate) mod recording;
 pub(crate) mod whatif;
 
-use crate::error::Error;
-use crate::results::Summary;
+use crate::{
+    error::{Error, Result},
+    results::Summary,
+};
 use base64::{Engine, engine::general_purpose::STANDARD};
 use figures::Series;
 use flate2::{Compression, write::GzEncoder};
@@ -26,8 +28,10 @@ use parameter_regions::table::PointTable;
 use point_journal::files::write_text;
 use result_document::{Document, svg};
 use sampling::statistics::share::Fraction;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::{
+    io::Write,
+    path::{Path, PathBuf},
+};
 
 /// Contents of a report.
 #[derive(Clone, Debug, Default)]
@@ -67,12 +71,11 @@ impl Report {
 
     /// The criteria that have pictures, where they are too many for all to have some.
     fn pictured(&self) -> Option<Vec<usize>> {
-        let pictured = Some(self.summary.pictured());
-        pictured.filter(|shown| shown.len() < self.summary.criteria.len())
+        Some(self.summary.pictured()).filter(|shown| shown.len() < self.summary.criteria.len())
     }
 
     /// Writes `report.html` and `plots/*.svg` into a folder, and returns the page's path.
-    pub fn write(&self, folder: &Path) -> Result<PathBuf, Error> {
+    pub fn write(&self, folder: &Path) -> Result<PathBuf> {
         let (html, pictures) = page::render(self)?;
         let plots = folder.join("plots");
         // As files are: a link is replaced, never written through.
@@ -81,10 +84,11 @@ impl Report {
         }
         std::fs::create_dir_all(&plots).map_err(Error::io(&plots))?;
         // A picture that cannot be written costs itself: the page has it all the same.
-        let written = pictures
+        let failed: Vec<Error> = pictures
             .into_iter()
-            .map(|(name, plot)| write_file(&plots.join(format!("{name}.svg")), &svg::standalone(&plot)));
-        let failed: Vec<Error> = written.filter_map(Result::err).collect();
+            .map(|(name, plot)| write_file(&plots.join(format!("{name}.svg")), &svg::standalone(&plot)))
+            .filter_map(Result::err)
+            .collect();
         if let Some(first) = failed.first() {
             fmu_points::tell::line!("note: {} plots have no file; the first: {first}", failed.len());
         }
@@ -94,7 +98,7 @@ impl Report {
     }
 }
 
-fn write_file(path: &Path, text: &str) -> Result<(), Error> {
+fn write_file(path: &Path, text: &str) -> Result {
     Ok(write_text(path, &*visible(text))?)
 }
 

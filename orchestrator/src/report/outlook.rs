@@ -2,18 +2,15 @@
 
 use crate::results::Summary;
 use conformity::validation::Comparison;
-use result_document::format::number;
-use result_document::{Document, Table, numbers, words};
+use result_document::{Document, Table, format::number, numbers, words};
 
 /// The model's own error, where the study tells it.
 pub fn comparison(summary: &Summary) -> Option<Document> {
     let mut told = Document::new("comparison", "Model's error", "The model's own error");
     let row = |(name, comparison): (&String, &Comparison)| {
-        let criterion = summary.criteria.get(name);
-        let unit = criterion.and_then(|c| c.criterion.unit.as_ref());
+        let unit = summary.criteria.get(name).and_then(|c| c.criterion.unit.as_ref());
         let name = unit.map_or_else(|| name.clone(), |unit| format!("{name} ({unit})"));
-        let numbers = compared(comparison).into_iter();
-        std::iter::once(name).chain(numbers).collect()
+        std::iter::once(name).chain(compared(comparison).into_iter()).collect()
     };
     told.table(Table {
         name: "Validation comparison".into(),
@@ -32,17 +29,21 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
         ],
         rows: summary.validation.iter().map(row).collect(),
     });
-    let note = |(name, comparison): (&String, &Comparison)| {
-        let bound = match comparison.complete {
-            true => "",
-            false => "; since not all uncertainties are known, E ± k u_{val} is wider than stated",
-        };
-        format!(
-            " {name}: the {} uncertainty dominates; numerical uncertainty {}{bound}.",
-            comparison.dominant, comparison.u_num_note
-        )
-    };
-    let notes: String = summary.validation.iter().map(note).collect();
+    let notes: String = summary
+        .validation
+        .iter()
+        .map(|(name, comparison)| {
+            let bound = if comparison.complete {
+                ""
+            } else {
+                "; since not all uncertainties are known, E ± k u_{val} is wider than stated"
+            };
+            format!(
+                " {name}: the {} uncertainty dominates; numerical uncertainty {}{bound}.",
+                comparison.dominant, comparison.u_num_note
+            )
+        })
+        .collect();
     let missing = match summary.failed {
         0 => String::new(),
         failed => format!(

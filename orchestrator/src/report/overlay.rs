@@ -1,8 +1,10 @@
 //! A measured curve in the picture of a signal, and the model's deviations from it.
 
 use curves::{Curve, Metric};
-use result_document::bins::axis_range;
-use result_document::svg::{Frame, envelope, path};
+use result_document::{
+    bins::axis_range,
+    svg::{Frame, envelope, path},
+};
 
 /// A measured curve on the model's time, in the criterion's unit.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,16 +34,14 @@ impl Measured {
     fn edges(&self) -> Option<[Vec<f64>; 2]> {
         (self.uncertainty.len() == self.values.len()).then(|| {
             [-1.0, 1.0].map(|side| {
-                let pairs = self.values.iter().zip(&self.uncertainty);
-                pairs.map(|(value, width)| value + side * width).collect()
+                self.values.iter().zip(&self.uncertainty).map(|(value, width)| value + side * width).collect()
             })
         })
     }
 
     /// All values that a picture must have room for.
     pub(super) fn extremes(&self) -> Vec<f64> {
-        let edges = self.edges().into_iter().flatten().flatten();
-        self.values.iter().copied().chain(edges).collect()
+        self.values.iter().copied().chain(self.edges().into_iter().flatten().flatten()).collect()
     }
 
     /// The band, the curve, and its first and last time, between which the model is judged.
@@ -63,8 +63,12 @@ impl Measured {
     pub(super) fn residuals(&self, name: &str, unit: &str, time: &[f64], model: &[f64]) -> Option<String> {
         let curve = Curve::new(time.to_vec(), model.to_vec()).ok()?;
         let [start, end] = curve.span();
-        let at = |(t, value): (&f64, &f64)| Some(curve.at(t.clamp(start, end))? - value);
-        let deviations: Vec<f64> = self.time.iter().zip(&self.values).map(at).collect::<Option<_>>()?;
+        let deviations: Vec<f64> = self
+            .time
+            .iter()
+            .zip(&self.values)
+            .map(|(t, value)| Some(curve.at(t.clamp(start, end))? - value))
+            .collect::<Option<_>>()?;
         let around = Self {
             time: self.time.clone(),
             values: vec![0.0; self.values.len()],

@@ -1,7 +1,6 @@
 //! The data inside the page: columns of the points that are drawn, hovered and selected.
 
-use super::judgement::Judgement;
-use super::whatif::WhatIf;
+use super::{judgement::Judgement, whatif::WhatIf};
 use crate::results::choice::Even;
 use parameter_regions::table::PointTable;
 use result_document::bins;
@@ -116,8 +115,7 @@ pub fn columns<'a>(table: &'a PointTable, judgement: &Judgement) -> Vec<PlotColu
         range: bins::axis_range(values.iter().copied(), accepted[0], accepted[1]).unwrap_or([0.0, 1.0]),
     };
     let free = [f64::NEG_INFINITY, f64::INFINITY];
-    let parameters = table.parameters.iter();
-    let parameters = parameters.map(|p| column(&p.name, &p.unit, &p.values, free, None));
+    let parameters = table.parameters.iter().map(|p| column(&p.name, &p.unit, &p.values, free, None));
     let criteria = table.criteria.iter().enumerate().map(|(k, c)| {
         let tolerance = [c.lower, c.upper];
         let measured = Some(c.nominal).filter(|_| tolerance.iter().all(|end| end.is_finite()));
@@ -189,10 +187,7 @@ pub fn payload(
         unit: c.unit.to_owned(),
         range: c.range,
         outside: c.values.iter().filter(|v| v.is_finite() && !(c.range[0]..=c.range[1]).contains(v)).count(),
-        data: match k < first_criterion {
-            true => floats(c.values),
-            false => doubles(c.values),
-        },
+        data: if k < first_criterion { floats(c.values) } else { doubles(c.values) },
         criterion: k.checked_sub(first_criterion).map(|j| {
             let criterion = &table.criteria[j];
             let finite = |limit: f64| limit.is_finite().then_some(limit);
@@ -220,10 +215,7 @@ pub fn payload(
             bytes.add(apart(numbers))
         }),
         sample: some.then(|| flags(&|i| even.has(i as u64))),
-        study: study.cloned().map(|study| match some {
-            true => study.of_some(),
-            false => study,
-        }),
+        study: study.cloned().map(|study| if some { study.of_some() } else { study }),
     }
 }
 

@@ -1,7 +1,6 @@
 //! The planes that the page starts with.
 
-use super::figures;
-use super::payload::PlotColumn;
+use super::{figures, payload::PlotColumn};
 use parameter_regions::table::PointTable;
 use sampling::statistics::moments::pearson;
 use serde::Serialize;
@@ -81,8 +80,7 @@ fn strongest_pairs(table: &PointTable) -> Vec<(usize, usize)> {
 
 /// Of the points that have both values.
 fn correlation(x: &[f64], y: &[f64]) -> f64 {
-    let both = x.iter().copied().zip(y.iter().copied());
-    let both = both.filter(|(a, b)| a.is_finite() && b.is_finite());
-    let (x, y): (Vec<f64>, Vec<f64>) = both.unzip();
+    let (x, y): (Vec<f64>, Vec<f64>) =
+        x.iter().copied().zip(y.iter().copied()).filter(|(a, b)| a.is_finite() && b.is_finite()).unzip();
     pearson(&x, &y)
 }

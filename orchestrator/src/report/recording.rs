@@ -1,13 +1,15 @@
 //! The page of a recording: the delay with its uncertainty, the signals before and after, what
 //! the tests of stationarity say, and the criteria.
 
-use crate::error::Error;
-use crate::plain::Page;
+use crate::{error::Result, plain::Page};
 use point_journal::files::{make_folder, write_text};
-use result_document::bins::axis_range;
-use result_document::format::number;
-use result_document::svg::{Frame, area, envelope, path};
-use result_document::{Block, Document, Figure, Key, Table, numbers};
+use result_document::{
+    Block, Document, Figure, Key, Table,
+    bins::axis_range,
+    format::number,
+    numbers,
+    svg::{Frame, area, envelope, path},
+};
 use rig_signals::{Channel, DerivedCriterion, RigRecording, Synchronised};
 use sampling::statistics::moments::mean;
 use std::path::Path;
@@ -34,13 +36,7 @@ impl<'a> Trace<'a> {
 ///
 /// # Errors
 /// When a file cannot be written.
-pub fn write(
-    recording: &RigRecording,
-    result: &Synchronised,
-    title: &str,
-    amplitudes: bool,
-    folder: &Path,
-) -> Result<(), Error> {
+pub fn write(recording: &RigRecording, result: &Synchronised, title: &str, amplitudes: bool, folder: &Path) -> Result {
     let bearing = recording.bearing.as_ref();
     let [start, end] = [result.time.first(), result.time.last()].map(|t| number(t.copied().unwrap_or(0.0), 5));
     let mut measured = Document::new("measured", "Measured values", "Measured values");
@@ -61,7 +57,6 @@ pub fn write(
             Key::new("line", "M0,7h14", "smoothed, aligned; the last second of the window"),
         ]));
     }
-    let shown = |f: &&DerivedCriterion| amplitudes || f.statistic != "amplitude";
     measured.table(Table {
         name: "Measured values".into(),
         columns: [
@@ -76,7 +71,7 @@ pub fn write(
         ]
         .map(numbers)
         .into(),
-        rows: result.findings.iter().filter(shown).map(row).collect(),
+        rows: result.findings.iter().filter(|f| amplitudes || f.statistic != "amplitude").map(row).collect(),
         ..Table::default()
     });
     measured.hint(
@@ -92,8 +87,11 @@ pub fn write(
             None => recording.others.iter().filter_map(recorded).collect(),
         },
     ));
-    let steadiness = format!("Was it steady? Tested with {} % confidence", number(100.0 * recording.confidence, 4));
-    let mut steady = Document::new("steady", "Stationarity", steadiness);
+    let mut steady = Document::new(
+        "steady",
+        "Stationarity",
+        format!("Was it steady? Tested with {} % confidence", number(100.0 * recording.confidence, 4)),
+    );
     let blocks = result.findings.iter().filter(|f| !f.blocks.is_empty());
     steady.blocks.push(Block::Figures("planes".into(), blocks.filter_map(wander).collect()));
     let documents = [measured, signals, steady];
@@ -156,7 +154,7 @@ fn figures(result: &Synchronised) -> Vec<Figure> {
     let from = result.time.partition_point(|t| *t < end - SHOWN);
     let time = &result.time[from..];
     let trace = |class, values| Trace::new(class, time, values);
-    let signals = [
+    [
         of_time(
             "Load: recorded and smoothed",
             "load",
@@ -181,8 +179,10 @@ fn figures(result: &Synchronised) -> Vec<Figure> {
         ),
         of_time("Friction power after the shift", "power", "W", &[trace("line", &result.power)]),
         search(result),
-    ];
-    signals.into_iter().flatten().collect()
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 /// How much of the torque the load does not explain by the delay, with the least and its interval.
@@ -192,9 +192,7 @@ fn search(result: &Synchronised) -> Option<Figure> {
     let name = "What the load does not explain of the torque, by the delay (dashed, with its interval)";
     let trace = Trace::new("line", &delays, &scatter);
     let marks = |frame: &Frame| {
-        let Some(interval) = &result.delay.delay else {
-            return String::new();
-        };
+        let Some(interval) = &result.delay.delay else { return String::new() };
         let at = |s: f64| frame.x.clamped(1e3 * s);
         let (low, high) = (at(interval.low), at(interval.high));
         let (top, bottom, delay) = (frame.y.to, frame.y.from, at(interval.value));
@@ -212,13 +210,10 @@ fn search(result: &Synchronised) -> Option<Figure> {
 /// The means of blocks with the straight line through them.
 fn wander(finding: &DerivedCriterion) -> Option<Figure> {
     let [start, block] = finding.block;
-    let middle = |k: usize| start + (k as f64 + 0.5) * block;
-    let time: Vec<f64> = (0..finding.blocks.len()).map(middle).collect();
+    let time: Vec<f64> = (0..finding.blocks.len()).map(|k| start + (k as f64 + 0.5) * block).collect();
     let trace = Trace::new("blocks", &time, &finding.blocks);
     let line = |frame: &Frame| {
-        let Some(s) = &finding.stationarity else {
-            return String::new();
-        };
+        let Some(s) = &finding.stationarity else { return String::new() };
         let (centre, half) = (mean(&finding.blocks), s.change.value / 2.0);
         let ends = [time.first(), time.last()].map(|t| frame.x.at(t.copied().unwrap_or(0.0)));
         let [from, to] = [-half, half].map(|step| frame.y.clamped(centre + step));

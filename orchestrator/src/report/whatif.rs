@@ -1,10 +1,13 @@
 //! The data from which the page judges its points anew: criteria, rule and distributions, with all their digits.
 
-use crate::judge::share;
-use crate::results::Summary;
-use crate::results::summary::CriterionCount;
-use conformity::measured::Limits;
-use conformity::uncertainty::{Law, Uncertainty};
+use crate::{
+    judge::share,
+    results::{Summary, summary::CriterionCount},
+};
+use conformity::{
+    measured::Limits,
+    uncertainty::{Law, Uncertainty},
+};
 use serde::Serialize;
 use study::Study;
 
@@ -106,11 +109,10 @@ impl WhatIf {
                 })
             }
         };
-        let numbers = |entry: &crate::results::summary::Correlated| {
+        let correlations = summary.uncertainty_correlations.iter().map(|entry| {
             let [a, b] = entry.between.each_ref().map(|name| summary.criteria.get_index_of(name));
             Some((a?, b?, entry.coefficient))
-        };
-        let correlations = summary.uncertainty_correlations.iter().map(numbers);
+        });
         let parameters = summary.parameters.iter();
         Some(Self {
             samples: summary.provenance.replicates.unwrap_or(1).max(1),

@@ -1,12 +1,9 @@
 //! The best point's trajectory, for its picture on the page.
 
-use std::fs;
-use std::path::Path;
+use std::{fs, path::Path};
 
-use super::finer::for_a_plot;
-use super::{Budget, Halt, Reruns};
-use crate::report::history;
-use crate::results::Summary;
+use super::{Budget, Halt, Reruns, finer::for_a_plot};
+use crate::{report::history, results::Summary};
 use fmu_points::task::Task;
 use number_tables::csv_file;
 use point_journal::files::write_atomically;
@@ -18,12 +15,11 @@ const MOST_NUMBERS: u64 = 1_000_000;
 pub(super) fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Vec<String> {
     let plan = reruns.plan();
     // An earlier run may have left files, which are of another point or of another case.
-    let old = [history::file(None), history::file(Some(0))];
-    let old = old.into_iter().chain((1..plan.cases.len()).map(|case| history::file(Some(case))));
-    old.for_each(|file| drop(fs::remove_file(folder.join(file))));
-    let Some(best) = &summary.best_point else {
-        return Vec::new();
-    };
+    [history::file(None), history::file(Some(0))]
+        .into_iter()
+        .chain((1..plan.cases.len()).map(|case| history::file(Some(case))))
+        .for_each(|file| drop(fs::remove_file(folder.join(file))));
+    let Some(best) = &summary.best_point else { return Vec::new() };
     let Some(values) = reruns.values(best.point) else {
         return vec![format!("the study has no point {} any more", best.point)];
     };
@@ -100,16 +96,13 @@ fn write_case(
             if !kept {
                 return Ok(());
             }
-            let csv = |error: csv::Error| Halt::from(std::io::Error::from(error));
+            let csv = |error| Halt::from(std::io::Error::from(error));
             table.write_field(number.format(time)).map_err(csv)?;
             for (&value, &k) in row.iter().zip(&signals.criteria) {
                 let value = plan.outputs[k].value(value);
                 // Seven digits are plenty for a plot, but for a number that so short a one cannot hold.
                 let short = value as f32;
-                let text = match short.is_finite() {
-                    true => number.format(short),
-                    false => number.format(value),
-                };
+                let text = if short.is_finite() { number.format(short) } else { number.format(value) };
                 table.write_field(text).map_err(csv)?;
             }
             table.write_record(None::<&[u8]>).map_err(csv)

@@ -1,7 +1,9 @@
 //! How long the points of a finished study may be run once more.
 
-use std::sync::LazyLock;
-use std::time::{Duration, Instant};
+use std::{
+    sync::LazyLock,
+    time::{Duration, Instant},
+};
 
 /// All that comes after a study's points takes no longer than these did; but it may take so long.
 const LEAST: Duration = Duration::from_secs(2);

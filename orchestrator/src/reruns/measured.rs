@@ -1,10 +1,8 @@
 //! Measured curves beside the results.
 
-use std::fs;
-use std::path::Path;
+use std::{fs, path::Path};
 
-use crate::report::history;
-use crate::results::Summary;
+use crate::{report::history, results::Summary};
 use number_tables::csv_file;
 use point_journal::files::write_table;
 use study::plan::Plan;
@@ -17,15 +15,16 @@ pub(super) fn write(plan: &Plan, folder: &Path, summary: &Summary) -> Option<Str
         let _ = fs::remove_file(&path);
         return None;
     }
-    let written = write_table(&path, history::MEASURED_COLUMNS, |table| {
+    write_table(&path, history::MEASURED_COLUMNS, |table| {
         for (probe, name) in plan.probes().zip(summary.criteria.keys()) {
             let Some(curve) = &probe.curve else { continue };
             for (row, (time, value)) in curve.shown_times().zip(&curve.values).enumerate() {
-                let uncertainty = curve.expanded(row).map_or_else(String::new, |width| width.to_string());
+                let uncertainty = curve.expanded(row).map(|width| width.to_string()).unwrap_or_default();
                 table.write_record([&*csv_file::cell(name), &time.to_string(), &value.to_string(), &uncertainty])?;
             }
         }
         Ok(())
-    });
-    written.err().map(|error| error.to_string())
+    })
+    .err()
+    .map(|error| error.to_string())
 }

@@ -8,24 +8,26 @@ mod measured;
 mod numerical;
 mod settled;
 
-use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::{
+    path::{Path, PathBuf},
+    sync::atomic::Ordering,
+    time::{Duration, Instant},
+};
 
 use thiserror::Error;
 
-use crate::error::Error;
-use crate::results::Summary;
-use crate::session::Verification;
+use crate::{error::Error, results::Summary, session::Verification};
 use budget::Budget;
 use fmu_import::{Content, Handle, Package, Value};
-use fmu_points::Limits;
-use fmu_points::failure::Failure;
-use fmu_points::scratch::Scratch;
-use fmu_points::single::{Recorder, Recording};
-use fmu_points::stop;
-use fmu_points::task::{Case, Task};
-use fmu_points::{Answer, RunError, working_directory};
+use fmu_points::{
+    Answer, Limits, RunError,
+    failure::Failure,
+    scratch::Scratch,
+    single::{Recorder, Recording},
+    stop,
+    task::{Case, Task},
+    working_directory,
+};
 use point_journal::files::write_json;
 use study::plan::Plan;
 
@@ -184,8 +186,9 @@ impl<'a> Reruns<'a> {
             return run(&self.fmu);
         }
         let again = Package::open(self.verification.session.package.path());
-        let copy = again.and_then(|mut again| again.unpack_anew(self.scratch.path()));
-        let copy = copy.map_err(|error| Failure::Unloadable(error.to_string()))?;
+        let copy = again
+            .and_then(|mut again| again.unpack_anew(self.scratch.path()))
+            .map_err(|error| Failure::Unloadable(error.to_string()))?;
         run(copy.path())
     }
 
@@ -198,10 +201,12 @@ impl<'a> Reruns<'a> {
     /// The signals of a case that are real numbers, of criteria that are wanted.
     fn signals(&self, case: usize, is_wanted: impl Fn(usize) -> bool) -> Signals {
         let plan = self.plan();
-        let observed = &plan.cases[case].task.observed;
-        let real = plan.criteria_of(case).zip(observed);
-        let real = real.filter(|(criterion, probe)| probe.handle.content == Content::Real && is_wanted(*criterion));
-        let (criteria, handles) = real.map(|(k, probe)| (k, probe.handle)).unzip();
+        let (criteria, handles) = plan
+            .criteria_of(case)
+            .zip(&plan.cases[case].task.observed)
+            .filter(|(criterion, probe)| probe.handle.content == Content::Real && is_wanted(*criterion))
+            .map(|(k, probe)| (k, probe.handle))
+            .unzip();
         Signals { criteria, handles }
     }
 

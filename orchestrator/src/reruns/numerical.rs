@@ -2,10 +2,8 @@
 //! with `--validation` some points with finer steps and with finer tolerances of the FMU's solver. The user asks for these, so
 //! they take their time: only each run is limited.
 
-use super::finer::refined_case;
-use super::{Halt, Reruns};
-use crate::judge::Criterion;
-use crate::results::Summary;
+use super::{Halt, Reruns, finer::refined_case};
+use crate::{judge::Criterion, results::Summary};
 use conformity::validation::{Comparison, Numerical, Refined, Scatter, refined};
 use fmu_points::task::Case;
 use point_journal::pipeline::Model;
@@ -36,11 +34,14 @@ pub(super) fn observe(reruns: &Reruns<'_>, summary: &mut Summary) -> Option<Stri
     };
     if asked {
         let known = validate(reruns, summary);
-        let criteria = summary.criteria.values().map(|count| &count.criterion);
-        let others =
-            criteria.zip(&known).filter(|(criterion, _)| doubts.iter().all(|(name, _)| *name != criterion.name));
-        let others = others.filter_map(|(criterion, known)| uncertain(criterion, known.standard?));
-        let others: Vec<_> = others.collect();
+        let others: Vec<_> = summary
+            .criteria
+            .values()
+            .map(|count| &count.criterion)
+            .zip(&known)
+            .filter(|(criterion, _)| doubts.iter().all(|(name, _)| *name != criterion.name))
+            .filter_map(|(criterion, known)| uncertain(criterion, known.standard?))
+            .collect();
         doubts.extend(others);
     }
     let doubts = doubts.into_iter().map(|(_, doubt)| doubt);
@@ -58,19 +59,19 @@ type Doubt = (String, Concern);
 fn with_half_the_step(reruns: &Reruns<'_>, summary: &Summary) -> Result<Vec<Doubt>, Halt> {
     let session = &reruns.verification.session;
     let cases = &reruns.plan().cases;
-    let refined = |case| refined_case(case, Refined::Step, 1);
-    let finer: Vec<Case> = cases.iter().map(refined).collect();
+    let finer: Vec<Case> = cases.iter().map(|case| refined_case(case, Refined::Step, 1)).collect();
     let run = |cases: &[Case], values: &[f64]| {
-        let outcome = session.outcome(reruns.answer(cases, values.to_vec())?);
-        outcome.map_err(|failure| Halt::Failed(failure.to_string()))
+        session.outcome(reruns.answer(cases, values.to_vec())?).map_err(|failure| Halt::Failed(failure.to_string()))
     };
     let criteria = || session.judge.criteria.iter();
     // Points with their values in the criteria's order, with the study's steps and with half of them.
     let mut tried = Vec::new();
     let best = summary.best_point.as_ref();
     if let Some((best, values)) = best.and_then(|best| Some((best, reruns.values(best.point)?))) {
-        let coarse = criteria().map(|criterion| best.values.get(&criterion.name).copied());
-        let coarse = coarse.map(|value| value.unwrap_or(f64::NAN)).collect();
+        let coarse = criteria()
+            .map(|criterion| best.values.get(&criterion.name).copied())
+            .map(|value| value.unwrap_or(f64::NAN))
+            .collect();
         tried.push((best.point, coarse, run(&finer, &values)?));
     }
     let others = if reruns.wish.dear { 0 } else { (summary.points / AMONG).min(MOST_OTHERS) };
@@ -84,39 +85,37 @@ fn with_half_the_step(reruns: &Reruns<'_>, summary: &Summary) -> Result<Vec<Doub
             tried.push((job.index, coarse, finer));
         }
     }
-    let placed = reruns.plan().placed_probes();
-    let doubts = criteria().zip(placed).enumerate().filter_map(|(k, (criterion, (case, _)))| {
+    Ok(criteria().zip(reruns.plan().placed_probes()).enumerate().filter_map(|(k, (criterion, (case, _)))| {
         let change = |(_, coarse, finer): &&(u64, Vec<f64>, Vec<f64>)| (finer[k] - coarse[k]).abs();
-        let moved = tried.iter().filter(|tried| change(tried).is_finite());
-        let most = moved.max_by(|a, b| change(a).total_cmp(&change(b)))?;
+        let most = tried.iter().filter(|tried| change(tried).is_finite()).max_by(|a, b| change(a).total_cmp(&change(b)))?;
         let is_notable = 2.0 * change(&most) > PART * criterion.room();
         is_notable.then(|| {
             let (point, coarse, finer) = most;
             let unit = criterion.unit_behind();
             let [finer, coarse] = [finer[k], coarse[k]].map(|value| number(value, 4));
-            let text = format!(
+            let concern = Concern::new(Code::CoarseStep, format!(
                 "{}: the communication step of {} s is too coarse: with half of it point {point} gives {finer}{unit}, not {coarse}{unit} \
                  ({})",
                 criterion.name, cases[case].task.schedule.step, criterion.allowed()
-            );
-            let concern = Concern::new(Code::CoarseStep, text);
+            ));
             (criterion.name.clone(), concern.remedied("Choose a shorter `step` under [simulation]."))
         })
-    });
-    Ok(doubts.collect())
+    }).collect())
 }
 
 /// A doubt where the numerical uncertainty is a notable part of the accuracy.
 fn uncertain(criterion: &Criterion, standard: f64) -> Option<Doubt> {
-    let text = format!(
-        "{}: the numerical uncertainty u_num of {}{} is more than a third of what is allowed ({})",
-        criterion.name,
-        number(standard, 3),
-        criterion.unit_behind(),
-        criterion.allowed()
-    );
-    let remedy = "Choose a shorter `step` under [simulation], or a smaller tolerance of the FMU's solver.";
-    let concern = Concern::new(Code::CoarseStep, text).remedied(remedy);
+    let concern = Concern::new(
+        Code::CoarseStep,
+        format!(
+            "{}: the numerical uncertainty u_num of {}{} is more than a third of what is allowed ({})",
+            criterion.name,
+            number(standard, 3),
+            criterion.unit_behind(),
+            criterion.allowed()
+        ),
+    )
+    .remedied("Choose a shorter `step` under [simulation], or a smaller tolerance of the FMU's solver.");
     (standard > PART * criterion.room()).then(|| (criterion.name.clone(), concern))
 }
 
@@ -145,25 +144,26 @@ fn numerical(reruns: &Reruns<'_>) -> Vec<Numerical> {
     let mut largest = vec![Numerical::default(); session.judge.criteria.len()];
     for index in 0..POINTS.min(verification.source.len()) {
         let values = verification.job(index).values;
-        let run = |by: Refined, times: u32| {
+        let run = |by, times: u32| {
             let finer: Vec<Case> = cases.iter().map(|case| refined_case(case, by, times)).collect();
             let answer = reruns.answer(&finer, values.clone()).ok()?;
             session.outcome(answer).ok()
         };
-        let Some(coarse) = run(Refined::Step, 0) else {
-            continue;
-        };
-        let runs = |by: Refined| Some([run(by, 1)?, run(by, 2)?]);
+        let Some(coarse) = run(Refined::Step, 0) else { continue };
+        let runs = |by| Some([run(by, 1)?, run(by, 2)?]);
         let steps = runs(Refined::Step);
         // Without a tolerance the FMU chooses its own, which nobody knows.
         let tolerances = tolerance.then(|| runs(Refined::Tolerance)).flatten();
         let parts = [(Refined::Step, steps), (Refined::Tolerance, tolerances)];
         for (k, known) in largest.iter_mut().enumerate() {
-            let part = |(by, finer): &(Refined, Option<[Vec<f64>; 2]>)| {
-                let [middle, fine] = finer.as_ref()?;
-                Some(refined([coarse[k], middle[k], fine[k]], *by))
-            };
-            let Some(here) = parts.iter().filter_map(part).reduce(Numerical::and) else {
+            let Some(here) = parts
+                .iter()
+                .filter_map(|(by, finer)| {
+                    let [middle, fine] = finer.as_ref()?;
+                    Some(refined([coarse[k], middle[k], fine[k]], *by))
+                })
+                .reduce(Numerical::and)
+            else {
                 continue;
             };
             // One that is known beats one that is not, and of those the larger one counts.

@@ -1,23 +1,34 @@
 //! Whether the results of a study had settled: some points are run once more, longer and with finer communication steps.
 
-use std::path::Path;
-use std::sync::Mutex;
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread;
+use std::{
+    path::Path,
+    sync::{
+        Mutex,
+        atomic::{AtomicUsize, Ordering},
+    },
+    thread,
+};
 
-use super::finer::{golden, longer};
-use super::{Halt, Reruns};
-use crate::judge::Criterion;
-use crate::report::history;
-use crate::results::Summary;
-use crate::results::settled::Moved;
-use fmu_points::single::Recording;
-use fmu_points::task::{Probe, Schedule, Task};
+use super::{
+    Halt, Reruns,
+    finer::{golden, longer},
+};
+use crate::{
+    judge::Criterion,
+    report::history,
+    results::{Summary, settled::Moved},
+};
+use fmu_points::{
+    single::Recording,
+    task::{Probe, Schedule, Task},
+};
 use result_document::format::number;
 use rig_signals::motion::{Motion, motion};
 use sampling::statistics::{Accumulator, Statistic, Trend};
-use study::concern::{Code, Concern};
-use study::plan::Plan;
+use study::{
+    concern::{Code, Concern},
+    plan::Plan,
+};
 
 /// So many numbers are held at a time; more would only take memory.
 const MOST_NUMBERS: u64 = 1 << 24;
@@ -51,28 +62,32 @@ pub(super) fn observe(reruns: &Reruns<'_>, folder: &Path, summary: &mut Summary)
     }
     (settled.step, settled.until) = (step, until);
     if most == 0 {
-        settled.reason = Some(match reruns.wish.dear {
-            true => "the budget has no runs for it".to_owned(),
-            false => "--extra-runs 0 asked for none".to_owned(),
+        settled.reason = Some(if reruns.wish.dear {
+            "the budget has no runs for it".to_owned()
+        } else {
+            "--extra-runs 0 asked for none".to_owned()
         });
     }
     if runs.is_empty() {
         let reason = settled.reason.as_deref().unwrap_or("no run was made");
-        let text = format!(
-            "no point was re-run longer and finer, so whether results swing or had settled is not known: {reason}"
-        );
-        summary.concerns.push(Concern::new(Code::NotReRun, text));
+        summary.concerns.push(Concern::new(
+            Code::NotReRun,
+            format!(
+                "no point was re-run longer and finer, so whether results swing or had settled is not known: {reason}"
+            ),
+        ));
         let best = summary.best_point.as_ref().map(|best| best.point);
         runs.extend(best.map(|best| (best, recorded(plan, folder, summary))));
     }
     for (k, count) in summary.criteria.values().enumerate() {
         let mut moved = Moved::default();
         for (point, moves) in &runs {
-            let motions = moves.iter().filter(|(criterion, _)| *criterion == k);
-            motions.for_each(|(_, Motion { swing, drift })| moved.add(*point, *swing, *drift));
+            moves
+                .iter()
+                .filter(|(criterion, _)| *criterion == k)
+                .for_each(|(_, Motion { swing, drift })| moved.add(*point, *swing, *drift));
         }
-        let without_runs = settled.observed.is_empty();
-        summary.concerns.extend(concerns(&count.criterion, &moved, without_runs));
+        summary.concerns.extend(concerns(&count.criterion, &moved, settled.observed.is_empty()));
         settled.criteria.insert(count.criterion.name.clone(), moved);
     }
     let left_out = late.then(|| {
@@ -107,9 +122,7 @@ fn again(reruns: &Reruns<'_>, points: &[u64]) -> Vec<(u64, Result<Again, Halt>)>
         recordings.resize_with(count, || None);
         loop {
             let number = next.fetch_add(1, Ordering::Relaxed);
-            let Some(&point) = points.get(number / count) else {
-                return;
-            };
+            let Some(&point) = points.get(number / count) else { return };
             let case = number % count;
             let run = one(reruns, point, case, &mut recordings[case]);
             let mut runs = runs.lock().expect("no thread fails while it holds the list");
@@ -137,10 +150,7 @@ fn one(reruns: &Reruns<'_>, point: u64, case: usize, recording: &mut Option<Reco
         .filter(|finer| (finer.steps() * (1 + signals.criteria.len() as u64)) < MOST_NUMBERS)
         .ok_or_else(|| failed("the study's communication steps are too many to be made finer"))?;
     // After the end of a recording its last value would hold for ever.
-    let ends = match task.inputs.is_empty() {
-        true => vec![longer(&finer), finer],
-        false => vec![finer],
-    };
+    let ends = if task.inputs.is_empty() { vec![longer(&finer), finer] } else { vec![finer] };
     let mut failure = Halt::Late;
     for (place, schedule) in ends.into_iter().enumerate() {
         let task = Task { schedule, ..task.clone() };
@@ -154,21 +164,24 @@ fn one(reruns: &Reruns<'_>, point: u64, case: usize, recording: &mut Option<Reco
         }
         let mut time = Vec::new();
         let mut columns = vec![Vec::new(); signals.criteria.len()];
-        let budget = Some(&reruns.budget);
-        let ended = reruns.record(recording.as_mut(), &task, &values, &signals, budget, &mut |at, row| {
-            time.push(at);
-            for ((column, &value), &k) in columns.iter_mut().zip(row).zip(&signals.criteria) {
-                column.push(plan.outputs[k].value(value));
-            }
-            Ok(())
-        });
+        let ended =
+            reruns.record(recording.as_mut(), &task, &values, &signals, Some(&reruns.budget), &mut |at, row| {
+                time.push(at);
+                for ((column, &value), &k) in columns.iter_mut().zip(row).zip(&signals.criteria) {
+                    column.push(plan.outputs[k].value(value));
+                }
+                Ok(())
+            });
         let until = time.last().copied().unwrap_or(f64::NEG_INFINITY);
         // Further than the study is enough where the FMU goes no further. A run that the clock cuts counts as none: it would
         // tell another drift each time.
         let is_late = matches!(ended, Err(Halt::Late));
         if ended.is_ok() || (!is_late && until >= finer.stop * (1.0 - 1e-9)) {
-            let columns = signals.criteria.iter().zip(&columns);
-            let moves = columns.filter_map(|(&k, values)| Some((k, moves_of(plan, k, &time, values)?)));
+            let moves = signals
+                .criteria
+                .iter()
+                .zip(&columns)
+                .filter_map(|(&k, values)| Some((k, moves_of(plan, k, &time, values)?)));
             return Ok(Again { step: finer.step, until, moves: moves.collect() });
         }
         failure = match ended {
@@ -249,26 +262,22 @@ fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Con
     let Criterion { name, statistic, .. } = criterion;
     let (tolerance, stated) = (criterion.room(), criterion.allowed());
     let unit = criterion.unit_behind();
-    let at = |point: Option<u64>| point.map_or_else(String::new, |p| format!(" at point {p}"));
+    let at = |point: Option<u64>| point.map(|p| format!(" at point {p}")).unwrap_or_default();
     let mut doubts = Vec::new();
     if *statistic == Statistic::Final && moved.swing > 0.1 * tolerance {
-        let text = format!(
+        doubts.push(Concern::new(Code::Swings, format!(
             "{name}: its signal swings by {}{unit} in its last period{}, and `final` takes one instant of it ({stated})",
             number(moved.swing, 3),
             at(moved.swing_at)
-        );
-        let remedy = "Compare means where a signal swings (`statistic = \"mean\"` with a `window`).";
-        doubts.push(Concern::new(Code::Swings, text).remedied(remedy));
+        )).remedied("Compare means where a signal swings (`statistic = \"mean\"` with a `window`)."));
     }
     if moved.drift.abs() > 0.5 * tolerance {
-        let text = format!(
+        doubts.push(Concern::new(Code::StillMoves, format!(
             "{name}: its value still moves when the run ends: in a run twice as long it {} by another {}{unit}{} ({stated})",
             if without_runs { "would change" } else { "changes" },
             number(moved.drift, 3),
             at(moved.drift_at)
-        );
-        let remedy = "Simulate to the moment of the measurement, or until the values rest (`stop`).";
-        doubts.push(Concern::new(Code::StillMoves, text).remedied(remedy));
+        )).remedied("Simulate to the moment of the measurement, or until the values rest (`stop`)."));
     }
     doubts
 }

@@ -11,7 +11,7 @@ pub struct Asides {
     /// Points with warnings (`fmi2Warning`, or messages logged as such), and how many these were.
     pub warnings: Warnings,
     /// Points beyond what the model is valid for; none where the FMU has no log category for that.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub validity: Option<Validity>,
     /// Points whose simulation the FMU ended before the stop time, as the standard allows.
     pub ended_early: Points,
@@ -80,8 +80,7 @@ impl Asides {
         }
         if notices.warnings > 0 {
             self.warnings.count += notices.warnings;
-            let first = || notices.first_warning.clone().unwrap_or_default();
-            self.warnings.at.add(point, first);
+            self.warnings.at.add(point, || notices.first_warning.clone().unwrap_or_default());
         }
         if let Some(time) = notices.ended {
             self.ended_early.add(point, || format!("ended at {time} s"));

@@ -23,7 +23,7 @@ pub struct BySurrogate {
     /// Whether the surrogate does not hold, so that plain points were counted.
     pub refuted: bool,
     /// Why it does not.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
 }
 
@@ -51,13 +51,17 @@ impl BySurrogate {
                 self.plain
             );
         }
-        let worst = self.criteria.iter().max_by(|a, b| a.1.error.total_cmp(&b.1.error));
-        let worst = worst.map_or_else(String::new, |(name, fit)| {
-            format!(
-                " Points that are left out are missed by {} tolerances (rms) or less ({name}).",
-                number(fit.error, 2)
-            )
-        });
+        let worst = self
+            .criteria
+            .iter()
+            .max_by(|a, b| a.1.error.total_cmp(&b.1.error))
+            .map(|(name, fit)| {
+                format!(
+                    " Points that are left out are missed by {} tolerances (rms) or less ({name}).",
+                    number(fit.error, 2)
+                )
+            })
+            .unwrap_or_default();
         format!(
             "By surrogate from {runs} runs: {} points are plain, {} chosen near the limits.{worst}",
             self.plain, self.chosen

@@ -61,8 +61,7 @@ impl Best {
 
     /// The best rows with their numbers, in the order of the table.
     pub fn into_rows(self) -> Vec<(u64, csv::StringRecord)> {
-        let rows = self.rows.into_iter();
-        let mut rows: Vec<_> = rows.map(|((.., row), record)| (row, record)).collect();
+        let mut rows: Vec<_> = self.rows.into_iter().map(|((.., row), record)| (row, record)).collect();
         rows.sort_unstable_by_key(|(row, _)| *row);
         rows
     }

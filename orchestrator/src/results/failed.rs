@@ -1,8 +1,10 @@
 //! Points without a result: what they leave open of a verdict, and where among the parameters they lie.
 
 use super::Summary;
-use conformity::conclusion::{Conclusion, grouped};
-use conformity::decision::Decision;
+use conformity::{
+    conclusion::{Conclusion, grouped},
+    decision::Decision,
+};
 use fmu_points::names::behind;
 use result_document::format::number;
 use sampling::statistics::moments::{ks_distance, sorted};
@@ -19,11 +21,15 @@ pub(super) fn concern(summary: &Summary, place: impl FnOnce() -> Option<String>)
         summary.failures.iter().map(|(reason, count)| format!("{reason}: {}", grouped(*count))).collect();
     let reasons = reasons.join(", ");
     if failed == all {
-        let text = format!("no point has a result ({reasons}), so the model was not compared with the measurement");
-        let remedy = "Find out why all points fail: `orchestrator check` looks at the FMU.";
-        return Some(Concern::new(Code::FailedPoints, text).remedied(remedy));
+        return Some(
+            Concern::new(
+                Code::FailedPoints,
+                format!("no point has a result ({reasons}), so the model was not compared with the measurement"),
+            )
+            .remedied("Find out why all points fail: `orchestrator check` looks at the FMU."),
+        );
     }
-    let place = place().map_or_else(String::new, |place| format!(", mostly where {place}"));
+    let place = place().map(|place| format!(", mostly where {place}")).unwrap_or_default();
     let text = format!(
         "{} of {} points failed ({reasons}){place}; they count as not {}, and comparisons and sensitivities leave them out",
         grouped(failed),
@@ -34,8 +40,10 @@ pub(super) fn concern(summary: &Summary, place: impl FnOnce() -> Option<String>)
         1 => "a point fails".to_owned(),
         n => format!("{} points fail", grouped(n)),
     };
-    let remedy = format!("Find out why {which}, or cut the distributions to where the model works.");
-    Some(Concern::new(Code::FailedPoints, text).remedied(remedy))
+    Some(
+        Concern::new(Code::FailedPoints, text)
+            .remedied(format!("Find out why {which}, or cut the distributions to where the model works.")),
+    )
 }
 
 /// The parameter that sets marked points, such as failed ones, apart most, if any does: the largest distance between the

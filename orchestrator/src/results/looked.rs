@@ -3,16 +3,13 @@
 //! Who judges a growing study again and again and stops when it suits is wrong far more often than the confidence says. So
 //! every verdict after the first needs to know of those before it.
 
-use std::fs;
-use std::io::ErrorKind;
-use std::path::Path;
+use std::{fs, io::ErrorKind, path::Path};
 
 use serde::{Deserialize, Serialize};
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use conformity::looks::History;
-use point_journal::Header;
-use point_journal::files::write_json;
+use point_journal::{Header, files::write_json};
 
 /// The verdicts of a study.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -42,7 +39,7 @@ impl Looked {
     ///
     /// # Errors
     /// When they are there and cannot be read.
-    pub fn read(folder: &Path, study: &Header) -> Result<Self, Error> {
+    pub fn read(folder: &Path, study: &Header) -> Result<Self> {
         let none = || Self { study: study.clone(), history: History::default(), others: Vec::new() };
         let path = folder.join(FILE);
         let text = match fs::read(&path) {
@@ -62,7 +59,7 @@ impl Looked {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn write(&self, folder: &Path) -> Result<(), Error> {
+    pub fn write(&self, folder: &Path) -> Result {
         Ok(write_json(&folder.join(FILE), self)?)
     }
 }

@@ -1,15 +1,20 @@
 //! `points.csv`: a row per point.
 
-use std::borrow::Cow;
-use std::io::{self, Read, Write};
-use std::path::Path;
+use std::{
+    borrow::Cow,
+    io::{self, Read, Write},
+    path::Path,
+};
 
-use super::choice::{Best, Even};
-use super::summary::Summary;
-use crate::error::Error;
-use crate::judge::{Judge, PointVerdict};
-use conformity::measured::Assessed;
-use conformity::risk::Guard;
+use super::{
+    choice::{Best, Even},
+    summary::Summary,
+};
+use crate::{
+    error::{Error, Result},
+    judge::{Judge, PointVerdict},
+};
+use conformity::{measured::Assessed, risk::Guard};
 use number_tables::csv_file;
 use parameter_regions::table::{ParameterColumn, PointTable};
 use point_journal::Outcome;
@@ -157,30 +162,29 @@ pub fn number(value: f64) -> String {
 ///
 /// # Errors
 /// When it cannot be read, or does not belong to the summary.
-pub fn read(path: &Path, summary: &Summary, most: u64) -> Result<PointTable, Error> {
-    let failed = |error: csv::Error| Error::content(path, error);
+pub fn read(path: &Path, summary: &Summary, most: u64) -> Result<PointTable> {
+    let failed = |error| Error::content(path, error);
     let mut reader = csv::Reader::from_path(path).map_err(failed)?;
     let verified = 1 + summary.parameters.len() + 2 * summary.criteria.len();
     let header = reader.headers().map_err(failed)?;
     let beside = header.iter().skip(verified + 1).take_while(|name| [ACCEPTED, CONFORMANCE].contains(name)).count();
     let width = verified + 2 + beside;
     if header.len() != width {
-        let message = format!("{} columns, but the summary asks for {width}", header.len());
-        return Err(Error::content(path, message));
+        return Err(Error::content(path, format!("{} columns, but the summary asks for {width}", header.len())));
     }
     let mut table = no_points(summary);
     let columns = header.clone();
     let flags = verified - summary.criteria.len()..=verified;
     let mut take = |record: &csv::StringRecord| {
         let line = record.position().map_or(0, csv::Position::line);
-        let is_no_flag = |k: &usize| record.get(*k).is_some_and(|cell| flag(cell).is_none());
-        if let Some(k) = flags.clone().find(is_no_flag) {
+        if let Some(k) = flags.clone().find(|k| record.get(*k).is_some_and(|cell| flag(cell).is_none())) {
             let (column, cell) = (csv_file::text(&columns[k]), &record[k]);
-            let message = format!("line {line}, column `{column}`: `{cell}` is neither true nor false");
-            return Err(Error::content(path, message));
+            return Err(Error::content(
+                path,
+                format!("line {line}, column `{column}`: `{cell}` is neither true nor false"),
+            ));
         }
-        let added = add(&mut table, record);
-        added.ok_or_else(|| Error::content(path, format_args!("line {line} is damaged")))
+        add(&mut table, record).ok_or_else(|| Error::content(path, format_args!("line {line} is damaged")))
     };
     let (even, mut best) = (Even::new(summary.points, most), Best::default());
     let (mut record, mut row, mut taken) = (csv::StringRecord::new(), 0, Vec::new());
@@ -213,8 +217,7 @@ fn no_points(summary: &Summary) -> PointTable {
         unit: p.unit.clone().unwrap_or_default(),
         values: Vec::new(),
     });
-    let criteria = summary.criteria.values();
-    let criteria = criteria.map(|count| count.criterion.column(Vec::new(), Vec::new()));
+    let criteria = summary.criteria.values().map(|count| count.criterion.column(Vec::new(), Vec::new()));
     PointTable { parameters: parameters.collect(), criteria: criteria.collect(), ..PointTable::default() }
 }
 
@@ -245,10 +248,12 @@ fn add(table: &mut PointTable, record: &csv::StringRecord) -> Option<()> {
 /// How far a row is from the measurement: the root of the sum of its squared deviations, each in units of the
 /// tolerance; nothing where the point failed.
 fn distance(record: &csv::StringRecord, summary: &Summary) -> Option<f64> {
-    let cells = record.iter().skip(1 + summary.parameters.len());
-    let pairs = cells.zip(summary.criteria.values());
-    let deviations = pairs.map(|(cell, count)| Some(count.criterion.deviation(cell.parse().ok()?)));
-    let deviations: Vec<f64> = deviations.collect::<Option<_>>()?;
+    let deviations: Vec<f64> = record
+        .iter()
+        .skip(1 + summary.parameters.len())
+        .zip(summary.criteria.values())
+        .map(|(cell, count)| Some(count.criterion.deviation(cell.parse().ok()?)))
+        .collect::<Option<_>>()?;
     Some(length(deviations.into_iter())).filter(|distance| !distance.is_nan())
 }
 

@@ -2,16 +2,18 @@
 
 use super::Summary;
 use crate::judge::{Criterion, Judge};
-use conformity::measured::Told;
-use conformity::risk::Risk;
+use conformity::{measured::Told, risk::Risk};
 use fmu_points::notices::Replicates;
 
 /// The conformance probabilities of a point's curves: the shares of the draws to which it conforms, and to which it does in all
 /// of them. Draws of the same number belong together: curves of one recording share their errors, those of others are drawn
 /// independently.
 pub(super) fn told(judge: &Judge, conforming: &[Replicates]) -> Option<Told> {
-    let curves = (0..judge.criteria.len()).filter(|&k| judge.criteria[k].row_correlation.is_some());
-    let known: Vec<(usize, &Replicates)> = curves.zip(conforming).filter(|(_, bits)| !bits.is_empty()).collect();
+    let known: Vec<(usize, &Replicates)> = (0..judge.criteria.len())
+        .filter(|&k| judge.criteria[k].row_correlation.is_some())
+        .zip(conforming)
+        .filter(|(_, bits)| !bits.is_empty())
+        .collect();
     let (_, first) = known.first()?;
     let mut all = vec![u64::MAX; first.len()];
     for (_, bits) in &known {
@@ -48,15 +50,13 @@ pub(super) fn not_stated(criterion: &Criterion, risk: Option<&Risk>, resampled: 
 pub(super) fn presumed(summary: &Summary) -> Vec<String> {
     let mut curves: Vec<(f64, Vec<&str>)> = Vec::new();
     for (name, entry) in &summary.criteria {
-        let (Some(_), Some(correlation)) = (&entry.risk, entry.criterion.row_correlation) else {
-            continue;
-        };
+        let (Some(_), Some(correlation)) = (&entry.risk, entry.criterion.row_correlation) else { continue };
         match curves.iter_mut().find(|(other, _)| *other == correlation) {
             Some((_, names)) => names.push(name),
             None => curves.push((correlation, vec![name])),
         }
     }
-    let sentence = |(correlation, names): (f64, Vec<&str>)| {
+    curves.into_iter().map(|(correlation, names)| {
         let errors = match correlation {
             1.0 => {
                 "share one error, such as an offset of the sensor; the noise of the rows is in the recording and not drawn again"
@@ -66,6 +66,5 @@ pub(super) fn presumed(summary: &Summary) -> Vec<String> {
             other => format!("have errors with a correlation of {other}"),
         };
         format!("The risk presumes that all measured rows of {} {errors}.", names.join(", "))
-    };
-    curves.into_iter().map(sentence).collect()
+    }).collect()
 }

@@ -24,7 +24,7 @@ pub struct Settled {
     /// Their end, s: later than that of the study, where the FMU allowed it.
     pub until: f64,
     /// Why some points were not observed, where that is so.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
     /// The largest motion of each criterion's value.
     pub criteria: IndexMap<String, Moved>,
@@ -95,9 +95,13 @@ impl<'a> Edges<'a> {
     pub fn add(&mut self, label: u64, outcome: &Outcome) {
         self.points += 1;
         let Ok(values) = outcome else { return };
-        let pairs = self.judge.criteria.iter().zip(values);
-        let deviations = pairs.map(|(criterion, &value)| criterion.deviation(value));
-        let largest = deviations.fold(0.0, f64::max);
+        let largest = self
+            .judge
+            .criteria
+            .iter()
+            .zip(values)
+            .map(|(criterion, &value)| criterion.deviation(value))
+            .fold(0.0, f64::max);
         let accepted = self.judge.verdict(Some(values)).verified();
         let near = &mut self.near[usize::from(!accepted)];
         let distance = (largest - 1.0).abs();
@@ -113,8 +117,7 @@ impl<'a> Edges<'a> {
     /// limits: ten, or a tenth of all points.
     pub fn chosen(&self, best: Option<u64>) -> Vec<u64> {
         let most = (self.points / OF).clamp(1, MOST_EXTRA_RUNS as u64) as usize;
-        let near = self.near.iter().flatten().map(|(_, label)| *label);
-        let others = near.filter(|label| Some(*label) != best);
+        let others = self.near.iter().flatten().map(|(_, label)| *label).filter(|label| Some(*label) != best);
         best.into_iter().chain(others).take(most).collect()
     }
 }

@@ -1,24 +1,18 @@
 //! `summary.json`.
 
-use std::collections::BTreeMap;
-use std::time::Instant;
+use std::{collections::BTreeMap, time::Instant};
 
 use chrono::{SecondsFormat, Utc};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
-use super::asides::Asides;
-use super::by_surrogate::BySurrogate;
-use super::settled::Settled;
+use super::{asides::Asides, by_surrogate::BySurrogate, settled::Settled};
 use crate::judge::{Criterion, Judge};
-use conformity::conclusion::Conclusion;
-use conformity::decision::Decision;
-use conformity::measured::Measurement;
-use conformity::risk::Risk;
-use conformity::validation::Comparison;
+use conformity::{
+    conclusion::Conclusion, decision::Decision, measured::Measurement, risk::Risk, validation::Comparison,
+};
 use fmu_points::Conduct;
-use study::Dossier;
-use study::concern::Concern;
+use study::{Dossier, concern::Concern};
 
 /// The content of `summary.json`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -71,10 +65,10 @@ pub struct Summary {
     #[serde(default)]
     pub concerns: Vec<Concern>,
     /// Whether the results had settled when the runs ended.
-    #[serde(default, rename = "rest", skip_serializing_if = "Option::is_none")]
+    #[serde(rename = "rest", skip_serializing_if = "Option::is_none")]
     pub settled: Option<Settled>,
     /// The work that was left out because it would have taken too long or been too large: a sentence.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub left_out: Option<String>,
     /// What would explain that the model is not verified, where that was sought: sentences.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -83,7 +77,7 @@ pub struct Summary {
     #[serde(default)]
     pub validation: IndexMap<String, Comparison>,
     /// What a surrogate of few runs tells, where points were chosen by one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub surrogate: Option<BySurrogate>,
     /// How the points were computed, and whether the FMU gave the same again.
     #[serde(flatten)]
@@ -117,7 +111,7 @@ pub struct Provenance {
     /// The design's seed.
     pub seed: Option<u64>,
     /// How many independently scrambled nets a Sobol design consists of, where it is more than one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub replicates: Option<u64>,
 }
 
@@ -165,10 +159,7 @@ impl Summary {
 
     /// What a point is that meets all criteria.
     pub fn met(&self) -> &'static str {
-        match self.has_own_values() {
-            true => "accepted",
-            false => "verified",
-        }
+        if self.has_own_values() { "accepted" } else { "verified" }
     }
 
     /// The measured values with the joint distribution of their errors.
@@ -176,18 +167,17 @@ impl Summary {
     /// # Errors
     /// When the correlations contradict each other or name criteria that are not there.
     pub fn measurement(&self) -> Result<Measurement, String> {
-        let number = |name: &String| {
-            let place = self.criteria.get_index_of(name);
-            place.ok_or_else(|| format!("there is no criterion `{name}`"))
-        };
-        let pair = |entry: &Correlated| {
-            let [a, b] = &entry.between;
-            Ok::<_, String>((number(a)?, number(b)?, entry.coefficient))
-        };
-        let pairs = self.uncertainty_correlations.iter().map(pair);
-        let pairs: Vec<(usize, usize, f64)> = pairs.collect::<Result<_, _>>()?;
-        let criteria = self.criteria.values();
-        let criteria = criteria.map(|count| count.criterion.measured()).collect();
+        let number =
+            |name: &String| self.criteria.get_index_of(name).ok_or_else(|| format!("there is no criterion `{name}`"));
+        let pairs: Vec<(usize, usize, f64)> = self
+            .uncertainty_correlations
+            .iter()
+            .map(|entry| {
+                let [a, b] = &entry.between;
+                Ok::<_, String>((number(a)?, number(b)?, entry.coefficient))
+            })
+            .collect::<Result<_, _>>()?;
+        let criteria = self.criteria.values().map(|count| count.criterion.measured()).collect();
         Measurement::new(criteria, &pairs)
     }
 }
@@ -249,13 +239,13 @@ pub struct CriterionCount {
     #[serde(default)]
     pub only_failure: u64,
     /// The least and the greatest value at a point; none where no point has one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub reached: Option<[f64; 2]>,
     /// The risks of this criterion alone, where its uncertainty is known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub risk: Option<Risk>,
     /// Of a measured curve: why it is not known.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub risk_not_stated: Option<String>,
     /// The criterion.
     #[serde(flatten)]
@@ -306,13 +296,12 @@ impl Kept {
 impl BestPoint {
     pub(super) fn new(judge: &Judge, parameters: &[ParameterSummary], kept: &Kept) -> Self {
         let names = parameters.iter().map(|parameter| parameter.name.clone());
-        let values = kept.values.iter().copied();
         Self {
             point: kept.label,
             verified: judge.verdict(Some(&kept.values)).verified(),
             distance: judge.distance(&kept.values),
             parameters: names.zip(kept.parameters.iter().copied()).collect(),
-            values: judge.names().cloned().zip(values).collect(),
+            values: judge.names().cloned().zip(kept.values.iter().copied()).collect(),
         }
     }
 }

@@ -1,28 +1,36 @@
 //! What a surrogate of few runs tells, beside the counts of these.
 
-use super::by_surrogate::{BySurrogate, Fit};
-use super::summary::{Count, Summary};
+use super::{
+    by_surrogate::{BySurrogate, Fit},
+    summary::{Count, Summary},
+};
 use crate::judge::Judge;
-use conformity::conclusion::by_share;
-use conformity::measured::Measured;
-use conformity::risk::RiskTally;
-use conformity::validation::{Comparison, Numerical, Spread};
+use conformity::{
+    conclusion::by_share,
+    risk::RiskTally,
+    validation::{Comparison, Numerical, Spread},
+};
 use result_document::format::number;
 use run_budget::{Answers, Basis, Doubt, Limit, Share};
 
 /// How the shares of a summary were found, behind their heading.
 pub fn way(summary: &Summary) -> String {
-    summary.surrogate.as_ref().map_or_else(String::new, |surrogate| format!(" ({})", surrogate.way()))
+    summary.surrogate.as_ref().map(|surrogate| format!(" ({})", surrogate.way())).unwrap_or_default()
 }
 
 /// What the criteria ask of the outputs: their limits, drawn in by a guard band.
 pub fn limits(judge: &Judge, guard: f64) -> Vec<Limit> {
-    let one = |(output, measured): (usize, &Measured)| {
-        let band = measured.error.as_ref().map_or(0.0, |error| guard * error.expanded);
-        let [low, high] = measured.limits.ends();
-        Limit { output, range: [low + band, high - band] }
-    };
-    judge.measurement.criteria().iter().enumerate().map(one).collect()
+    judge
+        .measurement
+        .criteria()
+        .iter()
+        .enumerate()
+        .map(|(output, measured)| {
+            let band = measured.error.as_ref().map_or(0.0, |error| guard * error.expanded);
+            let [low, high] = measured.limits.ends();
+            Limit { output, range: [low + band, high - band] }
+        })
+        .collect()
 }
 
 /// What few runs tell of a study.
@@ -47,8 +55,7 @@ impl Evidence<'_> {
         let whole = answers.share(&all);
         self.shares(summary, &all, &whole);
         let checks = answers.surrogate.as_ref().map(run_budget::Surrogate::checks).unwrap_or_default();
-        let fits = judge.criteria.iter().zip(checks);
-        let fits = fits.map(|(criterion, check)| {
+        let fits = judge.criteria.iter().zip(checks).map(|(criterion, check)| {
             (criterion.name.clone(), Fit { error: check.error / criterion.room(), held: check.held })
         });
         let plain = answers.plain.iter().filter(|plain| **plain).count() as u64;
@@ -65,9 +72,10 @@ impl Evidence<'_> {
                 Basis::Counted(doubt) => Some(reason(judge, doubt)),
             },
         };
-        summary.interval_method = match told.refuted {
-            false => format!("by surrogate from {} runs, with its own error", told.runs),
-            true => "Clopper and Pearson's, from the plain points".to_owned(),
+        summary.interval_method = if told.refuted {
+            "Clopper and Pearson's, from the plain points".to_owned()
+        } else {
+            format!("by surrogate from {} runs, with its own error", told.runs)
         };
         let compared = summary.failed < summary.points && !summary.has_own_values();
         if let Some(conclusion) = summary.conclusion.as_mut().filter(|_| compared)
@@ -109,12 +117,16 @@ impl Evidence<'_> {
     /// What a plain sample would tell: one that the surrogate gives, or the plain points.
     fn of_the_space(&self, summary: &mut Summary, refuted: bool) {
         let Self { judge, answers, .. } = *self;
-        let rows: Vec<Option<Vec<f64>>> = match refuted {
-            false => answers.outcomes(),
-            true => {
-                let plain = answers.runs.iter().zip(&answers.plain).filter(|(_, plain)| **plain);
-                plain.map(|(run, _)| run.finite().map(<[f64]>::to_vec)).collect()
-            }
+        let rows: Vec<Option<Vec<f64>>> = if refuted {
+            answers
+                .runs
+                .iter()
+                .zip(&answers.plain)
+                .filter(|(_, plain)| **plain)
+                .map(|(run, _)| run.finite().map(<[f64]>::to_vec))
+                .collect()
+        } else {
+            answers.outcomes()
         };
         let mut tally = RiskTally::new(&judge.measurement, judge.guard, 1);
         let mut spreads = vec![Spread::default(); judge.criteria.len()];
@@ -131,8 +143,11 @@ impl Evidence<'_> {
             let (name, count) = summary.criteria.get_index_mut(k).expect("each criterion is counted");
             count.risk.clone_from(&statement.criteria[k]);
             let comparison = spread.result().and_then(|spread| {
-                let compared = summary.validation.contains_key(name);
-                compared.then(|| Comparison::new(&criterion.measured(), spread, Numerical::default())).flatten()
+                summary
+                    .validation
+                    .contains_key(name)
+                    .then(|| Comparison::new(&criterion.measured(), spread, Numerical::default()))
+                    .flatten()
             });
             if let Some(comparison) = comparison {
                 summary.validation.insert(name.clone(), comparison);

@@ -1,16 +1,22 @@
 //! Conclusions from all points together besides the counts: how far they reach, how the model
 //! compares with the measurement.
 
-use super::concerns::{out_of_reach, unmoved};
-use super::failed;
-use super::settled::{Edges, Settled};
-use super::summary::Summary;
+use super::{
+    concerns::{out_of_reach, unmoved},
+    failed,
+    settled::{Edges, Settled},
+    summary::Summary,
+};
 use crate::judge::Judge;
-use conformity::conclusion::grouped;
-use conformity::validation::{Comparison, Numerical, Spread};
+use conformity::{
+    conclusion::grouped,
+    validation::{Comparison, Numerical, Spread},
+};
 use point_journal::Outcome;
-use study::concern::{Code, Concern};
-use study::plan::Plan;
+use study::{
+    concern::{Code, Concern},
+    plan::Plan,
+};
 
 /// What no process can keep from another one.
 const HELD: &str = "the FMU holds a port, a socket or a lock of this machine, where points that run at the same time meet each \
@@ -66,8 +72,14 @@ impl<'a> Survey<'a> {
     fn place(&self, is_marked: impl Fn(&(Vec<f64>, bool, bool)) -> bool) -> Option<String> {
         let rows: Vec<(&[f64], bool)> = self.first.iter().map(|point| (&*point.0, is_marked(point))).collect();
         let plan = self.plan?;
-        let named = |&k: &usize| (k, &*plan.inputs[k].name, plan.inputs[k].unit.as_deref());
-        failed::place(&plan.varied().iter().map(named).collect::<Vec<_>>(), &rows)
+        failed::place(
+            &plan
+                .varied()
+                .iter()
+                .map(|&k| (k, &*plan.inputs[k].name, plan.inputs[k].unit.as_deref()))
+                .collect::<Vec<_>>(),
+            &rows,
+        )
     }
 
     /// Warns of points beyond what the model is valid for.
@@ -79,9 +91,8 @@ impl<'a> Survey<'a> {
         };
         let told = validity.told(summary.points, &which)?;
         let place = self.place(|(_, _, beyond)| *beyond);
-        let place = place.map_or_else(String::new, |place| format!(". They lie mostly where {place}"));
-        let remedy = "Cut the distributions to where the model is valid, or show that it holds beyond (validity.csv lists the points).";
-        Some(Concern::new(Code::BeyondValidity, format!("{told}{place}")).remedied(remedy))
+        let place = place.map(|place| format!(". They lie mostly where {place}")).unwrap_or_default();
+        Some(Concern::new(Code::BeyondValidity, format!("{told}{place}")).remedied("Cut the distributions to where the model is valid, or show that it holds beyond (validity.csv lists the points)."))
     }
 
     /// Adds to the summary what was seen.
@@ -106,8 +117,7 @@ impl<'a> Survey<'a> {
         summary.concerns.extend(unmoved);
         let failed = failed::concern(summary, || self.place(|(_, failed, _)| *failed));
         summary.concerns.extend(failed);
-        let beyond = self.beyond_validity(summary);
-        summary.concerns.extend(beyond);
+        summary.concerns.extend(self.beyond_validity(summary));
         let held = summary.asides.as_ref().and_then(|asides| asides.held.remark(HELD));
         summary.concerns.extend(held.map(|text| Concern::new(Code::Held, text).remedied(ONE_JOB)));
         for (k, criterion) in criteria() {
@@ -120,11 +130,10 @@ impl<'a> Survey<'a> {
                     summary.validation.insert(criterion.name.clone(), comparison);
                 }
                 None => {
-                    let text = format!(
+                    summary.concerns.push(Concern::new(Code::NotCompared, format!(
                         "{}: its values are too large to compute their spread, so model and measurement are not compared",
                         criterion.name
-                    );
-                    summary.concerns.push(Concern::new(Code::NotCompared, text));
+                    )));
                 }
             }
         }

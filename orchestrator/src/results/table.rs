@@ -1,8 +1,10 @@
 //! The table of points from what `verify` leaves behind.
 
 use super::{Summary, points, validity};
-use crate::error::Error;
-use crate::judge::{Judge, PointVerdict};
+use crate::{
+    error::{Error, Result},
+    judge::{Judge, PointVerdict},
+};
 use parameter_regions::table::{ParameterColumn, PointTable};
 use point_journal::Outcome;
 use std::path::Path;
@@ -13,7 +15,7 @@ use study::plan::Input;
 ///
 /// # Errors
 /// When there is no finished study in the folder, or one of the files is damaged.
-pub fn read(folder: &Path) -> Result<(Summary, PointTable), Error> {
+pub fn read(folder: &Path) -> Result<(Summary, PointTable)> {
     let (summary, mut table) = read_some(folder, u64::MAX)?;
     let failed: Vec<usize> = (0..table.len()).filter(|&i| !table.completed(i)).collect();
     for criterion in &mut table.criteria {
@@ -27,7 +29,7 @@ pub fn read(folder: &Path) -> Result<(Summary, PointTable), Error> {
 ///
 /// # Errors
 /// As [`read`].
-pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable), Error> {
+pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable)> {
     let summary = summary(folder)?;
     let mut table = points::read(&folder.join("points.csv"), &summary, most)?;
     table.beyond = validity::points(folder);
@@ -55,7 +57,7 @@ pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable), Erro
 ///
 /// # Errors
 /// When there is no finished study in the folder, or the file is damaged.
-pub fn summary(folder: &Path) -> Result<Summary, Error> {
+pub fn summary(folder: &Path) -> Result<Summary> {
     let path = folder.join("summary.json");
     let text = std::fs::read_to_string(&path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => Error::Missing(folder.to_owned()),
@@ -68,10 +70,10 @@ pub fn summary(folder: &Path) -> Result<Summary, Error> {
         Some(version) if version != env!("CARGO_PKG_VERSION") => {
             Error::content(&path, format!("written by version {version}; verify the study again"))
         }
-        _ => {
-            let message = format!("damaged ({error}): `verify STUDY --resume` writes it again from the journal");
-            Error::content(&path, message)
-        }
+        _ => Error::content(
+            &path,
+            format!("damaged ({error}): `verify STUDY --resume` writes it again from the journal"),
+        ),
     })
 }
 

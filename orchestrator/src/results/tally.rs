@@ -4,21 +4,27 @@ use std::cmp::Reverse;
 
 use indexmap::IndexMap;
 
-use super::failed;
-use super::resampled::{not_stated, told};
-use super::summary::{
-    BestPoint, CaseCount, Correlated, Count, CriterionCount, FailedPoint, FailureKind, Kept, ParameterSummary,
-    Provenance, Summary,
+use super::{
+    failed,
+    resampled::{not_stated, told},
+    summary::{
+        BestPoint, CaseCount, Correlated, Count, CriterionCount, FailedPoint, FailureKind, Kept, ParameterSummary,
+        Provenance, Summary,
+    },
 };
 use crate::judge::{Judge, PointVerdict};
-use conformity::conclusion::{Conclusion, Requirement, Ruling, grouped};
-use conformity::decision::{Decision, randomised};
-use conformity::interval::LEAST_SAMPLES;
-use conformity::looks::Looks;
-use conformity::risk::{Guard, RiskTally};
+use conformity::{
+    conclusion::{Conclusion, Requirement, Ruling, grouped},
+    decision::{Decision, randomised},
+    interval::LEAST_SAMPLES,
+    looks::Looks,
+    risk::{Guard, RiskTally},
+};
 use fmu_import::validity;
-use fmu_points::failure::Failure;
-use fmu_points::notices::{Notices, Replicates};
+use fmu_points::{
+    failure::Failure,
+    notices::{Notices, Replicates},
+};
 use point_journal::Outcome;
 use study::Study;
 
@@ -197,8 +203,8 @@ impl<'a> Tally<'a> {
 
     /// Notes which criterion decides at a point.
     fn blame(&mut self, values: &[f64], verdict: &PointVerdict) {
-        let pairs = self.judge.criteria.iter().zip(values);
-        let deviations: Vec<f64> = pairs.map(|(c, &value)| c.deviation(value)).collect();
+        let deviations: Vec<f64> =
+            self.judge.criteria.iter().zip(values).map(|(c, &value)| c.deviation(value)).collect();
         let worst = (0..deviations.len()).reduce(|most, k| {
             let larger = deviations[k] > deviations[most];
             if larger { k } else { most }
@@ -238,19 +244,21 @@ impl<'a> Tally<'a> {
     }
 
     fn by_case(&self) -> IndexMap<String, CaseCount> {
-        let counts = self.held.iter().zip(&self.lost);
-        let cases = self.judge.cases.iter().zip(counts);
-        let count = cases.map(|(case, (held, lost))| {
-            let members = self.judge.criteria[case.members.clone()].iter();
-            let count = CaseCount {
-                count: self.count(held),
-                failed: *lost,
-                held_out: case.held_out,
-                criteria: members.map(|criterion| criterion.name.clone()).collect(),
-            };
-            (case.name.clone(), count)
-        });
-        count.collect()
+        self.judge
+            .cases
+            .iter()
+            .zip(self.held.iter().zip(&self.lost))
+            .map(|(case, (held, lost))| {
+                let members = self.judge.criteria[case.members.clone()].iter();
+                let count = CaseCount {
+                    count: self.count(held),
+                    failed: *lost,
+                    held_out: case.held_out,
+                    criteria: members.map(|criterion| criterion.name.clone()).collect(),
+                };
+                (case.name.clone(), count)
+            })
+            .collect()
     }
 
     /// The summary of what was counted.
@@ -259,10 +267,7 @@ impl<'a> Tally<'a> {
         let ruling = judge.rule.map(|rule| Ruling { rule, looks: self.looks, count: self.look });
         let statement = match ruling {
             _ if self.is_dependent => self.risk.statement_of_no_sample(),
-            Some(Ruling { rule, looks, .. }) => {
-                let confidence = looks.band_confidence(rule.confidence);
-                self.risk.statement_at(confidence)
-            }
+            Some(Ruling { rule, looks, .. }) => self.risk.statement_at(looks.band_confidence(rule.confidence)),
             None => self.risk.statement(),
         };
         let mut conclusion = Conclusion::new(ruling, &statement, points);
@@ -279,8 +284,7 @@ impl<'a> Tally<'a> {
             unmeasured(&mut conclusion, points);
         }
         let all = self.count(&self.stated.verified);
-        let criteria = self.by_criterion().into_iter().enumerate();
-        let criteria = criteria.map(|(k, (name, count))| {
+        let criteria = self.by_criterion().into_iter().enumerate().map(|(k, (name, count))| {
             let (criterion, risk) = (&judge.criteria[k], &statement.criteria[k]);
             let count = CriterionCount {
                 count,
@@ -298,8 +302,7 @@ impl<'a> Tally<'a> {
             *failures.entry((*class).to_owned()).or_default() += kind.points;
         }
         failures.sort_unstable_keys();
-        let kinds = self.failures.values().map(|(_, kind)| kind.clone());
-        let mut failure_kinds: Vec<FailureKind> = kinds.collect();
+        let mut failure_kinds: Vec<FailureKind> = self.failures.values().map(|(_, kind)| kind.clone()).collect();
         // Ties between reasons go to the one that occurred first.
         failure_kinds.sort_by_key(|kind| Reverse(kind.points));
         let best = self.best.as_ref();
@@ -342,9 +345,7 @@ impl<'a> Tally<'a> {
 
 /// The conclusion from points whose share nothing tells the error of.
 fn untold(conclusion: &mut Conclusion, points: u64) {
-    let Some(required) = &mut conclusion.required else {
-        return;
-    };
+    let Some(required) = &mut conclusion.required else { return };
     *required = Requirement {
         method: "none: the points depend on each other, and nothing tells how much".to_owned(),
         ..Requirement::open(required.rule, required.looks)
@@ -372,6 +373,10 @@ fn unmeasured(conclusion: &mut Conclusion, points: u64) {
 /// Which measured values' errors are correlated.
 fn correlations(judge: &Judge) -> Vec<Correlated> {
     let name = |number: usize| judge.criteria[number].name.clone();
-    let pairs = judge.measurement.correlations().iter();
-    pairs.map(|&(a, b, coefficient)| Correlated { between: [name(a), name(b)], coefficient }).collect()
+    judge
+        .measurement
+        .correlations()
+        .iter()
+        .map(|&(a, b, coefficient)| Correlated { between: [name(a), name(b)], coefficient })
+        .collect()
 }

@@ -1,22 +1,28 @@
 //! Points that went beyond what the model says it is valid for: how many, what it says, and which they are.
 
-use std::cmp::Reverse;
-use std::collections::BTreeSet;
-use std::fs::{self, File};
-use std::io;
-use std::path::Path;
+use std::{
+    cmp::Reverse,
+    collections::BTreeSet,
+    fs::{self, File},
+    io,
+    path::Path,
+};
 
 use serde::{Deserialize, Serialize};
 use tempfile::NamedTempFile;
 
-use crate::error::Error;
+use crate::error::{Error, Result};
 use conformity::conclusion::grouped;
-use fmu_import::Description;
-use fmu_import::validity::{CATEGORY, alike};
+use fmu_import::{
+    Description,
+    validity::{CATEGORY, alike},
+};
 use fmu_points::notices::Limit;
 use number_tables::csv_file;
-use point_journal::Finished;
-use point_journal::files::{draft, keep};
+use point_journal::{
+    Finished,
+    files::{draft, keep},
+};
 
 /// The file with the points.
 const FILE: &str = "validity.csv";
@@ -57,18 +63,15 @@ impl Validity {
     /// No points yet; none where the FMU has no such log category, and nothing is known.
     pub fn of(fmu: &Description) -> Option<Self> {
         let mut categories = fmu.log_categories.iter();
-        let told = categories.any(|name| name == CATEGORY);
-        told.then(Self::default)
+        categories.any(|name| name == CATEGORY).then(Self::default)
     }
 
     /// A sentence on those of a journal.
     ///
     /// # Errors
     /// When the journal cannot be read.
-    pub fn of_journal(fmu: &Description, folder: &Path) -> Result<Option<String>, Error> {
-        let Some(mut validity) = Self::of(fmu) else {
-            return Ok(None);
-        };
+    pub fn of_journal(fmu: &Description, folder: &Path) -> Result<Option<String>> {
+        let Some(mut validity) = Self::of(fmu) else { return Ok(None) };
         let finished = Finished::read(folder)?;
         let mut outcomes = finished.outcomes()?;
         for index in finished.points() {
@@ -90,11 +93,11 @@ impl Validity {
         self.verified += u64::from(verified);
         for limit in limits {
             let message = &limit.message;
-            let is_it = |known: &Passed| alike(&known.first.limit.message, message);
-            let place = self.limits.iter().position(is_it).unwrap_or_else(|| {
-                self.limits.push(Passed { points: 0, verified: 0, first: First { point, limit: limit.clone() } });
-                self.limits.len() - 1
-            });
+            let place =
+                self.limits.iter().position(|known| alike(&known.first.limit.message, message)).unwrap_or_else(|| {
+                    self.limits.push(Passed { points: 0, verified: 0, first: First { point, limit: limit.clone() } });
+                    self.limits.len() - 1
+                });
             self.limits[place].points += 1;
             self.limits[place].verified += u64::from(verified);
             self.limits.truncate(MOST);
@@ -105,13 +108,17 @@ impl Validity {
     /// A sentence on these points of `all`, where there are any; `which` says which of them stand out.
     pub fn told(&self, all: u64, which: &str) -> Option<String> {
         const NAMED: usize = 3;
-        let named = self.limits.iter().take(NAMED).map(|limit| {
-            let First { point, limit: said } = &limit.first;
-            let (said, points) = (said.to_string(), grouped(limit.points));
-            let said = said.trim_end_matches('.');
-            format!("{said} ({points} of them, the first is point {point})")
-        });
-        let named: Vec<String> = named.collect();
+        let named: Vec<String> = self
+            .limits
+            .iter()
+            .take(NAMED)
+            .map(|limit| {
+                let First { point, limit: said } = &limit.first;
+                let (said, points) = (said.to_string(), grouped(limit.points));
+                let said = said.trim_end_matches('.');
+                format!("{said} ({points} of them, the first is point {point})")
+            })
+            .collect();
         (self.points > 0).then(|| {
             format!(
                 "{} of {} points{which} went beyond what the model says it is valid for: {}{}",
@@ -154,7 +161,7 @@ impl Writer {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn finish(self, folder: &Path) -> Result<(), Error> {
+    pub fn finish(self, folder: &Path) -> Result {
         let path = folder.join(FILE);
         match self.0 {
             Some((mut csv, file)) => {
@@ -171,10 +178,12 @@ impl Writer {
 
 /// The points in the file, as far as it is there and sound: they are marked, nothing rests on them.
 pub fn points(folder: &Path) -> BTreeSet<u64> {
-    let rows = csv::Reader::from_path(folder.join(FILE)).into_iter();
-    let rows = rows.flat_map(csv::Reader::into_records).flatten();
-    let point = |row: csv::StringRecord| row.get(0)?.parse().ok();
-    rows.filter_map(point).collect()
+    csv::Reader::from_path(folder.join(FILE))
+        .into_iter()
+        .flat_map(csv::Reader::into_records)
+        .flatten()
+        .filter_map(|row| row.get(0)?.parse().ok())
+        .collect()
 }
 
 #[cfg(test)]

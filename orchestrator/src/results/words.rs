@@ -1,9 +1,11 @@
 //! Sentences on how firmly a verdict stands, and on how many of the accepted points conform.
 
 use super::Summary;
-use conformity::conclusion::{Conclusion, grouped, percent};
-use conformity::decision::Decision;
-use conformity::risk::Risk;
+use conformity::{
+    conclusion::{Conclusion, grouped, percent},
+    decision::Decision,
+    risk::Risk,
+};
 
 /// How many of the points on which the verdict rests went beyond what the model is valid for.
 pub(super) fn beyond_validity(summary: &Summary) -> Option<String> {
@@ -100,17 +102,19 @@ fn bands(conclusion: &Conclusion) -> String {
 
 pub(super) fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String {
     let Some(share) = risk.not_conforming_given_accepted else {
-        let expected = summary.expected_verified.unwrap_or(0.0);
-        let expected = counted(expected);
+        let expected = counted(summary.expected_verified.unwrap_or(0.0));
         return match &*expected {
             "0.0" => "No point is likely to agree with the true values.".to_owned(),
             some => format!("Of all points {some} are expected to agree with the true values."),
         };
     };
-    let interval = risk.intervals.map_or_else(String::new, |intervals| {
-        let [low, high] = intervals.not_conforming_given_accepted.map(|limit| short(100.0 * limit));
-        format!("95 % interval {low} .. {high} %")
-    });
+    let interval = risk
+        .intervals
+        .map(|intervals| {
+            let [low, high] = intervals.not_conforming_given_accepted.map(|limit| short(100.0 * limit));
+            format!("95 % interval {low} .. {high} %")
+        })
+        .unwrap_or_default();
     let share_of = short(100.0 * share);
     let behind = |before: &str| match (before, &*interval) {
         ("", "") => String::new(),
@@ -138,11 +142,12 @@ pub(super) fn accepted(accepted: u64, risk: &Risk, summary: &Summary) -> String 
 
 pub(super) fn unknown(summary: &Summary) -> String {
     let mut reasons = Vec::new();
-    let without = summary
+    let names: Vec<&str> = summary
         .criteria
         .iter()
-        .filter(|(_, entry)| entry.criterion.uncertainty.is_none() && entry.criterion.row_correlation.is_none());
-    let names: Vec<&str> = without.map(|(name, _)| name.as_str()).collect();
+        .filter(|(_, entry)| entry.criterion.uncertainty.is_none() && entry.criterion.row_correlation.is_none())
+        .map(|(name, _)| name.as_str())
+        .collect();
     if !names.is_empty() {
         reasons.push(format!("the study states no uncertainty of {}, and nothing is assumed", names.join(", ")));
     }

@@ -9,15 +9,20 @@ use std::collections::VecDeque;
 use serde::{Deserialize, Serialize};
 
 use super::{Session, Until};
-use crate::error::Error;
-use crate::judge::Judge;
-use crate::results::Summary;
-use crate::results::surrogate::{Evidence, limits};
-use conformity::decision::{Decision, Rule};
-use conformity::looks::{History, spent};
-use conformity::risk::Guard;
-use point_journal::Outcome;
-use point_journal::pipeline::Pipeline;
+use crate::{
+    error::{Error, Result},
+    judge::Judge,
+    results::{
+        Summary,
+        surrogate::{Evidence, limits},
+    },
+};
+use conformity::{
+    decision::{Decision, Rule},
+    looks::{History, spent},
+    risk::Guard,
+};
+use point_journal::{Outcome, pipeline::Pipeline};
 use run_budget::{Answers, Campaign, Share};
 use sampling::design::{Design, Method, Sampling};
 use study::plan::Plan;
@@ -109,7 +114,7 @@ impl Budget {
 ///
 /// # Errors
 /// When there is none of so many dimensions, and when the study's design stands for no sample.
-pub fn sample(session: &Session) -> Result<Design, Error> {
+pub fn sample(session: &Session) -> Result<Design> {
     let design = &session.study.design;
     if design.method.is_by_levels() {
         return Err(Error::option("budget", "the points of a grid are no sample of the space; use another `method`"));
@@ -176,7 +181,7 @@ pub fn run(
     net: &Design,
     pipeline: &mut Pipeline<'_>,
     until: Option<(Until, &History)>,
-) -> Result<Told, Error> {
+) -> Result<Told> {
     let budget = session.request.budget.clone().unwrap_or_default();
     let Session { plan, judge, .. } = session;
     let sample: Vec<Vec<f64>> = (0..net.len()).map(|index| net.point(index)).collect();
@@ -232,8 +237,12 @@ fn is_enough(until: Until, rule: Option<Rule>, share: &Share, history: &History,
 /// The confidence of a look's interval, so that all looks together decide wrongly no more often than `confidence` lets them
 /// (Bonferroni's inequality, as [`conformity::looks`]): the first verdict without `--until` has it all.
 pub fn confidence(confidence: f64, history: &History, points: u64, awaited: bool, own: u32) -> f64 {
-    let before = history.looks.iter().take_while(|look| look.points != points);
-    let before: u32 = before.map(|then| if then.awaited { 1 + look(then.points as usize) } else { 1 }).sum();
+    let before: u32 = history
+        .looks
+        .iter()
+        .take_while(|look| look.points != points)
+        .map(|then| if then.awaited { 1 + look(then.points as usize) } else { 1 })
+        .sum();
     match (before, awaited) {
         (0, false) => confidence,
         (before, false) => 1.0 - (1.0 - confidence) * spent(before),

@@ -1,29 +1,40 @@
 //! The final files of a study, made from its journal.
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter};
-use std::path::{Path, PathBuf};
+use std::{
+    fs::{self, File},
+    io::{self, BufWriter},
+    path::{Path, PathBuf},
+};
 
-use conformity::looks::{Look, Looks};
-use conformity::risk::Guard;
+use conformity::{
+    looks::{Look, Looks},
+    risk::Guard,
+};
 use tempfile::NamedTempFile;
 
-use super::budget::{self, Told};
-use super::{Ending, Front, Session, Verification};
-use crate::error::Error;
-use crate::judge::{Judge, PointVerdict};
-use crate::results::asides::Asides;
-use crate::results::summary::{ParameterSummary, Provenance, Run, Summary};
-use crate::results::survey::Survey;
-use crate::results::tally::{Sample, Tally};
-use crate::results::validity::{self, Validity};
-use crate::results::{Looked, points};
+use super::{
+    Ending, Front, Session, Verification,
+    budget::{self, Told},
+};
+use crate::{
+    error::{Error, Result},
+    judge::{Judge, PointVerdict},
+    results::{
+        Looked,
+        asides::Asides,
+        points,
+        summary::{ParameterSummary, Provenance, Run, Summary},
+        survey::Survey,
+        tally::{Sample, Tally},
+        validity::{self, Validity},
+    },
+};
 use fmu_points::notices::Limit;
-use point_journal::files::{draft, keep, write_json};
-use point_journal::{Finished, Outcome};
-use study::Study;
-use study::inputs::taken_as_exact;
-use study::plan::Input;
+use point_journal::{
+    Finished, Outcome,
+    files::{draft, keep, write_json},
+};
+use study::{Study, inputs::taken_as_exact, plan::Input};
 
 impl Verification {
     /// Writes `points.csv` and `summary.json` from the journal, in the order of the points, up to the last one or to
@@ -38,7 +49,7 @@ impl Verification {
         ending: Option<&Ending>,
         looked: &mut Looked,
         told: Option<&Told>,
-    ) -> Result<Summary, Error> {
+    ) -> Result<Summary> {
         let session = &self.session;
         let finished = Finished::read(folder)?;
         let mut outcomes = finished.outcomes()?;
@@ -60,12 +71,11 @@ impl Verification {
         };
         let mut files = FileSet::new(folder, &session.plan.inputs, &session.judge)?;
         for index in 0..self.source.len() {
-            let incomplete = || Error::Incomplete {
+            let (outcome, notices) = outcomes.get_noted(index)?.ok_or_else(|| Error::Incomplete {
                 path: folder.to_owned(),
                 missing: self.source.len() - finished.count,
                 points: self.source.len(),
-            };
-            let (outcome, notices) = outcomes.get_noted(index)?.ok_or_else(incomplete)?;
+            })?;
             let (label, parameters) = (self.source.label(index), self.source.parameters(index));
             let verdict = tally.add(label, &parameters, &outcome, notices.as_ref());
             let notices = notices.unwrap_or_default();
@@ -95,8 +105,7 @@ impl Verification {
             // Nobody may see the verdict before it is noted.
             looked.write(folder)?;
         }
-        let tally = tally.looked_at(looks, look);
-        let mut summary = tally.summary(session.study.title.clone(), provenance, parameters);
+        let mut summary = tally.looked_at(looks, look).summary(session.study.title.clone(), provenance, parameters);
         summary.asides = Some(asides);
         survey.complete(&mut summary);
         if let Some(told) = told {
@@ -105,8 +114,7 @@ impl Verification {
         summary.settled = Some(survey.to_watch(&summary));
         summary.concerns.extend(session.plan.concerns());
         if summary.provenance.method != "table" {
-            let repeated = session.plan.concerns_of_samples(summary.points);
-            summary.concerns.extend(repeated);
+            summary.concerns.extend(session.plan.concerns_of_samples(summary.points));
         }
         let exact = session.plan.input_errors.iter().filter(|error| self.source.lacks(&session.plan.inputs, error));
         summary.concerns.extend(exact.map(|error| taken_as_exact(&error.name, "the points of a table")));
@@ -168,7 +176,7 @@ impl FileSet {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn new(folder: &Path, inputs: &[Input], judge: &Judge) -> Result<Self, Error> {
+    pub fn new(folder: &Path, inputs: &[Input], judge: &Judge) -> Result<Self> {
         let begin = || -> io::Result<Self> {
             fs::create_dir_all(folder)?;
             let file = draft(folder)?;
@@ -189,31 +197,23 @@ impl FileSet {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn write(
-        &mut self,
-        label: u64,
-        parameters: &[f64],
-        outcome: &Outcome,
-        verdict: &PointVerdict,
-    ) -> Result<(), Error> {
-        let written = self.points.write(label, parameters, outcome, verdict);
-        written.map_err(Error::io(&self.folder))
+    pub fn write(&mut self, label: u64, parameters: &[f64], outcome: &Outcome, verdict: &PointVerdict) -> Result {
+        self.points.write(label, parameters, outcome, verdict).map_err(Error::io(&self.folder))
     }
 
     /// Notes the limits of the model that a point passed.
     ///
     /// # Errors
     /// When the system says no.
-    pub fn write_limits(&mut self, label: u64, limits: &[Limit]) -> Result<(), Error> {
-        let written = self.limits.write(&self.folder, label, limits);
-        written.map_err(Error::io(&self.folder))
+    pub fn write_limits(&mut self, label: u64, limits: &[Limit]) -> Result {
+        self.limits.write(&self.folder, label, limits).map_err(Error::io(&self.folder))
     }
 
     /// Puts the files in place; each one is either as before or complete.
     ///
     /// # Errors
     /// When the system says no.
-    pub fn finish(self, summary: &Summary) -> Result<(), Error> {
+    pub fn finish(self, summary: &Summary) -> Result {
         let path = self.folder.join("points.csv");
         self.points.finish().map_err(Error::io(&path))?;
         let file = match self.guard {

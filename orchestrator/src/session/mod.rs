@@ -6,17 +6,13 @@ mod request;
 mod until;
 mod verification;
 
-use crate::error::Error;
-use crate::judge::Judge;
+use crate::{error::Result, judge::Judge};
 use fmu_import::Package;
 use fmu_points::Answer;
-use point_journal::pipeline::Model;
-use study::Study;
-use study::plan::Plan;
-use study::points;
+use point_journal::{Header, Outcome, pipeline::Model};
+use study::{Study, plan::Plan, points};
 
 pub use finale::{FileSet, provenance};
-use point_journal::{Header, Outcome};
 pub use request::Request;
 pub use until::{Ending, Front, Until};
 pub use verification::Verification;
@@ -41,7 +37,7 @@ impl Session {
     ///
     /// # Errors
     /// When either cannot be used.
-    pub fn open(request: Request) -> Result<Self, Error> {
+    pub fn open(request: Request) -> Result<Self> {
         let mut session = Self::open_with_risk(request)?;
         session.plan.forget_resampling();
         Ok(session)
@@ -51,7 +47,7 @@ impl Session {
     ///
     /// # Errors
     /// When either cannot be used.
-    pub fn open_with_risk(mut request: Request) -> Result<Self, Error> {
+    pub fn open_with_risk(mut request: Request) -> Result<Self> {
         let mut study = Study::read(&request.study)?;
         // A design that needs all its points keeps those of the study, and so does a table.
         let goes_on = request.points_from.is_none() && study.design.method.is_extensible();
@@ -73,7 +69,7 @@ impl Session {
     ///
     /// # Errors
     /// When the FMU cannot be read any more.
-    pub fn header(&self, seed: u64, points: Option<u64>) -> Result<Header, Error> {
+    pub fn header(&self, seed: u64, points: Option<u64>) -> Result<Header> {
         Ok(Header {
             orchestrator: env!("CARGO_PKG_VERSION").to_owned(),
             study: self.study.digest(),

@@ -1,17 +1,19 @@
 //! The request, kept beside the results so that a point can be run again and shards
 //! be joined.
 
-use std::fs;
-use std::mem;
-use std::path::{Path, PathBuf};
+use std::{
+    fs, mem,
+    path::{Path, PathBuf},
+};
 
 use serde::{Deserialize, Serialize};
 
 use super::budget::Budget;
-use crate::error::Error;
-use point_journal::files::{write_json, write_text};
-use point_journal::pipeline::Shard;
-use point_journal::pipeline::folder::Earlier;
+use crate::error::{Error, Result};
+use point_journal::{
+    files::{write_json, write_text},
+    pipeline::{Shard, folder::Earlier},
+};
 use study::Study;
 
 /// The request: all options of the command.
@@ -33,7 +35,7 @@ pub struct Request {
     /// A part of the points.
     pub shard: Option<Shard>,
     /// A number of runs that chosen points share, instead of a design.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub budget: Option<Budget>,
     /// The folder of the files that the study names, where that is not its own.
     #[serde(skip)]
@@ -58,13 +60,7 @@ impl Request {
     ///
     /// # Errors
     /// Names what the folder holds.
-    pub fn check(
-        &self,
-        folder: &Path,
-        analysis: Option<&str>,
-        study: Option<&Study>,
-        earlier: Earlier,
-    ) -> Result<(), Error> {
+    pub fn check(&self, folder: &Path, analysis: Option<&str>, study: Option<&Study>, earlier: Earlier) -> Result {
         let inner = analysis.map(|name| folder.join(name));
         for place in [folder].into_iter().chain(inner.as_deref()) {
             if earlier == Earlier::Replaced || !Self::is_in(place) {
@@ -81,9 +77,7 @@ impl Request {
             if !is_same(then.own_study(), self.own_study()) {
                 return Err(of("another study file", then.own_study()));
             }
-            let (Some(study), Some(fmu)) = (study, &then.fmu) else {
-                continue;
-            };
+            let (Some(study), Some(fmu)) = (study, &then.fmu) else { continue };
             let now = self.fmu.clone().unwrap_or_else(|| study.fmu_path());
             if !is_same(fmu, &now) && (self.fmu.is_some() || then.has_another_fmu()) {
                 return Err(of("another FMU", fmu));
@@ -96,14 +90,13 @@ impl Request {
     ///
     /// # Errors
     /// Names the first such file.
-    pub fn check_files(&self, folder: &Path, earlier: Earlier) -> Result<(), Error> {
+    pub fn check_files(&self, folder: &Path, earlier: Earlier) -> Result {
         if earlier == Earlier::Replaced || Self::is_in(folder) {
             return Ok(());
         }
         let files = [STUDY, "points.csv", "summary.json", "report.html"].map(|file| folder.join(file));
         let is_file = |file: &PathBuf| file.symlink_metadata().is_ok_and(|entry| !entry.is_dir());
-        let is_precious = |file: &PathBuf| is_file(file) && !is_same(file, self.own_study());
-        match files.into_iter().find(is_precious) {
+        match files.into_iter().find(|file| is_file(file) && !is_same(file, self.own_study())) {
             Some(file) => Err(Error::Refused(format!(
                 "{} was there before any run wrote into this folder, and would be replaced; choose another --output, or \
                  replace it with --force",
@@ -125,7 +118,7 @@ impl Request {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn write(&self, folder: &Path, study: &Study) -> Result<(), Error> {
+    pub fn write(&self, folder: &Path, study: &Study) -> Result {
         let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         let fmu = self.fmu.clone().unwrap_or_else(|| study.fmu_path());
         let kept = Self {
@@ -142,7 +135,7 @@ impl Request {
     ///
     /// # Errors
     /// When there is none.
-    pub fn read(folder: &Path) -> Result<Self, Error> {
+    pub fn read(folder: &Path) -> Result<Self> {
         let path = folder.join(FILE);
         let text = fs::read(&path).map_err(|_| Error::Missing(folder.to_owned()))?;
         let mut request: Self = serde_json::from_slice(&text).map_err(|error| Error::content(&path, error))?;

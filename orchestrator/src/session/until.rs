@@ -3,9 +3,11 @@
 use std::str::FromStr;
 
 use crate::judge::Judge;
-use conformity::decision::{Decision, Rule, randomised};
-use conformity::looks::{History, Looks, Way};
-use conformity::risk::Guard;
+use conformity::{
+    decision::{Decision, Rule, randomised},
+    looks::{History, Looks, Way},
+    risk::Guard,
+};
 use point_journal::Outcome;
 use sampling::design::Method;
 
@@ -101,9 +103,7 @@ impl Ending {
 
     /// Whether a point counts for the share that is waited for.
     pub fn counts(&self, judge: &Judge, outcome: &Outcome) -> Seen {
-        let Ok(values) = outcome.as_deref() else {
-            return Seen::Failed;
-        };
+        let Ok(values) = outcome.as_deref() else { return Seen::Failed };
         let counts = match (self.condition, self.guard) {
             (Condition::Verdict(..), Guard::Given(band)) => judge.measurement.margin(values) >= band,
             (Condition::Verdict(..), guard) => guard.accepts(judge.measurement.assess(values).all, None),
@@ -170,9 +170,7 @@ impl<'a> Front<'a> {
 
     /// Notes a finished point; says whether the points up to some index are enough.
     pub fn add(&mut self, index: u64, seen: Seen) -> bool {
-        let Ok(index) = usize::try_from(index) else {
-            return false;
-        };
+        let Ok(index) = usize::try_from(index) else { return false };
         if index >= self.seen.len() {
             self.seen.resize(index + 1, None);
         }

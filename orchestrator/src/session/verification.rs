@@ -3,14 +3,18 @@
 use std::path::{Path, PathBuf};
 
 use super::{Ending, Request, Session, Until, budget};
-use crate::error::Error;
-use crate::results::Looked;
-use crate::source::Source;
+use crate::{
+    error::{Error, Result},
+    results::Looked,
+    source::Source,
+};
 use conformity::looks::History;
 use fmu_points::Job;
 use number_tables::files;
-use point_journal::pipeline::{Model, Part};
-use point_journal::{Header, lines};
+use point_journal::{
+    Header, lines,
+    pipeline::{Model, Part},
+};
 
 /// A study whose points are known beforehand.
 #[derive(Debug)]
@@ -28,7 +32,7 @@ impl Verification {
     ///
     /// # Errors
     /// When any of them cannot be used.
-    pub fn open(request: Request) -> Result<Self, Error> {
+    pub fn open(request: Request) -> Result<Self> {
         let session = Session::open_with_risk(request)?;
         let Session { study, plan, .. } = &session;
         let (source, table) = match (&session.request.points_from, &session.request.budget) {
@@ -42,8 +46,7 @@ impl Verification {
                 (source, Some(digest))
             }
             (None, None) => {
-                let design = plan.design(&study.design);
-                let design = design.map_err(|message| match session.request.points {
+                let design = plan.design(&study.design).map_err(|message| match session.request.points {
                     Some(points) => study.error(format!("--points {points}: {message}")),
                     None => study.error(format!("[design] {message}")),
                 })?;
@@ -61,7 +64,7 @@ impl Verification {
     ///
     /// # Errors
     /// When there is none, or the FMU is another one.
-    pub fn reopen(folder: &Path, fmu: Option<PathBuf>) -> Result<Self, Error> {
+    pub fn reopen(folder: &Path, fmu: Option<PathBuf>) -> Result<Self> {
         let then = lines::header(folder)?;
         let mut request = Request::read(folder)?;
         request.fmu = fmu.or(request.fmu);
@@ -94,8 +97,7 @@ impl Verification {
     pub fn ending(&self, until: Until, history: &History) -> Result<Ending, String> {
         let Session { study, judge, .. } = &self.session;
         let design = (study.design.method, study.design.replicates);
-        let design = self.header.table.is_none().then_some(design);
-        Ending::new(until, judge, design, history)
+        Ending::new(until, judge, self.header.table.is_none().then_some(design), history)
     }
 
     /// Whether the first points of a longer run are those of a shorter one: those of a Latin hypercube are not.
@@ -108,7 +110,7 @@ impl Verification {
     ///
     /// # Errors
     /// When they are there and cannot be read.
-    pub fn looked(&self, folder: &Path, from: &[PathBuf]) -> Result<Looked, Error> {
+    pub fn looked(&self, folder: &Path, from: &[PathBuf]) -> Result<Looked> {
         let study = Header {
             points: self.header.points.filter(|_| !self.is_extensible()),
             table: None,

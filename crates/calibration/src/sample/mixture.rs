@@ -4,8 +4,7 @@
 //! its parts has the shape that the sample has there.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
-use sampling::distribution::ln_sum;
-use sampling::random::Random;
+use sampling::{distribution::ln_sum, random::Random};
 
 /// One normal distribution.
 #[derive(Clone, Debug)]
@@ -48,27 +47,25 @@ impl Part {
     /// A place from a normal distribution of this shape about another centre.
     fn draw(&self, centre: &[f64], scale: f64, random: &mut Random) -> Vec<f64> {
         let normal = random.normals(centre.len());
-        let rows = centre.iter().zip(&self.factor);
-        rows.map(|(centre, row)| {
-            let step = row.iter().zip(&normal).map(|(a, z)| a * z);
-            centre + scale * step.sum::<f64>()
-        })
-        .collect()
+        centre
+            .iter()
+            .zip(&self.factor)
+            .map(|(centre, row)| {
+                let step = row.iter().zip(&normal).map(|(a, z)| a * z);
+                centre + scale * step.sum::<f64>()
+            })
+            .collect()
     }
 }
 
 /// The rows of a lower triangular matrix, up to the diagonal.
 fn rows(triangle: &DMatrix<f64>) -> Vec<Vec<f64>> {
-    let row = |i: usize| (0..=i).map(|j| triangle[(i, j)]).collect();
-    (0..triangle.nrows()).map(row).collect()
+    (0..triangle.nrows()).map(|i| (0..=i).map(|j| triangle[(i, j)]).collect()).collect()
 }
 
 /// The squared length of a way that a triangular matrix is applied to.
 fn squared(triangle: &[Vec<f64>], from: &[f64], to: &[f64]) -> f64 {
-    let entry = |row: &Vec<f64>| -> f64 {
-        let steps = row.iter().zip(from).zip(to);
-        steps.map(|((a, from), to)| a * (to - from)).sum()
-    };
+    let entry = |row: &Vec<f64>| -> f64 { row.iter().zip(from).zip(to).map(|((a, from), to)| a * (to - from)).sum() };
     triangle.iter().map(|row| entry(row).powi(2)).sum()
 }
 
@@ -90,8 +87,8 @@ const OVERLAP: f64 = 1.5;
 impl Mixture {
     /// Normal distributions with weights, means and covariances; those that are no covariances are left out.
     pub(super) fn new(parts: Vec<(f64, DVector<f64>, DMatrix<f64>)>) -> Option<Self> {
-        let parts = parts.into_iter();
         let mut parts: Vec<Part> = parts
+            .into_iter()
             .filter_map(|(weight, mean, covariance)| Part::new(weight, &mean, covariance))
             .filter(|part| part.weight > 0.0)
             .collect();
@@ -137,8 +134,7 @@ impl Mixture {
 
     /// The logarithm of each part's share of the density, with all deviations `scale` times as large.
     fn logs(&self, place: &[f64], scale: f64) -> Vec<f64> {
-        let parts = self.parts.iter();
-        parts.map(|part| part.weight.ln() + part.log_density(place, scale)).collect()
+        self.parts.iter().map(|part| part.weight.ln() + part.log_density(place, scale)).collect()
     }
 
     /// The logarithm of the density, with all deviations `scale` times as large.
@@ -171,8 +167,8 @@ impl Mixture {
 
     /// The logarithm of the density of such a step.
     pub(super) fn log_step(&self, from: &[f64], to: &[f64], scale: f64) -> f64 {
-        let parts = self.parts.iter().zip(self.shares(from));
-        let logs = parts.map(|(part, share)| share + part.log_between(from, to, scale));
+        let logs =
+            self.parts.iter().zip(self.shares(from)).map(|(part, share)| share + part.log_between(from, to, scale));
         ln_sum(&logs.collect::<Vec<_>>())
     }
 }
@@ -198,8 +194,10 @@ fn anchors(weights: &[f64], count: usize, random: &mut Random) -> Vec<usize> {
     let mut order: Vec<usize> = (0..weights.len()).collect();
     random.shuffle(&mut order);
     let first = random.unit();
-    let levels = (0..count).map(|k| (k as f64 + first) / count as f64);
-    levels.map(|level| order[chosen(order.iter().map(|&index| weights[index]), level)]).collect()
+    (0..count)
+        .map(|k| (k as f64 + first) / count as f64)
+        .map(|level| order[chosen(order.iter().map(|&index| weights[index]), level)])
+        .collect()
 }
 
 /// The points nearest to one of them: so many that they hold a share of the weight, and at least `least`.
@@ -211,9 +209,10 @@ fn nearest(
     share: f64,
     least: usize,
 ) -> Vec<usize> {
-    let weighty = (0..points.len()).filter(|&index| weights[index] > 0.0);
-    let mut near: Vec<(f64, usize)> =
-        weighty.map(|index| (squared(metric, points[anchor], points[index]), index)).collect();
+    let mut near: Vec<(f64, usize)> = (0..points.len())
+        .filter(|&index| weights[index] > 0.0)
+        .map(|index| (squared(metric, points[anchor], points[index]), index))
+        .collect();
     near.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut sum = 0.0;
     let mut kept = Vec::new();

@@ -33,14 +33,12 @@ pub mod text;
 use std::time::Instant;
 
 use nalgebra::DVector;
-use sampling::distribution::ln_sum;
-use sampling::random::{Purpose, Random};
+use sampling::{
+    distribution::ln_sum,
+    random::{Purpose, Random},
+};
 
-use super::failures::Failures;
-use super::local::is_over;
-use super::objective::Objective;
-use super::optima::Optimum;
-use super::problem::NoPrediction;
+use super::{failures::Failures, local::is_over, objective::Objective, optima::Optimum, problem::NoPrediction};
 use mixture::{Mixture, chosen};
 use moves::Mover;
 use target::Target;
@@ -170,8 +168,7 @@ pub struct Sample {
 impl Sample {
     /// How many unknowns a particle has, those that lie behind the problem's own among them.
     pub fn unknowns(&self) -> usize {
-        let first = self.particles.first();
-        first.map_or(0, |particle| particle.places.len())
+        self.particles.first().map_or(0, |particle| particle.places.len())
     }
 
     /// The places of the particles in one of their unknowns.
@@ -203,16 +200,15 @@ pub fn sample(
         }
         walk.stage(observe)?;
     }
-    let evidences = walk.evidences.clone();
-    let groups = evidences.into_iter().zip(walk.groups());
-    let groups: Vec<(f64, Vec<Particle>)> = groups.collect();
+    let groups: Vec<(f64, Vec<Particle>)> = walk.evidences.clone().into_iter().zip(walk.groups()).collect();
     walk.join(observe)?;
     let weights = walk.weights()?;
     let failures = objective.failures();
     let placed = |particles: Vec<Particle>| {
-        let particles =
-            particles.into_iter().map(|particle| Particle { places: target.places(particle.places), ..particle });
-        particles.collect::<Vec<Particle>>()
+        particles
+            .into_iter()
+            .map(|particle| Particle { places: target.places(particle.places), ..particle })
+            .collect::<Vec<Particle>>()
     };
     let groups = groups.into_iter().map(|(log, group)| (log, placed(group)));
     Ok(Sample {
@@ -278,9 +274,10 @@ impl<'a> Walk<'a> {
         for (index, particle) in walk.particles.iter_mut().enumerate() {
             particle.ancestor = index;
         }
-        match walk.particles.iter().any(|particle| particle.log_ratio().is_finite()) {
-            true => Ok(walk),
-            false => Err(SampleError::NoStart(walk.particles.len())),
+        if walk.particles.iter().any(|particle| particle.log_ratio().is_finite()) {
+            Ok(walk)
+        } else {
+            Err(SampleError::NoStart(walk.particles.len()))
         }
     }
 
@@ -290,19 +287,21 @@ impl<'a> Walk<'a> {
             return Err(SampleError::Time);
         }
         let likelihoods = self.target.likelihoods(&places)?;
-        let weighed = places.into_iter().zip(likelihoods);
-        let weighed = weighed.map(|(places, likelihood)| {
-            let log_prior = self.target.log_prior(&places);
-            Particle {
-                log_start: self.log_start(log_prior, &places),
-                log_prior,
-                log_likelihood: likelihood.log,
-                shared: likelihood.shared,
-                ancestor: 0,
-                places,
-            }
-        });
-        Ok(weighed.collect())
+        Ok(places
+            .into_iter()
+            .zip(likelihoods)
+            .map(|(places, likelihood)| {
+                let log_prior = self.target.log_prior(&places);
+                Particle {
+                    log_start: self.log_start(log_prior, &places),
+                    log_prior,
+                    log_likelihood: likelihood.log,
+                    shared: likelihood.shared,
+                    ancestor: 0,
+                    places,
+                }
+            })
+            .collect())
     }
 
     /// The logarithm of the density of the start.
@@ -322,8 +321,7 @@ impl<'a> Walk<'a> {
     }
 
     fn groups(&self) -> Vec<Vec<Particle>> {
-        let groups = self.particles.chunks(self.size());
-        groups.map(<[Particle]>::to_vec).collect()
+        self.particles.chunks(self.size()).map(<[Particle]>::to_vec).collect()
     }
 
     /// Goes on to the next distribution.
@@ -367,13 +365,15 @@ impl<'a> Walk<'a> {
     fn join(&mut self, observe: &dyn Fn(f64, usize)) -> Result<(), SampleError> {
         let size = self.size();
         let all = ln_sum(&self.evidences);
-        let parts = self.evidences.iter().map(|log| (log - all).exp());
-        let parts = parts.flat_map(|part| std::iter::repeat_n(part / size as f64, size));
-        let weights: Vec<f64> = parts.collect();
+        let weights: Vec<f64> = self
+            .evidences
+            .iter()
+            .map(|log| (log - all).exp())
+            .flat_map(|part| std::iter::repeat_n(part / size as f64, size))
+            .collect();
         self.movers.truncate(1);
         self.shape(&weights);
-        let count = self.particles.len();
-        self.particles = resampled(&self.particles, &weights, count, &mut self.random);
+        self.particles = resampled(&self.particles, &weights, self.particles.len(), &mut self.random);
         self.settle(UNMOVED[1], observe)
     }
 
@@ -385,9 +385,7 @@ impl<'a> Walk<'a> {
         const FROM_PRIOR: f64 = 0.1;
         const MOST_ROUNDS: usize = 5;
         let points: Vec<&[f64]> = self.particles.iter().map(|particle| &particle.places[..]).collect();
-        let Some(mixture) = Mixture::covering(&points, &mut self.random) else {
-            return Ok(Vec::new());
-        };
+        let Some(mixture) = Mixture::covering(&points, &mut self.random) else { return Ok(Vec::new()) };
         let count = self.particles.len();
         let of_prior = (FROM_PRIOR * count as f64) as usize;
         let part = of_prior as f64 / count as f64;
@@ -397,14 +395,16 @@ impl<'a> Walk<'a> {
                 break;
             }
             let shift = self.random.unit();
-            let draw = |index: usize| match index < of_prior {
-                true => self.target.draw(&mut self.random),
-                false => {
-                    let level = ((index - of_prior) as f64 + shift) / (count - of_prior) as f64;
-                    mixture.draw(level, moves::WIDER, &mut self.random)
-                }
-            };
-            let places = (0..count).map(draw).collect();
+            let places = (0..count)
+                .map(|index| {
+                    if index < of_prior {
+                        self.target.draw(&mut self.random)
+                    } else {
+                        let level = ((index - of_prior) as f64 + shift) / (count - of_prior) as f64;
+                        mixture.draw(level, moves::WIDER, &mut self.random)
+                    }
+                })
+                .collect();
             let drawn = self.weighed(places)?;
             weights.extend(drawn.iter().map(|particle| {
                 let shaped = mixture.log_density(&particle.places, moves::WIDER);
@@ -493,12 +493,13 @@ fn times(step: f64, log: f64) -> f64 {
 /// The next step of the exponent: the whole rest, or as far as half of the particles that can have descendants remain
 /// effective.
 fn step(ratios: &[f64], rest: f64) -> f64 {
-    let alive = ratios.iter().copied().filter(|ratio| ratio.is_finite());
-    let alive: Vec<f64> = alive.collect();
+    let alive: Vec<f64> = ratios.iter().copied().filter(|ratio| ratio.is_finite()).collect();
     let most = alive.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let effective = |step: f64| {
-        let weights = alive.iter().map(|ratio| (step * (ratio - most)).exp());
-        let (sum, squares) = weights.fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
+        let (sum, squares) = alive
+            .iter()
+            .map(|ratio| (step * (ratio - most)).exp())
+            .fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
         sum * sum / squares
     };
     let wanted = EFFECTIVE * alive.len() as f64;

@@ -7,8 +7,7 @@
 
 use sampling::random::Random;
 
-use super::Particle;
-use super::mixture::Mixture;
+use super::{Particle, mixture::Mixture};
 
 /// Leaps go to places from a mixture that is so much wider than the sample.
 pub(super) const WIDER: f64 = 1.2;
@@ -115,8 +114,5 @@ fn shorter(random: &mut Random) -> f64 {
 /// The logarithm of the density on the way from the start to the posterior.
 fn log_density(particle: &Particle, exponent: f64) -> f64 {
     let ratio = particle.log_ratio();
-    match ratio.is_finite() {
-        true => particle.log_start + exponent * ratio,
-        false => f64::NEG_INFINITY,
-    }
+    if ratio.is_finite() { particle.log_start + exponent * ratio } else { f64::NEG_INFINITY }
 }

@@ -1,18 +1,24 @@
 //! Results of a sample of the posterior, and how far it can be trusted: plain data that becomes JSON.
 
-use sampling::distribution::ln_sum;
-use sampling::statistics::moments::{deviation, mean, pearson, sorted};
+use sampling::{
+    distribution::ln_sum,
+    statistics::moments::{deviation, mean, pearson, sorted},
+};
 use serde::{Deserialize, Serialize};
 use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
 
-use super::super::failures;
-use super::super::objective::Objective;
-use super::super::optima::Optimum;
-use super::super::problem::{Free, Problem, Spacing};
-use super::super::shared::SharedOutcome;
-use super::region::{quantile, regions};
-use super::target::Target;
-use super::{FEWEST, GROUPS, Particle, Sample, Stage};
+use super::{
+    super::{
+        failures,
+        objective::Objective,
+        optima::Optimum,
+        problem::{Problem, Spacing},
+        shared::SharedOutcome,
+    },
+    FEWEST, GROUPS, Particle, Sample, Stage,
+    region::{quantile, regions},
+    target::Target,
+};
 
 /// Fewer independent particles say too little of a 95 % interval: with 100 it holds 91 to 99 %.
 pub(super) const ENOUGH: f64 = 100.0;
@@ -89,7 +95,7 @@ pub struct Evidence {
     /// What the logarithm lies between even where the sample cannot be relied on: the estimate has no bias and is not negative,
     /// so it exceeds the evidence twenty times with a probability of 5 % at most (Markov's inequality); and no mean over the
     /// prior exceeds the best fit that the search has reached.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub bounds: Option<[f64; 2]>,
     /// A digest of the measured values: evidences of other data cannot be compared.
     pub data: String,
@@ -116,12 +122,10 @@ impl Evidence {
         let problem = objective.problem;
         let count = sample.weights.len() as f64;
         let log = ln_sum(&sample.weights) - count.ln();
-        let error = (effective_draws(&sample.weights).recip() - count.recip()).max(0.0);
-        let error = error.sqrt();
+        let error = (effective_draws(&sample.weights).recip() - count.recip()).max(0.0).sqrt();
         let target = Target::new(objective);
         let fits = optima.iter().map(|optimum| target.log_likelihood(&optimum.minimum));
-        let particles = sample.particles.iter();
-        let best = particles.map(|particle| particle.log_likelihood).chain(fits);
+        let best = sample.particles.iter().map(|particle| particle.log_likelihood).chain(fits);
         let bounds = [log - TIMES.ln(), best.fold(f64::NEG_INFINITY, f64::max)];
         let is_told = !optima.is_empty() && bounds.iter().all(|bound| bound.is_finite());
         Self {
@@ -141,12 +145,13 @@ impl Evidence {
     /// # Errors
     /// Says that they are others.
     pub fn is_of(&self, problem: &Problem) -> Result<(), String> {
-        match self.data == problem.digest() {
-            true => Ok(()),
-            false => Err(
+        if self.data == problem.digest() {
+            Ok(())
+        } else {
+            Err(
                 "its evidence is that of other measured values, or of the same in another order or unit, and cannot be compared"
                     .to_owned(),
-            ),
+            )
         }
     }
 
@@ -162,13 +167,14 @@ impl Evidence {
             self.against = Some(Ratio { log, interval });
             return Ok(());
         }
-        let bounds = self.bounds.zip(other.bounds);
-        let bounds = bounds.map(|(this, other)| [this[0] - other[1], this[1] - other[0]]);
-        let plain = bounds.and_then(|[least, most]| match (least > 0.0, most < 0.0) {
-            (true, _) => Some(least),
-            (_, true) => Some(most),
-            _ => None,
-        });
+        let plain =
+            self.bounds.zip(other.bounds).map(|(this, other)| [this[0] - other[1], this[1] - other[0]]).and_then(
+                |[least, most]| match (least > 0.0, most < 0.0) {
+                    (true, _) => Some(least),
+                    (_, true) => Some(most),
+                    _ => None,
+                },
+            );
         let which = if self.trusted { "its" } else { "this" };
         let log = plain.ok_or_else(|| {
             format!(
@@ -183,8 +189,7 @@ impl Evidence {
 /// As many equal weights would tell as much as these, given their logarithms.
 pub(super) fn effective_draws(logs: &[f64]) -> f64 {
     let all = ln_sum(logs);
-    let squares = logs.iter().map(|log| (2.0 * (log - all)).exp());
-    squares.sum::<f64>().recip()
+    logs.iter().map(|log| (2.0 * (log - all)).exp()).sum::<f64>().recip()
 }
 
 /// The interval that holds a number of this standard error with 95 % probability.
@@ -260,11 +265,9 @@ impl<'a> Groups<'a> {
     fn estimate(&self, f: &dyn Fn(&Particle) -> f64) -> Estimate {
         let mean = |group: &&[Particle]| group.iter().map(f).sum::<f64>() / group.len() as f64;
         let means: Vec<f64> = self.groups.iter().map(mean).collect();
-        let pairs = self.parts.iter().zip(&means);
-        let pairs = pairs.filter(|(part, _)| **part > 0.0);
+        let pairs = self.parts.iter().zip(&means).filter(|(part, _)| **part > 0.0);
         let mean: f64 = pairs.clone().map(|(part, of_group)| part * of_group).sum();
-        let squares = pairs.map(|(part, of_group)| (part * (of_group - mean)).powi(2));
-        let squares: f64 = squares.sum();
+        let squares: f64 = pairs.map(|(part, of_group)| (part * (of_group - mean)).powi(2)).sum();
         let count = GROUPS as f64;
         Estimate { mean, error: (squares * count / (count - 1.0)).sqrt() }
     }
@@ -306,8 +309,7 @@ impl PosteriorOutcome {
     }
 
     fn doubts(&self, sample: &Sample) -> Vec<String> {
-        let dead = sample.groups.iter().filter(|(log, _)| !log.is_finite());
-        let dead = dead.count();
+        let dead = sample.groups.iter().filter(|(log, _)| !log.is_finite()).count();
         let (effective, error) = (self.effective, disagreement(sample));
         let last = sample.stages.last();
         let doubts = [
@@ -333,15 +335,14 @@ impl PosteriorOutcome {
                 )
             }),
         ];
-        let optima = self.optima.iter();
-        let missed = optima.filter(|share| share.within == 0.0 && share.approximation > SEEN);
-        let missed = missed.map(|share| {
-            format!(
-                "no particle is near optimum {}, which has {:.0} % by the optima's normal approximations",
-                share.optimum,
-                100.0 * share.approximation
-            )
-        });
+        let missed =
+            self.optima.iter().filter(|share| share.within == 0.0 && share.approximation > SEEN).map(|share| {
+                format!(
+                    "no particle is near optimum {}, which has {:.0} % by the optima's normal approximations",
+                    share.optimum,
+                    100.0 * share.approximation
+                )
+            });
         doubts.into_iter().flatten().chain(missed).collect()
     }
 
@@ -355,8 +356,11 @@ impl PosteriorOutcome {
                  is known of them: if the truth lies there, the sample does not hold it"
             ));
         }
-        let last = sample.stages.iter().filter(|stage| stage.exponent >= 1.0);
-        let [asked, failed] = last.fold([0, 0], |[asked, failed], stage| [asked + stage.asked, failed + stage.failed]);
+        let [asked, failed] = sample
+            .stages
+            .iter()
+            .filter(|stage| stage.exponent >= 1.0)
+            .fold([0, 0], |[asked, failed], stage| [asked + stage.asked, failed + stage.failed]);
         if failed > 0 {
             notes.push(format!(
                 "{failed} of {asked} last steps led there: the sample borders on these places and is cut where they begin"
@@ -378,10 +382,8 @@ impl PosteriorOutcome {
         // A place of so much higher density is no place that the search was at.
         const HIGHER: f64 = 0.5;
         let target = Target::new(objective);
-        let known = optima.iter().map(|optimum| target.log_density(&optimum.minimum));
-        let known = known.fold(f64::NEG_INFINITY, f64::max);
-        let particles = sample.particles.iter();
-        let sampled = particles.map(|particle| particle.log_prior + particle.log_likelihood);
+        let known = optima.iter().map(|optimum| target.log_density(&optimum.minimum)).fold(f64::NEG_INFINITY, f64::max);
+        let sampled = sample.particles.iter().map(|particle| particle.log_prior + particle.log_likelihood);
         let higher = sampled.fold(f64::NEG_INFINITY, f64::max) - known;
         if known.is_finite() && higher > HIGHER {
             notes.push(format!(
@@ -445,44 +447,47 @@ struct Near<'a> {
 
 impl<'a> Near<'a> {
     fn new(optima: &'a [Optimum], unknowns: usize) -> Self {
-        let chi_squared = ChiSquared::new(unknowns.max(1) as f64);
-        let limit = chi_squared.expect("there is an unknown").inverse_cdf(0.99);
+        let limit = ChiSquared::new(unknowns.max(1) as f64).expect("there is an unknown").inverse_cdf(0.99);
         Self { optima, limit }
     }
 
     fn distance(optimum: &Optimum, particle: &Particle) -> f64 {
-        let centre = &optimum.minimum.places;
-        optimum.posterior.distance(centre, &particle.places)
+        optimum.posterior.distance(&optimum.minimum.places, &particle.places)
     }
 
     /// The optimum that is nearest to a particle.
     fn nearest(&self, particle: &Particle) -> Option<usize> {
-        let distances = self.optima.iter().map(|optimum| Self::distance(optimum, particle));
-        let least = distances.enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
-        least.map(|(index, _)| index)
+        self.optima
+            .iter()
+            .map(|optimum| Self::distance(optimum, particle))
+            .enumerate()
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .map(|(index, _)| index)
     }
 
     fn shares(&self, groups: &Groups<'_>) -> Vec<Share> {
         let one_or_none = |is: bool| f64::from(u8::from(is));
-        let share = |(index, optimum): (usize, &Optimum)| {
-            let nearest = |particle: &Particle| one_or_none(self.nearest(particle) == Some(index));
-            let within = |particle: &Particle| one_or_none(Self::distance(optimum, particle) <= self.limit);
-            let Estimate { mean, error } = groups.estimate(&nearest);
-            Share {
-                optimum: index + 1,
-                share: mean,
-                error,
-                within: groups.estimate(&within).mean,
-                approximation: optimum.weight,
-            }
-        };
-        self.optima.iter().enumerate().map(share).collect()
+        self.optima
+            .iter()
+            .enumerate()
+            .map(|(index, optimum)| {
+                let nearest = |particle: &Particle| one_or_none(self.nearest(particle) == Some(index));
+                let within = |particle: &Particle| one_or_none(Self::distance(optimum, particle) <= self.limit);
+                let Estimate { mean, error } = groups.estimate(&nearest);
+                Share {
+                    optimum: index + 1,
+                    share: mean,
+                    error,
+                    within: groups.estimate(&within).mean,
+                    approximation: optimum.weight,
+                }
+            })
+            .collect()
     }
 
     fn approximated(&self, groups: &Groups<'_>) -> f64 {
         let any = |particle: &Particle| {
-            let within = |optimum: &Optimum| Self::distance(optimum, particle) <= self.limit;
-            f64::from(u8::from(self.optima.iter().any(within)))
+            f64::from(u8::from(self.optima.iter().any(|optimum| Self::distance(optimum, particle) <= self.limit)))
         };
         groups.estimate(&any).mean
     }
@@ -513,60 +518,71 @@ fn marginal(
 /// Mean and spread of each population stand behind all other unknowns.
 fn populations(problem: &Problem, sample: &Sample) -> Vec<PopulationOutcome> {
     let first = sample.unknowns() - 2 * problem.populations.len();
-    let populations = problem.populations.iter().enumerate();
-    let outcomes = populations.map(|(number, population)| {
-        let (name, at) = (&population.name, first + 2 * number);
-        let free = &problem.free[population.members[0]];
-        let named = (&name[..], &free.unit, free.scale);
-        let unit = free.unit.clone().filter(|_| free.scale == Spacing::Linear);
-        let of_spread = (&name[..], &unit, Spacing::Linear);
-        PopulationOutcome {
-            name: name.clone(),
-            mean: marginal(sample, at, [0.0, 1.0], named, &|place| free.value(place)),
-            spread: marginal(sample, at + 1, [0.0, f64::INFINITY], of_spread, &|place| free.spread(place)),
-        }
-    });
-    outcomes.collect()
+    problem
+        .populations
+        .iter()
+        .enumerate()
+        .map(|(number, population)| {
+            let (name, at) = (&population.name, first + 2 * number);
+            let free = &problem.free[population.members[0]];
+            let named = (&name[..], &free.unit, free.scale);
+            let unit = free.unit.clone().filter(|_| free.scale == Spacing::Linear);
+            let of_spread = (&name[..], &unit, Spacing::Linear);
+            PopulationOutcome {
+                name: name.clone(),
+                mean: marginal(sample, at, [0.0, 1.0], named, &|place| free.value(place)),
+                spread: marginal(sample, at + 1, [0.0, f64::INFINITY], of_spread, &|place| free.spread(place)),
+            }
+        })
+        .collect()
 }
 
 fn free(problem: &Problem, sample: &Sample) -> Vec<Marginal> {
-    let marginal = |(unknown, free): (usize, &Free)| {
-        let named = (&free.name[..], &free.unit, free.scale);
-        marginal(sample, unknown, [0.0, 1.0], named, &|place| free.value(place))
-    };
-    problem.free.iter().enumerate().map(marginal).collect()
+    problem
+        .free
+        .iter()
+        .enumerate()
+        .map(|(unknown, free)| {
+            let named = (&free.name[..], &free.unit, free.scale);
+            marginal(sample, unknown, [0.0, 1.0], named, &|place| free.value(place))
+        })
+        .collect()
 }
 
 fn latents(problem: &Problem, sample: &Sample) -> Vec<Vec<Marginal>> {
-    let of_case = |case: usize| {
-        let pairs = problem.latents.iter().zip(&problem.cases[case].latents);
-        let latents = problem.latents_of(case).zip(pairs);
-        let marginals = latents.map(|(unknown, (latent, interval))| {
-            let named = (&latent.name[..], &latent.unit, Spacing::Linear);
-            marginal(sample, unknown, [0.0, 1.0], named, &|place| interval.value(place))
-        });
-        marginals.collect()
-    };
-    (0..problem.cases.len()).map(of_case).collect()
+    (0..problem.cases.len())
+        .map(|case| {
+            problem
+                .latents_of(case)
+                .zip(problem.latents.iter().zip(&problem.cases[case].latents))
+                .map(|(unknown, (latent, interval))| {
+                    let named = (&latent.name[..], &latent.unit, Spacing::Linear);
+                    marginal(sample, unknown, [0.0, 1.0], named, &|place| interval.value(place))
+                })
+                .collect()
+        })
+        .collect()
 }
 
 /// The shared errors: each particle has a normal distribution of theirs.
 fn shared(problem: &Problem, sample: &Sample) -> Vec<SharedOutcome> {
-    let channels = problem.channels.iter().enumerate();
-    let outcomes = channels.map(|(number, channel)| {
-        let parts = sample.particles.iter().map(|particle| particle.shared[number]);
-        let parts: Vec<[f64; 2]> = parts.collect();
-        let means: Vec<f64> = parts.iter().map(|[mean, _]| *mean).collect();
-        let squares: Vec<f64> = parts.iter().map(|[_, deviation]| deviation * deviation).collect();
-        let [centre, spread] = [mean(&means), (mean(&squares) + deviation(&means, 1).powi(2)).sqrt()];
-        let mut interval = [0.025, 0.975].map(|part| of_mixture(&parts, part, [centre, spread]));
-        let mut sources = channel.sources.iter();
-        if sources.all(|(source, _)| problem.sources[*source].rectangular) {
-            interval = interval.map(|end| end.clamp(-channel.limit, channel.limit));
-        }
-        SharedOutcome::new(channel, [centre, spread], interval)
-    });
-    outcomes.collect()
+    problem
+        .channels
+        .iter()
+        .enumerate()
+        .map(|(number, channel)| {
+            let parts: Vec<[f64; 2]> = sample.particles.iter().map(|particle| particle.shared[number]).collect();
+            let means: Vec<f64> = parts.iter().map(|[mean, _]| *mean).collect();
+            let squares: Vec<f64> = parts.iter().map(|[_, deviation]| deviation * deviation).collect();
+            let [centre, spread] = [mean(&means), (mean(&squares) + deviation(&means, 1).powi(2)).sqrt()];
+            let mut interval = [0.025, 0.975].map(|part| of_mixture(&parts, part, [centre, spread]));
+            let mut sources = channel.sources.iter();
+            if sources.all(|(source, _)| problem.sources[*source].rectangular) {
+                interval = interval.map(|end| end.clamp(-channel.limit, channel.limit));
+            }
+            SharedOutcome::new(channel, [centre, spread], interval)
+        })
+        .collect()
 }
 
 /// A quantile of a mixture of normal distributions with this mean and standard deviation, by bisection.
@@ -582,21 +598,14 @@ fn of_mixture(parts: &[[f64; 2]], part: f64, [centre, spread]: [f64; 2]) -> f64 
     let (mut low, mut high) = (centre - REACH * spread, centre + REACH * spread);
     for _ in 0..HALVINGS {
         let middle = 0.5 * (low + high);
-        match below(middle) < part {
-            true => low = middle,
-            false => high = middle,
-        }
+        if below(middle) < part { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }
 
 /// The correlations of the free parameters' values.
 fn correlations(problem: &Problem, sample: &Sample) -> Vec<Vec<f64>> {
-    let particles = sample.particles.iter();
-    let rows = particles.map(|particle| problem.free_values(&particle.places));
-    let rows: Vec<Vec<f64>> = rows.collect();
-    let column = |k: usize| rows.iter().map(|row| row[k]).collect();
-    let columns: Vec<Vec<f64>> = (0..problem.free.len()).map(column).collect();
-    let with_all = |a: &Vec<f64>| columns.iter().map(|b| pearson(a, b)).collect();
-    columns.iter().map(with_all).collect()
+    let rows: Vec<Vec<f64>> = sample.particles.iter().map(|particle| problem.free_values(&particle.places)).collect();
+    let columns: Vec<Vec<f64>> = (0..problem.free.len()).map(|k| rows.iter().map(|row| row[k]).collect()).collect();
+    columns.iter().map(|a| columns.iter().map(|b| pearson(a, b)).collect()).collect()
 }

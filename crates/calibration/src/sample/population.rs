@@ -7,8 +7,7 @@
 //! and spread mix badly in these coordinates; so they are also moved with the values as they are, which costs no runs (Yu &
 //! Meng 2011, To center or not to center, J. Computational and Graphical Statistics 20, 531-570).
 
-use sampling::distribution::Distribution;
-use sampling::random::Random;
+use sampling::{distribution::Distribution, random::Random};
 
 use super::super::problem::{Population, Problem};
 

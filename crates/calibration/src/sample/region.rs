@@ -18,9 +18,7 @@ const WORTH: f64 = 0.05;
 /// The value below which a part of a sorted sample lies: a further value of the same kind lies below it with just this
 /// probability.
 pub(super) fn quantile(sorted: &[f64], part: f64) -> f64 {
-    let Some(last) = sorted.len().checked_sub(1) else {
-        return f64::NAN;
-    };
+    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let place = (part * (sorted.len() + 1) as f64 - 1.0).clamp(0.0, last as f64);
     let below = place.floor() as usize;
     let above = (below + 1).min(last);

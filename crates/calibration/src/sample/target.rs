@@ -1,13 +1,16 @@
 //! The posterior that is sampled: the prior between the bounds, and the likelihood of the measured values.
 
-use sampling::distribution::Distribution;
-use sampling::random::Random;
+use sampling::{distribution::Distribution, random::Random};
 
-use super::super::local::Minimum;
-use super::super::objective::{Misfit, Objective};
-use super::super::problem::NoPrediction;
-use super::super::stated::Stated;
-use super::population::{Common, before};
+use super::{
+    super::{
+        local::Minimum,
+        objective::{Misfit, Objective},
+        problem::NoPrediction,
+        stated::Stated,
+    },
+    population::{Common, before},
+};
 
 /// The posterior that is sampled.
 pub(super) struct Target<'a> {
@@ -42,8 +45,8 @@ impl<'a> Target<'a> {
         let free = problem.free.iter().map(|free| before(free.prior_place()));
         let populations = problem.populations.iter().enumerate();
         let first = problem.unknowns();
-        let populations = populations.map(|(number, each)| Common::new(problem, each, first + 2 * number));
-        let populations: Vec<Common> = populations.collect();
+        let populations: Vec<Common> =
+            populations.map(|(number, each)| Common::new(problem, each, first + 2 * number)).collect();
         let others = first - problem.free.len() + 2 * populations.len();
         let before = free.chain(std::iter::repeat_n(before(None), others));
         Self { objective, before: before.collect(), populations, stated: Stated::new(problem, &objective.errors) }
@@ -52,8 +55,11 @@ impl<'a> Target<'a> {
     /// The coordinates that have a prior of their own.
     fn alone(&self) -> impl Iterator<Item = (usize, &Distribution)> {
         let common = 2 * self.populations.len();
-        let alone = self.before.iter().enumerate().take(self.before.len() - common);
-        alone.filter(|(index, _)| !self.populations.iter().any(|each| each.has(*index)))
+        self.before
+            .iter()
+            .enumerate()
+            .take(self.before.len() - common)
+            .filter(|(index, _)| !self.populations.iter().any(|each| each.has(*index)))
     }
 
     /// Coordinates from the prior.
@@ -70,10 +76,8 @@ impl<'a> Target<'a> {
 
     /// The logarithm of the prior density: minus infinity outside of the bounds.
     pub(super) fn log_prior(&self, coordinates: &[f64]) -> f64 {
-        let alone = self.alone();
-        let alone: f64 = alone.map(|(index, distribution)| distribution.ln_density(coordinates[index])).sum();
-        let populations = self.populations.iter();
-        let common: f64 = populations.map(|each| each.log_prior(coordinates)).sum();
+        let alone: f64 = self.alone().map(|(index, distribution)| distribution.ln_density(coordinates[index])).sum();
+        let common: f64 = self.populations.iter().map(|each| each.log_prior(coordinates)).sum();
         // Where the spread is not positive, one of the terms may be no number.
         let log = alone + common;
         if log.is_nan() { f64::NEG_INFINITY } else { log }
@@ -101,8 +105,7 @@ impl<'a> Target<'a> {
     /// When there are no further predictions.
     pub(super) fn likelihoods(&self, sets: &[Vec<f64>]) -> Result<Vec<Likelihood>, NoPrediction> {
         let inside: Vec<usize> = (0..sets.len()).filter(|&index| self.log_prior(&sets[index]).is_finite()).collect();
-        let asked = inside.iter().map(|&index| self.places(sets[index].clone()));
-        let asked: Vec<Vec<f64>> = asked.collect();
+        let asked: Vec<Vec<f64>> = inside.iter().map(|&index| self.places(sets[index].clone())).collect();
         let misfits = self.objective.misfits(&asked)?;
         let mut likelihoods = vec![Likelihood::none(); sets.len()];
         for (&index, misfit) in inside.iter().zip(misfits) {
@@ -131,9 +134,6 @@ impl<'a> Target<'a> {
             log: errors.log_density(misfit.data_cost(problem)) + beyond,
             shared: stated.channels(problem, errors.channels(problem, sources), sources),
         };
-        match likelihood.log.is_nan() {
-            true => Likelihood::none(),
-            false => likelihood,
-        }
+        if likelihood.log.is_nan() { Likelihood::none() } else { likelihood }
     }
 }

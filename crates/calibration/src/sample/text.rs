@@ -1,9 +1,13 @@
 //! A sample of the posterior as text and as a table.
 
-use super::super::digits::{digits, rounded, shown};
-use super::super::problem::Problem;
-use super::outcome::{Evidence, Marginal, PosteriorOutcome, Ratio};
-use super::{GROUPS, Sample};
+use super::{
+    super::{
+        digits::{digits, rounded, shown},
+        problem::Problem,
+    },
+    GROUPS, Sample,
+    outcome::{Evidence, Marginal, PosteriorOutcome, Ratio},
+};
 
 /// Intervals that are named one by one.
 const NAMED: usize = 8;
@@ -11,9 +15,10 @@ const NAMED: usize = 8;
 /// How far the sample is to be relied on, and what it says beside its marginals.
 pub fn sentences(outcome: &PosteriorOutcome, of_data: &Evidence) -> Vec<String> {
     let PosteriorOutcome { particles, effective, evaluated, .. } = outcome;
-    let judged = match outcome.trusted {
-        true => format!("{GROUPS} independent groups agree; worth about {effective:.0} independent draws"),
-        false => "NOT to be relied on, see below".to_owned(),
+    let judged = if outcome.trusted {
+        format!("{GROUPS} independent groups agree; worth about {effective:.0} independent draws")
+    } else {
+        "NOT to be relied on, see below".to_owned()
     };
     let mut said = vec![format!("posterior sample: {particles} particles ({judged}), from {evaluated} evaluations")];
     // A single optimum has all.
@@ -47,47 +52,50 @@ pub fn marginals(outcome: &PosteriorOutcome) -> Vec<Vec<String>> {
         };
         [named("mean of all cases", &population.mean), named("spread from case to case", &population.spread)]
     });
-    let row = |marginal: Marginal| {
-        let parts = marginal.intervals.iter().take(NAMED);
-        let parts: Vec<String> = parts.map(|ends| ends.map(digits).join(" .. ")).collect();
-        let more = match marginal.intervals.len().saturating_sub(NAMED) {
-            0 => String::new(),
-            more => format!(" or {more} more"),
-        };
-        let intervals = format!("{} {}{more}", parts.join(" or "), shown(&marginal.unit));
-        vec![
-            marginal.name,
-            digits(marginal.mean),
-            rounded(marginal.deviation, 3),
-            digits(marginal.median),
-            intervals.trim_end().to_owned(),
-        ]
-    };
-    outcome.free.iter().cloned().chain(populations).map(row).collect()
+    outcome
+        .free
+        .iter()
+        .cloned()
+        .chain(populations)
+        .map(|marginal| {
+            let parts: Vec<String> =
+                marginal.intervals.iter().take(NAMED).map(|ends| ends.map(digits).join(" .. ")).collect();
+            let more = match marginal.intervals.len().saturating_sub(NAMED) {
+                0 => String::new(),
+                more => format!(" or {more} more"),
+            };
+            let intervals = format!("{} {}{more}", parts.join(" or "), shown(&marginal.unit));
+            vec![
+                marginal.name,
+                digits(marginal.mean),
+                rounded(marginal.deviation, 3),
+                digits(marginal.median),
+                intervals.trim_end().to_owned(),
+            ]
+        })
+        .collect()
 }
 
 impl Evidence {
     /// How probable the measured values are under this model with its prior, and how much more than under another.
     pub fn words(&self) -> String {
         let [low, high] = self.interval.map(digits);
-        let own = match self.trusted {
-            true => format!("{} ({low} .. {high}, 95 %)", digits(self.log)),
-            false => format!("{}, NOT to be relied on", digits(self.log)),
+        let own = if self.trusted {
+            format!("{} ({low} .. {high}, 95 %)", digits(self.log))
+        } else {
+            format!("{}, NOT to be relied on", digits(self.log))
         };
         let Some(Ratio { log, interval }) = &self.against else {
-            let more = match self.trusted {
-                true => {
-                    ". To compare with another model on the same data: `identify OTHER --posterior N --against FOLDER`, this result's folder"
-                }
-                false => ": more particles may do",
+            let more = if self.trusted {
+                ". To compare with another model on the same data: `identify OTHER --posterior N --against FOLDER`, this result's folder"
+            } else {
+                ": more particles may do"
             };
             return format!("ln evidence {own}{more}");
         };
         // Factors beyond a million are told by their logarithm.
-        let factor = |log: f64| match log.abs() < 14.0 {
-            true => rounded(log.exp(), 3),
-            false => format!("exp({})", rounded(log, 4)),
-        };
+        let factor =
+            |log: f64| if log.abs() < 14.0 { rounded(log.exp(), 3) } else { format!("exp({})", rounded(log, 4)) };
         let which = if *log > 0.0 { "this" } else { "the other" };
         let how = match interval {
             None => format!(
@@ -110,12 +118,12 @@ impl Evidence {
 /// The head of the table of particles: free parameters, latent ones as `CASE/NAME`, means and spreads of populations as `NAME.mean` and `NAME.spread`, and the logarithm of the likelihood.
 pub fn head(problem: &Problem) -> Vec<String> {
     let free = problem.free.iter().map(|free| free.name.clone());
-    let latents = problem.cases.iter().flat_map(|case| {
-        let latents = problem.latents.iter();
-        latents.map(|latent| format!("{}/{}", case.label, latent.name))
-    });
-    let populations = problem.populations.iter();
-    let populations = populations.flat_map(|each| ["mean", "spread"].map(|what| format!("{}.{what}", each.name)));
+    let latents = problem
+        .cases
+        .iter()
+        .flat_map(|case| problem.latents.iter().map(|latent| format!("{}/{}", case.label, latent.name)));
+    let populations =
+        problem.populations.iter().flat_map(|each| ["mean", "spread"].map(|what| format!("{}.{what}", each.name)));
     ["point".to_owned()]
         .into_iter()
         .chain(free)
@@ -127,13 +135,17 @@ pub fn head(problem: &Problem) -> Vec<String> {
 
 /// The units of the table's columns, as a comment.
 pub fn units(problem: &Problem) -> String {
-    let free = problem.free.iter().map(|free| (&free.name, &free.unit));
-    let latents = problem.latents.iter().map(|latent| (&latent.name, &latent.unit));
-    let units = free.chain(latents).map(|(name, unit)| {
-        let unit = unit.as_deref().unwrap_or("1");
-        format!("{name} in {unit}")
-    });
-    units.collect::<Vec<_>>().join(", ")
+    problem
+        .free
+        .iter()
+        .map(|free| (&free.name, &free.unit))
+        .chain(problem.latents.iter().map(|latent| (&latent.name, &latent.unit)))
+        .map(|(name, unit)| {
+            let unit = unit.as_deref().unwrap_or("1");
+            format!("{name} in {unit}")
+        })
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 /// The rows of the table: all of equal weight.
@@ -142,8 +154,7 @@ pub fn rows<'a>(problem: &'a Problem, sample: &'a Sample) -> impl Iterator<Item 
         let free = problem.free_values(&particle.places).into_iter();
         let latents = (0..problem.cases.len()).flat_map(|case| problem.latent_values(case, &particle.places));
         let first = problem.unknowns();
-        let common = problem.populations.iter().enumerate();
-        let common = common.flat_map(|(number, population)| {
+        let common = problem.populations.iter().enumerate().flat_map(|(number, population)| {
             let free = &problem.free[population.members[0]];
             let at = first + 2 * number;
             [free.value(particle.places[at]), free.spread(particle.places[at + 1])]

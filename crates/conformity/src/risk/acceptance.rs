@@ -1,8 +1,10 @@
 //! The points that guard bands accept, and what they say of the risks.
 
 use super::{Guard, Risk, RiskIntervals};
-use crate::interval::{Moments, of_mean, of_part};
-use crate::measured::Assessed;
+use crate::{
+    interval::{Moments, of_mean, of_part},
+    measured::Assessed,
+};
 
 /// The points that are within a tolerance, by the widest guard band that lets them pass, and those
 /// that are not; of all, the sums of the probabilities not to conform.
@@ -52,11 +54,10 @@ impl Acceptance {
     /// The least step that keeps the probability of accepted points not to conform at or below a limit, over these points.
     #[cfg(test)]
     pub fn least_step(&self, limit: f64) -> Option<usize> {
-        let holds = |from: &usize| {
+        (0..self.within.len()).find(|from| {
             let accepted = Moments::total(&self.split(*from)[0]);
             accepted.count > 0 && accepted.mean() <= limit
-        };
-        (0..self.within.len()).find(holds)
+        })
     }
 
     /// The accepted and the rejected points of each sample, with the guard band of a step.
@@ -81,8 +82,7 @@ impl Acceptance {
         }
         let of_all = |of: fn(&Moments, &Moments) -> Moments| -> Vec<Moments> {
             // Zeros for the points that do not count.
-            let numbers = pairs().map(|(a, r)| Moments { count: a.count + r.count, ..of(a, r) });
-            numbers.collect()
+            pairs().map(|(a, r)| Moments { count: a.count + r.count, ..of(a, r) }).collect()
         };
         let consumer = of_all(|accepted, _| *accepted);
         let producer = of_all(|_, rejected| rejected.complement());

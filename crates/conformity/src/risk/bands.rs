@@ -5,8 +5,10 @@
 //! scatters with that band, too, so that an interval that takes the band as given is too narrow.
 
 use super::{Acceptance, Guard};
-use crate::interval::{Moments, of_part};
-use crate::measured::Measured;
+use crate::{
+    interval::{Moments, of_part},
+    measured::Measured,
+};
 
 /// Both ends of the guard bands that may be the right one.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,8 +50,7 @@ impl Accepted {
     /// The interval of the probability that a point does not conform that the narrowest band accepts.
     fn interval(&self, confidence: f64) -> [f64; 2] {
         let [worst, _] = self.worst;
-        let parts = self.parts.iter();
-        let unit: Vec<Moments> = parts.map(|part| part.scaled(1.0 / worst)).collect();
+        let unit: Vec<Moments> = self.parts.iter().map(|part| part.scaled(1.0 / worst)).collect();
         of_part(&unit, confidence).map(|end| end * worst)
     }
 }
@@ -117,13 +118,12 @@ fn enough(sets: &[Accepted], limit: f64, confidence: Option<f64>) -> Option<(usi
 
 /// The sets of points that guard bands accept, from the widest band to none.
 fn sets(all: &Acceptance, criteria: &[Measured]) -> Vec<Accepted> {
-    let has_points = |step: &usize| all.within[*step].iter().any(|part| part.count > 0);
-    let steps: Vec<usize> = (0..all.within.len()).rev().filter(has_points).collect();
+    let steps: Vec<usize> =
+        (0..all.within.len()).rev().filter(|step| all.within[*step].iter().any(|part| part.count > 0)).collect();
     let mut parts = vec![Moments::default(); all.samples];
     let mut sets = Vec::with_capacity(steps.len());
     for (k, &step) in steps.iter().enumerate() {
-        let pairs = parts.iter_mut().zip(&all.within[step]);
-        pairs.for_each(|(sum, more)| sum.merge(*more));
+        parts.iter_mut().zip(&all.within[step]).for_each(|(sum, more)| sum.merge(*more));
         let steps = [steps.get(k + 1).map_or(0, |next| next + 1), step];
         sets.push(Accepted {
             steps,
@@ -136,6 +136,5 @@ fn sets(all: &Acceptance, criteria: &[Measured]) -> Vec<Accepted> {
 
 /// The largest probability not to conform of any values with at least this margin, by Boole's inequality.
 fn worst(criteria: &[Measured], margin: f64) -> f64 {
-    let worst = |criterion: &Measured| criterion.most_not_conforming(margin).unwrap_or(1.0);
-    criteria.iter().map(worst).sum::<f64>().min(1.0)
+    criteria.iter().map(|criterion| criterion.most_not_conforming(margin).unwrap_or(1.0)).sum::<f64>().min(1.0)
 }

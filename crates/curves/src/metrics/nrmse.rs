@@ -1,7 +1,6 @@
 //! The root of the mean square of the deviations, divided by the reference's range or mean, or by a given value.
 
-use super::Pair;
-use super::rmse::rmse;
+use super::{Pair, rmse::rmse};
 
 /// The rmse divided by [`Pair::normaliser`].
 pub(super) fn nrmse(pair: &Pair<'_>) -> f64 {

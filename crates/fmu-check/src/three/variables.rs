@@ -7,10 +7,12 @@ use roxmltree::Node;
 use fmu_import::{Interface, Version};
 
 use super::{listed, reference};
-use crate::combinations;
-use crate::document::{Document, Scalar, at, elements, named};
-use crate::hit::Hit;
-use crate::variables::is_clear;
+use crate::{
+    combinations,
+    document::{Document, Scalar, at, elements, named},
+    hit::Hit,
+    variables::is_clear,
+};
 
 /// The table of combinations of causality and variability.
 pub(crate) fn variabilities(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
@@ -33,8 +35,7 @@ pub(crate) fn variabilities(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<Str
 
 /// Numbers that the schema takes and no model can start from.
 pub(crate) fn not_finite(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
-    let start = scalar.start().filter(|_| scalar.is_float())?;
-    let wrong = start.split_whitespace().find(|text| {
+    let wrong = scalar.start().filter(|_| scalar.is_float())?.split_whitespace().find(|text| {
         let value = text.parse::<f64>();
         value.is_ok_and(|value| !value.is_finite())
     })?;
@@ -43,8 +44,7 @@ pub(crate) fn not_finite(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String
 
 /// The variables by their value references.
 fn by_reference<'d, 'a>(document: &'d Document<'a>) -> HashMap<u32, &'d Scalar<'a>> {
-    let known = document.known();
-    known.filter_map(|scalar| Some((reference(scalar.node)?, scalar))).collect()
+    document.known().filter_map(|scalar| Some((reference(scalar.node)?, scalar))).collect()
 }
 
 pub(crate) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
@@ -111,8 +111,8 @@ pub(crate) fn timing(document: &Document<'_>) -> Vec<Hit> {
 pub(crate) fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
     let known = by_reference(document);
     let rates: HashSet<u32> = listed(document, "ContinuousStateDerivative").filter_map(reference).collect();
-    let state_of = |rate: &u32| known.get(rate)?.node.attribute("derivative")?.trim().parse().ok();
-    let states: HashSet<u32> = rates.iter().filter_map(state_of).collect();
+    let states: HashSet<u32> =
+        rates.iter().filter_map(|rate| known.get(rate)?.node.attribute("derivative")?.trim().parse().ok()).collect();
     let list: HashSet<u32> = listed(document, "InitialUnknown").filter_map(reference).collect();
     let is_wanted = |scalar: &Scalar<'_>, of: u32| {
         let is_computed = matches!(scalar.initial, "approx" | "calculated");
@@ -140,18 +140,19 @@ fn is_clocked(scalar: &Scalar<'_>) -> bool {
 
 /// An element that `ModelStructure` has twice, and kinds of dependencies that are not as many as these.
 pub(crate) fn structure(document: &Document<'_>) -> Vec<Hit> {
-    let lists = named(document.root, "ModelStructure");
-    let all: Vec<Node<'_, '_>> = lists.flat_map(elements).collect();
+    let all: Vec<Node<'_, '_>> = named(document.root, "ModelStructure").flat_map(elements).collect();
     let mut seen = HashSet::new();
-    let second = all.iter().find(|node| {
-        let of = reference(**node);
-        of.is_some_and(|of| !seen.insert((node.tag_name().name(), of)))
-    });
-    let second = second.map(|node| {
-        let kind = node.tag_name().name();
-        let of = node.attribute("valueReference").unwrap_or_default();
-        at(*node, format!("a second {kind} {of}: remove it"))
-    });
+    let second = all
+        .iter()
+        .find(|node| {
+            let of = reference(**node);
+            of.is_some_and(|of| !seen.insert((node.tag_name().name(), of)))
+        })
+        .map(|node| {
+            let kind = node.tag_name().name();
+            let of = node.attribute("valueReference").unwrap_or_default();
+            at(*node, format!("a second {kind} {of}: remove it"))
+        });
     let counts = all.iter().filter_map(|node| {
         let kinds = node.attribute("dependenciesKind")?;
         let count = |text: Option<&str>| text.unwrap_or_default().split_whitespace().count();

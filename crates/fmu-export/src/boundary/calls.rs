@@ -1,8 +1,7 @@
 //! The C functions of a version of the standard, from one table: name, arguments, the phases in which each may be called, and
 //! what it does.
 
-use super::refusal::Outcome;
-use super::types::Status;
+use super::{refusal::Outcome, types::Status};
 
 /// Defines the C functions for a model, the 44 of FMI 2.0 and the 75 of FMI 3.0:
 /// `fmu_export::export!(Tank);`

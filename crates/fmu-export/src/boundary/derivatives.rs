@@ -1,11 +1,13 @@
 //! Derivatives: of inputs over time, which the host gives, of outputs over time, and directional ones of unknowns with
 //! respect to knowns.
 
-use super::instance::Instance;
-use super::phase::Phase;
-use super::refusal::{Outcome, Refusal};
-use super::types::{Real, Status, ValueReference};
-use super::values::{check_settable, inside, variable};
+use super::{
+    instance::Instance,
+    phase::Phase,
+    refusal::{Outcome, Refusal},
+    types::{Real, Status, ValueReference},
+    values::{check_settable, inside, variable},
+};
 use crate::model::{Kind, Model, Role, Variable};
 
 /// Step of the central difference, relative to a variable's magnitude: at the cube root of the rounding unit, truncation
@@ -28,17 +30,19 @@ struct Known<M: 'static> {
 impl<M: Model> Instance<M> {
     /// Sets the rates of inputs. The slopes hold for the next step.
     pub fn set_input_derivatives(&mut self, references: &[ValueReference], orders: &[i32], values: &[Real]) -> Outcome {
-        let wanted = references.iter().zip(orders).zip(values);
-        let slopes = wanted.map(|((reference, order), value)| {
-            let variable = variable::<M>(*reference)?;
-            let set = input_slope(variable, *order)?;
-            if !value.is_finite() {
-                let why = format!("its derivative, {value}, must be finite");
-                return Err(unfit(variable, why));
-            }
-            Ok((set, *value))
-        });
-        let slopes = slopes.collect::<Outcome<Vec<_>>>()?;
+        let slopes = references
+            .iter()
+            .zip(orders)
+            .zip(values)
+            .map(|((reference, order), value)| {
+                let variable = variable::<M>(*reference)?;
+                let set = input_slope(variable, *order)?;
+                if !value.is_finite() {
+                    return Err(unfit(variable, format!("its derivative, {value}, must be finite")));
+                }
+                Ok((set, *value))
+            })
+            .collect::<Outcome<Vec<_>>>()?;
         let model = self.run.seed.as_mut().unwrap_or(&mut self.run.model);
         for (set, value) in slopes {
             set(model, value);

@@ -1,8 +1,10 @@
 //! The parts that the model descriptions of all versions share.
 
-use super::logger::categories;
-use super::version::Version;
-use super::xml::{Number, Tag, Xml};
+use super::{
+    logger::categories,
+    version::Version,
+    xml::{Number, Tag, Xml},
+};
 use crate::model::{
     DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, State, Unit, Variable, elements, offered,
 };
@@ -88,15 +90,14 @@ pub fn experiment(xml: &mut Xml, info: &Info) {
 /// The units of all variables, each once, with the display units that any of them has.
 pub fn units<M: Model>(xml: &mut Xml, interface: Interface) {
     let mut units: Vec<(&Unit, Vec<&DisplayUnit>)> = Vec::new();
-    let variables = listed::<M>(Version::Two, interface).into_iter();
-    let of_variables = variables.filter_map(|(_, variable)| match variable[0].kind {
-        Kind::Real(Quantity { unit, .. }) => Some(unit),
-        _ => None,
-    });
+    let of_variables =
+        listed::<M>(Version::Two, interface).into_iter().filter_map(|(_, variable)| match variable[0].kind {
+            Kind::Real(Quantity { unit, .. }) => Some(unit),
+            _ => None,
+        });
     let of_states = (states::<M>(interface).iter()).flat_map(|state| [state.unit, state.rate_unit]);
     for unit in of_variables.chain(of_states) {
-        let known = units.iter().position(|(other, _)| other.name == unit.name);
-        let place = known.unwrap_or_else(|| {
+        let place = units.iter().position(|(other, _)| other.name == unit.name).unwrap_or_else(|| {
             units.push((unit, Vec::new()));
             units.len() - 1
         });
@@ -157,19 +158,21 @@ pub fn listed<M: Model>(version: Version, interface: Interface) -> Vec<(usize, &
         (Interface::ModelExchange, Some(exchange)) => (exchange.without)(),
         _ => &[],
     };
-    let listed = M::listing().into_iter().filter_map(|place| {
-        let elements = match version {
-            Version::Two => table.get(place..=place)?,
-            Version::Three => elements::<M>(place),
-        };
-        let first = elements.first()?;
-        let is_shown = match version {
-            Version::Two => !matches!(first.kind, Kind::Clock { .. }),
-            Version::Three => starts[place],
-        };
-        (is_shown && !left_out.contains(&first.name)).then_some((place, elements))
-    });
-    listed.collect()
+    M::listing()
+        .into_iter()
+        .filter_map(|place| {
+            let elements = match version {
+                Version::Two => table.get(place..=place)?,
+                Version::Three => elements::<M>(place),
+            };
+            let first = elements.first()?;
+            let is_shown = match version {
+                Version::Two => !matches!(first.kind, Kind::Clock { .. }),
+                Version::Three => starts[place],
+            };
+            (is_shown && !left_out.contains(&first.name)).then_some((place, elements))
+        })
+        .collect()
 }
 
 /// The states that the host integrates; none in Co-Simulation.

@@ -1,23 +1,25 @@
 //! The model description, `modelDescription.xml`, written from the model's variable table: the same content in the forms of all
 //! versions.
 
-use std::any::TypeId;
-use std::fmt;
-use std::ops::Range;
-use std::sync::OnceLock;
+use std::{any::TypeId, fmt, ops::Range, sync::OnceLock};
 
-use super::describe::{
-    convention, depends, enumerations, experiment, hash, initially_known, listed, log_categories, origin, states, units,
+use super::{
+    describe::{
+        convention, depends, enumerations, experiment, hash, initially_known, listed, log_categories, origin, states,
+        units,
+    },
+    exchange::{RATE, STATE},
+    intermediate::is_intermediate,
+    types::ValueReference,
+    values::TIME,
+    xml::{Number, Tag, Xml},
 };
-use super::exchange::{RATE, STATE};
-use super::intermediate::is_intermediate;
-use super::types::ValueReference;
-use super::values::TIME;
-use super::xml::{Number, Tag, Xml};
 use crate::model::{Kind, Model, Role, Variable, indicators, offered};
 
-pub use super::describe::{Interface, token};
-pub use super::version::Version;
+pub use super::{
+    describe::{Interface, token},
+    version::Version,
+};
 
 /// The text of `modelDescription.xml`.
 pub fn xml<M: Model>(version: Version, interface: Interface) -> String {
@@ -237,15 +239,15 @@ fn variables<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
     }
     let (real, states) = (version.real(), states::<M>(interface));
     for (reference, state) in (STATE..).zip(states) {
-        let typed = |tag: Tag| tag.with("unit", state.unit.name).with("nominal", Number(state.nominal));
-        Head::local(state.name, reference, state.description).write(xml, version, real, typed);
+        Head::local(state.name, reference, state.description)
+            .write(xml, version, real, |tag| tag.with("unit", state.unit.name).with("nominal", Number(state.nominal)));
     }
     let first = first_state(version, listed.len());
     for ((reference, of), state) in (RATE..).zip(first..).zip(states) {
         let name = format!("der({})", state.name);
         let description = format!("Rate of: {}", state.description);
-        let typed = |tag: Tag| tag.with("unit", state.rate_unit.name).with("derivative", of);
-        Head::local(&name, reference, &description).write(xml, version, real, typed);
+        Head::local(&name, reference, &description)
+            .write(xml, version, real, |tag| tag.with("unit", state.rate_unit.name).with("derivative", of));
     }
     xml.close("ModelVariables");
 }
@@ -302,8 +304,8 @@ fn describe<M: Model>(
     let of = version.type_name(variable);
     let texts = set && three && matches!(variable.kind, Kind::String { .. });
     let intermediate = three && interface == Interface::CoSimulation && is_intermediate(variable);
-    let named = |clock: &str| M::variables().iter().position(|other| other.name == clock);
-    let clock = variable.clock.filter(|_| three).and_then(named);
+    let clock =
+        variable.clock.filter(|_| three).and_then(|clock| M::variables().iter().position(|other| other.name == clock));
     let typed = |tag: Tag| {
         let tag = tag.with_some("intermediateUpdate", intermediate.then_some(true)).with_some("clocks", clock);
         let tag = match &variable.kind {
@@ -362,14 +364,19 @@ fn structure<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
         Version::Three => RATE as usize..RATE as usize + count,
     };
     let outputs = |known: Known<M>, states: Range<usize>| -> Unknowns {
-        let outputs = (numbered.clone()).filter(|(_, one)| one[0].role == Role::Output);
-        let described = outputs.map(|(number, output)| {
-            let known = numbered.clone().filter(|(_, other)| known(output, other));
-            let numbers = known.map(|(number, _)| number).chain(states.clone());
-            let texts: Vec<_> = numbers.map(|number| number.to_string()).collect();
-            (number, Some(texts.join(" ")))
-        });
-        described.collect()
+        (numbered.clone())
+            .filter(|(_, one)| one[0].role == Role::Output)
+            .map(|(number, output)| {
+                let texts: Vec<_> = numbered
+                    .clone()
+                    .filter(|(_, other)| known(output, other))
+                    .map(|(number, _)| number)
+                    .chain(states.clone())
+                    .map(|number| number.to_string())
+                    .collect();
+                (number, Some(texts.join(" ")))
+            })
+            .collect()
     };
     let others = |numbers: &Range<usize>| numbers.clone().map(|number| (number, None));
     let mut at_start = outputs(initially_known, 0..0);
@@ -377,8 +384,8 @@ fn structure<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
         at_start.retain(|(place, _)| M::variables()[*place].clock.is_none());
     }
     at_start.extend(others(&states).chain(others(&rates)));
-    let named = |name: &&str| numbered.clone().find(|(_, one)| one[0].name == *name);
-    let watched = (watched::<M>(interface).iter()).filter_map(named);
+    let watched =
+        (watched::<M>(interface).iter()).filter_map(|name| numbered.clone().find(|(_, one)| one[0].name == *name));
     let watched = (watched.filter(|_| version == Version::Three)).map(|(number, _)| (number, None));
     xml.open(Tag::new("ModelStructure"));
     for (group, element, unknowns) in [

@@ -1,10 +1,12 @@
 //! Model Exchange: an instance whose states the host integrates; and events, which hosts see there and, if they want to, in
 //! FMI 3.0 Co-Simulation.
 
-use super::instance::{Instance, finite};
-use super::phase::Phase;
-use super::refusal::{Outcome, Refusal};
-use super::types::{Real, Status, ValueReference};
+use super::{
+    instance::{Instance, finite},
+    phase::Phase,
+    refusal::{Outcome, Refusal},
+    types::{Real, Status, ValueReference},
+};
 use crate::model::{Exchange, Fault, Kind, Model, State, check_end, events, indicators, offered};
 
 /// The value reference of the first state, and that of its derivative; the others follow. They are far above those of the
@@ -15,8 +17,7 @@ pub const RATE: ValueReference = 1_100_000_000;
 
 impl<M: Model> Instance<M> {
     fn exchange(&self) -> Outcome<&'static Exchange<M>> {
-        let ours = offered::<M>().filter(|_| self.run.exchange);
-        ours.ok_or(Refusal::Absent("this instance is for Co-Simulation"))
+        offered::<M>().filter(|_| self.run.exchange).ok_or(Refusal::Absent("this instance is for Co-Simulation"))
     }
 
     /// The states, of which the host passes so many values.
@@ -58,15 +59,12 @@ impl<M: Model> Instance<M> {
     /// host comes again: their clocks are active in that round, which ends it. It is also told that states have changed, as some
     /// hosts start their solver anew only then, and rates may have jumped.
     pub fn handle_events(&mut self) -> Outcome<(bool, Option<f64>)> {
-        let Some(events) = events::<M>() else {
-            return Ok((false, None));
-        };
+        let Some(events) = events::<M>() else { return Ok((false, None)) };
         self.refresh()?;
         let before = self.run.model.clone();
         let (time, rounds) = self.run.at_once;
         let rounds = if time == self.run.time { rounds } else { 0 };
-        let handled = check_end(rounds, time).and_then(|()| (events.handle)(&mut self.run.model));
-        let any = handled.map_err(|fault| {
+        let any = check_end(rounds, time).and_then(|()| (events.handle)(&mut self.run.model)).map_err(|fault| {
             self.run.model = before;
             Refusal::Step(fault)
         })?;
@@ -88,9 +86,7 @@ impl<M: Model> Instance<M> {
 
     /// Takes note of a completed step, and tells whether it asks for the event mode.
     pub fn complete_step(&mut self) -> Outcome<bool> {
-        let Some(complete) = self.exchange()?.complete else {
-            return Ok(false);
-        };
+        let Some(complete) = self.exchange()?.complete else { return Ok(false) };
         self.refresh()?;
         Ok(complete(&mut self.run.model, &mut self.logger))
     }
@@ -164,9 +160,7 @@ impl<M: Model> Instance<M> {
 
     /// A state or a derivative as a variable.
     pub fn state_or_rate(&self, reference: ValueReference) -> Outcome<Option<Real>> {
-        let Ok(exchange) = self.exchange() else {
-            return Ok(None);
-        };
+        let Ok(exchange) = self.exchange() else { return Ok(None) };
         let states = (exchange.states)();
         let place = |first| usize::try_from(reference.checked_sub(first)?).ok();
         if let Some(state) = place(STATE).and_then(|place| states.get(place)) {
@@ -194,8 +188,7 @@ pub fn existing(name: &str, value: Real) -> Outcome<Real> {
     if value.is_finite() {
         return Ok(value);
     }
-    let why = format!("{name} is {value} at these states");
-    Err(Refusal::Step(Fault::Failed(why)))
+    Err(Refusal::Step(Fault::Failed(format!("{name} is {value} at these states"))))
 }
 
 /// Checks a number that the host passes.

@@ -1,22 +1,26 @@
 //! The checks that every call passes before it reaches an instance: the handle is ours, no other call is at work in the
 //! instance, and the state machine allows the function. A panic in the call stops here.
 
-use std::any::Any;
-use std::cell::UnsafeCell;
-use std::ffi::c_void;
-use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::{
+    any::Any,
+    cell::UnsafeCell,
+    ffi::c_void,
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::atomic::{AtomicBool, AtomicU64, Ordering},
+};
 
-use super::describe::hash;
-use super::description::{Interface, fingerprint};
-use super::instance::{Instance, check_host};
-use super::logger::Logger;
-use super::phase::{Function, Phase, of};
-use super::raw::lossy;
-use super::refusal::{Outcome, Refusal};
-use super::types::{Component, Status, Text};
-use super::version::Version;
-use super::watch::Watch;
+use super::{
+    describe::hash,
+    description::{Interface, fingerprint},
+    instance::{Instance, check_host},
+    logger::Logger,
+    phase::{Function, Phase, of},
+    raw::lossy,
+    refusal::{Outcome, Refusal},
+    types::{Component, Status, Text},
+    version::Version,
+    watch::Watch,
+};
 use crate::model::Model;
 
 /// The number at the start of every object that the host holds a handle of. It differs between kinds of object, between
@@ -58,9 +62,7 @@ impl<M: Model> Handle<M> {
     /// back only once, while no other thread uses it.
     pub unsafe fn end(component: Component, version: Version) {
         // SAFETY: the caller promises what `find` asks for: NULL or eight readable bytes, and no freed handle of ours.
-        let Some(handle) = (unsafe { Self::find(component, version) }) else {
-            return;
-        };
+        let Some(handle) = (unsafe { Self::find(component, version) }) else { return };
         if handle.busy.swap(true, Ordering::Acquire) {
             return;
         }
@@ -137,11 +139,13 @@ pub unsafe fn instantiate_by<M: Model>(
         let [name, token, resources] = texts.map(|text| unsafe { lossy(text) });
         let name = name.as_deref().unwrap_or_default();
         let logger = logger(name)?;
-        let checked = check().and_then(|known| {
-            check_host(version, name, &token.unwrap_or_default(), known.fingerprint)?;
-            Ok(known)
-        });
-        let known = checked.map_err(|refusal| logger.refuse(function, &refusal)).ok()?;
+        let known = check()
+            .and_then(|known| {
+                check_host(version, name, &token.unwrap_or_default(), known.fingerprint)?;
+                Ok(known)
+            })
+            .map_err(|refusal| logger.refuse(function, &refusal))
+            .ok()?;
         let (form, resources) = ((version, exchange), resources.as_deref());
         let mut instance = Instance::new(function, form, known.fingerprint, resources, logger);
         (instance.watch, instance.event_mode) = (known.watch, known.event_mode);
@@ -169,9 +173,7 @@ pub unsafe fn enter<M: Model>(
     body: impl FnOnce(&mut Instance<M>) -> Outcome,
 ) -> Status {
     // SAFETY: the caller promises what `find` asks for: NULL or eight readable bytes, and no freed handle of ours.
-    let Some(handle) = (unsafe { Handle::<M>::find(component, function.version) }) else {
-        return Status::Error;
-    };
+    let Some(handle) = (unsafe { Handle::<M>::find(component, function.version) }) else { return Status::Error };
     if handle.busy.swap(true, Ordering::Acquire) {
         // A call from a second thread, or from within the logger.
         return Status::Error;

@@ -1,17 +1,18 @@
 //! An instance: a model in one of the phases of a simulation.
 
-use std::ffi::CString;
-use std::path::PathBuf;
+use std::{ffi::CString, path::PathBuf};
 
-use super::describe::token;
-use super::logger::Logger;
-use super::phase::Phase;
-use super::refusal::{Outcome, Refusal};
-use super::resources;
-use super::run::Run;
-use super::types::Status;
-use super::version::Version;
-use super::watch::Watch;
+use super::{
+    describe::token,
+    logger::Logger,
+    phase::Phase,
+    refusal::{Outcome, Refusal},
+    resources,
+    run::Run,
+    types::Status,
+    version::Version,
+    watch::Watch,
+};
 use crate::model::{Fault, Model, events, offered};
 
 /// All that belongs to one instance.
@@ -76,12 +77,10 @@ impl<M: Model> Instance<M> {
         // Some hosts, Simulink for one, pass infinity when a simulation has no end.
         let stop = stop.filter(|stop| *stop != f64::INFINITY);
         if let Some(stop) = stop {
-            let why = "it must not be earlier than startTime";
-            require(stop >= start, "stopTime", stop, why)?;
+            require(stop >= start, "stopTime", stop, "it must not be earlier than startTime")?;
         }
         if let Some(tolerance) = tolerance {
-            let why = "it must be greater than 0";
-            require(tolerance > 0.0 && tolerance.is_finite(), "tolerance", tolerance, why)?;
+            require(tolerance > 0.0 && tolerance.is_finite(), "tolerance", tolerance, "it must be greater than 0")?;
         }
         self.run.start = start;
         self.run.time = start;
@@ -131,8 +130,7 @@ impl<M: Model> Instance<M> {
     /// Checks a communication step before anything is done.
     pub fn check_step(&self, from: f64, step: f64) -> Outcome<()> {
         finite("currentCommunicationPoint", from)?;
-        let why = "a step must be greater than 0";
-        require(step > 0.0 && step.is_finite(), "communicationStepSize", step, why)?;
+        require(step > 0.0 && step.is_finite(), "communicationStepSize", step, "a step must be greater than 0")?;
         self.check_times(from, step)
     }
 

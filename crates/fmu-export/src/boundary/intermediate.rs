@@ -4,13 +4,15 @@
 //! callback the host may call this instance again, so no reference to it may be held: a step pauses, the caller asks the host,
 //! and the step goes on with the answer.
 
-use super::instance::Instance;
-use super::phase::Phase;
-use super::refusal::{Outcome, Refusal};
-use super::run::Run;
-use super::types::{ComponentEnvironment, IntermediateUpdateCallback, Status, ValueReference};
-use super::values::{all_elements, variable};
-use super::watch::{Underway, Watch};
+use super::{
+    instance::Instance,
+    phase::Phase,
+    refusal::{Outcome, Refusal},
+    run::Run,
+    types::{ComponentEnvironment, IntermediateUpdateCallback, Status, ValueReference},
+    values::{all_elements, variable},
+    watch::{Underway, Watch},
+};
 use crate::model::{Kind, Model, Role, Variable};
 
 /// The most updates in a communication step: where a model takes more inner steps, an update comes after several of them.
@@ -137,8 +139,11 @@ impl<M: Model> Instance<M> {
     /// Advances by one inner step and pauses.
     fn advance_by_part(&mut self, pause: &mut Option<Update>) -> Outcome {
         let time = self.run.time;
-        let at_work = self.watch.as_ref().and_then(|watch| Some((watch, watch.underway.as_ref()?)));
-        let (watch, underway) = at_work.ok_or(Refusal::Phase(self.run.phase))?;
+        let (watch, underway) = self
+            .watch
+            .as_ref()
+            .and_then(|watch| Some((watch, watch.underway.as_ref()?)))
+            .ok_or(Refusal::Phase(self.run.phase))?;
         let inner = (watch.inner_step)(&self.run.model, underway.left).max(underway.least);
         // No tiny rest, and none that does not move the time.
         let part = if inner < 0.999 * underway.left && time + inner > time { inner } else { underway.left };
@@ -174,9 +179,7 @@ impl<M: Model> Instance<M> {
 
     #[cold]
     fn check_announced(&self, references: &[ValueReference], set: bool) -> Outcome<()> {
-        let Some(watch) = &self.watch else {
-            return Err(Refusal::Phase(self.run.phase));
-        };
+        let Some(watch) = &self.watch else { return Err(Refusal::Phase(self.run.phase)) };
         let more = matches!(&watch.underway, Some(underway) if underway.left > 0.0);
         for reference in references {
             let variable = variable::<M>(*reference)?;

@@ -1,10 +1,11 @@
 //! Messages to the host's logger callback.
 
-use std::ffi::CString;
-use std::fmt;
+use std::{ffi::CString, fmt};
 
-use super::refusal::Refusal;
-use super::types::{CallbackLogger, ComponentEnvironment, LogMessageCallback, Status};
+use super::{
+    refusal::Refusal,
+    types::{CallbackLogger, ComponentEnvironment, LogMessageCallback, Status},
+};
 use crate::model::{Log, Model};
 
 /// The boundary's own log categories, with the names of the standard.
@@ -66,9 +67,7 @@ impl Logger {
 
     /// Sends a message with a status. In FMI 2.0 it is an argument of the format `%s`, so that a `%` in it does no harm.
     pub fn send(&self, status: Status, category: &str, message: &str) {
-        let Some(callback) = &self.callback else {
-            return;
-        };
+        let Some(callback) = &self.callback else { return };
         let (category, message) = (c_string(category), c_string(message));
         let (environment, category, message) = (self.environment, category.as_ptr(), message.as_ptr());
         // SAFETY of both: the host vouches for its callback when it instantiates; all strings end with NUL and live

@@ -1,11 +1,12 @@
 //! Pointer arguments of C calls, checked for NULL, alignment and size. Whether they point to live memory is the host's
 //! word.
 
-use std::borrow::Cow;
-use std::ffi::CStr;
+use std::{borrow::Cow, ffi::CStr};
 
-use super::refusal::{Outcome, Refusal};
-use super::types::Text;
+use super::{
+    refusal::{Outcome, Refusal},
+    types::Text,
+};
 
 /// `n` values to read. With `n = 0` the pointer may be anything.
 ///

@@ -2,8 +2,10 @@
 
 use thiserror::Error;
 
-use super::phase::Phase;
-use super::types::{Status, ValueReference};
+use super::{
+    phase::Phase,
+    types::{Status, ValueReference},
+};
 use crate::model::Fault;
 
 /// How a call ends.

@@ -12,8 +12,7 @@ pub fn folder(uri: &str) -> Option<PathBuf> {
         Some(rest) => decode(local_path(rest)?)?,
         None => uri.to_owned(),
     };
-    let path = without_slash_before_drive(&path);
-    let folder = PathBuf::from(path);
+    let folder = PathBuf::from(without_slash_before_drive(&path));
     folder.is_absolute().then_some(folder)
 }
 
@@ -25,9 +24,7 @@ fn scheme(uri: &str) -> Option<&str> {
 
 /// The path after the host's name, which must be this machine's.
 fn local_path(rest: &str) -> Option<&str> {
-    let Some(authority) = rest.strip_prefix("//") else {
-        return Some(rest);
-    };
+    let Some(authority) = rest.strip_prefix("//") else { return Some(rest) };
     let start = authority.find('/')?;
     let (host, path) = authority.split_at(start);
     (host.is_empty() || host.eq_ignore_ascii_case("localhost")).then_some(path)

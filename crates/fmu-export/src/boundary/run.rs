@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use super::phase::Phase;
-use super::types::Status;
+use super::{phase::Phase, types::Status};
 use crate::model::Experiment;
 
 /// The part of an instance that a saved state holds.

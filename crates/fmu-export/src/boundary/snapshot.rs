@@ -7,14 +7,16 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde::{Deserialize, Serialize};
 
-use super::guard::{magic, ours};
-use super::instance::Instance;
-use super::phase::Phase;
-use super::raw;
-use super::refusal::{Outcome, Refusal};
-use super::run::Run;
-use super::types::{FmuState, Status};
-use super::version::Version;
+use super::{
+    guard::{magic, ours},
+    instance::Instance,
+    phase::Phase,
+    raw,
+    refusal::{Outcome, Refusal},
+    run::Run,
+    types::{FmuState, Status},
+    version::Version,
+};
 use crate::model::{Model, events};
 
 const MARK: &[u8; 8] = b"FMUSTATE";
@@ -94,8 +96,7 @@ impl<M: Model> Instance<M> {
             return Ok(Status::Ok);
         }
         // SAFETY: the caller promises that `place` holds NULL or a living state of this FMU.
-        let saved = unsafe { Saved::<M>::find(*place, self.version) }?;
-        saved.magic.store(0, Ordering::Relaxed);
+        unsafe { Saved::<M>::find(*place, self.version) }?.magic.store(0, Ordering::Relaxed);
         // SAFETY: made by `give`, freed only here.
         drop(unsafe { Box::from_raw(place.cast::<Saved<M>>()) });
         *place = std::ptr::null_mut();

@@ -1,16 +1,16 @@
 //! Reading and writing variables. A value reference is the variable's index in the model's table.
 
-use std::borrow::Cow;
-use std::ffi::CString;
-use std::fmt::Debug;
+use std::{borrow::Cow, ffi::CString, fmt::Debug};
 
-use super::exchange::existing;
-use super::instance::Instance;
-use super::logger::c_string;
-use super::phase::Phase;
-use super::refusal::{Outcome, Refusal};
-use super::types::{Real, Status, Text, ValueReference};
-use super::version::Version;
+use super::{
+    exchange::existing,
+    instance::Instance,
+    logger::c_string,
+    phase::Phase,
+    refusal::{Outcome, Refusal},
+    types::{Real, Status, Text, ValueReference},
+    version::Version,
+};
 use crate::model::{Access, Kind, Model, Role, Variable};
 
 /// The variable of a value reference.
@@ -31,8 +31,7 @@ pub fn all_elements<M: Model>(references: &[ValueReference]) -> Cow<'_, [ValueRe
     if references.iter().all(|first| size::<M>(*first) == 1) {
         return Cow::Borrowed(references);
     }
-    let elements = |first: &ValueReference| (*first..).take(size::<M>(*first));
-    Cow::Owned(references.iter().flat_map(elements).collect())
+    Cow::Owned(references.iter().flat_map(|first| (*first..).take(size::<M>(*first))).collect())
 }
 
 /// The refusal for a variable of another type than the function's.
@@ -216,9 +215,7 @@ impl<M: Model> Instance<M> {
     pub fn set_real(&mut self, references: &[ValueReference], values: &[Real]) -> Outcome {
         let version = self.version;
         self.set(references, values, |variable, value, model| {
-            let Kind::Real(real) = &variable.kind else {
-                return Err(wrong_type(version, variable, version.real()));
-            };
+            let Kind::Real(real) = &variable.kind else { return Err(wrong_type(version, variable, version.real())) };
             if !value.is_finite() || !inside(value, real.min, real.max) {
                 return Err(outside(variable, value, real.min, real.max));
             }
@@ -245,11 +242,12 @@ impl<M: Model> Instance<M> {
                     }
                 }
                 Kind::Enumeration { access, of: known } if of.items => {
-                    let item = known.items.iter().find(|item| i64::from(item.value) == value);
-                    let item = item.ok_or_else(|| Refusal::Value {
-                        name: variable.name,
-                        value: value.to_string(),
-                        allowed: format!("one of {}", known.listed()),
+                    let item = known.items.iter().find(|item| i64::from(item.value) == value).ok_or_else(|| {
+                        Refusal::Value {
+                            name: variable.name,
+                            value: value.to_string(),
+                            allowed: format!("one of {}", known.listed()),
+                        }
                     })?;
                     write(variable, access, &item.value, model)
                 }

@@ -1,7 +1,9 @@
 //! A host that looks into communication steps, and the step that is at work. `intermediate` has what they do.
 
-use super::run::Run;
-use super::types::{ComponentEnvironment, IntermediateUpdateCallback, ValueReference};
+use super::{
+    run::Run,
+    types::{ComponentEnvironment, IntermediateUpdateCallback, ValueReference},
+};
 
 /// How a host looks into communication steps.
 pub struct Watch<M> {

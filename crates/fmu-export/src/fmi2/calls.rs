@@ -8,20 +8,25 @@
 #![allow(clippy::missing_safety_doc)] // said above for all functions
 
 use super::types::{CO_SIMULATION, DO_STEP_STATUS, FALSE, LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, TERMINATED};
-use crate::boundary::calls::{answer, c_functions, nothing};
-use crate::boundary::description::Interface;
-use crate::boundary::guard::{Handle, Known, enter, instantiate_by};
-use crate::boundary::instance::Instance;
-use crate::boundary::logger::{Callback, Logger, c_string};
-use crate::boundary::phase::Phase::{
-    Continuous, Error, Event, Initialization, Instantiated, StepComplete, StepFailed, Terminated,
+use crate::{
+    boundary::{
+        calls::{answer, c_functions, nothing},
+        description::Interface,
+        guard::{Handle, Known, enter, instantiate_by},
+        instance::Instance,
+        logger::{Callback, Logger, c_string},
+        phase::{
+            ALIVE, DERIVABLE, Function, INTEGRABLE,
+            Phase::{Continuous, Error, Event, Initialization, Instantiated, StepComplete, StepFailed, Terminated},
+            Phases, READABLE, SETTABLE, of,
+        },
+        raw::{place, texts, values, values_mut},
+        refusal::{Outcome, Refusal},
+        values::INTEGER,
+        version::Version,
+    },
+    model::{Model, offered},
 };
-use crate::boundary::phase::{ALIVE, DERIVABLE, Function, INTEGRABLE, Phases, READABLE, SETTABLE, of};
-use crate::boundary::raw::{place, texts, values, values_mut};
-use crate::boundary::refusal::{Outcome, Refusal};
-use crate::boundary::values::INTEGER;
-use crate::boundary::version::Version;
-use crate::model::{Model, offered};
 
 /// The phases in which the results of steps can be asked for.
 const STEPPED: Phases = of(&[StepComplete, StepFailed, Terminated, Error]);
@@ -189,6 +194,5 @@ unsafe fn make<M: Model>(
 unsafe fn tell<T>(value: *mut T, known: Option<T>) -> Outcome {
     // SAFETY: as the host vouches.
     let place = unsafe { place(value, "value") }?;
-    let unknown = Refusal::Unsupported("this kind of status is not provided");
-    answer(place, known.ok_or(unknown)?)
+    answer(place, known.ok_or(Refusal::Unsupported("this kind of status is not provided"))?)
 }

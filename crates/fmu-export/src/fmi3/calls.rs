@@ -12,25 +12,32 @@
 #![allow(clippy::missing_safety_doc)] // said above for all functions
 #![allow(clippy::too_many_arguments)] // as many as the standard says
 
-use std::borrow::Cow;
-use std::iter::repeat_n;
+use std::{borrow::Cow, iter::repeat_n};
 
 use super::types::FALSE;
-use crate::boundary::calls::{answer, c_functions, nothing};
-use crate::boundary::description::Interface;
-use crate::boundary::guard::{Handle, Known, enter, instantiate_by};
-use crate::boundary::instance::Instance;
-use crate::boundary::logger::{Callback, Logger};
-use crate::boundary::phase::Phase::{
-    Continuous, Error, Event, Initialization, Instantiated, Intermediate, StepComplete, StepFailed, Terminated,
+use crate::{
+    boundary::{
+        calls::{answer, c_functions, nothing},
+        description::Interface,
+        guard::{Handle, Known, enter, instantiate_by},
+        instance::Instance,
+        logger::{Callback, Logger},
+        phase::{
+            ALIVE, DERIVABLE, Function, INTEGRABLE,
+            Phase::{
+                Continuous, Error, Event, Initialization, Instantiated, Intermediate, StepComplete, StepFailed,
+                Terminated,
+            },
+            SETTABLE, VISIBLE, of,
+        },
+        raw::{place, texts, values, values_mut},
+        refusal::{Outcome, Refusal},
+        values::{INT32, INT64, all_elements, size},
+        version::Version,
+        watch::Watch,
+    },
+    model::{Model, events, offered},
 };
-use crate::boundary::phase::{ALIVE, DERIVABLE, Function, INTEGRABLE, Phase, SETTABLE, VISIBLE, of};
-use crate::boundary::raw::{place, texts, values, values_mut};
-use crate::boundary::refusal::{Outcome, Refusal};
-use crate::boundary::values::{INT32, INT64, all_elements, size};
-use crate::boundary::version::Version;
-use crate::boundary::watch::Watch;
-use crate::model::{Model, events, offered};
 
 const NO_CLOCKS: Outcome = Err(Refusal::Absent("this FMU has no input clocks"));
 const NO_EVALUATION: Outcome =
@@ -38,7 +45,38 @@ const NO_EVALUATION: Outcome =
 const NO_STRUCTURE: Outcome = Err(Refusal::Absent("this FMU has no structural parameters"));
 const NO_ELEMENTS: Outcome = Err(Refusal::Absent("this FMU provides no dependencies of single elements"));
 
-c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
+/// The table, and the functions for types that no variable of a model is of: they tell so.
+macro_rules! with_absent_types {
+    (
+        {$($get:ident = $getter:ident, $set:ident = $setter:ident: $type:ty, $name:literal;)*}
+        {$($before:tt)*}
+        calls {$($calls:tt)*}
+    ) => {
+        c_functions! { $($before)*
+            calls {
+                $($calls)*
+                $(
+                    $get = $getter(vr: *const ValueReference, n: usize, value: *mut $type, n_values: usize) in VISIBLE =>
+                        |instance| instance.none_of(references(vr, n)?, $name);
+                    $set = $setter(vr: *const ValueReference, n: usize, value: *const $type, n_values: usize) in SETTABLE =>
+                        |instance| instance.none_of(references(vr, n)?, $name);
+                )*
+            }
+        }
+    };
+}
+
+with_absent_types! {
+    {
+        fmi3GetFloat32 = get_float32, fmi3SetFloat32 = set_float32: f32, "Float32";
+        fmi3GetInt8 = get_int8, fmi3SetInt8 = set_int8: i8, "Int8";
+        fmi3GetUInt8 = get_uint8, fmi3SetUInt8 = set_uint8: u8, "UInt8";
+        fmi3GetInt16 = get_int16, fmi3SetInt16 = set_int16: i16, "Int16";
+        fmi3GetUInt16 = get_uint16, fmi3SetUInt16 = set_uint16: u16, "UInt16";
+        fmi3GetUInt32 = get_uint32, fmi3SetUInt32 = set_uint32: u32, "UInt32";
+        fmi3GetUInt64 = get_uint64, fmi3SetUInt64 = set_uint64: u64, "UInt64";
+    }
+    { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
     types Binary Boolean Byte Component ComponentEnvironment FmuState IntermediateUpdateCallback LogMessageCallback Real Status Text
         Unused ValueReference;
     texts { fmi3GetVersion = c"3.0"; }
@@ -96,6 +134,7 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
             last_successful_time: *mut Real) -> Status =>
             take_step::<M>(component, from, step, [event_handling_needed, terminate_simulation, early_return], last_successful_time);
     }
+    }
     calls {
         fmi3SetDebugLogging = set_debug_logging(on: Boolean, n: usize, categories: *const Text) in ALIVE =>
             |instance| instance.set_logging(on != FALSE, &texts(categories, n, "categories")?);
@@ -110,27 +149,13 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
         fmi3Terminate = terminate() in of(&[StepComplete, Event, Continuous]) => |instance| instance.terminate();
         fmi3Reset = reset() in ALIVE => |instance| instance.reset();
 
-        fmi3GetFloat32 = get_float32(vr: *const ValueReference, n: usize, value: *mut f32, n_values: usize) in VISIBLE =>
-            |instance| instance.none_of(references(vr, n)?, "Float32");
         fmi3GetFloat64 = get_float64(vr: *const ValueReference, n: usize, value: *mut Real, n_values: usize) in VISIBLE =>
             |instance| instance.get_real(&for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
-        fmi3GetInt8 = get_int8(vr: *const ValueReference, n: usize, value: *mut i8, n_values: usize) in VISIBLE =>
-            |instance| instance.none_of(references(vr, n)?, "Int8");
-        fmi3GetUInt8 = get_uint8(vr: *const ValueReference, n: usize, value: *mut u8, n_values: usize) in VISIBLE =>
-            |instance| instance.none_of(references(vr, n)?, "UInt8");
-        fmi3GetInt16 = get_int16(vr: *const ValueReference, n: usize, value: *mut i16, n_values: usize) in VISIBLE =>
-            |instance| instance.none_of(references(vr, n)?, "Int16");
-        fmi3GetUInt16 = get_uint16(vr: *const ValueReference, n: usize, value: *mut u16, n_values: usize) in VISIBLE =>
-            |instance| instance.none_of(references(vr, n)?, "UInt16");
         fmi3GetInt32 = get_int32(vr: *const ValueReference, n: usize, value: *mut i32, n_values: usize) in VISIBLE =>
             |instance| instance.get_whole(INT32, &for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
-        fmi3GetUInt32 = get_uint32(vr: *const ValueReference, n: usize, value: *mut u32, n_values: usize) in VISIBLE =>
-            |instance| instance.none_of(references(vr, n)?, "UInt32");
         /// For enumerations.
         fmi3GetInt64 = get_int64(vr: *const ValueReference, n: usize, value: *mut i64, n_values: usize) in VISIBLE =>
             |instance| instance.get_whole(INT64, &for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
-        fmi3GetUInt64 = get_uint64(vr: *const ValueReference, n: usize, value: *mut u64, n_values: usize) in VISIBLE =>
-            |instance| instance.none_of(references(vr, n)?, "UInt64");
         fmi3GetBoolean = get_boolean(vr: *const ValueReference, n: usize, value: *mut Boolean, n_values: usize) in VISIBLE =>
             |instance| instance.get_boolean(&for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
         fmi3GetString = get_string(vr: *const ValueReference, n: usize, value: *mut Text, n_values: usize) in VISIBLE =>
@@ -140,27 +165,13 @@ c_functions! { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
         fmi3GetClock = get_clock(vr: *const ValueReference, n: usize, value: *mut Boolean) in VISIBLE =>
             |instance| instance.get_clock(references(vr, n)?, values_mut(value, n, "values")?);
 
-        fmi3SetFloat32 = set_float32(vr: *const ValueReference, n: usize, value: *const f32, n_values: usize) in SETTABLE =>
-            |instance| instance.none_of(references(vr, n)?, "Float32");
         fmi3SetFloat64 = set_float64(vr: *const ValueReference, n: usize, value: *const Real, n_values: usize) in SETTABLE =>
             |instance| instance.set_real(&for_values::<M>(vr, n, n_values)?, values(value, n_values, "values")?);
-        fmi3SetInt8 = set_int8(vr: *const ValueReference, n: usize, value: *const i8, n_values: usize) in SETTABLE =>
-            |instance| instance.none_of(references(vr, n)?, "Int8");
-        fmi3SetUInt8 = set_uint8(vr: *const ValueReference, n: usize, value: *const u8, n_values: usize) in SETTABLE =>
-            |instance| instance.none_of(references(vr, n)?, "UInt8");
-        fmi3SetInt16 = set_int16(vr: *const ValueReference, n: usize, value: *const i16, n_values: usize) in SETTABLE =>
-            |instance| instance.none_of(references(vr, n)?, "Int16");
-        fmi3SetUInt16 = set_uint16(vr: *const ValueReference, n: usize, value: *const u16, n_values: usize) in SETTABLE =>
-            |instance| instance.none_of(references(vr, n)?, "UInt16");
         fmi3SetInt32 = set_int32(vr: *const ValueReference, n: usize, value: *const i32, n_values: usize) in SETTABLE =>
             |instance| instance.set_whole(INT32, &for_values::<M>(vr, n, n_values)?, values(value, n_values, "values")?);
-        fmi3SetUInt32 = set_uint32(vr: *const ValueReference, n: usize, value: *const u32, n_values: usize) in SETTABLE =>
-            |instance| instance.none_of(references(vr, n)?, "UInt32");
         /// For enumerations.
         fmi3SetInt64 = set_int64(vr: *const ValueReference, n: usize, value: *const i64, n_values: usize) in SETTABLE =>
             |instance| instance.set_whole(INT64, &for_values::<M>(vr, n, n_values)?, values(value, n_values, "values")?);
-        fmi3SetUInt64 = set_uint64(vr: *const ValueReference, n: usize, value: *const u64, n_values: usize) in SETTABLE =>
-            |instance| instance.none_of(references(vr, n)?, "UInt64");
         fmi3SetBoolean = set_boolean(vr: *const ValueReference, n: usize, value: *const Boolean, n_values: usize) in SETTABLE =>
             |instance| instance.set_boolean(&for_values::<M>(vr, n, n_values)?, values(value, n_values, "values")?);
         fmi3SetString = set_string(vr: *const ValueReference, n: usize, value: *const Text, n_values: usize) in SETTABLE =>
@@ -327,7 +338,7 @@ unsafe fn take_step<M: Model>(
     [event_handling_needed, terminate_simulation, early_return]: [*mut Boolean; 3],
     last_successful_time: *mut Real,
 ) -> Status {
-    let function = |phase: Phase| Function { name: "fmi3DoStep", version: Version::Three, phases: of(&[phase]) };
+    let function = |phase| Function { name: "fmi3DoStep", version: Version::Three, phases: of(&[phase]) };
     let (mut answer, mut pause) = (None, None);
     loop {
         let body = |instance: &mut Instance<M>| {

@@ -34,8 +34,7 @@ impl<M: Model> Events<M> {
     /// is as before then.
     pub fn pass(&self, model: &mut M, time: f64, step: f64, log: &mut dyn Log) -> Result<(), Fault> {
         let before = model.clone();
-        let passed = self.pass_all(model, time, step, log);
-        passed.inspect_err(|_| *model = before)
+        self.pass_all(model, time, step, log).inspect_err(|_| *model = before)
     }
 
     fn pass_all(&self, model: &mut M, time: f64, step: f64, log: &mut dyn Log) -> Result<(), Fault> {
@@ -54,9 +53,7 @@ impl<M: Model> Events<M> {
 
     /// [`until`](Self::until), with a check of what it returns: seconds, not a time.
     pub(crate) fn stop(&self, model: &mut M, time: f64, step: f64, log: &mut dyn Log) -> Result<Option<f64>, Fault> {
-        let Some(part) = (self.until)(model, time, step, log)? else {
-            return Ok(None);
-        };
+        let Some(part) = (self.until)(model, time, step, log)? else { return Ok(None) };
         let rounding = 1e-9 * step + 4.0 * f64::EPSILON * time.abs();
         if (-rounding..=step + rounding).contains(&part) {
             return Ok(Some(part.clamp(0.0, step)));

@@ -1,7 +1,6 @@
 //! A check of what a model declares: for a model's tests, and before it is packaged.
 
-use std::collections::HashMap;
-use std::fmt::Debug;
+use std::{collections::HashMap, fmt::Debug};
 
 use super::{
     Access, DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, Unit, Variable, elements, indicators, offered,
@@ -32,7 +31,7 @@ pub fn faults<M: Model>() -> Vec<String> {
     check_arrays::<M>(&mut faults);
     let start = M::default();
     for variable in M::variables() {
-        let mut fault = |text: String| faults.push(format!("{}: {text}", variable.name));
+        let mut fault = |text| faults.push(format!("{}: {text}", variable.name));
         check_role(variable, &mut fault);
         check_kind(variable, &start, &mut fault);
     }
@@ -45,8 +44,8 @@ pub fn faults<M: Model>() -> Vec<String> {
 
 fn check_info(info: &Info, faults: &mut Vec<String>) {
     let mut characters = info.identifier.chars();
-    let first = |c: char| c.is_ascii_alphabetic() || c == '_';
-    let valid = characters.next().is_some_and(first) && characters.all(|c| c.is_ascii_alphanumeric() || c == '_');
+    let valid = characters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_')
+        && characters.all(|c| c.is_ascii_alphanumeric() || c == '_');
     if !valid {
         let identifier = info.identifier;
         faults.push(format!("the identifier {identifier:?} is not a C identifier"));
@@ -90,9 +89,7 @@ fn check_names<M: Model>(faults: &mut Vec<String>) {
 }
 
 fn check_states<M: Model>(faults: &mut Vec<String>) {
-    let Some(exchange) = &M::EXCHANGE else {
-        return;
-    };
+    let Some(exchange) = &M::EXCHANGE else { return };
     for state in (exchange.states)() {
         let name = state.name;
         if M::variables().iter().any(|variable| variable.name == name) {
@@ -117,9 +114,7 @@ fn check_events<M: Model>(faults: &mut Vec<String>) {
         if is_clock(variable) && (M::EVENTS.is_none() || variable.role != Role::Output) {
             faults.push(format!("{name}: a clock must be an output, and the model have events"));
         }
-        let Some(clock) = variable.clock else {
-            continue;
-        };
+        let Some(clock) = variable.clock else { continue };
         let computed = matches!(variable.role, Role::Output | Role::Local);
         if !computed || !known(clock).is_some_and(is_clock) {
             faults.push(format!("{name}: the model must compute what ticks with a clock, and {clock:?} must be one"));
@@ -129,8 +124,8 @@ fn check_events<M: Model>(faults: &mut Vec<String>) {
         faults.push("a model with events has no INNER_STEP".to_owned());
     }
     for name in indicators::<M>() {
-        let real = |variable: &Variable<M>| matches!(variable.kind, Kind::Real(_));
-        if !known(name).is_some_and(real) || without::<M>().contains(name) {
+        if !known(name).is_some_and(|variable| matches!(variable.kind, Kind::Real(_))) || without::<M>().contains(name)
+        {
             faults.push(format!("{name}: an indicator is a real variable, also in Model Exchange"));
         }
     }
@@ -146,15 +141,17 @@ fn check_arrays<M: Model>(faults: &mut Vec<String>) {
             Kind::Enumeration { of, .. } => (of.name, None, [None; 3]),
             _ => ("", None, [None; 3]),
         };
-        let fits = |(variable, number): (&Variable<M>, usize)| {
-            variable.name == format!("{array}[{number}]")
-                && (number == 1 || variable.elements == 1)
-                && (variable.role, variable.clock) == (head.role, head.clock)
-                && variable.type_name() == head.type_name()
-                && shared(variable) == shared(head)
-                && !matches!(variable.kind, Kind::Clock { .. })
-        };
-        if head.elements != 1 && (elements.len() < 2 || !elements.iter().zip(1..).all(fits)) {
+        if head.elements != 1
+            && (elements.len() < 2
+                || !elements.iter().zip(1..).all(|(variable, number)| {
+                    variable.name == format!("{array}[{number}]")
+                        && (number == 1 || variable.elements == 1)
+                        && (variable.role, variable.clock) == (head.role, head.clock)
+                        && variable.type_name() == head.type_name()
+                        && shared(variable) == shared(head)
+                        && !matches!(variable.kind, Kind::Clock { .. })
+                }))
+        {
             let (name, count) = (head.name, head.elements);
             faults.push(format!("{name}: the {count} elements of an array stand in the table as name[1], name[2], ..., with the same role, type, unit, range and clock, and are no clocks"));
         }

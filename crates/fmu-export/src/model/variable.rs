@@ -107,8 +107,7 @@ pub struct Enumeration {
 impl Enumeration {
     /// The items' values and names, for messages.
     pub(crate) fn listed(&self) -> String {
-        let items = (self.items.iter()).map(|item| format!("{} ({})", item.value, item.name));
-        items.collect::<Vec<_>>().join(", ")
+        (self.items.iter()).map(|item| format!("{} ({})", item.value, item.name)).collect::<Vec<_>>().join(", ")
     }
 }
 
@@ -200,8 +199,7 @@ pub struct Variable<M: 'static> {
 impl<M> Variable<M> {
     /// The name of the array whose first element it is; else its own.
     pub fn array_name(&self) -> &'static str {
-        let array = self.name.strip_suffix("[1]").filter(|_| self.elements > 1);
-        array.unwrap_or(self.name)
+        self.name.strip_suffix("[1]").filter(|_| self.elements > 1).unwrap_or(self.name)
     }
 
     /// The name that FMI gives the variable's type.

@@ -2,8 +2,7 @@
 
 use std::path::PathBuf;
 
-use super::build::platform;
-use super::{Binary, Form, PackageError};
+use super::{Binary, Form, PackageError, build::platform};
 use crate::description::{Interface, Version};
 
 /// The options, in words.
@@ -41,15 +40,17 @@ impl Arguments {
 
     /// The libraries that were built elsewhere.
     pub(super) fn added(&self) -> Result<Vec<Binary>, PackageError> {
-        let binary = |(name, library): &(String, PathBuf)| {
-            let platform = platform::named(name, self.form).ok_or_else(|| {
-                let names = platform::names().join(", ");
-                PackageError::Usage(format!("--add {name}=...: the platforms are {names}"))
-            })?;
-            let library = library.clone();
-            Ok(Binary { platform, library })
-        };
-        self.added.iter().map(binary).collect()
+        self.added
+            .iter()
+            .map(|(name, library)| {
+                let platform = platform::named(name, self.form).ok_or_else(|| {
+                    let names = platform::names().join(", ");
+                    PackageError::Usage(format!("--add {name}=...: the platforms are {names}"))
+                })?;
+                let library = library.clone();
+                Ok(Binary { platform, library })
+            })
+            .collect()
     }
 }
 

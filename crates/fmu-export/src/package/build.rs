@@ -1,16 +1,17 @@
 //! Building a model's library with cargo.
 
-use std::ffi::OsString;
-use std::path::{Path, PathBuf};
-use std::process::{Command, Stdio};
+use std::{
+    ffi::OsString,
+    path::{Path, PathBuf},
+    process::{Command, Stdio},
+};
 
 use super::{Binary, Form, PackageError};
 
 /// The folders that the standards name for platforms. FMI 2.0 names none for 64-bit Arm on Linux, where importers look
 /// into the folder of FMI 3.0.
 pub(super) mod platform {
-    use crate::description::Version;
-    use crate::package::Form;
+    use crate::{description::Version, package::Form};
 
     /// The folders of FMI 2.0 and 3.0, with the processors and systems as Rust names them.
     const ALL: [(&str, &str, &[&str], &[&str]); 7] = [
@@ -104,13 +105,16 @@ fn built(messages: &str, manifest: &Path) -> Option<PathBuf> {
         let message: serde_json::Value = serde_json::from_str(line).ok()?;
         let ours =
             message["reason"] == "compiler-artifact" && Path::new(message["manifest_path"].as_str()?) == manifest;
-        let files = message["filenames"].as_array().filter(|_| ours)?;
-        let paths = files.iter().filter_map(|file| Some(PathBuf::from(file.as_str()?)));
-        let shared = |path: &PathBuf| {
-            let extension = path.extension().unwrap_or_default();
-            ["so", "dll", "dylib"].iter().any(|known| extension == *known)
-        };
-        paths.into_iter().find(shared)
+        message["filenames"]
+            .as_array()
+            .filter(|_| ours)?
+            .iter()
+            .filter_map(|file| Some(PathBuf::from(file.as_str()?)))
+            .into_iter()
+            .find(|path| {
+                let extension = path.extension().unwrap_or_default();
+                ["so", "dll", "dylib"].iter().any(|known| extension == *known)
+            })
     })
 }
 

@@ -30,8 +30,7 @@ impl Archive {
             if leave_out(&name) || files.iter().any(|(file, _)| *file == name) {
                 continue;
             }
-            let copied = copy.raw_copy_file(entry);
-            copied.map_err(|error| ArchiveError::of_entry(&name, error))?;
+            copy.raw_copy_file(entry).map_err(|error| ArchiveError::of_entry(&name, error))?;
         }
         for (name, content) in files {
             let wrong = |error| ArchiveError::of_entry(name, error);

@@ -1,8 +1,10 @@
 //! Copies what a simulation needs out of an archive or a folder, none of which is trusted.
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Read, Write};
-use std::path::{Path, PathBuf};
+use std::{
+    fs::{self, File},
+    io::{self, BufWriter, Read, Write},
+    path::{Path, PathBuf},
+};
 
 use zip::ZipArchive;
 

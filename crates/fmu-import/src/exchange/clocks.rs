@@ -3,15 +3,16 @@
 //! Time-based clocks tick by themselves, triggered inputs where they are set. A clocked input that is set waits for the next
 //! tick; between ticks a clocked variable has its value of the last one.
 
-use std::collections::HashMap;
-use std::ffi::c_int;
+use std::{collections::HashMap, ffi::c_int};
 
 use super::are_near;
-use crate::call::{Call, Status};
-use crate::description::{Causality, Description, Kind, Ticking, Timing, Variable};
-use crate::simulation::Simulation;
-use crate::symbols::{Component, Function, Symbols};
-use crate::value::{Content, Handle, Value};
+use crate::{
+    call::{Call, Called, Status},
+    description::{Causality, Description, Kind, Ticking, Timing, Variable},
+    simulation::Simulation,
+    symbols::{Component, Function, Symbols},
+    value::{Content, Handle, Value},
+};
 
 /// An interval that is not yet known, and one that is new, as `fmi3IntervalQualifier` numbers them.
 const NOT_YET_KNOWN: c_int = 0;
@@ -27,24 +28,22 @@ struct Functions {
 
 impl Functions {
     /// Which of these clocks are active.
-    fn active(self, model: &mut dyn Simulation, clocks: &[u32]) -> Result<Vec<bool>, Call> {
+    fn active(self, model: &mut dyn Simulation, clocks: &[u32]) -> Called<Vec<bool>> {
         let mut active = vec![0; clocks.len()];
         let into = active.as_mut_ptr();
         // SAFETY: the component is alive, and there is room for as many flags as clocks.
-        let get =
-            |get: unsafe extern "C" fn(_, _, _, _) -> _, of| unsafe { get(of, clocks.as_ptr(), clocks.len(), into) };
-        model.base_mut().call(self.get, get)?;
+        model.base_mut().call(self.get, |get, of| unsafe { get(of, clocks.as_ptr(), clocks.len(), into) })?;
         Ok(active.iter().map(|flag| *flag != 0).collect())
     }
 
-    fn activate(self, model: &mut dyn Simulation, clocks: &[u32]) -> Result<(), Call> {
+    fn activate(self, model: &mut dyn Simulation, clocks: &[u32]) -> Called {
         let active = vec![1; clocks.len()];
         // SAFETY: the component is alive, and there are as many flags as clocks.
         model.base_mut().call(self.set, |set, of| unsafe { set(of, clocks.as_ptr(), clocks.len(), active.as_ptr()) })
     }
 
     /// The interval of a clock, s, with its qualifier.
-    fn interval(self, model: &mut dyn Simulation, clock: u32) -> Result<(f64, c_int), Call> {
+    fn interval(self, model: &mut dyn Simulation, clock: u32) -> Called<(f64, c_int)> {
         let (mut interval, mut qualifier) = (0.0, CHANGED);
         // SAFETY: the component is alive, and all three places are of one element.
         model.base_mut().call(self.get_interval, |get, of| unsafe {
@@ -52,13 +51,15 @@ impl Functions {
         })?;
         let is_time = interval >= 0.0;
         if qualifier != NOT_YET_KNOWN && !is_time {
-            let why = format!("the interval {interval} s of the clock {clock} is no time");
-            return Err(Call::impossible(self.get_interval.name, why));
+            return Err(Call::impossible(
+                self.get_interval.name,
+                format!("the interval {interval} s of the clock {clock} is no time"),
+            ));
         }
         Ok((interval, qualifier))
     }
 
-    fn shift(self, model: &mut dyn Simulation, clock: u32) -> Result<f64, Call> {
+    fn shift(self, model: &mut dyn Simulation, clock: u32) -> Called<f64> {
         let mut shift = 0.0;
         // SAFETY: the component is alive, and both places are of one element.
         model.base_mut().call(self.get_shift, |get, of| unsafe { get(of, &raw const clock, 1, &raw mut shift) })?;
@@ -107,7 +108,7 @@ impl Clock {
     }
 
     /// Asks for the first tick after a start, s.
-    fn begin(&mut self, functions: Functions, model: &mut dyn Simulation, start: f64) -> Result<(), Call> {
+    fn begin(&mut self, functions: Functions, model: &mut dyn Simulation, start: f64) -> Called {
         if self.timing.by == Ticking::Triggered {
             return Ok(());
         }
@@ -121,8 +122,10 @@ impl Clock {
         }
         let is_period = interval > 0.0;
         if !is_period {
-            let why = format!("the clock {} has a period of {interval} s", self.reference);
-            return Err(Call::impossible(functions.get_interval.name, why));
+            return Err(Call::impossible(
+                functions.get_interval.name,
+                format!("the clock {} has a period of {interval} s", self.reference),
+            ));
         }
         let shift = match (self.timing.shift, self.timing.interval) {
             (Some(shift), _) => shift,
@@ -135,7 +138,7 @@ impl Clock {
     }
 
     /// Asks for the next tick after a round of events at a time, s, where that may have become known.
-    fn follow(&mut self, functions: Functions, model: &mut dyn Simulation, time: f64) -> Result<(), Call> {
+    fn follow(&mut self, functions: Functions, model: &mut dyn Simulation, time: f64) -> Called {
         let may_be_new = match self.timing.by {
             Ticking::Changing => self.is_active,
             Ticking::Countdown => true,
@@ -190,15 +193,12 @@ impl Clocks {
         let mut all: Vec<Clock> = Vec::new();
         for variable in description.variables.values() {
             let (reference, handle) = (variable.value_reference, variable.handle());
-            let Kind::Clock(timing) = variable.kind else {
-                continue;
-            };
+            let Kind::Clock(timing) = variable.kind else { continue };
             // A clock may have several names.
             if all.iter().any(|clock| clock.handle == handle) {
                 continue;
             }
-            let clocked = description.variables.values();
-            let clocked = clocked.filter(|other| other.clocks.contains(&reference));
+            let clocked = description.variables.values().filter(|other| other.clocks.contains(&reference));
             all.push(Clock {
                 reference,
                 handle,
@@ -216,8 +216,8 @@ impl Clocks {
         if all.is_empty() {
             return Self::default();
         }
-        let inputs = description.variables.values();
-        let inputs = inputs.filter(|one| one.causality == Causality::Input && !one.clocks.is_empty());
+        let inputs =
+            description.variables.values().filter(|one| one.causality == Causality::Input && !one.clocks.is_empty());
         let start = |one: &Variable| one.kind.start_value().unwrap_or_else(|| blank(one.handle().content));
         Self {
             inputs: inputs.map(|one| (one.handle(), start(one))).collect(),
@@ -239,8 +239,7 @@ impl Clocks {
     /// The present value of a clock, or of a variable of one.
     pub(super) fn value(&self, handle: Handle) -> Option<Value> {
         let clock = self.all.iter().find(|clock| clock.handle == handle);
-        let value = clock.map(|clock| Value::Boolean(clock.has_ticked));
-        value.or_else(|| self.values.get(&handle).cloned())
+        clock.map(|clock| Value::Boolean(clock.has_ticked)).or_else(|| self.values.get(&handle).cloned())
     }
 
     /// Keeps the value of a clocked input for the next tick; whether it is one.
@@ -263,10 +262,8 @@ impl Clocks {
     }
 
     /// Asks for the first ticks, and reads what clocks compute, in initialisation mode; `set` are the inputs set before.
-    pub(super) fn begin(&mut self, model: &mut dyn Simulation, start: f64, set: &[(u32, Value)]) -> Result<(), Call> {
-        let Some(functions) = self.functions else {
-            return Ok(());
-        };
+    pub(super) fn begin(&mut self, model: &mut dyn Simulation, start: f64, set: &[(u32, Value)]) -> Called {
+        let Some(functions) = self.functions else { return Ok(()) };
         for clock in self.all.iter_mut().filter(|clock| clock.is_input) {
             clock.begin(functions, model, start)?;
         }
@@ -289,10 +286,8 @@ impl Clocks {
     }
 
     /// Lets the inputs tick that are due at a time, s, with the inputs that wait for them, and reads what ticks compute.
-    pub(super) fn tick(&mut self, model: &mut dyn Simulation, time: f64) -> Result<(), Call> {
-        let Some(functions) = self.functions else {
-            return Ok(());
-        };
+    pub(super) fn tick(&mut self, model: &mut dyn Simulation, time: f64) -> Called {
+        let Some(functions) = self.functions else { return Ok(()) };
         for clock in &mut self.all {
             clock.is_active = clock.is_due(time);
             if clock.is_active {
@@ -300,8 +295,7 @@ impl Clocks {
             }
         }
         let references = |wanted: fn(&&Clock) -> bool| -> Vec<u32> {
-            let wanted = self.all.iter().filter(wanted);
-            wanted.map(|clock| clock.reference).collect()
+            self.all.iter().filter(wanted).map(|clock| clock.reference).collect()
         };
         let due = references(|clock| clock.is_active);
         let own = references(|clock| !clock.is_input);
@@ -310,12 +304,11 @@ impl Clocks {
         }
         for (handle, value) in std::mem::take(&mut self.held) {
             let mut clocks = self.all.iter();
-            match clocks.any(|clock| clock.is_active && clock.clocked.contains(&handle)) {
-                true => {
-                    model.set(handle.reference, &value)?;
-                    self.values.insert(handle, value);
-                }
-                false => self.held.push((handle, value)),
+            if clocks.any(|clock| clock.is_active && clock.clocked.contains(&handle)) {
+                model.set(handle.reference, &value)?;
+                self.values.insert(handle, value);
+            } else {
+                self.held.push((handle, value))
             }
         }
         if !own.is_empty() {
@@ -335,10 +328,8 @@ impl Clocks {
     }
 
     /// Asks for the next ticks after a round of events at a time, s; whether that has one at the same time.
-    pub(super) fn follow(&mut self, model: &mut dyn Simulation, time: f64) -> Result<bool, Call> {
-        let Some(functions) = self.functions else {
-            return Ok(false);
-        };
+    pub(super) fn follow(&mut self, model: &mut dyn Simulation, time: f64) -> Called<bool> {
+        let Some(functions) = self.functions else { return Ok(false) };
         for clock in self.all.iter_mut().filter(|clock| clock.is_input) {
             clock.follow(functions, model, time)?;
         }
@@ -349,8 +340,7 @@ impl Clocks {
 
     /// When the next tick is, s.
     pub(super) fn next(&self) -> Option<f64> {
-        let next = self.all.iter().filter_map(|clock| clock.next);
-        next.min_by(f64::total_cmp)
+        self.all.iter().filter_map(|clock| clock.next).min_by(f64::total_cmp)
     }
 
     /// Forgets what has ticked up to a communication point.

@@ -3,12 +3,14 @@
 
 use std::ffi::c_int;
 
-use crate::call::{Call, Status};
-use crate::description::{ExchangeSizes, Interface};
-use crate::simulation::Simulation;
-use crate::symbols::{Component, Function, LibraryError, Plain, Symbols};
-use crate::value::Value;
-use crate::version::Version;
+use crate::{
+    call::{Call, Called, Status},
+    description::{ExchangeSizes, Interface},
+    simulation::Simulation,
+    symbols::{Component, Function, LibraryError, Plain, Symbols},
+    value::Value,
+    version::Version,
+};
 
 type Read = unsafe extern "C" fn(Component, *mut f64, usize) -> c_int;
 type Write = unsafe extern "C" fn(Component, *const f64, usize) -> c_int;
@@ -63,35 +65,21 @@ pub(crate) struct Functions {
 impl Functions {
     /// Finds them in a loaded binary.
     pub(crate) fn find(symbols: &Symbols<'_>, interface: Interface) -> Result<Self, LibraryError> {
-        if interface == Interface::CoSimulation {
-            return Ok(Self {
-                enter_event_mode: symbols.need("EnterEventMode")?,
-                leave_event_mode: symbols.need("EnterStepMode")?,
-                set_time: symbols.find("SetTime"),
-                set_continuous_states: symbols.find("SetContinuousStates"),
-                get_derivatives: symbols.find("GetContinuousStateDerivatives"),
-                get_event_indicators: symbols.find("GetEventIndicators"),
-                get_continuous_states: symbols.find("GetContinuousStates"),
-                get_nominals: symbols.find("GetNominalsOfContinuousStates"),
-                special: Special::Steps(symbols.need("UpdateDiscreteStates")?),
-            });
-        }
-        let rates = match symbols.version {
-            Version::Two => "GetDerivatives",
-            Version::Three => "GetContinuousStateDerivatives",
-        };
+        let (steps, is_three) = (interface == Interface::CoSimulation, symbols.version == Version::Three);
         // Some FMUs of FMI 2.0 leave out what they do not need.
-        let read = |name| symbols.need_if(symbols.version == Version::Three, name);
+        let read = |name| symbols.need_if(is_three && !steps, name);
         Ok(Self {
             enter_event_mode: symbols.need("EnterEventMode")?,
-            leave_event_mode: symbols.need("EnterContinuousTimeMode")?,
-            set_time: symbols.need("SetTime")?,
-            set_continuous_states: symbols.need("SetContinuousStates")?,
-            get_derivatives: symbols.need(rates)?,
+            leave_event_mode: symbols.need(if steps { "EnterStepMode" } else { "EnterContinuousTimeMode" })?,
+            set_time: symbols.need_if(!steps, "SetTime")?,
+            set_continuous_states: symbols.need_if(!steps, "SetContinuousStates")?,
+            get_derivatives: symbols
+                .need_if(!steps, if is_three { "GetContinuousStateDerivatives" } else { "GetDerivatives" })?,
             get_event_indicators: read("GetEventIndicators")?,
-            get_continuous_states: symbols.need("GetContinuousStates")?,
+            get_continuous_states: symbols.need_if(!steps, "GetContinuousStates")?,
             get_nominals: read("GetNominalsOfContinuousStates")?,
             special: match symbols.version {
+                _ if steps => Special::Steps(symbols.need("UpdateDiscreteStates")?),
                 Version::Two => Special::Two {
                     update: symbols.need("NewDiscreteStates")?,
                     completed: symbols.find("CompletedIntegratorStep"),
@@ -164,23 +152,21 @@ impl Plant {
     }
 
     #[inline(never)]
-    fn read(&mut self, function: Function<Read>, into: &mut [f64]) -> Result<(), Call> {
+    fn read(&mut self, function: Function<Read>, into: &mut [f64]) -> Called {
         let (place, count) = (into.as_mut_ptr(), into.len());
         // SAFETY: the component is alive, and there is room for as many numbers as stated.
-        let read = |read: Read, of| unsafe { read(of, place, count) };
-        self.model.base_mut().call(function, read)
+        self.model.base_mut().call(function, |read, of| unsafe { read(of, place, count) })
     }
 
-    fn count(&mut self, function: Function<Count>) -> Result<usize, Call> {
+    fn count(&mut self, function: Function<Count>) -> Called<usize> {
         let mut count = 0;
         // SAFETY: the component is alive, and the count is a valid place to write to.
-        let get = |get: Count, of| unsafe { get(of, &raw mut count) };
-        self.model.base_mut().call(function, get)?;
+        self.model.base_mut().call(function, |get, of| unsafe { get(of, &raw mut count) })?;
         Ok(count)
     }
 
     /// How many states and event indicators there are.
-    pub(super) fn sizes(&mut self) -> Result<[usize; 2], Call> {
+    pub(super) fn sizes(&mut self) -> Called<[usize; 2]> {
         match self.functions.special {
             Special::Two { .. } => Ok([self.declared.states, self.declared.indicators]),
             Special::Steps(_) => Ok([0; 2]),
@@ -191,7 +177,7 @@ impl Plant {
     }
 
     /// Takes the FMU to a time and states, with the inputs that vary linearly.
-    pub(super) fn place(&mut self, time: f64, states: &[f64]) -> Result<(), Call> {
+    pub(super) fn place(&mut self, time: f64, states: &[f64]) -> Called {
         if self.steps() {
             return Ok(());
         }
@@ -207,29 +193,27 @@ impl Plant {
     }
 
     #[inline(never)]
-    fn set_time(&mut self, time: f64) -> Result<(), Call> {
+    fn set_time(&mut self, time: f64) -> Called {
         let function = self.functions.set_time;
         // SAFETY: the component is alive.
-        let set = |set: SetTime, of| unsafe { set(of, time) };
-        self.model.base_mut().call(function, set)
+        self.model.base_mut().call(function, |set, of| unsafe { set(of, time) })
     }
 
     #[inline(never)]
-    fn set_states(&mut self, states: &[f64]) -> Result<(), Call> {
+    fn set_states(&mut self, states: &[f64]) -> Called {
         let (place, count) = (states.as_ptr(), states.len());
         let function = self.functions.set_continuous_states;
         // SAFETY: the component is alive, and there are as many states as stated.
-        let set = |set: Write, of| unsafe { set(of, place, count) };
-        self.model.base_mut().call(function, set)
+        self.model.base_mut().call(function, |set, of| unsafe { set(of, place, count) })
     }
 
     /// Reads the states.
-    pub(super) fn states(&mut self, into: &mut [f64]) -> Result<(), Call> {
+    pub(super) fn states(&mut self, into: &mut [f64]) -> Called {
         self.read(self.functions.get_continuous_states, into)
     }
 
     /// Reads the typical magnitudes of the states: 1 where the FMU does not tell them.
-    pub(super) fn nominals(&mut self, into: &mut [f64]) -> Result<(), Call> {
+    pub(super) fn nominals(&mut self, into: &mut [f64]) -> Called {
         let get = self.functions.get_nominals;
         if get.is_there() {
             return self.read(get, into);
@@ -239,9 +223,8 @@ impl Plant {
     }
 
     /// The rates at a time and states; whether the FMU computes them there.
-    pub(super) fn rates_at(&mut self, time: f64, states: &[f64], into: &mut [f64]) -> Result<bool, Call> {
-        let placed = self.place(time, states);
-        match placed.and_then(|()| self.read(self.functions.get_derivatives, into)) {
+    pub(super) fn rates_at(&mut self, time: f64, states: &[f64], into: &mut [f64]) -> Called<bool> {
+        match self.place(time, states).and_then(|()| self.read(self.functions.get_derivatives, into)) {
             Ok(()) => Ok(true),
             Err(call) if call.status == Status::Discard => Ok(false),
             Err(call) => Err(call),
@@ -249,7 +232,7 @@ impl Plant {
     }
 
     /// Computes the event indicators, where there are any.
-    pub(super) fn indicators(&mut self, into: &mut [f64]) -> Result<(), Call> {
+    pub(super) fn indicators(&mut self, into: &mut [f64]) -> Called {
         match into {
             [] => Ok(()),
             into => self.read(self.functions.get_event_indicators, into),
@@ -257,7 +240,7 @@ impl Plant {
     }
 
     /// Says that a step is done. Whether the FMU wants an event, and whether it ends the simulation.
-    pub(super) fn completed(&mut self) -> Result<[bool; 2], Call> {
+    pub(super) fn completed(&mut self) -> Called<[bool; 2]> {
         let base = self.model.base_mut();
         match self.functions.special {
             Special::Two { completed, .. } => {
@@ -280,17 +263,17 @@ impl Plant {
     }
 
     /// Enters event mode.
-    pub(super) fn enter_events(&mut self) -> Result<(), Call> {
+    pub(super) fn enter_events(&mut self) -> Called {
         self.model.base_mut().plain(self.functions.enter_event_mode)
     }
 
     /// Leaves event mode.
-    pub(super) fn leave_events(&mut self) -> Result<(), Call> {
+    pub(super) fn leave_events(&mut self) -> Called {
         self.model.base_mut().plain(self.functions.leave_event_mode)
     }
 
     /// Makes a round of events.
-    pub(super) fn update(&mut self) -> Result<Update, Call> {
+    pub(super) fn update(&mut self) -> Called<Update> {
         let base = self.model.base_mut();
         let (flags, next) = match self.functions.special {
             Special::Two { update, .. } => {

@@ -4,7 +4,7 @@
 //! rate shares (Curtis, Powell & Reid 1974, J. Inst. Maths Applics 13, 117-119), and one change of all states tells whether
 //! a rate depends on more than was seen. The dependencies that a description states are not used: they may be missing or wrong.
 
-use crate::call::Call;
+use crate::call::Called;
 
 /// A difference that the known dependencies leave unexplained, over what they explain: more shows another dependency.
 const UNEXPLAINED: f64 = 1e-3;
@@ -12,7 +12,7 @@ const UNEXPLAINED: f64 = 1e-3;
 const ROUNDING: f64 = 1e3 * f64::EPSILON;
 
 /// Gives the rates at a time, s, and states; whether there are any, as an FMU may refuse to compute them there.
-pub(super) type Rates<'a> = dyn FnMut(f64, &[f64], &mut [f64]) -> Result<bool, Call> + 'a;
+pub(super) type Rates<'a> = dyn FnMut(f64, &[f64], &mut [f64]) -> Called<bool> + 'a;
 
 /// For each state the rates that depend on it, in order, with their slopes.
 pub(super) type Columns = Vec<Vec<(usize, f64)>>;
@@ -48,7 +48,7 @@ impl Jacobian {
 
     /// Computes the slopes. `None` where there are no rates a little beside the place; else whether rates depend on more
     /// than was known.
-    pub(super) fn compute(&mut self, f: &mut Rates<'_>, place: Place<'_>) -> Result<Option<bool>, Call> {
+    pub(super) fn compute(&mut self, f: &mut Rates<'_>, place: Place<'_>) -> Called<Option<bool>> {
         self.at.copy_from_slice(place.states);
         let is_sparse = self.groups.len() < self.columns.len();
         if is_sparse && self.by_groups(f, place)? && self.explains(f, place)? {
@@ -64,7 +64,7 @@ impl Jacobian {
         place: Place<'_>,
         states: impl Iterator<Item = usize> + Clone,
         part: impl Fn(usize) -> f64,
-    ) -> Result<bool, Call> {
+    ) -> Called<bool> {
         for state in states.clone() {
             self.at[state] = place.states[state] + part(state) * place.sizes[state];
         }
@@ -76,12 +76,12 @@ impl Jacobian {
     }
 
     /// The same ahead, or where the FMU refuses that, back.
-    fn change_either_way(&mut self, f: &mut Rates<'_>, place: Place<'_>, states: &[usize]) -> Result<bool, Call> {
+    fn change_either_way(&mut self, f: &mut Rates<'_>, place: Place<'_>, states: &[usize]) -> Called<bool> {
         let states = states.iter().copied();
         Ok(self.change(f, place, states.clone(), |_| 1.0)? || self.change(f, place, states, |_| -1.0)?)
     }
 
-    fn by_groups(&mut self, f: &mut Rates<'_>, place: Place<'_>) -> Result<bool, Call> {
+    fn by_groups(&mut self, f: &mut Rates<'_>, place: Place<'_>) -> Called<bool> {
         let groups = std::mem::take(&mut self.groups);
         let mut outcome = Ok(true);
         for group in &groups {
@@ -103,13 +103,12 @@ impl Jacobian {
     }
 
     /// Whether the known dependencies explain what a change of all states does.
-    fn explains(&mut self, f: &mut Rates<'_>, place: Place<'_>) -> Result<bool, Call> {
+    fn explains(&mut self, f: &mut Rates<'_>, place: Place<'_>) -> Called<bool> {
         // No two states in the same proportion, so that no two effects cancel by a model's symmetry.
-        let part = |state: usize| {
+        if !self.change(f, place, 0..place.states.len(), |state| {
             let size = 0.5 + 0.5 * (state as f64 * 0.618_033_988_749_894_9).fract();
             if state.is_multiple_of(2) { size } else { -size }
-        };
-        if !self.change(f, place, 0..place.states.len(), part)? {
+        })? {
             return Ok(false);
         }
         let mut expected = vec![(0.0, 0.0); place.rates.len()];
@@ -122,14 +121,13 @@ impl Jacobian {
             }
         }
         self.at.copy_from_slice(place.states);
-        let rates = place.rates.iter().zip(&self.rates);
-        Ok(rates.zip(expected).all(|((before, after), (sum, size))| {
+        Ok(place.rates.iter().zip(&self.rates).zip(expected).all(|((before, after), (sum, size))| {
             (after - before - sum).abs() <= UNEXPLAINED * size + ROUNDING * before.abs()
         }))
     }
 
     /// Changes each state alone.
-    fn by_states(&mut self, f: &mut Rates<'_>, place: Place<'_>) -> Result<Option<bool>, Call> {
+    fn by_states(&mut self, f: &mut Rates<'_>, place: Place<'_>) -> Called<Option<bool>> {
         let mut more = false;
         for state in 0..place.states.len() {
             if !self.change_either_way(f, place, &[state])? {
@@ -157,12 +155,12 @@ impl Jacobian {
         self.groups.clear();
         let mut taken: Vec<Vec<bool>> = Vec::new();
         for (state, column) in self.columns.iter().enumerate() {
-            let is_free = |taken: &Vec<bool>| column.iter().all(|(rate, _)| !taken[*rate]);
-            let group = taken.iter().position(is_free).unwrap_or_else(|| {
-                taken.push(vec![false; self.columns.len()]);
-                self.groups.push(Vec::new());
-                taken.len() - 1
-            });
+            let group =
+                taken.iter().position(|taken| column.iter().all(|(rate, _)| !taken[*rate])).unwrap_or_else(|| {
+                    taken.push(vec![false; self.columns.len()]);
+                    self.groups.push(Vec::new());
+                    taken.len() - 1
+                });
             self.groups[group].push(state);
             for (rate, _) in column {
                 taken[group][*rate] = true;

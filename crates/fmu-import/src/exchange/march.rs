@@ -1,16 +1,19 @@
 //! The way of an FMU from one communication point to the next, with its events.
 
-use std::collections::HashMap;
-use std::sync::Arc;
+use std::{collections::HashMap, sync::Arc};
 
-use super::are_near;
-use super::clocks::Clocks;
-use super::equations::{Functions, Plant};
-use super::rosenbrock::Rosenbrock;
-use crate::call::{Call, End, Status};
-use crate::description::ExchangeSizes;
-use crate::simulation::{Experiment, Simulation};
-use crate::value::{Handle, Value};
+use super::{
+    are_near,
+    clocks::Clocks,
+    equations::{Functions, Plant},
+    rosenbrock::Rosenbrock,
+};
+use crate::{
+    call::{Call, Called, End, Status},
+    description::ExchangeSizes,
+    simulation::{Experiment, Simulation},
+    value::{Handle, Value},
+};
 
 /// The relative tolerance where neither the user nor the FMU states one.
 const TOLERANCE: f64 = 1e-8;
@@ -101,8 +104,7 @@ impl March {
     /// The error allowed in each state.
     fn allowed(&self) -> Vec<f64> {
         let tolerance = self.experiment.tolerance.unwrap_or(TOLERANCE);
-        let states = self.states.iter().zip(&self.nominals);
-        states.map(|(state, nominal)| tolerance * state.abs().max(*nominal)).collect()
+        self.states.iter().zip(&self.nominals).map(|(state, nominal)| tolerance * state.abs().max(*nominal)).collect()
     }
 }
 
@@ -122,7 +124,7 @@ struct Taken {
 
 impl Exchange {
     /// Follows the equations from one communication point to another, s.
-    pub(super) fn advance(&mut self, from: f64, to: f64) -> Result<(), Call> {
+    pub(super) fn advance(&mut self, from: f64, to: f64) -> Called {
         // By rounding, the last step may have ended a little later; time never goes back for an FMU.
         let reached = self.march.time;
         self.march.time = if are_near(reached, from) { reached.max(from) } else { from };
@@ -140,8 +142,7 @@ impl Exchange {
         while self.march.time < self.goal(to) && !self.march.ended {
             let to = self.goal(to);
             let (time, cuts) = (self.march.time, !self.plant.declared.even_steps);
-            let soon = |next: &f64| *next < to && (cuts || *next <= time);
-            let next = self.march.next.filter(soon);
+            let next = self.march.next.filter(|next| *next < to && (cuts || *next <= time));
             let is_due = |time: f64| next.is_some_and(|next| next <= time);
             let mut event = is_due(self.march.time);
             if !event {
@@ -175,8 +176,7 @@ impl Exchange {
     /// The end of a step to a time, s: the next event or the stop where the two differ by rounding only.
     fn goal(&self, to: f64) -> f64 {
         let stop = self.march.experiment.stop;
-        let near = |next: &f64| are_near(*next, to) && *next <= stop;
-        match self.march.next.filter(near) {
+        match self.march.next.filter(|next| are_near(*next, to) && *next <= stop) {
             Some(next) => next,
             None if are_near(to, stop) => to.min(stop),
             None => to,
@@ -184,21 +184,21 @@ impl Exchange {
     }
 
     /// Whether an indicator is on another side than it was.
-    fn has_crossed(&mut self) -> Result<bool, Call> {
+    fn has_crossed(&mut self) -> Called<bool> {
         let mut now = vec![0.0; self.march.indicators.len()];
         self.plant.indicators(&mut now)?;
         Ok(crossed(&self.march.indicators, &now))
     }
 
     /// Handles the events of the present time.
-    fn events(&mut self) -> Result<(), Call> {
+    fn events(&mut self) -> Called {
         self.plant.enter_events()?;
         self.mode = Mode::Events;
         self.settle()
     }
 
     /// Makes rounds of events until nothing changes, and leaves event mode, unless the FMU ends the simulation.
-    pub(super) fn settle(&mut self) -> Result<(), Call> {
+    pub(super) fn settle(&mut self) -> Called {
         // At first no states have been read.
         let is_first = self.march.step == 0.0;
         let (mut states, mut nominals) = (is_first, is_first);
@@ -254,7 +254,7 @@ impl Exchange {
     }
 
     /// Takes one step towards a time, s. Whether an event is to be handled at its end.
-    fn stride(&mut self, to: f64) -> Result<bool, Call> {
+    fn stride(&mut self, to: f64) -> Called<bool> {
         if self.plant.steps() {
             let (time, step) = (self.march.time, to - self.march.time);
             let (reached, event) = self.plant.model.part(time, step)?;
@@ -275,7 +275,7 @@ impl Exchange {
     }
 
     /// Finds a step whose error is allowed, and cuts it where an event indicator changes its side.
-    fn taken(&mut self, to: f64) -> Result<Taken, Call> {
+    fn taken(&mut self, to: f64) -> Called<Taken> {
         let time = self.march.time;
         let left = to - time;
         let least = 8.0 * f64::EPSILON * time.abs().max(to.abs());
@@ -315,7 +315,7 @@ impl Exchange {
     }
 
     /// Cuts a step at the first moment, to the resolution of time, after which an indicator has changed its side.
-    fn cut(&mut self, length: f64, allowed: &[f64], states: Vec<f64>) -> Result<Taken, Call> {
+    fn cut(&mut self, length: f64, allowed: &[f64], states: Vec<f64>) -> Called<Taken> {
         let mut taken = Taken { length, crossed: self.crosses(length, &states)?, states };
         if !taken.crossed {
             return Ok(taken);
@@ -343,7 +343,7 @@ impl Exchange {
     }
 
     /// Whether an indicator has changed its side after a step.
-    fn crosses(&mut self, h: f64, states: &[f64]) -> Result<bool, Call> {
+    fn crosses(&mut self, h: f64, states: &[f64]) -> Called<bool> {
         if self.march.indicators.is_empty() {
             return Ok(false);
         }
@@ -352,7 +352,7 @@ impl Exchange {
     }
 
     /// Linearises at the present time; no rates are asked for after `to`, s.
-    fn linearise(&mut self, to: f64) -> Result<(), Call> {
+    fn linearise(&mut self, to: f64) -> Called {
         let Self { plant, march, .. } = self;
         let (time, ahead) = (march.time, march.step.min(to - march.time));
         let mut rates = |t: f64, x: &[f64], into: &mut [f64]| plant.rates_at(t, x, into);
@@ -368,7 +368,7 @@ impl Exchange {
         Err(plant.failed(why))
     }
 
-    fn attempt(&mut self, h: f64, allowed: &[f64], end: &mut [f64]) -> Result<Option<f64>, Call> {
+    fn attempt(&mut self, h: f64, allowed: &[f64], end: &mut [f64]) -> Called<Option<f64>> {
         let Self { plant, march, .. } = self;
         let mut rates = |t: f64, x: &[f64], into: &mut [f64]| plant.rates_at(t, x, into);
         let method = &mut march.method;

@@ -13,11 +13,13 @@ mod march;
 mod rosenbrock;
 mod sparse;
 
-use crate::call::Call;
-use crate::component::Base;
-use crate::simulation::{Experiment, Simulation, Within};
-use crate::symbols::Saved;
-use crate::value::{Content, Handle, Value};
+use crate::{
+    call::Called,
+    component::Base,
+    simulation::{Experiment, Simulation, Within},
+    symbols::Saved,
+    value::{Content, Handle, Value},
+};
 pub(crate) use clocks::Clocks;
 pub(crate) use equations::Functions;
 use equations::Ramp;
@@ -38,7 +40,7 @@ impl Simulation for Exchange {
         self.plant.model.base_mut()
     }
 
-    fn set_up(&mut self, experiment: Experiment) -> Result<(), Call> {
+    fn set_up(&mut self, experiment: Experiment) -> Called {
         self.march = March::new(experiment);
         // The tolerance is that of who integrates. FMUs of Dymola warn at every point when they are told one.
         let told = Experiment { tolerance: experiment.tolerance.filter(|_| self.plant.steps()), ..experiment };
@@ -49,11 +51,11 @@ impl Simulation for Exchange {
         self.plant.model.hear(categories);
     }
 
-    fn resize(&mut self, sizes: &[(u32, u64)]) -> Result<(), Call> {
+    fn resize(&mut self, sizes: &[(u32, u64)]) -> Called {
         self.plant.model.resize(sizes)
     }
 
-    fn initialise(&mut self, _: Within<'_>) -> Result<(), Call> {
+    fn initialise(&mut self, _: Within<'_>) -> Called {
         let waiting = std::mem::take(&mut self.waiting);
         let (clocks, start) = (&mut self.clocks, self.march.time);
         self.plant.model.initialise(&mut |model| {
@@ -64,13 +66,12 @@ impl Simulation for Exchange {
         })?;
         // FMI leaves the initialisation in event mode.
         self.mode = Mode::Events;
-        let sizes = self.plant.sizes()?;
-        self.march.size(sizes);
+        self.march.size(self.plant.sizes()?);
         // An end before the first step is told by that step.
         self.settle()
     }
 
-    fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Result<(), Call> {
+    fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Called {
         if self.clocks.are_there() {
             for (&reference, place) in references.iter().zip(into) {
                 let content = Content::Real;
@@ -81,14 +82,14 @@ impl Simulation for Exchange {
         self.plant.model.reals(references, into)
     }
 
-    fn value(&mut self, handle: Handle) -> Result<Value, Call> {
+    fn value(&mut self, handle: Handle) -> Called<Value> {
         match self.clocks.value(handle) {
             Some(value) => Ok(value),
             None => self.plant.model.value(handle),
         }
     }
 
-    fn set(&mut self, reference: u32, value: &Value) -> Result<(), Call> {
+    fn set(&mut self, reference: u32, value: &Value) -> Called {
         self.plant.ramps.retain(|ramp| ramp.reference != reference);
         let content = value.content();
         let handle = Handle { reference, content };
@@ -116,7 +117,7 @@ impl Simulation for Exchange {
         }
     }
 
-    fn set_slope(&mut self, reference: u32, slope: f64) -> Result<(), Call> {
+    fn set_slope(&mut self, reference: u32, slope: f64) -> Called {
         let mut value = [0.0];
         self.plant.model.reals(&[reference], &mut value)?;
         self.plant.ramps.retain(|ramp| ramp.reference != reference);
@@ -124,11 +125,11 @@ impl Simulation for Exchange {
         Ok(())
     }
 
-    fn step(&mut self, time: f64, step: f64) -> Result<(), Call> {
+    fn step(&mut self, time: f64, step: f64) -> Called {
         self.advance(time, time + step)
     }
 
-    fn reset(&mut self) -> Result<(), Call> {
+    fn reset(&mut self) -> Called {
         self.mode = Mode::New;
         self.plant.ramps.clear();
         self.waiting.clear();

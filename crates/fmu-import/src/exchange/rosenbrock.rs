@@ -4,9 +4,11 @@
 //! One method serves stiff and other systems: the derivatives over the states are taken by differences at each step,
 //! so that none of them is ever old.
 
-use super::jacobian::{Jacobian, Place, Rates};
-use super::sparse::Triangles;
-use crate::call::Call;
+use super::{
+    jacobian::{Jacobian, Place, Rates},
+    sparse::Triangles,
+};
+use crate::call::Called;
 
 const GAMMA: f64 = 0.25;
 /// The times of the stages.
@@ -74,7 +76,7 @@ impl Rosenbrock {
         states: &[f64],
         nominals: &[f64],
         h: f64,
-    ) -> Result<bool, Call> {
+    ) -> Called<bool> {
         if states.is_empty() {
             return Ok(true);
         }
@@ -82,8 +84,8 @@ impl Rosenbrock {
             return Ok(false);
         }
         let root = f64::EPSILON.sqrt();
-        let sizes = states.iter().zip(nominals).map(|(state, nominal)| root * state.abs().max(*nominal));
-        let sizes: Vec<f64> = sizes.collect();
+        let sizes: Vec<f64> =
+            states.iter().zip(nominals).map(|(state, nominal)| root * state.abs().max(*nominal)).collect();
         let Some(more) = self.jacobian.compute(f, Place { time, states, rates: &self.first, sizes: &sizes })? else {
             return Ok(false);
         };
@@ -117,7 +119,7 @@ impl Rosenbrock {
         h: f64,
         allowed: &[f64],
         end: &mut [f64],
-    ) -> Result<Option<f64>, Call> {
+    ) -> Called<Option<f64>> {
         let n = states.len();
         if n == 0 {
             return Ok(Some(0.0));

@@ -2,9 +2,11 @@
 
 use std::ffi::{c_char, c_int};
 
-use crate::description::Interface;
-use crate::logger::Callbacks;
-use crate::symbols::{self, Component, Function, LibraryError, Plain, Symbols, Text};
+use crate::{
+    description::Interface,
+    logger::Callbacks,
+    symbols::{self, Component, Function, LibraryError, Plain, Symbols, Text},
+};
 
 pub(super) type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T) -> c_int;
 pub(super) type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T) -> c_int;

@@ -1,16 +1,20 @@
 //! A component of FMI 2.0.
 
-use std::ffi::{CStr, c_int};
-use std::ptr;
-use std::sync::Arc;
+use std::{
+    ffi::{CStr, c_int},
+    ptr,
+    sync::Arc,
+};
 
-use super::functions::{Access, Functions, Get, Set};
-use crate::call::Call;
-use crate::caller::Caller;
-use crate::component::{Base, Common, c_string};
-use crate::description::Interface;
-use crate::simulation::{Batch, Birth, Experiment, Simulation, Within};
-use crate::value::{Content, Handle, Value};
+use super::functions::{Access, Functions};
+use crate::{
+    call::{Call, Called},
+    caller::Caller,
+    component::{Base, Common, c_string},
+    description::Interface,
+    simulation::{Batch, Birth, Experiment, Simulation, Within},
+    value::{Content, Handle, Value},
+};
 
 /// A component for Co-Simulation; the equations of one for Model Exchange stand on it.
 #[derive(Debug)]
@@ -27,7 +31,7 @@ impl Model {
         birth: &Birth,
         mut caller: Caller,
         name: &str,
-    ) -> Result<Self, Call> {
+    ) -> Called<Self> {
         let [name, guid, resources] = [name, &birth.guid, &birth.resources].map(c_string);
         let callbacks = caller.log.callbacks();
         let instantiate = functions.instantiate.get()?;
@@ -51,21 +55,19 @@ impl Model {
     }
 
     /// Reads one variable.
-    fn get<T: Copy>(&mut self, reference: u32, access: Access<T>, blank: T) -> Result<T, Call> {
+    fn get<T: Copy>(&mut self, reference: u32, access: Access<T>, blank: T) -> Called<T> {
         let mut value = blank;
         let (reference, place) = (&raw const reference, &raw mut value);
         // SAFETY: both pointers are to one element.
-        let call = |get: Get<T>, of| unsafe { get(of, reference, 1, place) };
-        self.base.call(access.get, call)?;
+        self.base.call(access.get, |get, of| unsafe { get(of, reference, 1, place) })?;
         Ok(value)
     }
 
     /// Writes one variable.
-    fn put<T>(&mut self, reference: u32, access: Access<T>, value: T) -> Result<(), Call> {
+    fn put<T>(&mut self, reference: u32, access: Access<T>, value: T) -> Called {
         let (reference, value) = (&raw const reference, &raw const value);
         // SAFETY: both pointers are to one element.
-        let call = |set: Set<T>, of| unsafe { set(of, reference, 1, value) };
-        self.base.call(access.set, call)
+        self.base.call(access.set, |set, of| unsafe { set(of, reference, 1, value) })
     }
 }
 
@@ -84,7 +86,7 @@ impl Simulation for Model {
         &mut self.base
     }
 
-    fn set_up(&mut self, experiment: Experiment) -> Result<(), Call> {
+    fn set_up(&mut self, experiment: Experiment) -> Called {
         let Experiment { start, stop, tolerance } = experiment;
         let (known, tolerance) = (tolerance.is_some().into(), tolerance.unwrap_or(0.0));
         let function = self.functions.setup_experiment;
@@ -92,14 +94,14 @@ impl Simulation for Model {
         self.base.call(function, |set_up, of| unsafe { set_up(of, known, tolerance, start, 1, stop) })
     }
 
-    fn initialise(&mut self, within: Within<'_>) -> Result<(), Call> {
+    fn initialise(&mut self, within: Within<'_>) -> Called {
         self.base.plain(self.functions.enter_initialization_mode)?;
         within(self)?;
         self.base.exit_initialization_mode()
     }
 
     #[inline(never)]
-    fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Result<(), Call> {
+    fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Called {
         let count = references.len();
         assert_eq!(count, into.len(), "a place for each reference");
         let (references, into) = (references.as_ptr(), into.as_mut_ptr());
@@ -133,8 +135,7 @@ impl Simulation for Model {
             Value::Real(value) => self.put(reference, functions.real, *value),
             Value::Integer(value) => {
                 let value = c_int::try_from(*value).map_err(|_| {
-                    let why = format!("{value} is no whole number of 32 bits");
-                    Call::impossible(functions.integer.set.name, why)
+                    Call::impossible(functions.integer.set.name, format!("{value} is no whole number of 32 bits"))
                 })?;
                 self.put(reference, functions.integer, value)
             }
@@ -146,7 +147,7 @@ impl Simulation for Model {
         }
     }
 
-    fn set_slope(&mut self, reference: u32, slope: f64) -> Result<(), Call> {
+    fn set_slope(&mut self, reference: u32, slope: f64) -> Called {
         let (reference, slope) = (&raw const reference, &raw const slope);
         let function = self.functions.set_slopes;
         // SAFETY: all three pointers are to one element.
@@ -154,7 +155,7 @@ impl Simulation for Model {
     }
 
     #[inline(never)]
-    fn step(&mut self, time: f64, step: f64) -> Result<(), Call> {
+    fn step(&mut self, time: f64, step: f64) -> Called {
         let (do_step, component) = (self.functions.do_step.get()?, self.base.component);
         // SAFETY: the component is alive.
         let status = self.base.caller.call(|| unsafe { do_step(component, time, step, 1) });
@@ -164,7 +165,7 @@ impl Simulation for Model {
         self.slow_step(status, time, step)
     }
 
-    fn steps(&mut self, batch: Batch<'_>) -> (usize, Result<(), Call>) {
+    fn steps(&mut self, batch: Batch<'_>) -> (usize, Called) {
         self.take(batch)
     }
 }

@@ -1,13 +1,13 @@
 //! The steps of a component of FMI 2.0, with those that return before they are done.
 
-use std::ffi::c_int;
-use std::time::Duration;
+use std::{ffi::c_int, time::Duration};
 
-use super::functions::GetStatus;
-use super::simulation::Model;
-use crate::call::{Call, End, Status};
-use crate::simulation::{Batch, Simulation};
-use crate::symbols::Function;
+use super::{functions::GetStatus, simulation::Model};
+use crate::{
+    call::{Call, Called, End, Status},
+    simulation::{Batch, Simulation},
+    symbols::Function,
+};
 
 /// The questions about a step, as `fmi2StatusKind` numbers them.
 const DO_STEP_STATUS: c_int = 0;
@@ -22,23 +22,19 @@ enum Halt {
 
 impl Model {
     /// Takes the steps. Returns how many were taken and read, and why not all.
-    pub(super) fn take(&mut self, mut batch: Batch<'_>) -> (usize, Result<(), Call>) {
+    pub(super) fn take(&mut self, mut batch: Batch<'_>) -> (usize, Called) {
         let mut done = 0;
         loop {
             let outcome = match self.usual_steps(&mut batch, &mut done) {
                 Ok(None) => return (done, Ok(())),
                 Ok(Some(Halt::Step(status))) => {
                     let (time, size) = (batch.times[done], batch.sizes[done]);
-                    let step = self.slow_step(status, time, size);
-                    step.and_then(|()| match batch.references {
+                    self.slow_step(status, time, size).and_then(|()| match batch.references {
                         [] => Ok(()),
                         references => self.reals(references, batch.row(done)),
                     })
                 }
-                Ok(Some(Halt::Read(status))) => {
-                    let function = self.functions.real.get.name;
-                    self.base.caller.check(function, status)
-                }
+                Ok(Some(Halt::Read(status))) => self.base.caller.check(self.functions.real.get.name, status),
                 Err(call) => Err(call),
             };
             if outcome.is_err() {
@@ -50,7 +46,7 @@ impl Model {
 
     /// Takes steps from `done` on until one returns anything but `fmi2OK`, reads after each, and counts them.
     #[inline(never)]
-    fn usual_steps(&mut self, batch: &mut Batch<'_>, done: &mut usize) -> Result<Option<Halt>, Call> {
+    fn usual_steps(&mut self, batch: &mut Batch<'_>, done: &mut usize) -> Called<Option<Halt>> {
         let do_step = self.functions.do_step.get()?;
         let get_real = self.functions.real.get.get()?;
         let (component, width) = (self.base.component, batch.references.len());
@@ -80,13 +76,12 @@ impl Model {
     }
 
     #[cold]
-    pub(super) fn slow_step(&mut self, mut status: c_int, time: f64, step: f64) -> Result<(), Call> {
+    pub(super) fn slow_step(&mut self, mut status: c_int, time: f64, step: f64) -> Called {
         while Status::from(status) == Status::Pending {
             std::thread::sleep(Duration::from_micros(100));
             status = self.pending_step()?;
         }
-        let result = self.base.caller.check("fmi2DoStep", status);
-        result.map_err(|mut call| {
+        self.base.caller.check("fmi2DoStep", status).map_err(|mut call| {
             let stopped = self.functions.get_boolean_status;
             if call.status == Status::Discard && self.told(stopped, TERMINATED, 0).is_some_and(|is| is != 0) {
                 let at = self.told(self.functions.get_real_status, LAST_SUCCESSFUL_TIME, time);
@@ -99,7 +94,7 @@ impl Model {
     }
 
     /// The present status of a step that returned before it was done.
-    fn pending_step(&mut self) -> Result<c_int, Call> {
+    fn pending_step(&mut self) -> Called<c_int> {
         let forsaken = |why: &str| Call {
             function: "fmi2DoStep",
             status: Status::Pending,

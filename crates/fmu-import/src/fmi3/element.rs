@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
-use crate::call::Call;
-use crate::description::{Description, Storage};
-use crate::value::Value;
+use crate::{
+    call::{Call, Called},
+    description::{Description, Storage},
+    value::Value,
+};
 
 /// An element of a variable: its place in the binary, and its start value where the description has one.
 #[derive(Clone, Debug)]
@@ -24,9 +26,7 @@ impl Element {
     pub(crate) fn all(description: &Description) -> Arc<[Self]> {
         let mut all: Vec<Self> = Vec::new();
         for variable in description.variables.values() {
-            let Some(place) = variable.place else {
-                continue;
-            };
+            let Some(place) = variable.place else { continue };
             let element = Self {
                 reference: variable.value_reference,
                 storage: place.storage,
@@ -45,11 +45,10 @@ impl Element {
     }
 
     /// The element of a number.
-    pub(super) fn of(elements: &[Self], number: u32) -> Result<&Self, Call> {
-        elements.get(number as usize).ok_or_else(|| {
-            let why = format!("there is no element {number}");
-            Call::impossible("fmi3Get", why)
-        })
+    pub(super) fn of(elements: &[Self], number: u32) -> Called<&Self> {
+        elements
+            .get(number as usize)
+            .ok_or_else(|| Call::impossible("fmi3Get", format!("there is no element {number}")))
     }
 
     /// Whether it is a number of 64 bits by itself, of which one call reads several.

@@ -2,8 +2,10 @@
 
 use std::ffi::{c_char, c_int, c_void};
 
-use crate::description::Interface;
-use crate::symbols::{self, Component, Function, LibraryError, Plain, Symbols};
+use crate::{
+    description::Interface,
+    symbols::{self, Component, Function, LibraryError, Plain, Symbols},
+};
 
 type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T, usize) -> c_int;
 type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T, usize) -> c_int;

@@ -3,20 +3,22 @@
 //! One for Co-Simulation without event mode handles its events within its steps, and inputs may be set between any two of
 //! them. With event mode a step may end early, and `exchange` handles the events.
 
-use std::collections::HashMap;
-use std::ptr;
-use std::sync::Arc;
+use std::{collections::HashMap, ptr, sync::Arc};
 
-use super::element::Element;
-use super::functions::{Functions, Instantiates, LogMessage};
-use crate::call::{Call, End, Status};
-use crate::caller::Caller;
-use crate::component::{Base, Common, c_string};
-use crate::description::Storage;
-use crate::logger::fmu_import_log;
-use crate::simulation::{Birth, Experiment, Simulation, Within};
-use crate::symbols::Saved;
-use crate::value::{Handle, Value};
+use super::{
+    element::Element,
+    functions::{Functions, Instantiates, LogMessage},
+};
+use crate::{
+    call::{Call, Called, End, Status},
+    caller::Caller,
+    component::{Base, Common, c_string},
+    description::Storage,
+    logger::fmu_import_log,
+    simulation::{Birth, Experiment, Simulation, Within},
+    symbols::Saved,
+    value::{Handle, Value},
+};
 
 const DO_STEP: &str = "fmi3DoStep";
 
@@ -51,7 +53,7 @@ impl Model {
         events: bool,
         mut caller: Caller,
         name: &str,
-    ) -> Result<Self, Call> {
+    ) -> Called<Self> {
         const LOGGER: LogMessage = fmu_import_log;
         let [name, token, resources] = [name, &birth.guid, &birth.resources].map(c_string);
         let environment = caller.log.environment();
@@ -109,9 +111,7 @@ impl Model {
         let elements = &self.elements;
         let plain = |number: &u32| elements.get(*number as usize).filter(|one| one.is_plain());
         let references = numbers.iter().map(|number| plain(number).map(|element| element.reference));
-        let Some(references) = references.collect::<Option<Vec<u32>>>() else {
-            return false;
-        };
+        let Some(references) = references.collect::<Option<Vec<u32>>>() else { return false };
         self.references = references;
         self.together = numbers.to_vec();
         true
@@ -119,7 +119,7 @@ impl Model {
 }
 
 impl Simulation for Model {
-    fn part(&mut self, time: f64, step: f64) -> Result<(f64, bool), Call> {
+    fn part(&mut self, time: f64, step: f64) -> Called<(f64, bool)> {
         let (mut event, mut terminate, mut early) = (0_u8, 0_u8, 0_u8);
         let mut reached = f64::NAN;
         // SAFETY: the component is alive, and the four places are valid.
@@ -141,13 +141,12 @@ impl Simulation for Model {
             Ok(()) if early == 0 || reached == time + step => Ok((time + step, event)),
             Ok(()) if known && (reached > time || event) => Ok((reached, event)),
             Ok(()) => {
-                let why = format!("it returned early, at {reached} s of a step from {time} s");
-                Err(Call::impossible(DO_STEP, why))
+                Err(Call::impossible(DO_STEP, format!("it returned early, at {reached} s of a step from {time} s")))
             }
         }
     }
 
-    fn resize(&mut self, sizes: &[(u32, u64)]) -> Result<(), Call> {
+    fn resize(&mut self, sizes: &[(u32, u64)]) -> Called {
         let access = self.functions.uint64;
         self.base.plain(self.functions.enter_configuration_mode)?;
         for (reference, size) in sizes {
@@ -171,13 +170,13 @@ impl Simulation for Model {
         &mut self.base
     }
 
-    fn set_up(&mut self, experiment: Experiment) -> Result<(), Call> {
+    fn set_up(&mut self, experiment: Experiment) -> Called {
         // Told when the initialisation begins.
         self.experiment = experiment;
         Ok(())
     }
 
-    fn initialise(&mut self, within: Within<'_>) -> Result<(), Call> {
+    fn initialise(&mut self, within: Within<'_>) -> Called {
         let Experiment { start, stop, tolerance } = self.experiment;
         let (known, tolerance) = (tolerance.is_some(), tolerance.unwrap_or(0.0));
         let function = self.functions.enter_initialization_mode;
@@ -189,7 +188,7 @@ impl Simulation for Model {
     }
 
     #[inline(never)]
-    fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Result<(), Call> {
+    fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Called {
         assert_eq!(references.len(), into.len(), "a place for each reference");
         let access = self.functions.float64;
         if self.are_plain(references) {
@@ -217,21 +216,20 @@ impl Simulation for Model {
         Ok(())
     }
 
-    fn value(&mut self, handle: Handle) -> Result<Value, Call> {
+    fn value(&mut self, handle: Handle) -> Called<Value> {
         self.read(handle.reference)
     }
 
-    fn set(&mut self, reference: u32, value: &Value) -> Result<(), Call> {
+    fn set(&mut self, reference: u32, value: &Value) -> Called {
         self.write(reference, value)
     }
 
-    fn set_slope(&mut self, _: u32, _: f64) -> Result<(), Call> {
-        let why = "FMI 3.0 has no function for rates of inputs".to_owned();
-        Err(Call::impossible("fmi3SetRealInputDerivatives", why))
+    fn set_slope(&mut self, _: u32, _: f64) -> Called {
+        Err(Call::impossible("fmi3SetRealInputDerivatives", "FMI 3.0 has no function for rates of inputs".to_owned()))
     }
 
     #[inline(never)]
-    fn step(&mut self, time: f64, step: f64) -> Result<(), Call> {
+    fn step(&mut self, time: f64, step: f64) -> Called {
         let end = time + step;
         let (mut from, mut rest) = (time, step);
         loop {
@@ -244,7 +242,7 @@ impl Simulation for Model {
         }
     }
 
-    fn reset(&mut self) -> Result<(), Call> {
+    fn reset(&mut self) -> Called {
         self.written = Some(Written::new());
         self.base.reset()
     }
@@ -257,13 +255,13 @@ impl Simulation for Model {
         Some(state)
     }
 
-    fn restore(&mut self, state: Saved) -> Result<(), Call> {
+    fn restore(&mut self, state: Saved) -> Called {
         let saved = self.saved.iter().find(|(saved, _)| *saved == state);
         self.written = saved.and_then(|(_, written)| written.clone());
         self.base.restore(state)
     }
 
-    fn forget(&mut self, state: Saved) -> Result<(), Call> {
+    fn forget(&mut self, state: Saved) -> Called {
         self.saved.retain(|(saved, _)| *saved != state);
         self.base.forget(state)
     }

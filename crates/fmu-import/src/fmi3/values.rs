@@ -1,20 +1,22 @@
 //! Reading and writing the elements of variables of FMI 3.0.
 
-use std::ffi::{CStr, CString, c_char};
-use std::sync::Arc;
-use std::{ptr, slice};
+use std::{
+    ffi::{CStr, CString, c_char},
+    ptr, slice,
+    sync::Arc,
+};
 
-use super::element::Element;
-use super::functions::Access;
-use super::simulation::Model;
-use crate::call::{Call, Status};
-use crate::component::c_string;
-use crate::description::Storage;
-use crate::value::{Value, bytes_of, hexadecimal};
+use super::{element::Element, functions::Access, simulation::Model};
+use crate::{
+    call::{Call, Called, Status},
+    component::c_string,
+    description::Storage,
+    value::{Value, bytes_of, hexadecimal},
+};
 
 impl Model {
     /// Reads one element. All elements of an array are read at once, so that reading one after the other takes one call.
-    pub(super) fn read(&mut self, number: u32) -> Result<Value, Call> {
+    pub(super) fn read(&mut self, number: u32) -> Called<Value> {
         let elements = Arc::clone(&self.elements);
         let element = Element::of(&elements, number)?;
         match &self.array {
@@ -36,10 +38,11 @@ impl Model {
     fn read_array(&mut self, element: &Element) -> Result<Vec<Value>, Call> {
         let functions = Arc::clone(&self.functions);
         Ok(match element.storage {
-            Storage::Float32 => {
-                let values = self.all(functions.float32, element, 0.0)?;
-                values.into_iter().map(|value: f32| Value::Real(value.into())).collect()
-            }
+            Storage::Float32 => self
+                .all(functions.float32, element, 0.0)?
+                .into_iter()
+                .map(|value: f32| Value::Real(value.into()))
+                .collect(),
             Storage::Float64 => self.all(functions.float64, element, 0.0)?.into_iter().map(Value::Real).collect(),
             Storage::Int8 => self.integers(functions.int8, element)?,
             Storage::UInt8 => self.integers(functions.uint8, element)?,
@@ -50,14 +53,12 @@ impl Model {
             Storage::Int64 | Storage::Enumeration => self.integers(functions.int64, element)?,
             Storage::UInt64 => self.integers(functions.uint64, element)?,
             Storage::Boolean => {
-                let values = self.all(functions.boolean, element, 0)?;
-                values.into_iter().map(|value| Value::Boolean(value != 0)).collect()
+                self.all(functions.boolean, element, 0)?.into_iter().map(|value| Value::Boolean(value != 0)).collect()
             }
             Storage::Binary => self.binaries(element)?.iter().map(|bytes| Value::String(hexadecimal(bytes))).collect(),
             Storage::Clock => return Err(without_events()),
             Storage::String => {
-                let texts = self.texts(element)?;
-                texts.iter().map(|text| Value::String(text.to_string_lossy().into_owned())).collect()
+                self.texts(element)?.iter().map(|text| Value::String(text.to_string_lossy().into_owned())).collect()
             }
         })
     }
@@ -112,16 +113,19 @@ impl Model {
             return Some(values.clone());
         }
         let first = number as usize - element.index;
-        let array = self.elements.get(first..first + element.of)?;
-        let start = |(index, other): (usize, &Element)| {
-            let is_known = other.reference == element.reference && other.index == index;
-            other.start.clone().filter(|_| is_known)
-        };
-        array.iter().enumerate().map(start).collect()
+        self.elements
+            .get(first..first + element.of)?
+            .iter()
+            .enumerate()
+            .map(|(index, other)| {
+                let is_known = other.reference == element.reference && other.index == index;
+                other.start.clone().filter(|_| is_known)
+            })
+            .collect()
     }
 
     /// The values of all elements of a variable, at least one.
-    pub(super) fn all<T: Copy>(&mut self, access: Access<T>, element: &Element, blank: T) -> Result<Vec<T>, Call> {
+    pub(super) fn all<T: Copy>(&mut self, access: Access<T>, element: &Element, blank: T) -> Called<Vec<T>> {
         let mut values = vec![blank; element.of];
         let (reference, into) = (&raw const element.reference, values.as_mut_ptr());
         // SAFETY: there is one reference, and room for as many values as the variable has.
@@ -129,14 +133,8 @@ impl Model {
         Ok(values)
     }
 
-    fn put<T: Copy + Default>(
-        &mut self,
-        access: Access<T>,
-        new: New<'_>,
-        fit: impl Fn(&Value) -> Option<T>,
-    ) -> Result<(), Call> {
-        let told = |model: &mut Self| model.all(access, new.element, T::default());
-        let values = self.merged(new, access.set.name, fit, told)?;
+    fn put<T: Copy + Default>(&mut self, access: Access<T>, new: New<'_>, fit: impl Fn(&Value) -> Option<T>) -> Called {
+        let values = self.merged(new, access.set.name, fit, |model| model.all(access, new.element, T::default()))?;
         self.put_all(access, new.element, &values)
     }
 
@@ -147,8 +145,8 @@ impl Model {
         new: New<'_>,
         function: &'static str,
         fit: impl Fn(&Value) -> Option<T>,
-        told: impl FnOnce(&mut Self) -> Result<Vec<T>, Call>,
-    ) -> Result<Vec<T>, Call> {
+        told: impl FnOnce(&mut Self) -> Called<Vec<T>>,
+    ) -> Called<Vec<T>> {
         let fit = |value| fit(value).ok_or_else(|| unfit(value, new.element, function));
         if let Some(all) = new.all {
             return all.iter().map(fit).collect();
@@ -170,25 +168,23 @@ impl Model {
         call
     }
 
-    fn put_all<T>(&mut self, access: Access<T>, element: &Element, values: &[T]) -> Result<(), Call> {
+    fn put_all<T>(&mut self, access: Access<T>, element: &Element, values: &[T]) -> Called {
         let (reference, from) = (&raw const element.reference, values.as_ptr());
         // SAFETY: there is one reference, and as many values as the variable has.
         self.base.call(access.set, |set, of| unsafe { set(of, reference, 1, from, values.len()) })
     }
 
-    fn integers<T>(&mut self, access: Access<T>, element: &Element) -> Result<Vec<Value>, Call>
+    fn integers<T>(&mut self, access: Access<T>, element: &Element) -> Called<Vec<Value>>
     where
         T: Copy + Default,
         i128: From<T>,
     {
-        let values = self.all(access, element, T::default())?;
-        Ok(values.into_iter().map(|value| Value::Integer(value.into())).collect())
+        Ok(self.all(access, element, T::default())?.into_iter().map(|value| Value::Integer(value.into())).collect())
     }
 
     /// The texts of a variable, copied: the FMU's own ones are valid until the next call only.
-    fn texts(&mut self, element: &Element) -> Result<Vec<CString>, Call> {
-        let access = self.functions.string;
-        let texts = self.all(access, element, ptr::null::<c_char>())?;
+    fn texts(&mut self, element: &Element) -> Called<Vec<CString>> {
+        let texts = self.all(self.functions.string, element, ptr::null::<c_char>())?;
         let copy = |text: &*const c_char| {
             if text.is_null() {
                 return CString::default();
@@ -200,7 +196,7 @@ impl Model {
     }
 
     /// The bytes of a binary variable, copied as the texts are.
-    fn binaries(&mut self, element: &Element) -> Result<Vec<Vec<u8>>, Call> {
+    fn binaries(&mut self, element: &Element) -> Called<Vec<Vec<u8>>> {
         let mut sizes = vec![0; element.of];
         let mut places = vec![ptr::null::<u8>(); element.of];
         let (reference, of_each, into) = (&raw const element.reference, sizes.as_mut_ptr(), places.as_mut_ptr());
@@ -215,14 +211,17 @@ impl Model {
         Ok(places.iter().zip(&sizes).map(copy).collect())
     }
 
-    fn put_binary(&mut self, new: New<'_>) -> Result<(), Call> {
+    fn put_binary(&mut self, new: New<'_>) -> Called {
         let (element, set) = (new.element, self.functions.binary.set);
-        let fit = |value: &Value| match value {
-            Value::String(digits) => bytes_of(digits),
-            _ => None,
-        };
-        let told = |model: &mut Self| model.binaries(element);
-        let all = self.merged(new, set.name, fit, told)?;
+        let all = self.merged(
+            new,
+            set.name,
+            |value| match value {
+                Value::String(digits) => bytes_of(digits),
+                _ => None,
+            },
+            |model| model.binaries(element),
+        )?;
         let sizes: Vec<usize> = all.iter().map(Vec::len).collect();
         let places: Vec<*const u8> = all.iter().map(|bytes| bytes.as_ptr()).collect();
         let (reference, sizes, places) = (&raw const element.reference, sizes.as_ptr(), places.as_ptr());
@@ -230,15 +229,21 @@ impl Model {
         self.base.call(set, |set, of| unsafe { set(of, reference, 1, sizes, places, element.of) })
     }
 
-    fn put_text(&mut self, new: New<'_>) -> Result<(), Call> {
+    fn put_text(&mut self, new: New<'_>) -> Called {
         let (element, access) = (new.element, self.functions.string);
-        let fit = |value: &Value| match value {
-            Value::String(text) => Some(c_string(text)),
-            _ => None,
-        };
-        let told = |model: &mut Self| model.texts(element);
-        let texts = self.merged(new, access.set.name, fit, told)?;
-        let pointers: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
+        let pointers: Vec<*const c_char> = self
+            .merged(
+                new,
+                access.set.name,
+                |value| match value {
+                    Value::String(text) => Some(c_string(text)),
+                    _ => None,
+                },
+                |model| model.texts(element),
+            )?
+            .iter()
+            .map(|text| text.as_ptr())
+            .collect();
         self.put_all(access, element, &pointers)
     }
 }
@@ -286,6 +291,5 @@ fn unfit(value: &Value, element: &Element, function: &'static str) -> Call {
         Value::Integer(value) => value.to_string(),
         other => format!("{other:?}"),
     };
-    let why = format!("{value} does not fit into {:?}", element.storage);
-    Call::impossible(function, why)
+    Call::impossible(function, format!("{value} does not fit into {:?}", element.storage))
 }

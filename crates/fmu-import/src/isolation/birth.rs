@@ -1,17 +1,23 @@
 //! Start and end of a forked child.
 
-use std::fs::File;
-use std::io;
-use std::os::fd::{AsRawFd, OwnedFd, RawFd};
+use std::{
+    fs::File,
+    io,
+    os::fd::{AsRawFd, OwnedFd, RawFd},
+};
 
-use rustix::io::fcntl_dupfd_cloexec;
-use rustix::process::{Pid, getppid, setpgid};
+use rustix::{
+    io::fcntl_dupfd_cloexec,
+    process::{Pid, getppid, setpgid},
+};
 
-use super::child::Child;
-use super::frame::{self, Inbox};
-use super::keeper::{Keeper, Process};
-use super::loss::{DONE, MUTE};
-use super::system::{pipe, usual_signals};
+use super::{
+    child::Child,
+    frame::{self, Inbox},
+    keeper::{Keeper, Process},
+    loss::{DONE, MUTE},
+    system::{pipe, usual_signals},
+};
 
 impl Keeper {
     /// Forks a child that does `work`, and ends without running any destructor when that returns.
@@ -37,8 +43,7 @@ impl Keeper {
             pid => {
                 // Parent and child both do so, whoever comes first.
                 let _ = setpgid(Pid::from_raw(pid), Pid::from_raw(pid));
-                let process = Process(pid as u32);
-                Ok(Child::new(process, answers.into(), orders.into(), ticket))
+                Ok(Child::new(Process(pid as u32), answers.into(), orders.into(), ticket))
             }
         }
     }
@@ -119,8 +124,7 @@ fn hidden(orders: OwnedFd, answers: OwnedFd) -> (File, File) {
 /// The same file under a high number, where the system has one; programs that the FMU starts do not get it.
 fn raised(fd: OwnedFd) -> File {
     const HIGH: [RawFd; 2] = [1016, 248];
-    let raised = HIGH.into_iter().find_map(|least| fcntl_dupfd_cloexec(&fd, least).ok());
-    raised.unwrap_or(fd).into()
+    HIGH.into_iter().find_map(|least| fcntl_dupfd_cloexec(&fd, least).ok()).unwrap_or(fd).into()
 }
 
 /// Closes the descriptors of a range.

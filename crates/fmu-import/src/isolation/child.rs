@@ -3,12 +3,16 @@
 //! The keeper asks nothing of its children: each is looked at now and then, so that one that is silent because it has
 //! stopped, has ended with its pipe held open by others, or has swollen is noticed long before its deadline.
 
-use std::io;
-use std::time::{Duration, Instant};
+use std::{
+    io,
+    time::{Duration, Instant},
+};
 
-use super::frame::{self, Inbox};
-use super::keeper::{Answers, Keeper, Orders, Process};
-use super::loss::{Bounds, Loss, Parting, State};
+use super::{
+    frame::{self, Inbox},
+    keeper::{Answers, Keeper, Orders, Process},
+    loss::{Bounds, Loss, Parting, State},
+};
 
 /// How long a child may take to end after it has closed its pipe.
 const PATIENCE: Duration = Duration::from_secs(1);

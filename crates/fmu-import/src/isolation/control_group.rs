@@ -4,11 +4,15 @@
 //! Only where this process may make groups below its own; elsewhere there are none, and nobody is told: what
 //! [`offspring`](super::offspring) does is enough for all but processes that hide on purpose.
 
-use std::fs;
-use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
-use std::sync::atomic::{AtomicU64, Ordering};
-use std::time::{Duration, Instant};
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    sync::{
+        OnceLock,
+        atomic::{AtomicU64, Ordering},
+    },
+    time::{Duration, Instant},
+};
 
 /// The beginning of the names of groups; the number of the process that made a group follows.
 const NAME: &str = "orchestrator-";
@@ -43,8 +47,11 @@ impl ControlGroup {
 
     /// The processes in it.
     pub fn processes(&self) -> Vec<u32> {
-        let text = fs::read_to_string(self.folder.join("cgroup.procs")).unwrap_or_default();
-        text.lines().filter_map(|line| line.parse().ok()).collect()
+        fs::read_to_string(self.folder.join("cgroup.procs"))
+            .unwrap_or_default()
+            .lines()
+            .filter_map(|line| line.parse().ok())
+            .collect()
     }
 
     /// Ends all processes in it at once, whatever signals they block, and those that they are just starting.

@@ -63,11 +63,9 @@ pub fn take(arrived: &mut Vec<u8>, ticket: u64) -> Result<Option<Vec<u8>>, Broke
     if arrived[..known] != MARK[..known] {
         return Err(Broken::Mark);
     }
-    let Some(head) = arrived.first_chunk::<HEAD>() else {
-        return Ok(None);
-    };
-    let word = |at: usize| u32::from_le_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]);
-    let [low, high, length, checksum_then] = [4, 8, 12, 16].map(word);
+    let Some(head) = arrived.first_chunk::<HEAD>() else { return Ok(None) };
+    let [low, high, length, checksum_then] =
+        [4, 8, 12, 16].map(|at| u32::from_le_bytes([head[at], head[at + 1], head[at + 2], head[at + 3]]));
     if u64::from(low) | u64::from(high) << 32 != ticket {
         return Err(Broken::Ticket);
     }
@@ -75,9 +73,7 @@ pub fn take(arrived: &mut Vec<u8>, ticket: u64) -> Result<Option<Vec<u8>>, Broke
     if length > LONGEST {
         return Err(Broken::Length(length));
     }
-    let Some(payload) = arrived.get(HEAD..HEAD + length) else {
-        return Ok(None);
-    };
+    let Some(payload) = arrived.get(HEAD..HEAD + length) else { return Ok(None) };
     if checksum(ticket, payload) != checksum_then {
         return Err(Broken::Checksum);
     }

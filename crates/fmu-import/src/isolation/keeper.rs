@@ -1,17 +1,19 @@
 //! A process that keeps children, watches them and outlives whatever they do. It has a single thread.
 
-use std::fs::File;
-use std::os::fd::OwnedFd;
-use std::time::Duration;
+use std::{fs::File, os::fd::OwnedFd, time::Duration};
 
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::io::Errno;
-use rustix::process::{Pid, Signal, WaitId, WaitIdOptions, WaitOptions, WaitStatus, waitid, waitpid};
+use rustix::{
+    event::{PollFd, PollFlags, Timespec, poll},
+    io::Errno,
+    process::{Pid, Signal, WaitId, WaitIdOptions, WaitOptions, WaitStatus, waitid, waitpid},
+};
 
-use super::frame::Inbox;
-use super::loss::{DONE, Loss, MUTE, State};
-use super::offspring::{self, kill_group};
-use super::words::Words;
+use super::{
+    frame::Inbox,
+    loss::{DONE, Loss, MUTE, State},
+    offspring::{self, kill_group},
+    words::Words,
+};
 
 /// A process that keeps children.
 #[derive(Debug)]
@@ -159,8 +161,7 @@ impl Process {
     }
 
     fn pid(&self) -> Pid {
-        let pid = Pid::from_raw(self.0 as i32);
-        pid.expect("a process that was forked has a number")
+        Pid::from_raw(self.0 as i32).expect("a process that was forked has a number")
     }
 }
 

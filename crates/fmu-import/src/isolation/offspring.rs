@@ -3,12 +3,17 @@
 //! A child has a process group of its own, but an FMU may leave it (`setsid`) or start daemons. As a
 //! *subreaper* (`prctl(2)`) this process inherits whatever its children leave behind, and ends it.
 
-use std::fs;
-use std::time::{Duration, Instant};
+use std::{
+    fs,
+    time::{Duration, Instant},
+};
 
-use rustix::param::page_size;
-use rustix::process::{
-    Pid, Resource, Rlimit, Signal, WaitOptions, getrlimit, kill_process, kill_process_group, setrlimit, wait, waitpid,
+use rustix::{
+    param::page_size,
+    process::{
+        Pid, Resource, Rlimit, Signal, WaitOptions, getrlimit, kill_process, kill_process_group, setrlimit, wait,
+        waitpid,
+    },
 };
 
 use super::system::ignore_signals;
@@ -107,9 +112,7 @@ fn is_marked(pid: u32, mark: &str) -> bool {
 
 /// The children of a process, whichever of its threads started them; none where the system does not tell.
 fn children_of(parent: u32) -> Vec<u32> {
-    let Ok(processes) = fs::read_dir("/proc") else {
-        return Vec::new();
-    };
+    let Ok(processes) = fs::read_dir("/proc") else { return Vec::new() };
     let number = |name: &std::ffi::OsStr| name.to_str()?.parse::<u32>().ok();
     processes
         .flatten()

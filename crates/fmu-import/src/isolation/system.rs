@@ -1,7 +1,6 @@
 //! Calls of the operating system that keepers and their children share.
 
-use std::io;
-use std::os::fd::OwnedFd;
+use std::{io, os::fd::OwnedFd};
 
 /// Signals that a keeper ignores, and those whose handlers are Rust's.
 const CHANGED: [i32; 12] = [

@@ -7,8 +7,11 @@ pub(super) const KEPT: usize = 4096;
 
 /// What may go to a terminal: an FMU's own control characters could paint over what the program says there.
 pub(super) fn harmless(chunk: &[u8]) -> String {
-    let shown = |c: char| if c.is_control() && !matches!(c, '\n' | '\t') { char::REPLACEMENT_CHARACTER } else { c };
-    String::from_utf8_lossy(chunk).replace("\r\n", "\n").chars().map(shown).collect()
+    String::from_utf8_lossy(chunk)
+        .replace("\r\n", "\n")
+        .chars()
+        .map(|c| if c.is_control() && !matches!(c, '\n' | '\t') { char::REPLACEMENT_CHARACTER } else { c })
+        .collect()
 }
 
 /// The last bytes of what was printed.

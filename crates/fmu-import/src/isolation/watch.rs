@@ -5,9 +5,11 @@
 //! has ended misses nothing, and where nothing was written that costs one system call. On other systems names,
 //! sizes and times are compared.
 
-use std::collections::BTreeMap;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeMap,
+    fs,
+    path::{Path, PathBuf},
+};
 
 /// The files and folders below a folder, each with its size and times.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -26,8 +28,7 @@ fn times(entry: &fs::Metadata) -> [i64; 4] {
 #[cfg(windows)]
 fn times(entry: &fs::Metadata) -> [i64; 4] {
     use std::os::windows::fs::MetadataExt;
-    let counted = [entry.last_write_time(), entry.creation_time()];
-    let [changed, made] = counted.map(u64::cast_signed);
+    let [changed, made] = [entry.last_write_time(), entry.creation_time()].map(u64::cast_signed);
     [changed, made, i64::from(entry.file_attributes()), 0]
 }
 
@@ -37,9 +38,7 @@ impl Snapshot {
         let mut all = BTreeMap::new();
         let mut open = vec![folder.to_owned()];
         while let Some(path) = open.pop() {
-            let Ok(entry) = fs::symlink_metadata(&path) else {
-                continue;
-            };
+            let Ok(entry) = fs::symlink_metadata(&path) else { continue };
             if entry.is_dir() {
                 let entries = fs::read_dir(&path).into_iter().flatten().flatten();
                 open.extend(entries.map(|entry| entry.path()));
@@ -53,10 +52,7 @@ impl Snapshot {
 
     /// The first file that another snapshot has otherwise, or a folder where no file differs.
     pub fn difference(&self, other: &Self) -> Option<PathBuf> {
-        let missing = |one: &Self, two: &Self| {
-            let paths = one.0.keys().filter(|path| !two.0.contains_key(*path));
-            paths.min().cloned()
-        };
+        let missing = |one: &Self, two: &Self| one.0.keys().filter(|path| !two.0.contains_key(*path)).min().cloned();
         let changed = |(path, state): (&PathBuf, &State)| {
             let then = other.0.get(path).filter(|then| *then != state)?;
             // A folder changes with each entry that comes or goes, and then the entry tells more.
@@ -104,11 +100,7 @@ impl Watch {
             return None;
         }
         let place = self.before.difference(&Snapshot::of(&self.folder));
-        let within = |place: PathBuf| {
-            let within = place.strip_prefix(&self.folder).map(Path::to_owned);
-            within.unwrap_or_default()
-        };
-        match (place.map(within), seen) {
+        match (place.map(|place| place.strip_prefix(&self.folder).map(Path::to_owned).unwrap_or_default()), seen) {
             (None, Seen::Changed) => Some(PathBuf::new()),
             (place, _) => place,
         }
@@ -147,11 +139,12 @@ impl Events {
 
 #[cfg(target_os = "linux")]
 mod linux {
-    use std::mem::MaybeUninit;
-    use std::os::fd::OwnedFd;
+    use std::{mem::MaybeUninit, os::fd::OwnedFd};
 
-    use rustix::fs::inotify::{self, CreateFlags, ReadFlags, Reader, WatchFlags};
-    use rustix::io::Errno;
+    use rustix::{
+        fs::inotify::{self, CreateFlags, ReadFlags, Reader, WatchFlags},
+        io::Errno,
+    };
 
     use super::{Seen, Snapshot};
 

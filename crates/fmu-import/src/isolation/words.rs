@@ -1,14 +1,20 @@
 //! Keeps the last lines that children print.
 
-use std::fs::File;
-use std::io::{self, Read, Write};
-use std::os::fd::{AsFd, BorrowedFd};
+use std::{
+    fs::File,
+    io::{self, Read, Write},
+    os::fd::{AsFd, BorrowedFd},
+};
 
-use rustix::io::ioctl_fionbio;
-use rustix::stdio::{dup2_stderr, dup2_stdout};
+use rustix::{
+    io::ioctl_fionbio,
+    stdio::{dup2_stderr, dup2_stdout},
+};
 
-use super::system::pipe;
-use super::tail::{KEPT, Tail, harmless};
+use super::{
+    system::pipe,
+    tail::{KEPT, Tail, harmless},
+};
 
 /// Hears what this process and its children print.
 #[derive(Debug)]
@@ -37,9 +43,7 @@ impl Words {
         let mut chunk = [0; KEPT];
         // At most what a pipe holds: a child that prints without an end must not keep us here.
         for _ in 0..16 {
-            let Ok(count @ 1..) = self.heard.read(&mut chunk) else {
-                return;
-            };
+            let Ok(count @ 1..) = self.heard.read(&mut chunk) else { return };
             if let Some(echo) = &mut self.echo {
                 // Nobody may be listening.
                 let _ = echo.write_all(harmless(&chunk[..count]).as_bytes());

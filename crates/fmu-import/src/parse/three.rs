@@ -7,10 +7,12 @@ use std::collections::HashMap;
 
 use roxmltree::Node;
 
-use crate::description::{About, Description, Interface, Kind, Place, Storage, Timing, Variability, Variable};
-use crate::parse::{Reader, Types, item, text, truth};
-use crate::value::bytes_of;
-use crate::xml::{child, children, elements};
+use crate::{
+    description::{About, Description, Interface, Kind, Place, Storage, Timing, Variability, Variable},
+    parse::{Reader, Types, item, text, truth},
+    value::bytes_of,
+    xml::{child, children, elements},
+};
 
 /// More elements than an array can have that is useful by its elements.
 const MOST_ELEMENTS: usize = 100_000;
@@ -60,9 +62,7 @@ impl Reader {
         sizes.extend(into.sizes.iter().map(|(of, size)| (*of, *size as usize)));
         let mut first = 0;
         for node in nodes().filter(Node::is_element) {
-            let Some(written) = self.written(node, first, &sizes, into) else {
-                continue;
-            };
+            let Some(written) = self.written(node, first, &sizes, into) else { continue };
             // `written` refuses more elements than have numbers.
             first += u32::try_from(written.count()).unwrap_or(u32::MAX);
             self.elements(&written, &types, into);
@@ -78,7 +78,7 @@ impl Reader {
         into: &mut Description,
     ) -> Option<Written<'a>> {
         let name = self.name(node)?;
-        let mut refuse = |why: String| {
+        let mut refuse = |why| {
             into.unusable.insert(name.clone(), why);
             None
         };
@@ -94,14 +94,12 @@ impl Reader {
             let fixed = self.number::<usize>(dimension, "start");
             let of = self.number::<u32>(dimension, "valueReference");
             let size = fixed.or_else(|| sizes.get(&of?).copied());
-            let Some(size) = size else {
-                return refuse("the size of its array is not known".to_owned());
-            };
+            let Some(size) = size else { return refuse("the size of its array is not known".to_owned()) };
             dimensions.push(size);
         }
         let count = dimensions.iter().try_fold(1_usize, |all, size| all.checked_mul(*size));
-        let within = |count: &usize| *count <= MOST_ELEMENTS && first.checked_add(MOST_ELEMENTS as u32).is_some();
-        if count.filter(within).is_none() {
+        if count.filter(|count| *count <= MOST_ELEMENTS && first.checked_add(MOST_ELEMENTS as u32).is_some()).is_none()
+        {
             return refuse(format!("an array of more than {MOST_ELEMENTS} elements is not read"));
         }
         Some(Written { node, storage, first, sizes: dimensions })
@@ -111,11 +109,8 @@ impl Reader {
     fn elements(&mut self, written: &Written<'_>, types: &Types<'_>, into: &mut Description) {
         let node = written.node;
         let name = text(node, "name").unwrap_or_default();
-        let Some(value_reference) = self.reference(node, &name) else {
-            return;
-        };
-        let declared = node.attribute("declaredType");
-        let declared = declared.and_then(|name| types.get(name)).copied();
+        let Some(value_reference) = self.reference(node, &name) else { return };
+        let declared = node.attribute("declaredType").and_then(|name| types.get(name)).copied();
         let mut starts = starts(node);
         let resized = into.sizes.iter().find(|(of, _)| *of == value_reference);
         if let Some((_, size)) = resized {
@@ -164,9 +159,7 @@ impl Reader {
             })
             .collect();
         for alias in std::iter::once(node).chain(children(node, "Alias")) {
-            let Some(name) = text(alias, "name") else {
-                continue;
-            };
+            let Some(name) = text(alias, "name") else { continue };
             for (index, element) in elements.iter().enumerate() {
                 let mut element = element.clone();
                 element.name = format!("{name}{}", written.indices(index));
@@ -201,8 +194,7 @@ impl Reader {
         let resolution: Option<f64> = self.number(source("resolution"), "resolution");
         let mut time = |counter: &str, decimal: &str| {
             let counter: Option<f64> = self.number(source(counter), counter);
-            let fraction = counter.zip(resolution).map(|(counter, of)| counter / of);
-            fraction.or_else(|| self.number(source(decimal), decimal))
+            counter.zip(resolution).map(|(counter, of)| counter / of).or_else(|| self.number(source(decimal), decimal))
         };
         let interval = time("intervalCounter", "intervalDecimal");
         let shift = time("shiftCounter", "shiftDecimal");
@@ -233,14 +225,16 @@ impl Reader {
 
 /// A list of value references.
 fn references(list: Option<&str>) -> Vec<u32> {
-    let words = list.unwrap_or_default().split_whitespace();
-    words.filter_map(|word| word.parse().ok()).collect()
+    list.unwrap_or_default().split_whitespace().filter_map(|word| word.parse().ok()).collect()
 }
 
 /// Attributes of the types, by their names.
 fn types<'a>(root: Node<'a, 'a>) -> Types<'a> {
-    let types = child(root, "TypeDefinitions").into_iter().flat_map(elements);
-    types.filter_map(|node| Some((node.attribute("name")?, node))).collect()
+    child(root, "TypeDefinitions")
+        .into_iter()
+        .flat_map(elements)
+        .filter_map(|node| Some((node.attribute("name")?, node)))
+        .collect()
 }
 
 /// The size that a structural parameter stands for, by its value reference.
@@ -258,8 +252,7 @@ fn starts(node: Node<'_, '_>) -> Vec<String> {
     if matches!(node.tag_name().name(), "String" | "Binary") {
         return children(node, "Start").filter_map(|start| start.attribute("value")).map(str::to_owned).collect();
     }
-    let list = node.attribute("start").unwrap_or_default();
-    list.split_whitespace().map(str::to_owned).collect()
+    node.attribute("start").unwrap_or_default().split_whitespace().map(str::to_owned).collect()
 }
 
 #[cfg(test)]

@@ -70,8 +70,10 @@ const KNOWN: &[(Exponents, &[Named])] = &[
 /// The units of a name: none, one, or several of different kinds, each with its exponents.
 fn named(name: &str) -> impl Iterator<Item = (Exponents, Named)> {
     let name = plain(name).replace('*', ".");
-    let all = KNOWN.iter().flat_map(|(exponents, units)| units.iter().map(|unit| (*exponents, *unit)));
-    all.filter(move |(_, (names, _))| names.split(' ').any(|known| known == name))
+    KNOWN
+        .iter()
+        .flat_map(|(exponents, units)| units.iter().map(|unit| (*exponents, *unit)))
+        .filter(move |(_, (names, _))| names.split(' ').any(|known| known == name))
 }
 
 fn first(names: &'static str) -> &'static str {
@@ -106,16 +108,19 @@ pub(super) fn meanings(name: &str) -> impl Iterator<Item = BaseUnit> {
 
 /// How values in one unit become values in another one of the same kind, by their names alone.
 pub fn between(from: &str, to: &str) -> Option<Conversion> {
-    let pairs = meanings(from).flat_map(|a| meanings(to).map(move |b| (a, b)));
-    let mut alike = pairs.filter(|(a, b)| a.exponents == b.exponents);
+    let mut alike =
+        meanings(from).flat_map(|a| meanings(to).map(move |b| (a, b))).filter(|(a, b)| a.exponents == b.exponents);
     alike.next().map(|(from, to)| from.to_base.then(to.to_base.inverse()))
 }
 
 /// The usual names of all units of a unit's kind.
 pub fn alike(unit: &str) -> Vec<&'static str> {
     let kinds: Vec<Exponents> = named(unit).map(|(kind, _)| kind).collect();
-    let of_kind = KNOWN.iter().filter(|(kind, _)| kinds.contains(kind));
-    of_kind.flat_map(|(_, units)| units.iter().map(|(names, _)| first(names))).collect()
+    KNOWN
+        .iter()
+        .filter(|(kind, _)| kinds.contains(kind))
+        .flat_map(|(_, units)| units.iter().map(|(names, _)| first(names)))
+        .collect()
 }
 
 #[cfg(test)]

@@ -1,8 +1,10 @@
 //! Collects one variable while a point runs.
 
 use super::resampled::Draws;
-use crate::notices::Replicates;
-use crate::task::{Delay, Detail, MeasuredCurve, Probe};
+use crate::{
+    notices::Replicates,
+    task::{Delay, Detail, MeasuredCurve, Probe},
+};
 use curves::{Curve, Pair, Sampler, delay};
 use sampling::statistics::{Accumulator, MeanOverPeriods, MeanOverTurns};
 
@@ -202,15 +204,12 @@ impl Comparison {
 
 /// The model's values at the measurement's times after the delay was found; none where the model does not reach so far.
 fn aligned(measured: &MeasuredCurve, times: &[f64], values: Vec<f64>) -> Option<Vec<f64>> {
-    let Delay::Within(range) = measured.delay else {
-        return None;
-    };
+    let Delay::Within(range) = measured.delay else { return None };
     let model = Curve::new(times.to_vec(), values).ok()?;
     let reference = Curve::new(measured.times.clone(), measured.values.clone()).ok()?;
     let shift = delay::find(&reference, &model, range).ok()?;
     let [first, last] = model.span();
-    let place = |time: &f64| model.at((time - shift.delay).clamp(first, last));
-    measured.times.iter().map(place).collect()
+    measured.times.iter().map(|time| model.at((time - shift.delay).clamp(first, last))).collect()
 }
 
 #[cfg(test)]

@@ -4,9 +4,8 @@
 use std::ops::Range;
 
 use super::collector::Collector;
-use crate::notices::Replicates;
-use crate::task::Probe;
-use fmu_import::{Call, Instance};
+use crate::{notices::Replicates, task::Probe};
+use fmu_import::{Called, Instance};
 
 /// A probe, and what it has seen so far.
 #[derive(Debug)]
@@ -38,7 +37,7 @@ impl Gauge {
     }
 
     /// Looks at the variable, if the time is in the window; rounding of times counts as nothing.
-    pub(super) fn look(&mut self, observed: &[Probe], time: f64, instance: &mut Instance) -> Result<(), Call> {
+    pub(super) fn look(&mut self, observed: &[Probe], time: f64, instance: &mut Instance) -> Called {
         let probe = &observed[self.probes.start];
         let [from, to] = self.window;
         let rounding = 1e-9 * (from.abs() + to.abs());

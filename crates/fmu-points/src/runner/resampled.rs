@@ -1,7 +1,6 @@
 //! The curves that a measured one may truly have been, by its uncertainty.
 
-use crate::notices::Replicates;
-use crate::task::Resampling;
+use crate::{notices::Replicates, task::Resampling};
 use curves::{Metric, Pair};
 use sampling::recording::RowErrors;
 
@@ -23,11 +22,9 @@ impl Draws {
     /// To which of the curves a model conforms; none where they are not known.
     pub(super) fn conforming(&mut self, metric: Metric, pair: &Pair<'_>) -> Replicates {
         let rows = pair.reference.len();
-        let known = self.resampling.errors.as_ref();
-        let known = known.filter(|errors| errors.shared.len() == rows && errors.own.len() == rows);
-        let Some(errors) = known else {
-            return Replicates::new();
-        };
+        let known =
+            self.resampling.errors.as_ref().filter(|errors| errors.shared.len() == rows && errors.own.len() == rows);
+        let Some(errors) = known else { return Replicates::new() };
         if pair.model.iter().any(|value| !value.is_finite()) {
             return Replicates::new();
         }
@@ -54,8 +51,7 @@ impl Draws {
                     *truth += width * f64::from(*error);
                 }
             }
-            let value = metric.compare(&Pair { reference: &truth, ..*pair });
-            note(&self.resampling, replicate, value, &mut conforming);
+            note(&self.resampling, replicate, metric.compare(&Pair { reference: &truth, ..*pair }), &mut conforming);
         }
         conforming
     }

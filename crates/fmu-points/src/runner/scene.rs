@@ -2,14 +2,17 @@
 
 use std::ops::Range;
 
-use super::gauge::Gauge;
-use super::watched::Watched;
-use crate::names::behind;
-use crate::notices::Notices;
-use crate::task::{Detail, Probe, Product, SensorError, Slot, Task, place};
-use fmu_import::{Call, Content, End, Instance};
-use sampling::random::{Purpose, Random};
-use sampling::statistics::Direction;
+use super::{gauge::Gauge, watched::Watched};
+use crate::{
+    names::behind,
+    notices::Notices,
+    task::{Detail, Probe, Product, SensorError, Slot, Task, place},
+};
+use fmu_import::{Called, Content, End, Instance};
+use sampling::{
+    random::{Purpose, Random},
+    statistics::Direction,
+};
 
 /// A case, and what is gathered while it is simulated.
 #[derive(Debug)]
@@ -87,12 +90,13 @@ impl Scene {
         let noisy: Vec<f64> = task.varied.iter().map(|slot| f64::from(has_noise(slot))).collect();
         correct(&mut task, &mut recorded, &noisy);
         let stops = place(&mut task.inputs, &task.schedule);
-        let special = |probe: &Probe| probe.window.is_some() || probe.companion().is_some();
-        let has_windows = task.observed.iter().any(special);
-        let over_time = task.observed.iter().enumerate();
-        let over_time = over_time.filter(|(_, probe)| has_windows || !probe.is_final());
-        let (probes, others): (Vec<_>, Vec<_>) =
-            over_time.partition(|(_, probe)| !has_windows && probe.handle.content == Content::Real);
+        let has_windows = task.observed.iter().any(|probe| probe.window.is_some() || probe.companion().is_some());
+        let (probes, others): (Vec<_>, Vec<_>) = task
+            .observed
+            .iter()
+            .enumerate()
+            .filter(|(_, probe)| has_windows || !probe.is_final())
+            .partition(|(_, probe)| !has_windows && probe.handle.content == Content::Real);
         let [probes, others] =
             [probes, others].map(|of| together(&task.observed, of.iter().map(|(number, _)| *number)));
         let usual = [task.schedule.window_start, task.schedule.stop];
@@ -110,7 +114,7 @@ impl Scene {
     }
 
     /// Sets the start values and initialises.
-    pub(super) fn start(&mut self, instance: &mut Instance, values: &[f64]) -> Result<(), Call> {
+    pub(super) fn start(&mut self, instance: &mut Instance, values: &[f64]) -> Called {
         correct(&mut self.task, &mut self.recorded, values);
         let (task, schedule) = (&self.task, &self.task.schedule);
         instance.setup_experiment(schedule.start, schedule.stop, schedule.tolerance)?;
@@ -143,7 +147,7 @@ impl Scene {
     }
 
     /// Sets the inputs that change over time.
-    fn feed(&self, instance: &mut Instance, time: f64) -> Result<(), Call> {
+    fn feed(&self, instance: &mut Instance, time: f64) -> Called {
         for series in &self.task.inputs {
             let value = series.slot.value(series.at(time));
             instance.set(series.slot.handle.reference, &value)?;
@@ -152,7 +156,7 @@ impl Scene {
     }
 
     /// Goes from one communication point to the next, with a step to each time at which a recorded input turns.
-    pub(super) fn step(&self, instance: &mut Instance, [begin, end]: [f64; 2]) -> Result<(), Call> {
+    pub(super) fn step(&self, instance: &mut Instance, [begin, end]: [f64; 2]) -> Called {
         let ahead = &self.stops[self.stops.partition_point(|&stop| stop <= begin)..];
         let between = ahead.iter().copied().take_while(|&stop| stop < end);
         let mut time = begin;
@@ -176,8 +180,7 @@ impl Scene {
     pub(super) fn why_none(&self, result: usize) -> Option<String> {
         let watched = &self.watched;
         let watched = watched.probes.iter().zip(&watched.collectors);
-        let gauges = self.gauges.iter();
-        let gauges = gauges.map(|gauge| (&gauge.probes, &gauge.collector));
+        let gauges = self.gauges.iter().map(|gauge| (&gauge.probes, &gauge.collector));
         let (_, collector) = watched.chain(gauges).find(|(probes, _)| probes.contains(&result))?;
         let probe = &self.task.observed[result];
         let (Some(Detail::Level(level, direction)), [low, high]) = (probe.detail, collector.uncrossed()?) else {
@@ -205,7 +208,7 @@ impl Scene {
     }
 
     /// The results, with the statistics of most variables taken over `span` seconds.
-    pub(super) fn finish(&mut self, instance: &mut Instance, span: f64, notices: &mut Notices) -> Result<(), Call> {
+    pub(super) fn finish(&mut self, instance: &mut Instance, span: f64, notices: &mut Notices) -> Called {
         let watched = &mut self.watched;
         for (probes, collector) in watched.probes.iter().zip(&mut watched.collectors) {
             collector.results(span, &mut self.results[probes.clone()]);

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::Scene;
 use crate::task::CommunicationPoints;
-use fmu_import::{Call, Instance};
+use fmu_import::{Called, Instance};
 
 impl Scene {
     /// Takes some of the steps.
@@ -13,7 +13,7 @@ impl Scene {
         instance: &mut Instance,
         points: &CommunicationPoints,
         steps: Range<u64>,
-    ) -> Result<(), Call> {
+    ) -> Called {
         if !self.task.inputs.is_empty() || WATCH && !self.gauges.is_empty() {
             return self.advance_each::<WATCH>(instance, points, steps);
         }
@@ -30,7 +30,7 @@ impl Scene {
         instance: &mut Instance,
         points: &CommunicationPoints,
         steps: Range<u64>,
-    ) -> Result<(), Call> {
+    ) -> Called {
         for index in steps {
             let (time, next) = (points.at(index), points.at(index + 1));
             self.step(instance, [time, next])?;
@@ -49,17 +49,15 @@ impl Scene {
         instance: &mut Instance,
         points: &CommunicationPoints,
         steps: Range<u64>,
-    ) -> Result<(), Call> {
+    ) -> Called {
         let watched = &mut self.watched;
         let most = if WATCH { watched.most } else { Together::MOST };
         let mut first = steps.start;
         while first < steps.end {
             let count = watched.steps.fill(points, first..steps.end, most);
             let (begins, sizes) = watched.steps.first(count);
-            let (references, values) = match WATCH {
-                true => (&watched.references[..], &mut watched.values[..]),
-                false => (&[][..], &mut [][..]),
-            };
+            let (references, values) =
+                if WATCH { (&watched.references[..], &mut watched.values[..]) } else { (&[][..], &mut [][..]) };
             let (done, outcome) = instance.steps(begins, sizes, references, values);
             if WATCH {
                 // Where the FMU ends the simulation by itself, the steps before count.
@@ -72,7 +70,7 @@ impl Scene {
     }
 
     /// Reads what is gathered over time, which was read `last` before.
-    pub(super) fn watch(&mut self, instance: &mut Instance, [last, time]: [f64; 2]) -> Result<(), Call> {
+    pub(super) fn watch(&mut self, instance: &mut Instance, [last, time]: [f64; 2]) -> Called {
         self.watched.read(instance, last, time - last)?;
         let mut gauges = self.gauges.iter_mut();
         gauges.try_for_each(|gauge| gauge.look(&self.task.observed, time, instance))

@@ -2,10 +2,9 @@
 
 use std::ops::Range;
 
-use super::collector::Collector;
-use super::steps::Together;
+use super::{collector::Collector, steps::Together};
 use crate::task::Task;
-use fmu_import::{Call, Instance};
+use fmu_import::{Called, Instance};
 
 /// Real variables that are read in one call.
 #[derive(Debug)]
@@ -40,7 +39,7 @@ impl Watched {
     }
 
     /// Reads the values at one communication point.
-    pub(super) fn read(&mut self, instance: &mut Instance, last: f64, elapsed: f64) -> Result<(), Call> {
+    pub(super) fn read(&mut self, instance: &mut Instance, last: f64, elapsed: f64) -> Called {
         if !self.probes.is_empty() {
             instance.reals(&self.references, &mut self.values[..self.probes.len()])?;
             self.steps.begins[0] = last;
@@ -56,8 +55,7 @@ impl Watched {
         let (begins, sizes) = self.steps.first(steps);
         match &mut self.collectors[..] {
             [Collector::Statistic(accumulator)] => {
-                let values = self.values.iter().copied();
-                accumulator.add_all(sizes.iter().copied().zip(values));
+                accumulator.add_all(sizes.iter().copied().zip(self.values.iter().copied()));
             }
             several => take_columns(several, begins, sizes, &self.values),
         }
@@ -71,15 +69,13 @@ fn take_columns(collectors: &mut [Collector], begins: &[f64], sizes: &[f64], val
     for (number, collector) in collectors.iter_mut().enumerate() {
         match collector {
             Collector::Statistic(accumulator) => {
-                let column = values[number..].iter().step_by(count).copied();
-                accumulator.add_all(sizes.iter().copied().zip(column));
+                accumulator.add_all(sizes.iter().copied().zip(values[number..].iter().step_by(count).copied()));
             }
             Collector::Event(accumulator, first) => {
                 if let ([begin, ..], [size, ..]) = (begins, sizes) {
                     first.get_or_insert(begin + size);
                 }
-                let column = values[number..].iter().step_by(count).copied();
-                accumulator.add_all(sizes.iter().copied().zip(column));
+                accumulator.add_all(sizes.iter().copied().zip(values[number..].iter().step_by(count).copied()));
             }
             // They need another variable, which a gauge reads, too.
             Collector::Turns(_) | Collector::Periods(_) => {}

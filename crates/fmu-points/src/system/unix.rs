@@ -1,24 +1,29 @@
 //! Unix: process groups, signals, `/proc` where there is one.
 
-use std::fs::{self, File};
-use std::io;
-use std::mem::ManuallyDrop;
-use std::net::UdpSocket;
-use std::os::fd::{AsFd, FromRawFd, OwnedFd};
-use std::os::unix::fs::{DirBuilderExt, MetadataExt};
-use std::os::unix::net::UnixDatagram;
-use std::os::unix::process::{CommandExt, ExitStatusExt};
-use std::path::{Path, PathBuf};
-use std::process::{ChildStdout, Command, ExitStatus};
-use std::time::Duration;
+use std::{
+    fs::{self, File},
+    io,
+    mem::ManuallyDrop,
+    net::UdpSocket,
+    os::{
+        fd::{AsFd, FromRawFd, OwnedFd},
+        unix::{
+            fs::{DirBuilderExt, MetadataExt},
+            net::UnixDatagram,
+            process::{CommandExt, ExitStatusExt},
+        },
+    },
+    path::{Path, PathBuf},
+    process::{ChildStdout, Command, ExitStatus},
+    time::Duration,
+};
 
-use fmu_import::isolation::frame::Inbox;
-use fmu_import::isolation::offspring;
-use fmu_import::isolation::words::Words;
-use fmu_import::isolation::{Keeper, Loss};
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::process::{Pid, Signal, geteuid, kill_process_group};
-use rustix::stdio::dup2_stdin;
+use fmu_import::isolation::{Keeper, Loss, frame::Inbox, offspring, words::Words};
+use rustix::{
+    event::{PollFd, PollFlags, Timespec, poll},
+    process::{Pid, Signal, geteuid, kill_process_group},
+    stdio::dup2_stdin,
+};
 
 pub(crate) use fmu_import::isolation::offspring::{
     adopt_orphans, end_all, end_marked, is_stopped, kill_group as kill_worker,
@@ -65,8 +70,7 @@ pub(crate) fn is_ready(replies: &mut Inbox<Source>, time: Duration) -> bool {
 
 /// How a process ended.
 pub(crate) fn loss(status: ExitStatus) -> Loss {
-    let code = || Loss::Exit(status.code().unwrap_or(-1));
-    status.signal().map_or_else(code, Loss::Signal)
+    status.signal().map_or_else(|| Loss::Exit(status.code().unwrap_or(-1)), Loss::Signal)
 }
 
 /// Ends the group of a process at once. The process itself may have ended, and its number may be another's.
@@ -98,8 +102,7 @@ pub(crate) fn make_private(folder: &Path) -> io::Result<()> {
 /// Whether a path is that of an open file.
 pub(crate) fn is_that_file(file: &File, path: &Path) -> bool {
     let place = |of: fs::Metadata| (of.dev(), of.ino());
-    let pair = file.metadata().ok().zip(fs::metadata(path).ok());
-    pair.is_some_and(|(open, named)| place(open) == place(named))
+    file.metadata().ok().zip(fs::metadata(path).ok()).is_some_and(|(open, named)| place(open) == place(named))
 }
 
 /// Sets a handler of signals, and leaves a hangup ignored where it was before, as by `nohup`.
@@ -119,9 +122,14 @@ pub(crate) fn without_hangup(set: impl FnOnce()) {
 
 /// The memory of this machine, bytes; `None` where that is not known.
 pub fn memory_of_machine() -> Option<u64> {
-    let text = fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|l| l.strip_prefix("MemTotal:"))?;
-    let kibibytes = line.trim().strip_suffix("kB")?.trim().parse::<u64>();
+    let kibibytes = fs::read_to_string("/proc/meminfo")
+        .ok()?
+        .lines()
+        .find_map(|l| l.strip_prefix("MemTotal:"))?
+        .trim()
+        .strip_suffix("kB")?
+        .trim()
+        .parse::<u64>();
     kibibytes.ok().map(|kibibytes| kibibytes * 1024)
 }
 

@@ -16,10 +16,10 @@ pub struct MeasuredCurve {
     /// The half width of the corridor at these times; empty for other metrics.
     pub band: Vec<f64>,
     /// The errors of the values; none where no uncertainty is stated.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub errors: Option<CurveErrors>,
     /// The true curves that its uncertainty allows, and when the model conforms to one; none where that is not asked.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub resampling: Option<Resampling>,
     /// By what a normalised metric divides.
     pub normaliser: f64,
@@ -113,8 +113,8 @@ impl MeasuredCurve {
             Delay::Known(delay) => [delay; 2],
             Delay::Within(range) => range,
         };
-        let ends = [self.times.first(), self.times.last()];
-        let [first, last] = ends.map(|time| *time.expect("a measured curve has samples"));
+        let [first, last] =
+            [self.times.first(), self.times.last()].map(|time| *time.expect("a measured curve has samples"));
         [first - most, last - least]
     }
 }

@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::schedule::{CommunicationPoints, Schedule};
-use super::slot::Slot;
+use super::{
+    schedule::{CommunicationPoints, Schedule},
+    slot::Slot,
+};
 
 /// Rows within this part of a step of a communication point count as on it: times in a file are rounded.
 const NEAR: f64 = 1e-3;
@@ -42,9 +44,7 @@ impl Series {
 
     /// The value at a time before the `after`th row, and not before the row ahead of that.
     fn between(&self, after: usize, time: f64) -> f64 {
-        let Some(before) = after.checked_sub(1) else {
-            return self.values[0];
-        };
+        let Some(before) = after.checked_sub(1) else { return self.values[0] };
         if self.hold || after == self.times.len() {
             return self.values[before];
         }
@@ -58,8 +58,7 @@ impl Series {
         let Schedule { start, stop, .. } = *schedule;
         let [first, last] = self.span();
         let interval = (last - first) / (self.times.len() as f64 - 1.0).max(1.0);
-        let may_miss = interval.min(MOST_BEYOND * (stop - start));
-        let may_miss = may_miss.max(NEAR * schedule.step);
+        let may_miss = interval.min(MOST_BEYOND * (stop - start)).max(NEAR * schedule.step);
         if first > start + may_miss {
             Some([start, first.min(stop)])
         } else if last < stop - may_miss {
@@ -95,8 +94,7 @@ impl Series {
             let around = [index.saturating_sub(1), index].map(|index| points.at(index));
             let place = stops.partition_point(|stop| stop < time);
             let known = stops[place.saturating_sub(1)..].iter().take(2).copied();
-            let close = |other: &f64| (other - *time).abs() <= near;
-            let settled = around.into_iter().chain(known).find(close);
+            let settled = around.into_iter().chain(known).find(|other| (other - *time).abs() <= near);
             before = settled.unwrap_or(*time).max(before);
             *time = before;
         }

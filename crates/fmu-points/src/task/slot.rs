@@ -20,7 +20,7 @@ pub struct Slot {
     /// Whether the value is that of another case, and this simulation leaves the variable as it is.
     pub idle: bool,
     /// What the value says of the sensor that recorded this input, where it is no value of the variable.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<SensorError>,
 }
 
@@ -73,9 +73,10 @@ impl Slot {
         }
         if self.error.is_some() {
             let is_gain = matches!(self.error, Some(SensorError::Gain { .. }));
-            return match is_gain && value <= -1.0 {
-                true => Err(format!("a gain error of {value} leaves nothing of the recording of {name}")),
-                false => Ok(()),
+            return if is_gain && value <= -1.0 {
+                Err(format!("a gain error of {value} leaves nothing of the recording of {name}"))
+            } else {
+                Ok(())
             };
         }
         let stored = self.stored(value);
@@ -137,8 +138,11 @@ impl Slot {
         if self.handle.content == Content::Integer {
             return value.round();
         }
-        let is_same = |limit: &f64| (value - limit).abs() <= ROUNDING * limit.abs();
-        [self.min, self.max].into_iter().flatten().find(is_same).unwrap_or(value)
+        [self.min, self.max]
+            .into_iter()
+            .flatten()
+            .find(|limit| (value - limit).abs() <= ROUNDING * limit.abs())
+            .unwrap_or(value)
     }
 }
 

@@ -1,11 +1,12 @@
 //! The contact of a journal whose clearance changes: tables at several clearances, and polynomials between them.
 
 use super::{Contact, ContactTable, LOGARITHMS, NO_CONTACT, NODES, Node, Place, QUANTITIES, Surface, Touch};
-use crate::roughness::Reach;
-use crate::spline::below;
-use std::cell::OnceCell;
-use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
+use crate::{roughness::Reach, spline::below};
+use std::{
+    cell::OnceCell,
+    collections::BTreeMap,
+    sync::{Arc, Mutex, OnceLock, PoisonError},
+};
 
 /// The contact of an aligned, round journal over its eccentricity ratio and its radial clearance.
 ///
@@ -147,8 +148,7 @@ impl ContactFamily {
         let below = below(x);
         let lowest = if below >= 0 { (below - 1).max(0) } else { (below - 1).min(1 - THROUGH as i32) };
         let weights = weights(x - f64::from(lowest));
-        let index = usize::try_from(lowest - self.first).unwrap_or(0);
-        let index = index.min(self.tables.len() - THROUGH);
+        let index = usize::try_from(lowest - self.first).unwrap_or(0).min(self.tables.len() - THROUGH);
         let tables = &self.tables[index..index + THROUGH];
         std::array::from_fn(|k| {
             let number = self.first + (index + k) as i32;
@@ -200,9 +200,7 @@ impl ContactAt<'_> {
     /// A knot between tables.
     #[inline(never)]
     fn node(&self, i: usize) -> Node {
-        let Tables::Between { scale, tables, .. } = &self.0 else {
-            return Node::default();
-        };
+        let Tables::Between { scale, tables, .. } = &self.0 else { return Node::default() };
         let mut sum = Node::default();
         for (table, weight) in tables {
             let node = table.nodes[i].get_or_init(|| table.node(i));

@@ -21,8 +21,7 @@ const CROSSED: f64 = -6.0;
 
 /// `ln F_5/2` and its slope at a film ratio. Above the fit's range it falls faster than the integral.
 fn log(h: f64) -> (f64, f64) {
-    let powers = LOG.iter().rev();
-    powers.fold((0.0, 0.0), |(value, slope), coefficient| (value * h + coefficient, slope * h + value))
+    LOG.iter().rev().fold((0.0, 0.0), |(value, slope), coefficient| (value * h + coefficient, slope * h + value))
 }
 
 /// Greenwood & Tripp's integral `F_5/2(H) = 1/sqrt(2*pi) * int_H^inf (s-H)^(5/2) exp(-s^2/2) ds` for Gaussian heights, and

@@ -30,8 +30,8 @@ fn thinness(ratio: f64) -> f64 {
     let sum = if z <= CLOSED {
         0.0
     } else if z <= 1.0 {
-        let series = [-55.0, 132.0, 345.0, -160.0, -405.0, 60.0, 147.0];
-        let series = series.iter().rev().fold(0.0, |sum, term| sum * z + term);
+        let series =
+            [-55.0, 132.0, 345.0, -160.0, -405.0, 60.0, 147.0].iter().rev().fold(0.0, |sum, term| sum * z + term);
         parabola * (300.0 * (z + 1.0)).ln() + series / 60.0
     } else if z <= 10.0 {
         let series = 66.0 + square * (30.0 * square - 80.0);

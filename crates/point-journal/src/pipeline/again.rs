@@ -5,19 +5,17 @@
 //! allows, and some drawn from all: in a new process whose unwritten memory holds other bytes, from another path, and on another host
 //! where there is one.
 
-use std::collections::BTreeMap;
-use std::ops::ControlFlow;
-use std::sync::atomic::Ordering;
-use std::time::{Duration, Instant};
+use std::{
+    collections::BTreeMap,
+    ops::ControlFlow,
+    sync::atomic::Ordering,
+    time::{Duration, Instant},
+};
 
-use rand::rngs::StdRng;
-use rand::seq::SliceRandom;
-use rand::{RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng, rngs::StdRng, seq::SliceRandom};
 
-use crate::{Error, Outcome, pipeline::Model};
-use fmu_points::crew::Crew;
-use fmu_points::task::Case;
-use fmu_points::{Conduct, Event, Job, Post, stop};
+use crate::{Outcome, Result, pipeline::Model};
+use fmu_points::{Conduct, Event, Job, Post, crew::Crew, stop, task::Case};
 
 /// A point of an index that is known.
 pub(super) type Known<'a> = &'a dyn Fn(u64) -> Job;
@@ -119,7 +117,7 @@ impl Again {
     }
 
     /// Runs the points again and compares. Those of a run that is to end at once do not.
-    pub(super) fn run(&mut self, crew: &Crew, model: &dyn Model) -> Result<(), Error> {
+    pub(super) fn run(&mut self, crew: &Crew, model: &dyn Model) -> Result {
         let stopped = || stop::flag().load(Ordering::Relaxed);
         let (begun, whole) = (Instant::now(), self.begun.elapsed());
         let first = std::mem::take(&mut self.points);
@@ -133,9 +131,10 @@ impl Again {
         let mut workers = BTreeMap::new();
         for (point, is_first) in first.into_iter().chain(drawn).zip(is_first) {
             let spent = begun.elapsed();
-            let room = match is_first || count < FEWEST {
-                true => LITTLE.max(whole / PART),
-                false => LITTLE_OF_DRAWN.min(whole / PART_OF_SHORT).max(whole / PART_OF_DRAWN),
+            let room = if is_first || count < FEWEST {
+                LITTLE.max(whole / PART)
+            } else {
+                LITTLE_OF_DRAWN.min(whole / PART_OF_SHORT).max(whole / PART_OF_DRAWN)
             };
             if stopped() || count > 0 && spent > room || count >= self.most {
                 break;
@@ -166,8 +165,12 @@ impl Again {
                     (Some(here), _) => format!(" ({here})"),
                     _ => String::new(),
                 };
-                let involved = [host, there].into_iter().flatten().collect::<std::collections::BTreeSet<_>>();
-                involved.into_iter().for_each(|host| *others.entry(host).or_default() += 1);
+                [host, there]
+                    .into_iter()
+                    .flatten()
+                    .collect::<std::collections::BTreeSet<_>>()
+                    .into_iter()
+                    .for_each(|host| *others.entry(host).or_default() += 1);
                 differences.push(format!("point {}{hosts}: {text}", job.index + 1));
             }
         }

@@ -1,12 +1,12 @@
 //! The folder in which a run keeps what it has computed.
 
-use std::fs;
-use std::path::Path;
+use std::{fs, path::Path};
 
-use crate::files::DRAFT;
-use crate::{Error, Finished, Header, Journal, Lock, lines};
-use fmu_points::scratch::{self, Scratch};
-use fmu_points::stop;
+use crate::{Error, Finished, Header, Journal, Lock, Result, files::DRAFT, lines};
+use fmu_points::{
+    scratch::{self, Scratch},
+    stop,
+};
 
 /// A folder that is taken for a run.
 #[derive(Debug)]
@@ -44,7 +44,7 @@ impl RunFolder {
     ///
     /// # Errors
     /// When the folder holds something else, and when the system says no.
-    pub fn open(lock: Lock, folder: &Path, header: &Header, earlier: Earlier, complete: bool) -> Result<Self, Error> {
+    pub fn open(lock: Lock, folder: &Path, header: &Header, earlier: Earlier, complete: bool) -> Result<Self> {
         // What killed runs left: nobody else is at work here.
         scratch::remove_starting_with(folder, &[DRAFT]);
         let (journal, finished) = journal(folder, header, earlier, complete)?;
@@ -52,12 +52,7 @@ impl RunFolder {
     }
 }
 
-fn journal(
-    folder: &Path,
-    header: &Header,
-    earlier: Earlier,
-    complete: bool,
-) -> Result<(Journal, Option<Finished>), Error> {
+fn journal(folder: &Path, header: &Header, earlier: Earlier, complete: bool) -> Result<(Journal, Option<Finished>)> {
     let path = lines::path_in(folder);
     if path.exists() {
         if earlier == Earlier::Resumed {

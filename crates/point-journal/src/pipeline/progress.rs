@@ -1,7 +1,6 @@
 //! Progress on standard error, when that is a terminal.
 
-use std::collections::BTreeMap;
-use std::time::Duration;
+use std::{collections::BTreeMap, time::Duration};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
@@ -19,8 +18,7 @@ impl Progress {
     pub(super) fn new(points: Option<u64>, done: u64) -> Self {
         const LINE: &str = "{bar:30} {pos}/{len} points, {per_sec}, {eta} left, {msg}";
         const OPEN: &str = "{pos} points, {per_sec}, {elapsed}, {msg}";
-        let target = ProgressDrawTarget::stderr_with_hz(5);
-        let bar = ProgressBar::with_draw_target(points, target).with_position(done);
+        let bar = ProgressBar::with_draw_target(points, ProgressDrawTarget::stderr_with_hz(5)).with_position(done);
         if let Ok(style) = ProgressStyle::with_template(points.map_or(OPEN, |_| LINE)) {
             bar.set_style(style);
         }

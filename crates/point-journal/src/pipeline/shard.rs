@@ -1,7 +1,6 @@
 //! Parts of a set of points.
 
-use std::fmt;
-use std::str::FromStr;
+use std::{fmt, str::FromStr};
 
 use serde::{Deserialize, Serialize};
 
@@ -43,8 +42,7 @@ impl Part {
     /// Whether the point of this index belongs to the part.
     pub fn has(&self, index: u64) -> bool {
         let Shard { number, of } = self.shard;
-        let dealt = self.dealt_in_runs();
-        let (round, place) = match index.checked_sub(dealt) {
+        let (round, place) = match index.checked_sub(self.dealt_in_runs()) {
             None => (index / RUN / of, index / RUN % of),
             Some(rest) => (!(rest / of), rest % of),
         };
@@ -78,8 +76,7 @@ impl FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let parts = text.split_once('/');
-        let numbers = parts.and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
+        let numbers = text.split_once('/').and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
         match numbers {
             Some((number, of)) if (1..=of).contains(&number) => Ok(Self { number, of }),
             _ => Err(format!("`{text}` is not a part such as 2/8")),

@@ -24,20 +24,20 @@ impl Correlation {
             matrix[(a, b)] = coefficient;
             matrix[(b, a)] = coefficient;
         }
-        let factor = matrix.cholesky().ok_or_else(|| {
-            "the correlations contradict each other: their matrix is not positive definite; \
+        let factor = matrix
+            .cholesky()
+            .ok_or_else(|| {
+                "the correlations contradict each other: their matrix is not positive definite; \
              bring the coefficients nearer to 0"
-                .to_owned()
-        })?;
-        let factor = factor.l();
-        let row = |i: usize| (0..=i).map(|j| factor[(i, j)]).collect();
-        Ok(Self { rows: (0..inputs).map(row).collect() })
+                    .to_owned()
+            })?
+            .l();
+        Ok(Self { rows: (0..inputs).map(|i| (0..=i).map(|j| factor[(i, j)]).collect()).collect() })
     }
 
     /// The correlation coefficient of the normal scores of two inputs.
     pub fn coefficient(&self, a: usize, b: usize) -> f64 {
-        let pairs = self.rows[a].iter().zip(&self.rows[b]);
-        pairs.map(|(x, y)| x * y).sum()
+        self.rows[a].iter().zip(&self.rows[b]).map(|(x, y)| x * y).sum()
     }
 
     /// The logarithm of what the correlations change at the density of independent inputs, at these values: that of the
@@ -66,9 +66,7 @@ impl Correlation {
 
     /// The inputs' values from independent standard normal scores, one for each input.
     pub fn at_scores(&self, scores: &[f64], inputs: &[Distribution]) -> Vec<f64> {
-        let pairs = self.rows.iter().zip(inputs);
-        let values = pairs.map(|(row, input)| input.at_score(mixed(row, scores)));
-        values.collect()
+        self.rows.iter().zip(inputs).map(|(row, input)| input.at_score(mixed(row, scores))).collect()
     }
 
     /// The inputs' values from independent numbers in (0, 1), one for each input.
@@ -81,14 +79,12 @@ impl Correlation {
             }
             input.at_score(mixed(row, &scores))
         };
-        let pairs = self.rows.iter().zip(inputs);
-        pairs.enumerate().map(value).collect()
+        self.rows.iter().zip(inputs).enumerate().map(value).collect()
     }
 }
 
 fn mixed(row: &[f64], scores: &[f64]) -> f64 {
-    let pairs = row.iter().zip(scores);
-    pairs.map(|(weight, score)| weight * score).sum()
+    row.iter().zip(scores).map(|(weight, score)| weight * score).sum()
 }
 
 #[cfg(test)]

@@ -18,8 +18,7 @@ impl Registered for Grid {
         }
         let levels = inputs.distributions.iter().zip(&inputs.levels);
         let levels = levels.filter(|(input, _)| input.varies()).map(|(_, levels)| {
-            let missing = "a full factorial needs `levels` for every parameter that varies";
-            levels.filter(|&levels| levels > 0).ok_or(missing)
+            levels.filter(|&levels| levels > 0).ok_or("a full factorial needs `levels` for every parameter that varies")
         });
         Self::of(levels.collect::<Result<_, _>>()?)
     }

@@ -3,8 +3,10 @@
 //! plain sequences are all but useless in large bases, permuted ones are uniformly distributed.
 
 use super::rule::{Inputs, Numbers, Registered, Rule};
-use crate::distribution::BELOW_ONE;
-use crate::random::{self, Purpose};
+use crate::{
+    distribution::BELOW_ONE,
+    random::{self, Purpose},
+};
 
 /// Bits of a coordinate that the permuted digits settle: as many as a number holds. What lies beyond them is random.
 const BITS: f64 = 53.0;
@@ -56,8 +58,7 @@ impl Sequence {
             let most = bases.len();
             return Err(format!("a Halton sequence has at most {most} inputs, not {dimensions}"));
         }
-        let radix = |(base, dimension)| Radix::new(seed, base, dimension);
-        let inputs = bases.into_iter().zip(0..).map(radix).collect();
+        let inputs = bases.into_iter().zip(0..).map(|(base, dimension)| Radix::new(seed, base, dimension)).collect();
         Ok(Self { seed, inputs })
     }
 }
@@ -81,8 +82,7 @@ impl Radix {
 /// The bases: primes, up to a size at which every place takes a permutation of thousands of digits.
 fn primes() -> impl Iterator<Item = u64> {
     const MOST: u64 = 1 << 13;
-    let is_prime = |&n: &u64| (2..).take_while(|d| d * d <= n).all(|d| !n.is_multiple_of(d));
-    (2..MOST).filter(is_prime)
+    (2..MOST).filter(|&n| (2..).take_while(|d| d * d <= n).all(|d| !n.is_multiple_of(d)))
 }
 
 #[cfg(test)]

@@ -4,8 +4,10 @@
 //! The slice of point `i` comes from a permutation that is computed for one index at a time
 //! (a Feistel network with cycle walking: Black, Rogaway 2002), so that no table of N is kept.
 
-use super::rule::{Inputs, Numbers, Registered, Rule};
-use super::slices::coordinate;
+use super::{
+    rule::{Inputs, Numbers, Registered, Rule},
+    slices::coordinate,
+};
 use crate::random::{self, Purpose, mix};
 
 /// A rule for N points.

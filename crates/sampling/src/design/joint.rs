@@ -72,21 +72,18 @@ impl Joint {
 /// The rows along the first principal component of the standardised columns.
 fn sorted(mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let (count, columns) = (rows.len() as f64, rows[0].len());
-    let mean = |k: usize| rows.iter().map(|row| row[k]).sum::<f64>() / count;
-    let means: Vec<f64> = (0..columns).map(mean).collect();
+    let means: Vec<f64> = (0..columns).map(|k| rows.iter().map(|row| row[k]).sum::<f64>() / count).collect();
     let squares = |k: usize| rows.iter().map(|row| (row[k] - means[k]).powi(2)).sum::<f64>();
     // A column that does not vary gives no direction.
-    let unit = |k: usize| match squares(k) {
-        squares if squares > 0.0 => (count / squares).sqrt(),
-        _ => 0.0,
-    };
-    let units: Vec<f64> = (0..columns).map(unit).collect();
+    let units: Vec<f64> = (0..columns)
+        .map(|k| match squares(k) {
+            squares if squares > 0.0 => (count / squares).sqrt(),
+            _ => 0.0,
+        })
+        .collect();
     let standard = |row: &[f64], k: usize| (row[k] - means[k]) * units[k];
     // The directions are those of the correlations, which these are but for a factor.
-    let product = |a: usize, b: usize| -> f64 {
-        let products = rows.iter().map(|row| standard(row, a) * standard(row, b));
-        products.sum()
-    };
+    let product = |a: usize, b: usize| -> f64 { rows.iter().map(|row| standard(row, a) * standard(row, b)).sum() };
     let eigen = DMatrix::from_fn(columns, columns, product).symmetric_eigen();
     let first = eigen.eigenvectors.column(eigen.eigenvalues.imax());
     let sign = first[first.icamax()].signum();

@@ -71,8 +71,7 @@ impl Method {
 
     /// The names of those that have a property, for a sentence: `a, b or c`.
     pub fn named(has: impl Fn(Self) -> bool) -> String {
-        let having = Self::ALL.iter().filter(|method| has(**method));
-        let names: Vec<String> = having.map(|method| method.name()).collect();
+        let names: Vec<String> = Self::ALL.iter().filter(|method| has(**method)).map(|method| method.name()).collect();
         match names.split_last() {
             Some((last, [])) => last.clone(),
             Some((last, others)) => format!("{} or {last}", others.join(", ")),

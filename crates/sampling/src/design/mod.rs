@@ -108,19 +108,19 @@ impl Design {
     /// The parameters of the point at an index from 0.
     pub fn point(&self, index: u64) -> Vec<f64> {
         let mut dimension = 0;
-        let place = |input: &Distribution| {
-            if !input.varies() {
-                return 0.5;
-            }
-            dimension += 1;
-            self.rule.uniform(index, dimension - 1)
-        };
-        let places: Vec<f64> = self.inputs.iter().map(place).collect();
+        let places: Vec<f64> = self
+            .inputs
+            .iter()
+            .map(|input| {
+                if !input.varies() {
+                    return 0.5;
+                }
+                dimension += 1;
+                self.rule.uniform(index, dimension - 1)
+            })
+            .collect();
         let mut point: Vec<f64> = match &self.correlation {
-            None => {
-                let pairs = places.iter().zip(&self.inputs);
-                pairs.map(|(&u, input)| input.quantile(u)).collect()
-            }
+            None => places.iter().zip(&self.inputs).map(|(&u, input)| input.quantile(u)).collect(),
             Some(correlation) => correlation.values(&places, &self.inputs),
         };
         for joint in &self.joints {

@@ -6,11 +6,13 @@
 //! below a threshold that falls geometrically. Everything follows from the seed, the number of points and the number of
 //! inputs.
 
-use super::discrepancy::{Discrepancy, Exchange};
-use super::hypercube::Hypercube;
-use super::rule::{Inputs, Numbers, Registered, Rule};
-use super::slices::{Slices, ranks};
-use super::sobol::Nets;
+use super::{
+    discrepancy::{Discrepancy, Exchange},
+    hypercube::Hypercube,
+    rule::{Inputs, Numbers, Registered, Rule},
+    slices::{Slices, ranks},
+    sobol::Nets,
+};
 use crate::random::{self, Purpose};
 
 /// Above this number, a Sobol net spreads the points as well.
@@ -80,8 +82,7 @@ struct Search {
 impl Search {
     fn new(seed: u64, points: usize, columns: Vec<Vec<u32>>) -> Self {
         let place = |dimension, slices: &Vec<u32>| {
-            let slices = slices.iter();
-            slices.map(|&slice| Slices::place(seed, points, slice, dimension)).collect()
+            slices.iter().map(|&slice| Slices::place(seed, points, slice, dimension)).collect()
         };
         let coordinates: Vec<Vec<f64>> =
             (0..).zip(&columns).map(|(dimension, slices)| place(dimension, slices)).collect();

@@ -2,8 +2,7 @@
 
 use std::fmt::Debug;
 
-use super::correlation::Correlation;
-use super::joint::Joint;
+use super::{correlation::Correlation, joint::Joint};
 use crate::distribution::Distribution;
 
 /// A rule that gives every point a place in the unit cube.
@@ -68,8 +67,7 @@ pub struct Inputs {
 impl Inputs {
     /// How many of them vary.
     pub fn dimensions(&self) -> usize {
-        let varies = |input: &&Distribution| input.varies();
-        self.distributions.iter().filter(varies).count()
+        self.distributions.iter().filter(|input| input.varies()).count()
     }
 }
 

@@ -2,8 +2,7 @@
 
 use serde::Deserialize;
 
-use super::Method;
-use super::rule::Numbers;
+use super::{Method, rule::Numbers};
 
 /// Which points are simulated: the section `[design]` of a study.
 #[derive(Clone, Copy, Debug, Deserialize)]

@@ -1,8 +1,10 @@
 //! A table that says in which slice of every input each point lies.
 
 use super::rule::Rule;
-use crate::distribution::BELOW_ONE;
-use crate::random::{self, Purpose};
+use crate::{
+    distribution::BELOW_ONE,
+    random::{self, Purpose},
+};
 
 /// A table of slices: a Latin hypercube when each column is a permutation.
 #[derive(Clone, Debug)]
@@ -34,8 +36,7 @@ impl Slices {
 impl Rule for Slices {
     fn uniform(&self, index: u64, dimension: u32) -> f64 {
         let point = usize::try_from(index).unwrap_or(0) % self.points;
-        let slice = self.columns[dimension as usize][point];
-        Self::place(self.seed, self.points, slice, dimension)
+        Self::place(self.seed, self.points, self.columns[dimension as usize][point], dimension)
     }
 }
 

@@ -31,8 +31,7 @@ impl Registered for Nets {
 impl Rule for Nets {
     fn uniform(&self, index: u64, dimension: u32) -> f64 {
         let (replicate, place) = (index % self.replicates, index / self.replicates);
-        let plain = plain(place, &self.directions[dimension as usize]);
-        let digits = scramble(plain, self.key(replicate, dimension));
+        let digits = scramble(plain(place, &self.directions[dimension as usize]), self.key(replicate, dimension));
         // The digits beyond the net's are random, as scrambling to infinity makes them.
         let rest = random::bits(self.seed, Purpose::Jitter, index, dimension);
         random::to_unit(u64::from(digits) << BITS | rest >> BITS)
@@ -49,8 +48,7 @@ impl Nets {
             let most = parameters.max_dims;
             return Err(format!("a Sobol net has at most {most} inputs, not {dimensions}"));
         }
-        let others = parameters.dim_params.iter();
-        let others = others.map(|dimension| directions(dimension.a, &dimension.m));
+        let others = parameters.dim_params.iter().map(|dimension| directions(dimension.a, &dimension.m));
         let directions = std::iter::once(van_der_corput()).chain(others).take(dimensions).collect();
         Ok(Self { seed: numbers.seed, replicates: numbers.replicates, directions })
     }
@@ -88,8 +86,11 @@ fn directions(coefficients: u32, initial: &[u32]) -> [u32; BITS as usize] {
 
 /// A point of the unscrambled net, in the order of its index (not of the Gray code).
 fn plain(index: u64, directions: &[u32; BITS as usize]) -> u32 {
-    let set = directions.iter().enumerate().filter(|(bit, _)| index >> bit & 1 == 1);
-    set.fold(0, |digits, (_, direction)| digits ^ direction)
+    directions
+        .iter()
+        .enumerate()
+        .filter(|(bit, _)| index >> bit & 1 == 1)
+        .fold(0, |digits, (_, direction)| digits ^ direction)
 }
 
 /// Flips every digit or not, by a hash of the digits before it.

@@ -8,9 +8,11 @@
 
 use nalgebra::DMatrix;
 
-use super::correlation::Correlation;
-use super::rule::{Inputs, Rule};
-use super::slices::{Slices, ranks};
+use super::{
+    correlation::Correlation,
+    rule::{Inputs, Rule},
+    slices::{Slices, ranks},
+};
 use crate::distribution::normal_quantile;
 
 /// All points must be known at once; more of them than these need no slices.
@@ -31,8 +33,10 @@ pub(super) fn correlated(
     let points = in_a_table(points)?;
     let varying: Vec<usize> =
         (0..inputs.distributions.len()).filter(|&input| inputs.distributions[input].varies()).collect();
-    let wanted = correlation.among(&varying).cholesky();
-    let wanted = wanted.ok_or("the correlations of the parameters that vary contradict each other")?;
+    let wanted = correlation
+        .among(&varying)
+        .cholesky()
+        .ok_or("the correlations of the parameters that vary contradict each other")?;
     // Indices are below lengths.
     let start = DMatrix::from_fn(points, varying.len(), |index, dimension| {
         normal_quantile(rule.uniform(index as u64, dimension as u32))
@@ -40,14 +44,12 @@ pub(super) fn correlated(
     let scores = DMatrix::from_fn(points, varying.len(), |slice, dimension| {
         normal_quantile(Slices::place(seed, points, slice as u32, dimension as u32))
     });
-    let columns = paired(start, &scores, &wanted.l());
-    Ok(Slices::new(seed, points, columns))
+    Ok(Slices::new(seed, points, paired(start, &scores, &wanted.l())))
 }
 
 /// So many points, where a table may have them.
 fn in_a_table(points: u64) -> Result<usize, String> {
-    let few = usize::try_from(points).ok().filter(|_| points <= MOST);
-    few.ok_or_else(|| {
+    usize::try_from(points).ok().filter(|_| points <= MOST).ok_or_else(|| {
         format!(
             "a Latin hypercube of correlated parameters has at most {MOST} points; for more use method = \"sobol\" or \
              \"monte-carlo\""
@@ -63,12 +65,8 @@ fn paired(start: DMatrix<f64>, slices: &DMatrix<f64>, factor: &DMatrix<f64>) -> 
     // The scores of few points may depend on each other linearly: these are mixed as they are.
     let mut best = (f64::INFINITY, ranked(&(&scores * factor.transpose())));
     for _ in 0..ROUNDS {
-        let Some(cholesky) = coefficients(&scores).cholesky() else {
-            break;
-        };
-        let Some(free) = cholesky.l().try_inverse() else {
-            break;
-        };
+        let Some(cholesky) = coefficients(&scores).cholesky() else { break };
+        let Some(free) = cholesky.l().try_inverse() else { break };
         let ranks = ranked(&(&scores * (factor * free).transpose()));
         scores = DMatrix::from_fn(scores.nrows(), scores.ncols(), |point, input| {
             slices[(ranks[input][point] as usize, input)]
@@ -91,8 +89,7 @@ fn coefficients(columns: &DMatrix<f64>) -> DMatrix<f64> {
     for mut column in centred.column_iter_mut() {
         let mean = column.mean();
         column.add_scalar_mut(-mean);
-        let length = column.norm();
-        column.unscale_mut(length);
+        column.unscale_mut(column.norm());
     }
     centred.transpose() * centred
 }

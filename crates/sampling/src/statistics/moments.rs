@@ -5,21 +5,17 @@ use super::collect::LARGE;
 /// The mean; not a number of nothing.
 pub fn mean(values: &[f64]) -> f64 {
     let (sum, count) = (values.iter().sum::<f64>(), values.len() as f64);
-    match sum.is_infinite() {
-        true => values.iter().map(|value| value / count).sum(),
-        false => sum / count,
-    }
+    if sum.is_infinite() { values.iter().map(|value| value / count).sum() } else { sum / count }
 }
 
 /// The standard deviation, of which the variance may be beyond all numbers.
 pub fn deviation(values: &[f64], freedom: usize) -> f64 {
     let deviation = variance(values, freedom).sqrt();
-    match deviation.is_infinite() {
-        true => {
-            let values: Vec<f64> = values.iter().map(|value| value / LARGE).collect();
-            LARGE * variance(&values, freedom).sqrt()
-        }
-        false => deviation,
+    if deviation.is_infinite() {
+        let values: Vec<f64> = values.iter().map(|value| value / LARGE).collect();
+        LARGE * variance(&values, freedom).sqrt()
+    } else {
+        deviation
     }
 }
 
@@ -30,10 +26,7 @@ pub fn length(parts: impl Iterator<Item = f64> + Clone) -> f64 {
         unit * squares.sum::<f64>().sqrt()
     };
     let length = in_units(1.0);
-    match length.is_infinite() {
-        true => in_units(LARGE),
-        false => length,
-    }
+    if length.is_infinite() { in_units(LARGE) } else { length }
 }
 
 /// A power of two in units of which the values' squares, and the squares of these, are numbers other than 0: 1 for usual
@@ -41,11 +34,11 @@ pub fn length(parts: impl Iterator<Item = f64> + Clone) -> f64 {
 pub fn moderate_unit(values: impl Iterator<Item = f64>) -> f64 {
     const USUAL: std::ops::Range<f64> = 1e-60..1e60;
     const MANTISSA: u64 = (1 << 52) - 1;
-    let finite = values.filter(|value| value.is_finite()).map(f64::abs);
-    let largest = finite.fold(0.0, f64::max);
-    match largest == 0.0 || USUAL.contains(&largest) {
-        true => 1.0,
-        false => f64::from_bits(largest.to_bits() & !MANTISSA).max(f64::MIN_POSITIVE),
+    let largest = values.filter(|value| value.is_finite()).map(f64::abs).fold(0.0, f64::max);
+    if largest == 0.0 || USUAL.contains(&largest) {
+        1.0
+    } else {
+        f64::from_bits(largest.to_bits() & !MANTISSA).max(f64::MIN_POSITIVE)
     }
 }
 
@@ -83,9 +76,7 @@ pub fn ranks(values: &[f64]) -> Vec<f64> {
 
 /// The quantile of sorted values, linear between them (Hyndman & Fan 1996, type 7).
 pub fn quantile(sorted: &[f64], q: f64) -> f64 {
-    let Some(last) = sorted.len().checked_sub(1) else {
-        return f64::NAN;
-    };
+    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let place = q.clamp(0.0, 1.0) * last as f64;
     let (below, part) = (place.floor() as usize, place.fract());
     sorted[below] + part * (sorted[(below + 1).min(last)] - sorted[below])

@@ -51,9 +51,7 @@ impl Recording {
 
     /// Whether the values lie on a straight line, but for rounding.
     pub fn is_straight(&self) -> bool {
-        let Some(largest) = self.largest() else {
-            return false;
-        };
+        let Some(largest) = self.largest() else { return false };
         let span = self.span();
         let (first, last) = (self.values[0], self.values[self.values.len() - 1]);
         let mut pairs = self.times.iter().zip(&self.values);
@@ -94,11 +92,12 @@ impl Recording {
     fn weights(&self) -> Vec<f64> {
         let (times, span) = (&self.times, self.span());
         let last = times.len() - 1;
-        let weight = |k: usize| {
-            let held = 0.5 * (times[(k + 1).min(last)] - times[k.saturating_sub(1)]);
-            held * 0.5 * (1.0 - (TAU * times[k] / span).cos())
-        };
-        (0..=last).map(weight).collect()
+        (0..=last)
+            .map(|k| {
+                let held = 0.5 * (times[(k + 1).min(last)] - times[k.saturating_sub(1)]);
+                held * 0.5 * (1.0 - (TAU * times[k] / span).cos())
+            })
+            .collect()
     }
 
     fn even_step(&self) -> f64 {
@@ -186,9 +185,9 @@ impl Recording {
 fn peak(spectrum: &[f64], spacing: f64, span: f64) -> Option<usize> {
     let last = spectrum.len() - 1;
     let lines = |number: f64| (number / (span * spacing)).round() as usize;
-    let is_peak = |&k: &usize| spectrum[k] > spectrum[k - 1] && spectrum[k] >= spectrum[k + 1];
-    let peaks = (lines(PERIODS).max(1)..last).filter(is_peak);
-    let highest = peaks.max_by(|&a, &b| spectrum[a].total_cmp(&spectrum[b]))?;
+    let highest = (lines(PERIODS).max(1)..last)
+        .filter(|&k| spectrum[k] > spectrum[k - 1] && spectrum[k] >= spectrum[k + 1])
+        .max_by(|&a, &b| spectrum[a].total_cmp(&spectrum[b]))?;
     let sides = [highest.abs_diff(lines(2.0)), highest + lines(2.0)];
     // Beyond half the rate the spectrum goes on as in a mirror.
     let heights = sides.map(|k| spectrum[k.min(2 * last - k)]);

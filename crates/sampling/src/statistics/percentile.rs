@@ -26,19 +26,20 @@ impl Percentile {
 
     /// The time for which the signal is at most `level`, or below it.
     fn time_below(&self, level: f64, or_equal: bool) -> f64 {
-        let pairs = self.values.windows(2);
-        let times = pairs.map(|pair| {
-            let ((_, begin), (elapsed, end)) = (pair[0], pair[1]);
-            let (low, high) = (begin.min(end), begin.max(end));
-            if high < level || or_equal && high == level {
-                elapsed
-            } else if low >= level {
-                0.0
-            } else {
-                elapsed * ((level - low) / (high - low))
-            }
-        });
-        times.sum()
+        self.values
+            .windows(2)
+            .map(|pair| {
+                let ((_, begin), (elapsed, end)) = (pair[0], pair[1]);
+                let (low, high) = (begin.min(end), begin.max(end));
+                if high < level || or_equal && high == level {
+                    elapsed
+                } else if low >= level {
+                    0.0
+                } else {
+                    elapsed * ((level - low) / (high - low))
+                }
+            })
+            .sum()
     }
 }
 
@@ -61,22 +62,15 @@ impl Collect for Percentile {
         }
         levels.sort_unstable_by(f64::total_cmp);
         levels.dedup();
-        let (Some(&least), Some(&greatest)) = (levels.first(), levels.last()) else {
-            return f64::NAN;
-        };
+        let (Some(&least), Some(&greatest)) = (levels.first(), levels.last()) else { return f64::NAN };
         if (greatest - least).is_infinite() && least.is_finite() && greatest.is_finite() {
-            let quarter = self.values.iter().map(|(elapsed, value)| (*elapsed, 0.25 * value));
-            let values = quarter.collect();
+            let values = self.values.iter().map(|(elapsed, value)| (*elapsed, 0.25 * value)).collect();
             return 4.0 * Self { values, ..*self }.result(0.0);
         }
         let wanted = self.share * self.time_below(greatest, true);
         let place = levels.partition_point(|&level| self.time_below(level, true) < wanted);
-        let Some(before) = place.checked_sub(1) else {
-            return least;
-        };
-        let Some(&high) = levels.get(place) else {
-            return greatest;
-        };
+        let Some(before) = place.checked_sub(1) else { return least };
+        let Some(&high) = levels.get(place) else { return greatest };
         let low = levels[before];
         let [at_low, at_high] = [self.time_below(low, true), self.time_below(high, false)];
         if wanted >= at_high {

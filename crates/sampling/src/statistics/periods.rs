@@ -23,9 +23,7 @@ impl MeanOverPeriods {
     /// The mean from the first rise to the last one; not a number where there are not two of them (one alone makes 0 / 0), and
     /// where a value or the signal is none.
     pub fn result(&self) -> f64 {
-        let Some([from, to]) = self.ends() else {
-            return f64::NAN;
-        };
+        let Some([from, to]) = self.ends() else { return f64::NAN };
         let pieces = self.rows.windows(2).filter_map(|pair| {
             let ([before, low, _], [after, high, _]) = (pair[0], pair[1]);
             let (begin, end) = (before.max(from), after.min(to));

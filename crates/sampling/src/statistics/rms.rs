@@ -1,7 +1,9 @@
 //! The root of the mean square over time.
 
-use super::collect::{Collect, Trend};
-use super::mean::Mean;
+use super::{
+    collect::{Collect, Trend},
+    mean::Mean,
+};
 
 /// The mean of the squares.
 #[derive(Clone, Copy, Debug, Default)]

@@ -1,7 +1,6 @@
 //! Frequency and amplitude of the strongest oscillation.
 
-use super::collect::Collect;
-use super::oscillation::Recording;
+use super::{collect::Collect, oscillation::Recording};
 
 /// The signal's values, of which the spectrum is taken at the end.
 #[derive(Clone, Debug, Default)]

@@ -2,26 +2,32 @@
 
 use std::borrow::Cow;
 
-use minijinja::value::{Serde, Value as Cell};
-use minijinja::{AutoEscape, Environment, context};
-use quick_xml::escape::escape;
-use quick_xml::events::attributes::Attribute;
+use minijinja::{
+    AutoEscape, Environment, context,
+    value::{Serde, Value as Cell},
+};
+use quick_xml::{escape::escape, events::attributes::Attribute};
 
-use fmu_import::units::{Conversion, Unit};
-use fmu_import::{Description, Kind, Value, Variable};
+use fmu_import::{
+    Description, Kind, Value, Variable,
+    units::{Conversion, Unit},
+};
 use fmu_points::tell::is_hidden;
 
 /// A parameter set with these values, in the FMU's units.
 pub fn write(name: &str, fmu: &Description, values: &[(&Variable, Value)]) -> String {
-    let parameters = values.iter();
-    let parameters = parameters.map(|(variable, value)| parameter(variable, value));
+    let parameters = values.iter().map(|(variable, value)| parameter(variable, value));
     // The definitions of the units that occur.
     let used = |name: &str| {
         let mut variables = values.iter().map(|(variable, _)| variable);
         variables.any(|variable| variable.unit() == Some(name))
     };
-    let units = fmu.units.0.iter().filter(|(name, _)| used(name));
-    let units = units.map(|(name, of)| context! { name => name.as_str(), base => Serde(base(of)) });
+    let units = fmu
+        .units
+        .0
+        .iter()
+        .filter(|(name, _)| used(name))
+        .map(|(name, of)| context! { name => name.as_str(), base => Serde(base(of)) });
     let values = context! {
         name,
         parameters => parameters.collect::<Vec<_>>(),
@@ -34,8 +40,10 @@ fn parameter(variable: &Variable, value: &Value) -> Cell {
     let (kind, text) = match (value, &variable.kind) {
         (Value::Real(value), _) => ("Real", format!("{value:e}")),
         (Value::Integer(value), Kind::Enumeration { items, .. }) => {
-            let item = items.iter().find(|(_, number)| number == value);
-            let item = item.map_or_else(|| value.to_string(), |(name, _)| name.clone());
+            let item = items
+                .iter()
+                .find(|(_, number)| number == value)
+                .map_or_else(|| value.to_string(), |(name, _)| name.clone());
             ("Enumeration", item)
         }
         (Value::Integer(value), _) => ("Integer", value.to_string()),
@@ -51,8 +59,7 @@ fn base(unit: &Unit) -> Vec<(&'static str, String)> {
     const NAMES: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
     let mut told = Vec::new();
     if let Some(base) = unit.base {
-        let exponents = NAMES.into_iter().zip(base.exponents);
-        let exponents = exponents.filter(|(_, exponent)| *exponent != 0);
+        let exponents = NAMES.into_iter().zip(base.exponents).filter(|(_, exponent)| *exponent != 0);
         told.extend(exponents.map(|(name, e)| (name, e.to_string())));
         let Conversion { factor, offset } = base.to_base;
         if factor != 1.0 {
@@ -71,20 +78,18 @@ fn filled(template: &str, values: Cell) -> String {
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.set_formatter(|out, _, value| {
         let text = value.to_string();
-        let written = match value.is_safe() {
-            true => Cow::Borrowed(&*text),
-            false => Attribute::from(("", printable(&text))).value,
-        };
+        let written =
+            if value.is_safe() { Cow::Borrowed(&*text) } else { Attribute::from(("", printable(&text))).value };
         Ok(out.write_str(&written)?)
     });
     environment.add_filter("text", |text: &str| Cell::from_safe_string(escape(printable(text)).into_owned()));
-    let document = environment.render_str(template, values);
-    let document = document.expect("a template of ours has all that it needs");
+    let document = environment.render_str(template, values).expect("a template of ours has all that it needs");
     let mut shown = String::new();
     for c in document.chars() {
-        match is_hidden(c) && !c.is_ascii_whitespace() {
-            true => shown += &format!("&#x{:x};", u32::from(c)),
-            false => shown.push(c),
+        if is_hidden(c) && !c.is_ascii_whitespace() {
+            shown += &format!("&#x{:x};", u32::from(c))
+        } else {
+            shown.push(c)
         }
     }
     shown + "\n"

@@ -2,33 +2,39 @@
 
 use std::path::Path;
 
-use crate::commands::isolated::Columns;
-use crate::error::Error;
-use fmu_import::Description;
-use fmu_import::quantity::Scale;
+use crate::{
+    commands::isolated::Columns,
+    error::{Error, Result},
+};
+use fmu_import::{Description, quantity::Scale};
 use fmu_points::task::{Schedule, Series};
 use number_tables::{How, Table};
-use study::inputs::{
-    covers, doubts, follow, is_discrete, is_integrated, many_steps, slot_while_running, takes_any_step,
+use study::{
+    inputs::{covers, doubts, follow, is_discrete, is_integrated, many_steps, slot_while_running, takes_any_step},
+    plan::find,
 };
-use study::plan::find;
 
 /// The variables of `--record`.
-pub(super) fn columns(lists: &[String], fmu: &Description) -> Result<Columns, Error> {
+pub(super) fn columns(lists: &[String], fmu: &Description) -> Result<Columns> {
     let names = lists.iter().flat_map(|list| names(list, |name| fmu.variables.contains_key(name)));
-    let variable = |name: &str| find(fmu, name).cloned().map_err(|message| Error::option("record", message));
-    Ok(Columns::of(names.map(variable).collect::<Result<_, _>>()?))
+    Ok(Columns::of(
+        names
+            .map(|name| find(fmu, name).cloned().map_err(|message| Error::option("record", message)))
+            .collect::<Result<_, _>>()?,
+    ))
 }
 
 /// The names of a list. A comma belongs to a name where a variable is called so, or within brackets: `a[1,2]`, `der(x,2)`.
 fn names(mut list: &str, is_variable: impl Fn(&str) -> bool) -> Vec<&str> {
     let mut names = Vec::new();
     while !list.trim().is_empty() {
-        let commas = list.match_indices(',').map(|(place, _)| place);
-        let ends: Vec<usize> = commas.chain([list.len()]).collect();
-        let is_known = |end: &&usize| is_variable(list[..**end].trim());
-        let known = ends.iter().rev().find(is_known).copied();
-        let end = known.unwrap_or_else(|| end_of_name(list));
+        let ends: Vec<usize> = list.match_indices(',').map(|(place, _)| place).chain([list.len()]).collect();
+        let end = ends
+            .iter()
+            .rev()
+            .find(|end| is_variable(list[..**end].trim()))
+            .copied()
+            .unwrap_or_else(|| end_of_name(list));
         names.push(list[..end].trim());
         list = list.get(end + 1..).unwrap_or_default();
     }
@@ -39,55 +45,53 @@ fn names(mut list: &str, is_variable: impl Fn(&str) -> bool) -> Vec<&str> {
 /// Where the first comma outside of brackets is, or the end.
 fn end_of_name(list: &str) -> usize {
     let mut depth = 0_usize;
-    let comma = list.find(|c: char| {
+    list.find(|c: char| {
         match c {
             '[' | '(' => depth += 1,
             ']' | ')' => depth = depth.saturating_sub(1),
             _ => {}
         }
         c == ',' && depth == 0
-    });
-    comma.unwrap_or(list.len())
+    })
+    .unwrap_or(list.len())
 }
 
 /// The inputs of `--input`: each column beside the time is one, as under `[inputs]` in a study.
-pub(super) fn inputs(
-    path: &Path,
-    ends_hold: bool,
-    fmu: &Description,
-    schedule: &Schedule,
-) -> Result<Vec<Series>, Error> {
+pub(super) fn inputs(path: &Path, ends_hold: bool, fmu: &Description, schedule: &Schedule) -> Result<Vec<Series>> {
     const TIME: &str = "time";
-    let how = How { comments: true, gaps: false };
-    let header = number_tables::open(path, how)?.names().to_vec();
-    let series = |column: &String| {
-        let wrong =
-            |message: String| Error::option("input", format!("{}: column `{column}`: {message}", path.display()));
-        let (name, unit) = split(column, fmu);
-        let variable = find(fmu, name).map_err(wrong)?;
-        let slot = slot_while_running(variable).map_err(wrong)?;
-        let scale = Scale::new(unit.as_deref(), fmu, variable).map_err(wrong)?;
-        let columns =
-            [number_tables::column(TIME, "the time"), number_tables::column(column, format!("the input {name}"))];
-        let table = Table::read(path, &columns)?;
-        let mut series = follow(&table, "time", slot, scale.conversion).map_err(wrong)?;
-        series.hold = is_discrete(variable, &series.slot);
-        series.ramp = !series.hold && is_integrated(variable, fmu);
-        series.each_row = takes_any_step(fmu);
-        if !ends_hold {
-            let words = ["--start ", "--stop ", "--extrapolate hold"];
-            covers(&series, schedule, words).map_err(wrong)?;
-        }
-        for concern in doubts(&series, schedule, &scale) {
-            fmu_points::tell::line!("note: {concern}");
-        }
-        Ok(series)
-    };
-    let inputs = header.iter().filter(|name| *name != TIME);
-    let inputs = inputs.map(series).collect::<Result<Vec<Series>, Error>>()?;
+    let inputs = number_tables::open(path, How { comments: true, gaps: false })?
+        .names()
+        .to_vec()
+        .iter()
+        .filter(|name| *name != TIME)
+        .map(|column| {
+            let wrong = |message| Error::option("input", format!("{}: column `{column}`: {message}", path.display()));
+            let (name, unit) = split(column, fmu);
+            let variable = find(fmu, name).map_err(wrong)?;
+            let slot = slot_while_running(variable).map_err(wrong)?;
+            let scale = Scale::new(unit.as_deref(), fmu, variable).map_err(wrong)?;
+            let columns =
+                [number_tables::column(TIME, "the time"), number_tables::column(column, format!("the input {name}"))];
+            let table = Table::read(path, &columns)?;
+            let mut series = follow(&table, "time", slot, scale.conversion).map_err(wrong)?;
+            series.hold = is_discrete(variable, &series.slot);
+            series.ramp = !series.hold && is_integrated(variable, fmu);
+            series.each_row = takes_any_step(fmu);
+            if !ends_hold {
+                let words = ["--start ", "--stop ", "--extrapolate hold"];
+                covers(&series, schedule, words).map_err(wrong)?;
+            }
+            for concern in doubts(&series, schedule, &scale) {
+                fmu_points::tell::line!("note: {concern}");
+            }
+            Ok(series)
+        })
+        .collect::<Result<Vec<Series>>>()?;
     if inputs.is_empty() {
-        let message = format!("{}: no column beside `{TIME}`: add one for each input", path.display());
-        return Err(Error::option("input", message));
+        return Err(Error::option(
+            "input",
+            format!("{}: no column beside `{TIME}`: add one for each input", path.display()),
+        ));
     }
     if let Some(concern) = many_steps(&inputs, schedule) {
         fmu_points::tell::line!("note: {concern}");
@@ -97,10 +101,7 @@ pub(super) fn inputs(
 
 /// A column's variable and unit: `NAME`, or `NAME [UNIT]` as in every table.
 pub(in crate::commands) fn split<'a>(column: &'a str, fmu: &Description) -> (&'a str, Option<String>) {
-    match fmu.variables.contains_key(column) {
-        true => (column, None),
-        false => number_tables::name_and_unit(column),
-    }
+    if fmu.variables.contains_key(column) { (column, None) } else { number_tables::name_and_unit(column) }
 }
 
 #[cfg(test)]

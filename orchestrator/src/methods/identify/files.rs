@@ -1,18 +1,13 @@
 //! The files of an identification.
 
-use crate::error::Error;
-use calibration::outcome::IdentificationOutcome;
-use calibration::text;
-use fmu_import::quantity::Quantity;
-use fmu_import::units::known;
+use crate::error::{Error, Result};
+use calibration::{text, outcome::IdentificationOutcome};
+use fmu_import::{quantity::Quantity, units::known};
 use fmu_points::names::behind;
 use number_tables::csv_file::{self, CsvFile};
 use point_journal::files::{write_table, write_text, write_texts};
 use std::path::{Path, PathBuf};
-use study::cases::SEPARATOR;
-use study::inputs::{GAIN, OFFSET};
-use study::limit::part;
-use study::{Identification, Study};
+use study::{Identification, Study, cases::SEPARATOR, inputs::{GAIN, OFFSET}, limit::part};
 
 /// Writes all files.
 pub(super) fn write(
@@ -21,13 +16,12 @@ pub(super) fn write(
     settings: &Identification,
     outcome: &IdentificationOutcome,
     others: &[String],
-) -> Result<(), Error> {
+) -> Result {
     let name = number_tables::files::name(study.path());
     let optima = outcome.optima.len();
     for place in 0..optima {
         let section = text::fixed_section(&name, place, outcome, others) + &offsets(study, outcome, place);
-        let file = numbered("optimum", "toml", place, optima);
-        write_text(&folder.join(file), section)?;
+        write_text(&folder.join(numbered("optimum", "toml", place, optima)), section)?;
     }
     for (stem, ending) in [("optimum", "toml"), ("cases", "csv")] {
         remove_others(folder, stem, ending, optima)?;
@@ -105,7 +99,7 @@ fn numbered(stem: &str, ending: &str, place: usize, optima: usize) -> String {
 }
 
 /// Removes files of an earlier search that found another number of optima: they would be taken for this one's.
-fn remove_others(folder: &Path, stem: &str, ending: &str, optima: usize) -> Result<(), Error> {
+fn remove_others(folder: &Path, stem: &str, ending: &str, optima: usize) -> Result {
     if optima != 1 {
         remove(&folder.join(format!("{stem}.{ending}")))?;
     }
@@ -117,7 +111,7 @@ fn remove_others(folder: &Path, stem: &str, ending: &str, optima: usize) -> Resu
     Ok(())
 }
 
-pub(super) fn remove(path: &Path) -> Result<(), Error> {
+pub(super) fn remove(path: &Path) -> Result {
     match std::fs::remove_file(path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(Error::io(path)(error)),
         _ => Ok(()),
@@ -131,23 +125,21 @@ fn write_cases(
     settings: &Identification,
     outcome: &IdentificationOutcome,
     optimum: usize,
-) -> Result<(), Error> {
+) -> Result {
     let Some(path) = &settings.cases else {
-        return Ok(());
+        return Ok(())
     };
     let path = resolve(study, path.as_ref());
     let mut table = CsvFile::open(&path, Some(b'#'))?;
     let header = table.header()?;
-    let latents = settings.latent.values();
     let places: Vec<Option<usize>> =
-        latents.map(|latent| header.iter().position(|name| Some(name) == latent.column.as_ref())).collect();
+        settings.latent.values().map(|latent| header.iter().position(|name| Some(name) == latent.column.as_ref())).collect();
     let (mut rows, mut row) = (Vec::new(), csv::StringRecord::new());
     for case in &outcome.optima[optimum].latents {
         if !table.row(&mut row)? {
             break;
         }
-        let texts = row.iter().map(|cell| csv_file::text(cell).into_owned());
-        let mut cells: Vec<String> = texts.collect();
+        let mut cells: Vec<String> = row.iter().map(|cell| csv_file::text(cell).into_owned()).collect();
         for (place, latent) in places.iter().zip(case) {
             if let Some(cell) = place.and_then(|place| cells.get_mut(place)) {
                 *cell = text::digits(latent.value).to_string();

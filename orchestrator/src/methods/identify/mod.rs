@@ -6,47 +6,20 @@ mod files;
 mod posterior;
 mod surrogate;
 
-use std::path::{Path, PathBuf};
-use std::process::ExitCode;
-use std::time::{Duration, Instant};
+use std::{path::{Path, PathBuf}, process::ExitCode, time::{Duration, Instant}};
 
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
-use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet};
-use super::known::Finished;
-use super::setup::{Source, SourceParts};
-use crate::error::Error;
-use crate::identify::bind::Bound;
-use crate::identify::from_study;
-use crate::identify::model::{Finer, FmuModel};
-use crate::identify::offsets;
-use crate::options::{Means, Work};
-use crate::results::origin::Origin;
-use crate::session::Request;
-use calibration::capped::Capped;
-use calibration::failures::Excluded;
-use calibration::fit;
-use calibration::local::End;
-use calibration::next::NextOutcome;
-use calibration::numerical::NumericalError;
-use calibration::objective::Objective;
-use calibration::outcome::IdentificationOutcome;
-use calibration::problem::{NoPrediction, Simulate};
-use calibration::remembered::Remembered;
-use calibration::rounds::{self, Searched};
-use calibration::sample::Sample;
-use calibration::sample::outcome::Evidence;
-use calibration::search::{self, Progress, SearchError};
+use super::{asking::{self, Analysis, AnalysisResult, Delivery, PointSet}, known::Finished, setup::{Source, SourceParts}};
+use crate::{error::{Error, Result}, identify::{from_study, offsets, bind::Bound, model::{Finer, FmuModel}}, options::{Means, Work}, results::origin::Origin, session::Request};
+use calibration::{fit, capped::Capped, failures::Excluded, local::End, next::NextOutcome, numerical::NumericalError, objective::Objective, outcome::IdentificationOutcome, problem::{NoPrediction, Simulate}, remembered::Remembered, rounds::{self, Searched}, sample::{Sample, outcome::Evidence}, search::{self, Progress, SearchError}};
 use fmu_import::Package;
 use fmu_points::names::{did_you_mean, nearest};
-use point_journal::files::write_json;
-use point_journal::pipeline::Pipeline;
-use point_journal::pipeline::folder::Earlier;
+use point_journal::{files::write_json, pipeline::{Pipeline, folder::Earlier}};
 use result_document::Document;
 use sampling::design::cube;
-use study::concern::{Code, Concern};
-use study::{Identification, Study};
+use study::{Identification, Study, concern::{Code, Concern}};
 use surrogate::Known;
 
 /// The result's file in a folder of results.
@@ -85,10 +58,9 @@ struct Section {
 ///
 /// # Errors
 /// Says why nothing was sought or found.
-pub(crate) fn causes(study: &Path, means: &Means, earlier: Earlier, folder: &Path) -> Result<Vec<String>, Error> {
+pub(crate) fn causes(study: &Path, means: &Means, earlier: Earlier, folder: &Path) -> Result<Vec<String>> {
     let asked = Asked::default();
-    let request = asking::request(study, means);
-    let fit = asked.open(request)?;
+    let fit = asked.open(asking::request(study, means))?;
     let Delivery { result, folder, .. } = asking::run_by(fit, &asked, (means, earlier), folder.to_owned())?;
     result.write(&folder)?;
     Ok(result.sentences("causes"))
@@ -98,7 +70,7 @@ pub(crate) fn causes(study: &Path, means: &Means, earlier: Earlier, folder: &Pat
 ///
 /// # Errors
 /// When the options or the study cannot be used, and when the search fails.
-pub fn run(options: &Options) -> Result<Delivery, Error> {
+pub fn run(options: &Options) -> Result<Delivery> {
     let Options { work, asked } = options;
     let mut fit = asking::open(work, asked)?;
     let folder = work.folder();
@@ -168,7 +140,7 @@ impl Analysis for Asked {
 
     type Source = Fit;
 
-    fn open(&self, request: Request) -> Result<Fit, Error> {
+    fn open(&self, request: Request) -> Result<Fit> {
         let seed = self.seed.or(request.seed);
         let study = Study::read(&request.study)?;
         let settings = self.settings(&study, seed)?;
@@ -176,14 +148,11 @@ impl Analysis for Asked {
         let fmu = package.description();
         // The unknowns and the data are those of the section `[identify]`, or of the study's criteria.
         let is_stated = study.criteria.is_empty() || !settings.measured.is_empty();
-        let bound = match study.cases.is_empty() && is_stated {
-            true => Bound::new(&study, &settings, fmu)?,
-            false => from_study::bind(&study, &settings, fmu)?,
-        };
+        let bound = if study.cases.is_empty() && is_stated { Bound::new(&study, &settings, fmu)? } else { from_study::bind(&study, &settings, fmu)? };
         Ok(Fit { request: Request { seed, ..request }, study, settings, package, bound, known: Known::default() })
     }
 
-    fn points(&self, fit: &Fit) -> Result<PointSet, Error> {
+    fn points(&self, fit: &Fit) -> Result<PointSet> {
         let Fit { study, settings, .. } = fit;
         let table = settings.cases.as_ref().map(|path| {
             let path = files::resolve(study, path.as_ref());
@@ -197,14 +166,13 @@ impl Analysis for Asked {
         })
     }
 
-    fn check(&self, fit: &Fit) -> Result<(), Error> {
+    fn check(&self, fit: &Fit) -> Result {
         let Fit { study, settings, bound, .. } = fit;
         if let Some(name) = &self.narrow {
             let free = bound.problem.free.iter().map(|free| free.name.as_str());
             if !free.clone().any(|free| free == name) {
                 let suggestion = did_you_mean(nearest(name, free));
-                let message = format!("`{name}` is none of the parameters that are sought{suggestion}");
-                return Err(Error::option("narrow", message));
+                return Err(Error::option("narrow", format!("`{name}` is none of the parameters that are sought{suggestion}")));
             }
         }
         posterior::check(study, settings, bound, self.posterior.is_some())?;
@@ -212,11 +180,10 @@ impl Analysis for Asked {
         surrogate::check(fit, self)
     }
 
-    fn find(&self, fit: &Fit, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult, Error> {
+    fn find(&self, fit: &Fit, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult> {
         let (mut outcome, sample) = find(self, fit, pipeline)?;
         if let (Some(other), Some(evidence)) = (self.other(&fit.settings, &fit.bound)?, &mut outcome.evidence) {
-            let compared = evidence.compare(&other);
-            compared.unwrap_or_else(|message| {
+            evidence.compare(&other).unwrap_or_else(|message| {
                 outcome.posterior.iter_mut().for_each(|sample| {
                     sample.notes.push(format!("--against: {message}"));
                 })
@@ -255,9 +222,9 @@ impl Analysis for Asked {
 
 impl Asked {
     /// The evidence that this one's is weighed against.
-    fn other(&self, settings: &Identification, bound: &Bound) -> Result<Option<Evidence>, Error> {
+    fn other(&self, settings: &Identification, bound: &Bound) -> Result<Option<Evidence>> {
         let Some(path) = &self.against else {
-            return Ok(None);
+            return Ok(None)
         };
         if settings.posterior.is_none() {
             return Err(Error::option("against", "the evidence comes with --posterior N"));
@@ -266,9 +233,8 @@ impl Asked {
     }
 
     /// The study's settings, overridden by the command line. A study with criteria need not have any.
-    fn settings(&self, study: &Study, seed: Option<u64>) -> Result<Identification, Error> {
-        let usual = || (!study.criteria.is_empty()).then(Identification::default);
-        let mut settings = study.identify.clone().or_else(usual).ok_or_else(|| {
+    fn settings(&self, study: &Study, seed: Option<u64>) -> Result<Identification> {
+        let mut settings = study.identify.clone().or_else(|| (!study.criteria.is_empty()).then(Identification::default)).ok_or_else(|| {
             study.error(
                 "identify needs to know what is measured: add [criteria], or a section [identify] (`orchestrator identify --help`)",
             )
@@ -278,8 +244,7 @@ impl Asked {
         let unplaced = |number| toml::Spanned::new(0..0, number);
         settings.posterior = self.posterior.map(unplaced).or(settings.posterior);
         // By surrogate a sample takes no run.
-        let free = || self.budget.map(|_| unplaced(PARTICLES));
-        settings.posterior = settings.posterior.or_else(free);
+        settings.posterior = settings.posterior.or_else(|| self.budget.map(|_| unplaced(PARTICLES)));
         Ok(settings)
     }
 }
@@ -289,7 +254,7 @@ fn find(
     options: &Asked,
     fit: &Fit,
     pipeline: &mut Pipeline<'_>,
-) -> Result<(IdentificationOutcome, Option<Sample>), Error> {
+) -> Result<(IdentificationOutcome, Option<Sample>)> {
     let Fit { study, settings, package, bound, .. } = fit;
     let starts = starts(study, settings, bound.problem.free.len())?;
     let limits = search::Effort {
@@ -328,8 +293,7 @@ fn find(
         let again = by.map(|by| {
             let objective = Objective::new(&searched.problem, &remembered, settings.difference);
             surrogate::run_again(&objective, by, (&mut searched.optima, capped.left()))
-        });
-        let again = again.transpose()?.or_else(|| rough.map(|rough| rough.told.clone()));
+        }).transpose()?.or_else(|| rough.map(|rough| rough.told.clone()));
         let optima = &searched.optima;
         let mut outcome = IdentificationOutcome { surrogate: again, notes: bound.notes.clone(), ..searched.outcome() };
         if rough.is_some() && capped.has_refused() {
@@ -352,8 +316,7 @@ fn find(
         }
         if let Some(replaced) = by {
             // Only the model's own runs tell where it fails.
-            let ended = replaced.screened.iter().copied();
-            outcome.excluded = Excluded::new(&bound.problem, &replaced.failures, ended);
+            outcome.excluded = Excluded::new(&bound.problem, &replaced.failures, replaced.screened.iter().copied());
         }
         let objective = Objective::new(&searched.problem, sampled, settings.difference);
         let sample = match rough {
@@ -376,8 +339,7 @@ fn find(
         });
         Ok((outcome, sample))
     };
-    let fitted = search();
-    fitted.map_err(|error: SearchError| match model.halted() {
+    search().map_err(|error: SearchError| match model.halted() {
         Some(halt) => halt,
         None => Error::Search(error.to_string()),
     })
@@ -396,8 +358,7 @@ fn look_closer(
     let finer = Objective::new(problem, &finer, f64::NAN).misfit(&optima[0].minimum.places);
     match finer {
         Ok(finer) => {
-            let steps = model.steps();
-            outcome.numerical_error = Some(NumericalError::new(problem, &optima[0], &finer, steps));
+            outcome.numerical_error = Some(NumericalError::new(problem, &optima[0], &finer, model.steps()));
         }
         Err(NoPrediction::Here(why)) => {
             outcome.notes.push(format!("Half the communication step was not tried: {why}."))
@@ -409,19 +370,16 @@ fn look_closer(
 
 /// The doubts about a result, for programs.
 fn concerns(outcome: &IdentificationOutcome) -> Vec<Concern> {
-    let coarse = outcome.numerical_error.as_ref().and_then(NumericalError::doubt);
-    let coarse = coarse.map(|text| Concern::new(Code::CoarseStep, text).remedied(NumericalError::REMEDY));
-    coarse.into_iter().collect()
+    outcome.numerical_error.as_ref().and_then(NumericalError::doubt).map(|text| Concern::new(Code::CoarseStep, text).remedied(NumericalError::REMEDY)).into_iter().collect()
 }
 
 /// How far a search has got, for people.
 fn so_far(progress: &Progress) -> String {
-    let best = progress.best().map_or_else(String::new, |best| format!(", sum of squares {:.4}", best.misfit.cost()));
+    let best = progress.best().map(|best| format!(", sum of squares {:.4}", best.misfit.cost())).unwrap_or_default();
     format!("{} starts screened, {} followed down{best}", progress.screened.len(), progress.descents.len())
 }
 
 /// Starts from a scrambled Sobol net between the bounds.
-fn starts(study: &Study, settings: &Identification, unknowns: usize) -> Result<Vec<Vec<f64>>, Error> {
-    let starts = cube(unknowns, settings.starts, settings.seed, 1);
-    Ok(starts.map_err(|message| study.error(format!("[identify] {message}")))?)
+fn starts(study: &Study, settings: &Identification, unknowns: usize) -> Result<Vec<Vec<f64>>> {
+    Ok(cube(unknowns, settings.starts, settings.seed, 1).map_err(|message| study.error(format!("[identify] {message}")))?)
 }

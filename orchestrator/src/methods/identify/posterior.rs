@@ -1,26 +1,15 @@
 //! `identify --posterior`: a sample of the posterior, and its file.
 
-use std::path::Path;
-use std::time::Instant;
+use std::{path::Path, time::Instant};
 
 use serde::Deserialize;
 
 use super::files::remove;
-use crate::error::Error;
-use crate::identify::bind::Bound;
-use calibration::local::End;
-use calibration::objective::Objective;
-use calibration::optima::Optimum;
-use calibration::outcome::IdentificationOutcome;
-use calibration::problem::Problem;
-use calibration::sample::outcome::{Evidence, PosteriorOutcome};
-use calibration::sample::{FEWEST, Sample, SampleError, Settings, sample, text};
-use calibration::search::SearchError;
-use number_tables::csv_file;
-use number_tables::files;
+use crate::{error::{Error, Result}, identify::bind::Bound};
+use calibration::{local::End, objective::Objective, optima::Optimum, outcome::IdentificationOutcome, problem::Problem, sample::{FEWEST, Sample, SampleError, Settings, sample, text, outcome::{Evidence, PosteriorOutcome}}, search::SearchError};
+use number_tables::{csv_file, files};
 use point_journal::files::write_atomically;
-use study::identification::PosteriorStart;
-use study::{Identification, Study};
+use study::{Identification, Study, identification::PosteriorStart};
 
 /// The most particles: more would be the table's work, not the posterior's.
 const MOST: u64 = 1_000_000;
@@ -32,9 +21,9 @@ const EACH: u64 = 20;
 const FILE: &str = "posterior.csv";
 
 /// Refuses numbers of particles that would say nothing.
-pub(super) fn check(study: &Study, settings: &Identification, bound: &Bound, by_option: bool) -> Result<(), Error> {
+pub(super) fn check(study: &Study, settings: &Identification, bound: &Bound, by_option: bool) -> Result {
     let Some(particles) = &settings.posterior else {
-        return Ok(());
+        return Ok(())
     };
     let common = 2 * bound.problem.populations.len();
     let unknowns = (bound.problem.unknowns() + common) as u64;
@@ -44,29 +33,20 @@ pub(super) fn check(study: &Study, settings: &Identification, bound: &Bound, by_
         return Ok(());
     }
     let message = format!("{number} particles: with {unknowns} unknowns, give {fewest} or more, and at most {MOST}");
-    Err(match by_option {
-        true => Error::option("posterior", message),
-        false => study.error_at(particles, message).into(),
-    })
+    Err(if by_option { Error::option("posterior", message) } else { study.error_at(particles, message).into() })
 }
 
 /// The evidence of another result, given its file or its folder.
-pub(super) fn other(path: &Path, problem: &Problem) -> Result<Evidence, Error> {
+pub(super) fn other(path: &Path, problem: &Problem) -> Result<Evidence> {
     #[derive(Deserialize)]
     struct Other {
         evidence: Option<Evidence>,
     }
-    let path = match path.is_dir() {
-        true => path.join(super::FILE),
-        false => path.to_owned(),
-    };
-    let other = serde_json::from_str::<Other>(&files::text(&path)?);
-    let other = other.map_err(|error| Error::content(&path, error))?;
-    let evidence = other
+    let path = if path.is_dir() { path.join(super::FILE) } else { path.to_owned() };
+    let evidence = serde_json::from_str::<Other>(&files::text(&path)?).map_err(|error| Error::content(&path, error))?
         .evidence
         .ok_or_else(|| Error::content(&path, "there is no evidence in it; run that identify with --posterior N"))?;
-    let same = evidence.is_of(problem);
-    same.map_err(|message| Error::content(&path, message))?;
+    evidence.is_of(problem).map_err(|message| Error::content(&path, message))?;
     Ok(evidence)
 }
 
@@ -81,7 +61,7 @@ pub(super) fn sampled(
     say: &dyn Fn(String),
 ) -> Result<Option<Sample>, SearchError> {
     let Some(particles) = &settings.posterior else {
-        return Ok(None);
+        return Ok(None)
     };
     let seeds = match settings.posterior_start {
         PosteriorStart::Optima => optima,
@@ -112,10 +92,10 @@ pub(super) fn write(
     settings: &Identification,
     bound: &Bound,
     sample: Option<&Sample>,
-) -> Result<(), Error> {
+) -> Result {
     let path = folder.join(FILE);
     let Some(sample) = sample else {
-        return remove(&path);
+        return remove(&path)
     };
     // Groups of one size may need some more.
     let wanted = settings.posterior.as_ref().map_or(MOST, |particles| *particles.as_ref()) as usize;

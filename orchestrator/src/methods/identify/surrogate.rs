@@ -3,18 +3,9 @@
 
 use std::path::Path;
 
-use super::super::known::{digest_of, points_of};
-use super::{Asked, Fit};
-use crate::error::Error;
-use crate::identify::bind::Bound;
-use calibration::objective::{Misfit, Objective};
-use calibration::optima::Optimum;
-use calibration::problem::{Prediction, Query, Simulate};
-use calibration::rounds;
-use calibration::search::SearchError;
-use calibration::surrogate::outcome::{RunAgain, SurrogateOutcome};
-use calibration::surrogate::{Replaced, Task, fewest, replaced as made};
-use parameter_regions::table::ParameterColumn;
+use super::{Asked, Fit, super::known::{digest_of, points_of}};
+use crate::{error::{Error, Result}, identify::bind::Bound};
+use calibration::{rounds, objective::{Misfit, Objective}, optima::Optimum, problem::{Prediction, Query, Simulate}, search::SearchError, surrogate::{Replaced, Task, fewest, replaced as made, outcome::{RunAgain, SurrogateOutcome}}};
 use sampling::design::cube;
 
 /// Runs of each case beside those of the surrogate: one before the first, one once more, half the steps, and two optima.
@@ -39,7 +30,7 @@ pub(super) struct Known {
 impl Known {
     /// The points of a folder whose values are those that a search asks for: the same FMU and study, each varied parameter an
     /// unknown, each measured value that of a criterion. A curve has more rows than the points tell.
-    pub(super) fn of(fit: &Fit, folder: &Path) -> Result<Self, Error> {
+    pub(super) fn of(fit: &Fit, folder: &Path) -> Result<Self> {
         let Fit { study, package, bound, .. } = fit;
         let problem = &bound.problem;
         let is_plain = bound.curves.is_empty()
@@ -67,21 +58,16 @@ impl Known {
             return Ok(Self::default());
         };
         // What else varies, a search holds.
-        let varies = |column: &&ParameterColumn| column.values.windows(2).any(|pair| pair[0] != pair[1]);
-        let mut varied = table.parameters.iter().filter(varies);
+        let mut varied = table.parameters.iter().filter(|column| column.values.windows(2).any(|pair| pair[0] != pair[1]));
         if varied.any(|column| problem.free.iter().all(|free| free.name != column.name)) {
             return Ok(Self::default());
         }
         let mut known = Self { digest: Some(digest_of(folder)?), ..Self::default() };
         for row in 0..table.len().min(POINTS) {
-            let places = problem.free.iter().zip(&inputs).map(|(free, column)| free.place(column.values[row]));
-            let places: Vec<f64> = places.collect();
+            let places: Vec<f64> = problem.free.iter().zip(&inputs).map(|(free, column)| free.place(column.values[row])).collect();
             if places.iter().all(|place| (0.0..=1.0).contains(place)) {
                 known.places.push(places);
-                known.predictions.push(match table.completed(row) {
-                    true => Ok(outputs.iter().map(|column| column.values[row]).collect()),
-                    false => Err(table.status[row].to_string()),
-                });
+                known.predictions.push(if table.completed(row) { Ok(outputs.iter().map(|column| column.values[row]).collect()) } else { Err(table.status[row].to_string()) });
             }
         }
         Ok(known)
@@ -89,8 +75,7 @@ impl Known {
 
     /// The answers, as a search asks for them.
     pub(super) fn answers<'a>(&'a self, bound: &'a Bound) -> impl Iterator<Item = (Query, Prediction)> + 'a {
-        let query = |places: &Vec<f64>| Query { case: 0, free: bound.problem.free_values(places), latents: Vec::new() };
-        self.places.iter().map(query).zip(self.predictions.iter().cloned())
+        self.places.iter().map(|places| Query { case: 0, free: bound.problem.free_values(places), latents: Vec::new() }).zip(self.predictions.iter().cloned())
     }
 }
 
@@ -105,7 +90,7 @@ pub(super) fn asked(runs: u64, bound: &Bound) -> u64 {
 }
 
 /// Refuses numbers of runs from which no surrogate can be made.
-pub(super) fn check(Fit { bound, known, .. }: &Fit, options: &Asked) -> Result<(), Error> {
+pub(super) fn check(Fit { bound, known, .. }: &Fit, options: &Asked) -> Result {
     let Some(runs) = options.budget else { return Ok(()) };
     let cases = bound.problem.cases.len() as u64;
     let least = cases * (fewest(&bound.problem, known.places.len()) as u64 + BESIDE);
@@ -113,8 +98,7 @@ pub(super) fn check(Fit { bound, known, .. }: &Fit, options: &Asked) -> Result<(
         return Ok(());
     }
     let each = if cases > 1 { format!(" of {cases} cases") } else { String::new() };
-    let message = format!("{runs} runs: give {least} or more for these unknowns{each}, and at most {}", MOST * cases);
-    Err(Error::option("budget", message))
+    Err(Error::option("budget", format!("{runs} runs: give {least} or more for these unknowns{each}, and at most {}", MOST * cases)))
 }
 
 /// Makes surrogates where a budget wants them.

@@ -1,9 +1,7 @@
 //! The document of trade-offs: the best compromise, and the front, pair by pair of criteria.
 
 use parameter_regions::pareto::study::{CONFLICT, Member, Pareto};
-use result_document::format::{count, number};
-use result_document::svg::{Frame, area, circle, path};
-use result_document::{Block, Column, Document, Figure, Key, Table, numbers, words};
+use result_document::{Block, Column, Document, Figure, Key, Table, numbers, words, format::{count, number}, svg::{Frame, area, circle, path}};
 
 /// Most pairs of criteria that are drawn; pairs in conflict come first.
 const MOST_PLOTS: usize = 6;
@@ -13,8 +11,7 @@ const CROWD: usize = 300;
 
 /// The document of a result.
 pub fn document(result: &Pareto) -> Document {
-    let title = "What the criteria cost each other";
-    let mut told = Document::new("pareto", "Trade-offs", title);
+    let mut told = Document::new("pareto", "Trade-offs", "What the criteria cost each other");
     let Some(best) = result.front.first() else {
         told.say("No point has values.");
         return told;
@@ -50,8 +47,7 @@ fn members(result: &Pareto, best: &Member) -> Table {
     if result.nearest > 0 {
         rows.push(row("Nearest", &result.front[result.nearest]));
     }
-    let parameters = result.parameters.iter().zip(&result.units);
-    let parameters = parameters.map(|(name, unit)| Column { unit: unit.clone(), ..numbers(name) });
+    let parameters = result.parameters.iter().zip(&result.units).map(|(name, unit)| Column { unit: unit.clone(), ..numbers(name) });
     let columns = [words(""), numbers("largest"), numbers("distance")].into_iter();
     Table {
         name: "Best compromise".into(),
@@ -65,8 +61,7 @@ fn row(title: &str, m: &Member) -> Vec<String> {
     let criterion = |(value, deviation): (&f64, &f64)| format!("{} ({})", number(*value, 5), number(*deviation, 2));
     let title = [format!("{title}, point {}", m.point), number(m.largest(), 3), number(m.distance(), 3)];
     let criteria = m.values.iter().zip(&m.deviations).map(criterion);
-    let parameters = m.parameters.iter().map(|v| number(*v, 4));
-    title.into_iter().chain(criteria).chain(parameters).collect()
+    title.into_iter().chain(criteria).chain(m.parameters.iter().map(|v| number(*v, 4))).collect()
 }
 
 fn legend() -> Block {
@@ -107,13 +102,9 @@ fn plot(result: &Pareto, a: usize, b: usize) -> Figure {
         (x <= right && y <= top).then(|| [frame.x.at(x), frame.y.at(y)])
     };
     // In a crowd edges would hide each other.
-    let (r, class) = match result.front.len() > CROWD {
-        true => (1.5, "plot crowd"),
-        false => (3.0, "plot"),
-    };
+    let (r, class) = if result.front.len() > CROWD { (1.5, "plot crowd") } else { (3.0, "plot") };
     let marks = |verified: bool| -> String {
-        let members = result.front.iter().filter(|m| m.verified() == verified);
-        members.filter_map(place).map(|at| circle(at, r)).collect()
+        result.front.iter().filter(|m| m.verified() == verified).filter_map(place).map(|at| circle(at, r)).collect()
     };
     let (others, verified) = (path("pt part", marks(false)), path("pt in", marks(true)));
     out += &format!("<g class=\"{class}\">{others}{verified}</g>");

@@ -6,10 +6,8 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::asking::{AnalysisResult, Delivery};
-use super::known::{self, Finished};
-use crate::error::Error;
-use crate::results::origin::Origin;
+use super::{asking::{AnalysisResult, Delivery}, known::{self, Finished}};
+use crate::{error::{Error, Result}, results::origin::Origin};
 use parameter_regions::pareto::study::trade_off;
 use point_journal::pipeline::folder::Earlier;
 use result_document::Document;
@@ -46,7 +44,7 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 ///
 /// # Errors
 /// When the study or its points cannot be used.
-pub fn run(options: &Options) -> Result<Delivery, Error> {
+pub fn run(options: &Options) -> Result<Delivery> {
     let from = known::from(options.from.as_deref(), options.output.as_deref(), &options.study);
     let (summary, table) = known::points_of(&from, &Study::read(&options.study)?)?;
     let result = trade_off(&table).ok_or_else(|| Error::Search("no point has values".to_owned()))?;

@@ -1,11 +1,8 @@
 //! Fresh runs of the model inside the box.
 
-use super::super::asking;
-use super::{Points, ROUNDS, joint};
-use crate::error::Error;
-use crate::session::Session;
-use parameter_regions::robustness::{Robustness, rows};
-use parameter_regions::table::PointTable;
+use super::{Points, ROUNDS, joint, super::asking};
+use crate::{error::{Error, Result}, session::Session};
+use parameter_regions::{robustness::{Robustness, rows}, table::PointTable};
 use point_journal::pipeline::Pipeline;
 
 /// The most draws to search for points inside a small region.
@@ -27,11 +24,10 @@ impl Confirmation<'_, '_> {
     /// Runs independent points of the study's distributions inside the box, and notes the outcome. Where a statement does
     /// not hold, the surrogates learn from these runs, and their new statements are confirmed by new runs: points that
     /// judge a statement must be independent of the points that it was made from.
-    pub(super) fn of(&mut self, mut result: Robustness) -> Result<Robustness, Error> {
+    pub(super) fn of(&mut self, mut result: Robustness) -> Result<Robustness> {
         let inputs = self.session.plan.inputs.iter().map(|input| &input.name);
         if !inputs.eq(self.known.all.parameters.iter().map(|p| &p.name)) {
-            let message = "the study's parameters are not those of the points";
-            return Err(Error::option("confirm", message));
+            return Err(Error::option("confirm", "the study's parameters are not those of the points"));
         }
         let mut known = self.known.all.clone();
         for round in 0..self.rounds {
@@ -52,33 +48,30 @@ impl Confirmation<'_, '_> {
     }
 
     /// Fresh runs inside the box, noted there.
-    fn judge(&mut self, result: &mut Robustness, round: u64) -> Result<PointTable, Error> {
+    fn judge(&mut self, result: &mut Robustness, round: u64) -> Result<PointTable> {
         let parameters = &self.known.all.parameters;
         let places: Vec<usize> =
             (0..parameters.len()).filter(|&k| result.parameters.contains(&parameters[k].name)).collect();
         let varying = |x: &[f64]| -> Vec<f64> { places.iter().map(|&k| x[k]).collect() };
         let Some(region) = &mut result.region else {
-            return self.run(Vec::new());
+            return self.run(Vec::new())
         };
-        let inside = self.inside(round, |x| region.contains(&varying(x)))?;
-        let runs = self.run(inside)?;
+        let runs = self.run(self.inside(round, |x| region.contains(&varying(x)))?)?;
         let inner: Vec<Vec<f64>> = rows(&runs).iter().map(|x| varying(x)).collect();
         region.fresh = Some(region.confirm(&inner, &runs.verified));
         Ok(runs)
     }
 
     /// The first points of a sequence of independent ones that lie inside.
-    fn inside(&self, round: u64, inside: impl Fn(&[f64]) -> bool) -> Result<Vec<Vec<f64>>, Error> {
+    fn inside(&self, round: u64, inside: impl Fn(&[f64]) -> bool) -> Result<Vec<Vec<f64>>> {
         let plan = &self.session.plan;
         // Far from the seeds that people give to studies.
         let seed = !self.seed.wrapping_mul(ROUNDS).wrapping_add(round);
-        let points = joint(plan, MOST_DRAWS, seed);
-        let points = points.map_err(|message| Error::option("confirm", message))?;
-        let draws = (0..MOST_DRAWS).map(|index| points.point(index));
-        Ok(draws.filter(|x| inside(x)).take(self.points).collect())
+        let points = joint(plan, MOST_DRAWS, seed).map_err(|message| Error::option("confirm", message))?;
+        Ok((0..MOST_DRAWS).map(|index| points.point(index)).filter(|x| inside(x)).take(self.points).collect())
     }
 
-    fn run(&mut self, points: Vec<Vec<f64>>) -> Result<PointTable, Error> {
+    fn run(&mut self, points: Vec<Vec<f64>>) -> Result<PointTable> {
         let outcomes = self.pipeline.ask(&points)?;
         Ok(asking::table(self.session, &points, outcomes))
     }

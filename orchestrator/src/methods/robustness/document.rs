@@ -3,14 +3,8 @@
 use std::fmt::Write;
 
 use crate::results::words::capitalised;
-use parameter_regions::robustness::Robustness;
-use parameter_regions::robustness::maps::{CELLS, Map};
-use parameter_regions::robustness::margins::Margin;
-use parameter_regions::robustness::region::Region;
-use parameter_regions::robustness::stand::Quality;
-use result_document::format::{number, percent, with_unit};
-use result_document::svg::{Frame, path};
-use result_document::{Block, Document, Figure, Key, Table, numbers, words};
+use parameter_regions::robustness::{Robustness, maps::{CELLS, Map}, margins::Margin, region::Region, stand::Quality};
+use result_document::{Block, Document, Figure, Key, Table, numbers, words, format::{number, percent, with_unit}, svg::{Frame, path}};
 
 /// The document of a result.
 pub fn document(result: &Robustness) -> Document {
@@ -48,8 +42,7 @@ fn margins(result: &Robustness) -> Table {
         let margin = result.margins.iter().find(|m| m.parameter == *name);
         let of_margin = |of: &dyn Fn(&Margin) -> String| margin.map_or_else(|| "–".into(), of);
         let of_box = |side: usize| {
-            let region = result.region.as_ref();
-            region.map_or_else(|| "–".into(), |r| number(r.limits[k][side], 5))
+            result.region.as_ref().map_or_else(|| "–".into(), |r| number(r.limits[k][side], 5))
         };
         vec![
             with_unit(name, &result.units[k]),
@@ -89,7 +82,7 @@ fn evidence(level: f64, of: &Region) -> String {
         of.confirmed.verified
     );
     let Some(fresh) = of.fresh else {
-        return told;
+        return told
     };
     let [low, high] = fresh.interval.map(percent);
     format!(
@@ -123,8 +116,7 @@ fn maps(result: &Robustness) -> Vec<Block> {
         let [low, high] = range.map(|end| number(end, 4));
         let scale = Block::Legend(vec![Key { svg: String::new(), words: low }, Key { svg: shades(), words: high }]);
         let figures = Block::Figures("maps".into(), result.maps.iter().map(figure).collect());
-        let title = format!("{name} over all pairs of parameters");
-        Block::Folded(title, false, vec![scale, figures])
+        Block::Folded(format!("{name} over all pairs of parameters"), false, vec![scale, figures])
     };
     let mut groups = Vec::new();
     // Where no place is verified, all of them look alike.
@@ -133,8 +125,7 @@ fn maps(result: &Robustness) -> Vec<Block> {
     }
     for (k, (name, _)) in result.criteria.iter().enumerate() {
         let values = result.maps.iter().flat_map(|m| &m.criteria[k]);
-        let range = range(values);
-        groups.push(group(name, range, |map, k| &map.criteria[k], k));
+        groups.push(group(name, range(values), |map, k| &map.criteria[k], k));
     }
     if let Some(Block::Folded(_, open, _)) = groups.first_mut() {
         *open = true;
@@ -150,11 +141,10 @@ const SHADES: usize = 9;
 
 /// The shades of a map, from the lowest value to the highest.
 fn shades() -> String {
-    let shade = |s| {
+    let shades: String = (0..SHADES).map(|s| {
         let x = 10 * s;
         format!("<rect class=\"shade s{s}\" x=\"{x}\" width=\"10.2\" height=\"10\"/>")
-    };
-    let shades: String = (0..SHADES).map(shade).collect();
+    }).collect();
     format!("<svg class=\"plot scale\" viewBox=\"0 0 90 10\" aria-hidden=\"true\">{shades}</svg>")
 }
 

@@ -7,20 +7,14 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
-use super::known::{self, Finished};
-use crate::error::Error;
-use crate::options::Work;
-use crate::results::origin::Origin;
-use crate::session::{Request, Session};
+use super::{asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes}, known::{self, Finished}};
+use crate::{error::{Error, Result}, options::Work, results::origin::Origin, session::{Request, Session}};
 use confirm::Confirmation;
-use parameter_regions::robustness::{Robustness, refined, region, rows};
-use parameter_regions::table::PointTable;
+use parameter_regions::{robustness::{Robustness, refined, region, rows}, table::PointTable};
 use point_journal::pipeline::Pipeline;
 use result_document::Document;
 use sampling::design::{Design, Method, Sampling, cube};
-use study::Study;
-use study::plan::Plan;
+use study::{Study, plan::Plan};
 
 pub use document::document;
 
@@ -66,7 +60,7 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 ///
 /// # Errors
 /// When the options, the study or its points cannot be used.
-pub fn run(options: &Options) -> Result<Delivery, Error> {
+pub fn run(options: &Options) -> Result<Delivery> {
     let work = &options.work;
     let from = known::from(options.from.as_deref(), work.output.as_deref(), &work.study);
     let study = Study::read(&work.study)?;
@@ -88,8 +82,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
         return asking::run(session?, &analysis, work, folder);
     }
     if work.resuming.resume {
-        let message = "without new runs there is nothing to resume; add --confirm N";
-        return Err(Error::option("confirm", message));
+        return Err(Error::option("confirm", "without new runs there is nothing to resume; add --confirm N"));
     }
     // Without the FMU there are no new runs, but all else can be told, unless it takes what binds the study's parameters.
     let session = match session {
@@ -109,7 +102,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
 }
 
 /// The probability that the box must hold.
-fn level(options: &Options, study: &Study) -> Result<f64, Error> {
+fn level(options: &Options, study: &Study) -> Result<f64> {
     const MESSAGE: &str = "must lie between 0 and 1";
     let inside = |level: f64| level > 0.0 && level < 1.0;
     match (options.level, &study.robustness.level) {
@@ -138,7 +131,7 @@ pub struct Asked {
 
 impl Asked {
     /// The points of the finished study, to which results they belong, and a large sample of its distributions.
-    fn known(&self, study: &Study, plan: Option<&Plan>) -> Result<(Origin, Points, Vec<Vec<f64>>), Error> {
+    fn known(&self, study: &Study, plan: Option<&Plan>) -> Result<(Origin, Points, Vec<Vec<f64>>)> {
         let (summary, table) = known::points_of(&self.from, study)?;
         let cloud = cloud(plan, &table, self.seed)?;
         let sample = known::sample_of(&self.from, &summary, table.len())?;
@@ -147,10 +140,9 @@ impl Asked {
         Ok((Origin::of_points(&summary), Points { sample: table.subset(&sample), all: table.subset(&rows) }, cloud))
     }
 
-    fn stated(&self, points: &Points, cloud: &[Vec<f64>]) -> Result<Robustness, Error> {
+    fn stated(&self, points: &Points, cloud: &[Vec<f64>]) -> Result<Robustness> {
         points.stated(&points.all, cloud, self.level).ok_or_else(|| {
-            let message = "the points are too few for a surrogate, or no parameter varies: verify more points";
-            Error::option("from", message)
+            Error::option("from", "the points are too few for a surrogate, or no parameter varies: verify more points")
         })
     }
 }
@@ -176,11 +168,11 @@ impl Analysis for Asked {
 
     type Source = Session;
 
-    fn open(&self, request: Request) -> Result<Session, Error> {
+    fn open(&self, request: Request) -> Result<Session> {
         asking::session(request, Takes::ALL)
     }
 
-    fn points(&self, _: &Session) -> Result<PointSet, Error> {
+    fn points(&self, _: &Session) -> Result<PointSet> {
         Ok(PointSet {
             seed: self.seed,
             // Further rounds follow where a statement does not hold.
@@ -190,7 +182,7 @@ impl Analysis for Asked {
         })
     }
 
-    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult, Error> {
+    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult> {
         let (origin, known, cloud) = self.known(&session.study, Some(&session.plan))?;
         let stated = self.stated(&known, &cloud)?;
         if self.rounds < ROUNDS {
@@ -207,7 +199,7 @@ impl Analysis for Asked {
 
 /// A large sample from the study's distributions, in the order of the table's parameters; from the
 /// points themselves where the FMU is not there to convert units.
-fn cloud(plan: Option<&Plan>, table: &PointTable, seed: u64) -> Result<Vec<Vec<f64>>, Error> {
+fn cloud(plan: Option<&Plan>, table: &PointTable, seed: u64) -> Result<Vec<Vec<f64>>> {
     const SIZE: u64 = 65_536;
     let names = || table.parameters.iter().map(|p| &p.name);
     match plan {
@@ -216,8 +208,7 @@ fn cloud(plan: Option<&Plan>, table: &PointTable, seed: u64) -> Result<Vec<Vec<f
             Ok((0..SIZE).map(|index| points.point(index)).collect())
         }
         Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(names()) => {
-            let cube = cube(plan.varied().len(), SIZE, seed, 1).map_err(|message| Error::option("seed", message))?;
-            Ok(cube.iter().map(|u| plan.from_cube(u)).collect())
+            Ok(cube(plan.varied().len(), SIZE, seed, 1).map_err(|message| Error::option("seed", message))?.iter().map(|u| plan.from_cube(u)).collect())
         }
         _ => Ok(region::cloud(&rows(table), seed)),
     }

@@ -2,16 +2,12 @@
 
 use super::outputs::{Output, Sensitivity};
 use crate::results::words::capitalised;
-use result_document::format::number;
-use result_document::svg::{area, path, picture, text, ticks};
-use result_document::{Block, Document, Figure, Key, Table, words};
-use sensitivity::Estimate;
-use sensitivity::method::Measure;
+use result_document::{Block, Document, Figure, Key, Table, words, format::number, svg::{area, path, picture, text, ticks}};
+use sensitivity::{Estimate, method::Measure};
 
 /// The document of a result.
 pub fn document(result: &Sensitivity) -> Document {
-    let title = "Which parameter matters";
-    let mut told = Document::new("sensitivity", "Sensitivity", title);
+    let mut told = Document::new("sensitivity", "Sensitivity", "Which parameter matters");
     told.say(format!("{}.", result.method));
     told.warn(&result.warnings);
     told.hint("Whiskers are 95 % intervals.");
@@ -68,7 +64,7 @@ fn bars(output: &str, parameters: &[String], shown: &[Measure]) -> String {
     const CLASSES: [&str; 3] = ["in", "all", "all"];
     let measures: Vec<&Measure> = shown.iter().filter(|measure| measure.drawn).collect();
     let Some(first) = measures.first() else {
-        return String::new();
+        return String::new()
     };
     let mut order: Vec<usize> = (0..parameters.len()).collect();
     let finite = |v: f64| if v.is_finite() { v } else { 0.0 };

@@ -20,8 +20,7 @@ pub(super) fn warnings(table: &PointTable) -> Vec<String> {
     if failed(table) == 0 {
         return Vec::new();
     }
-    let affected = table.criteria.iter().filter(|c| missing(&c.values) > 0);
-    let warnings = affected.map(warning);
+    let warnings = table.criteria.iter().filter(|c| missing(&c.values) > 0).map(warning);
     let share = |count: usize| 100.0 * count as f64 / table.len() as f64;
     let all = format!(
         "{} of {} runs failed ({:.2} %): `{OUTPUT}` tells which parameters make them fail, and `verified` counts them as not \

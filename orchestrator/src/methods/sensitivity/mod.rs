@@ -10,25 +10,18 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use nalgebra::DMatrix;
 
-use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
-use super::known::Finished;
-use crate::error::Error;
-use crate::options::Work;
-use crate::results::{points, table};
-use crate::session::{Request, Session};
-use ::sensitivity::method::{self, Settled, Space};
-use ::sensitivity::{RUNS, named};
+use super::{asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes}, known::Finished};
+use crate::{error::{Error, Result}, options::Work, results::{points, table}, session::{Request, Session}};
+use ::sensitivity::{RUNS, named, method::{self, Settled, Space}};
 use number_tables::csv_file;
 use outputs::from_runs;
 use parameter_regions::table::PointTable;
-use point_journal::pipeline::Pipeline;
+use point_journal::{pipeline::Pipeline, files::{make_folder, write_table}};
 use result_document::Document;
-use study::Study;
-use study::plan::Plan;
+use study::{Study, plan::Plan};
 
 pub use document::document;
 pub use outputs::Sensitivity;
-use point_journal::files::{make_folder, write_table};
 
 /// The result's file in a folder of results.
 pub const FILE: &str = "sensitivity.json";
@@ -74,19 +67,18 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 ///
 /// # Errors
 /// When the options, the study or its points cannot be used.
-pub fn run(options: &Options) -> Result<Delivery, Error> {
+pub fn run(options: &Options) -> Result<Delivery> {
     let study = Study::read(&options.work.study)?;
     let analysis = Asked::new(options, &study)?;
     if let Some(from) = &options.from {
         return of_points(options, from, analysis.seed);
     }
     let session = asking::open(&options.work, &analysis)?;
-    let folder = options.work.folder();
-    asking::run(session, &analysis, &options.work, folder)
+    asking::run(session, &analysis, &options.work, options.work.folder())
 }
 
 /// Indices from the points in a folder.
-fn of_points(options: &Options, from: &Path, seed: u64) -> Result<Delivery, Error> {
+fn of_points(options: &Options, from: &Path, seed: u64) -> Result<Delivery> {
     let work = &options.work;
     let request = Request { study: work.study.clone(), fmu: work.means.fmu.clone(), ..Request::default() };
     let session = Session::open(request)?;
@@ -108,11 +100,10 @@ pub struct Asked {
 
 impl Asked {
     /// The settings from the options, else from the study, else the defaults.
-    fn new(options: &Options, study: &Study) -> Result<Self, Error> {
+    fn new(options: &Options, study: &Study) -> Result<Self> {
         let said = &study.sensitivity;
         let method = said.method.as_ref().map(|name| {
-            let known = named(name.as_ref());
-            known.map_err(|message| study.error_at(name, message))
+            named(name.as_ref()).map_err(|message| study.error_at(name, message))
         });
         let usual = method.transpose()?.unwrap_or(RUNS[0]);
         let sizes = [options.base, options.morris, options.shapley];
@@ -133,7 +124,7 @@ impl Asked {
         })
     }
 
-    fn method(&self) -> Result<&'static dyn method::FromRuns, Error> {
+    fn method(&self) -> Result<&'static dyn method::FromRuns> {
         named(&self.method).map_err(|message| Error::option("method", message))
     }
 
@@ -147,12 +138,12 @@ impl Analysis for Asked {
 
     type Source = Session;
 
-    fn open(&self, request: Request) -> Result<Session, Error> {
+    fn open(&self, request: Request) -> Result<Session> {
         let takes = Takes { correlations: self.method()?.facts().takes_correlations, samples: false };
         asking::session(request, takes)
     }
 
-    fn points(&self, session: &Session) -> Result<PointSet, Error> {
+    fn points(&self, session: &Session) -> Result<PointSet> {
         let method = self.method()?;
         enough(self.size).map_err(|message| Error::option(method.facts().option, message))?;
         Ok(PointSet {
@@ -163,7 +154,7 @@ impl Analysis for Asked {
         })
     }
 
-    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult, Error> {
+    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult> {
         let method = self.method()?;
         let design = method
             .design(&space(&session.plan), &self.settled())
@@ -174,17 +165,13 @@ impl Analysis for Asked {
         if !session.plan.is_independent() {
             result.warnings.insert(0, CORRELATED.to_owned());
         }
-        let origin = asking::origin(session)?;
-        Ok(AnalysisResult::new(&result, origin, document(&result).as_text(), FILE))
+        Ok(AnalysisResult::new(&result, asking::origin(session)?, document(&result).as_text(), FILE))
     }
 }
 
 /// One base point or trajectory tells nothing of how sure it is.
 fn enough(size: u64) -> Result<(), String> {
-    match size < 2 {
-        true => Err(format!("{size} is too few; at least 2 are needed")),
-        false => Ok(()),
-    }
+    if size < 2 { Err(format!("{size} is too few; at least 2 are needed")) } else { Ok(()) }
 }
 
 /// The parameters that vary, with their correlations.
@@ -197,7 +184,7 @@ fn space(plan: &Plan) -> Space {
 }
 
 /// Simulates points of the unit cube of the parameters that vary.
-fn simulate(session: &Session, pipeline: &mut Pipeline<'_>, cube: &[Vec<f64>]) -> Result<PointTable, Error> {
+fn simulate(session: &Session, pipeline: &mut Pipeline<'_>, cube: &[Vec<f64>]) -> Result<PointTable> {
     let plan = &session.plan;
     let points: Vec<Vec<f64>> = cube.iter().map(|u| plan.from_cube(u)).collect();
     let outcomes = pipeline.ask(&points)?;
@@ -206,13 +193,12 @@ fn simulate(session: &Session, pipeline: &mut Pipeline<'_>, cube: &[Vec<f64>]) -
 }
 
 /// Writes the runs in the order of their design, for other programs to analyse.
-fn keep_runs(folder: &Path, rows: &PointTable) -> Result<(), Error> {
+fn keep_runs(folder: &Path, rows: &PointTable) -> Result {
     make_folder(folder)?;
     let parameters = rows.parameters.iter().map(|p| (&*p.name, &*p.values));
     let criteria = rows.criteria.iter().map(|c| (&*c.name, &*c.values));
     let columns: Vec<(&str, &[f64])> = parameters.chain(criteria).collect();
-    let names = columns.iter().map(|(name, _)| *name);
-    let head = names.chain(["verified", "status"]);
+    let head = columns.iter().map(|(name, _)| *name).chain(["verified", "status"]);
     let path = folder.join("sensitivity-runs.csv");
     Ok(write_table(&path, head, |table| {
         for row in 0..rows.len() {

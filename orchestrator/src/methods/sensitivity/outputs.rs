@@ -2,9 +2,7 @@
 
 use super::failures;
 use parameter_regions::table::PointTable;
-use sensitivity::method::{FromRuns, Measure, Settled, Told};
-use sensitivity::sobol::Indices;
-use sensitivity::{Estimate, RUNS, dominant};
+use sensitivity::{Estimate, RUNS, dominant, method::{FromRuns, Measure, Settled, Told}, sobol::Indices};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -72,8 +70,7 @@ impl Output {
 
 /// The parameter whose first measure is largest, where the intervals leave no doubt.
 fn most_important(shown: &[Measure], parameters: &[String]) -> Option<String> {
-    let first = shown.iter().find(|measure| measure.drawn)?;
-    let surest = &first.estimates;
+    let surest = &shown.iter().find(|measure| measure.drawn)?.estimates;
     // A parameter without a number could be the most important.
     if surest.iter().any(|estimate| estimate.value.is_nan()) {
         return None;
@@ -85,15 +82,14 @@ fn most_important(shown: &[Measure], parameters: &[String]) -> Option<String> {
 /// The keys of the methods that were not used, without values.
 fn unused(seed: u64) -> Told {
     let settled = Settled { size: 0, seed };
-    let keys = RUNS.iter().map(|method| method.tell(&[], &[], &settled));
-    keys.flatten().collect()
+    RUNS.iter().map(|method| method.tell(&[], &[], &settled)).flatten().collect()
 }
 
 /// Analyses the runs of a method's own design.
 pub fn from_runs(method: &dyn FromRuns, design: &[Vec<f64>], rows: &PointTable, settled: &Settled) -> Sensitivity {
     let parameters: Vec<String> = rows.parameters.iter().map(|p| p.name.clone()).collect();
     let mut warnings = failures::warnings(rows);
-    let output = |(name, values): (String, Vec<f64>)| {
+    let outputs = outputs(rows).into_iter().map(|(name, values)| {
         let mut told = unused(settled.seed);
         told.extend(method.tell(design, &values, settled));
         let above = first_above_total(&told, &parameters).into_iter().map(|parameter| {
@@ -105,8 +101,7 @@ pub fn from_runs(method: &dyn FromRuns, design: &[Vec<f64>], rows: &PointTable, 
         warnings.extend(above);
         let dominant = most_important(&method.shown(&told), &parameters);
         Output { missing: failures::missing(&values), name, told, dominant }
-    };
-    let outputs = outputs(rows).into_iter().map(output).collect();
+    }).collect();
     let tried = method.facts().tried_size;
     if settled.size < tried {
         warnings.push(format!(
@@ -141,21 +136,17 @@ pub fn from_indices(name: String, indices: Option<Indices>, parameters: &[String
 /// The parameters whose first-order index lies above the total one by more than the error of both.
 fn first_above_total(told: &Told, parameters: &[String]) -> Vec<String> {
     let indices = told.get("sobol").and_then(|told| serde_json::from_value::<Indices>(told.clone()).ok());
-    let pairs = indices.map(|indices| indices.first.into_iter().zip(indices.total).collect::<Vec<_>>());
-    let pairs = pairs.unwrap_or_default().into_iter().zip(parameters);
-    let above = pairs.filter(|((first, total), _)| {
+    indices.map(|indices| indices.first.into_iter().zip(indices.total).collect::<Vec<_>>()).unwrap_or_default().into_iter().zip(parameters).filter(|((first, total), _)| {
         let half = |estimate: &Estimate| 0.5 * (estimate.high - estimate.low);
         first.value - total.value > half(first).hypot(half(total))
-    });
-    above.map(|(_, parameter)| parameter.clone()).collect()
+    }).map(|(_, parameter)| parameter.clone()).collect()
 }
 
 /// The criteria's values; 1 or 0 for verified or not, where a run that failed is not; and 1 or 0 for failed or not, where
 /// any run failed.
 fn outputs(table: &PointTable) -> Vec<(String, Vec<f64>)> {
     let flags = |flag: &dyn Fn(usize) -> bool| {
-        let flags = (0..table.len()).map(flag);
-        flags.map(|flag| f64::from(u8::from(flag))).collect()
+        (0..table.len()).map(flag).map(|flag| f64::from(u8::from(flag))).collect()
     };
     let criteria = table.criteria.iter().map(|c| (c.name.clone(), c.values.clone()));
     let verified = ("verified".to_owned(), flags(&|i| table.verified[i]));

@@ -1,8 +1,6 @@
 //! The goal of the tolerances.
 
-use crate::error::Error;
-use crate::judge::{Judge, share};
-use crate::results::table;
+use crate::{error::{Error, Result}, judge::{Judge, share}, results::table};
 use conformity::risk::Guard;
 use parameter_regions::tolerances::stated::Wanted;
 use std::path::Path;
@@ -24,27 +22,24 @@ pub(super) struct Goal<'a> {
 
 impl<'a> Goal<'a> {
     /// The study's goal; a guard band that limits a risk is that of the finished study in `from`.
-    pub(super) fn new(study: &Study, judge: &'a Judge, from: &Path) -> Result<Self, Error> {
+    pub(super) fn new(study: &Study, judge: &'a Judge, from: &Path) -> Result<Self> {
         const USUAL: f64 = 0.95;
         let said = &study.tolerances;
         let required = judge.rule.map(|rule| rule.share);
         let (wanted, stated) = match (&said.share, &said.conformance) {
             (Some(_), Some(both)) => {
-                let message = "[tolerances] has both share and conformance; keep one";
-                return Err(study.error_at(both, message).into());
+                return Err(study.error_at(both, "[tolerances] has both share and conformance; keep one").into());
             }
             (share, None) => (Wanted::Accepted, share),
             (None, conformance) => (Wanted::Conforming, conformance),
         };
         if let (Wanted::Conforming, Some(stated), false) = (wanted, stated, judge.measurement.complete()) {
-            let message = "a conformance probability needs the uncertainty of every measured value; add `uncertainty` \
-                           to the criteria, or want a `share`";
-            return Err(study.error_at(stated, message).into());
+            return Err(study.error_at(stated, "a conformance probability needs the uncertainty of every measured value; add `uncertainty` \
+                           to the criteria, or want a `share`").into());
         }
         let target = match stated {
             Some(stated) => share(stated.as_ref()).ok_or_else(|| {
-                let message = format!("{} must be more than 0 % and less than 100 %", stated.as_ref());
-                study.error_at(stated, message)
+                study.error_at(stated, format!("{} must be more than 0 % and less than 100 %", stated.as_ref()))
             })?,
             None => required.ok_or_else(|| {
                 study.error(
@@ -64,8 +59,7 @@ impl<'a> Goal<'a> {
 
     /// How good points are.
     pub(super) fn goods(&self, outcomes: &[Option<Vec<f64>>]) -> Vec<f64> {
-        let outcomes = outcomes.iter();
-        outcomes.map(|one| self.good(one.as_deref())).collect()
+        outcomes.iter().map(|one| self.good(one.as_deref())).collect()
     }
 
     /// How good a point is, from 0 to 1; one that failed is not at all.
@@ -78,14 +72,13 @@ impl<'a> Goal<'a> {
                 _ => measurement.margin(values) >= self.guard,
             })),
             Wanted::Conforming => {
-                let all = measurement.assess(values).all;
-                all.probability.expect("`new` refuses criteria without an uncertainty")
+                measurement.assess(values).all.probability.expect("`new` refuses criteria without an uncertainty")
             }
         }
     }
 }
 
-fn guard(study: &Study, judge: &Judge, from: &Path) -> Result<f64, Error> {
+fn guard(study: &Study, judge: &Judge, from: &Path) -> Result<f64> {
     let band = match judge.guard {
         Guard::Given(factor) => Some(factor),
         Guard::EachPoint { .. } => Some(0.0),
@@ -94,8 +87,7 @@ fn guard(study: &Study, judge: &Judge, from: &Path) -> Result<f64, Error> {
                 Err(Error::Missing(_)) => None,
                 summary => Some(summary?),
             };
-            let of_study = summary.filter(|s| s.provenance.study_sha256 == study.digest());
-            let conclusion = of_study.and_then(|summary| summary.conclusion);
+            let conclusion = summary.filter(|s| s.provenance.study_sha256 == study.digest()).and_then(|summary| summary.conclusion);
             conclusion.and_then(|conclusion| conclusion.guard_band)
         }
     };

@@ -8,28 +8,17 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
-use super::known::{self, Finished};
-use crate::error::Error;
-use crate::options::Work;
-use crate::results::summary::ParameterSummary;
-use crate::results::table;
-use crate::session::{Request, Session};
+use super::{asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes}, known::{self, Finished}};
+use crate::{error::{Error, Result}, options::Work, results::{table, summary::ParameterSummary}, session::{Request, Session}};
 use goal::Goal;
 use number_tables::files::FileError;
-use parameter_regions::robustness::stand::Stand;
-use parameter_regions::table::PointTable;
-use parameter_regions::tolerances::stated::{Parameter, Tolerances};
-use parameter_regions::tolerances::{Problem, Sample};
-use point_journal::pipeline::Pipeline;
-use result_document::Document;
-use result_document::format::number;
+use parameter_regions::{robustness::stand::Stand, table::PointTable, tolerances::{Problem, Sample, stated::{Parameter, Tolerances}}};
+use point_journal::{Outcome, pipeline::Pipeline};
+use result_document::{Document, format::number};
 use sampling::design::Joint;
-use study::Study;
-use study::plan::{Input, Plan};
+use study::{Study, plan::{Input, Plan}};
 
 pub use document::document;
-use point_journal::Outcome;
 
 /// The result's file in a folder of results.
 pub const FILE: &str = "tolerances.json";
@@ -70,10 +59,9 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 ///
 /// # Errors
 /// When the options, the study or its points cannot be used.
-pub fn run(options: &Options) -> Result<Delivery, Error> {
+pub fn run(options: &Options) -> Result<Delivery> {
     let path = &options.work.study;
-    let study = Study::read(path)?;
-    let said = &study.tolerances;
+    let said = &Study::read(path)?.tolerances;
     if let Some(runs) = options.budget.filter(|runs| *runs <= BESIDE) {
         return Err(Error::option("budget", format!("{runs} runs: give {} or more", BESIDE + 1)));
     }
@@ -86,8 +74,7 @@ pub fn run(options: &Options) -> Result<Delivery, Error> {
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
     let session = asking::open(&options.work, &analysis)?;
-    let folder = options.work.folder();
-    asking::run(session, &analysis, &options.work, folder)
+    asking::run(session, &analysis, &options.work, options.work.folder())
 }
 
 /// A search by importance weights on known points, and by runs of its own.
@@ -109,12 +96,11 @@ impl Analysis for Asked {
 
     type Source = Session;
 
-    fn open(&self, request: Request) -> Result<Session, Error> {
-        let takes = Takes { correlations: false, samples: true };
-        asking::session(request, takes)
+    fn open(&self, request: Request) -> Result<Session> {
+        asking::session(request, Takes { correlations: false, samples: true })
     }
 
-    fn points(&self, session: &Session) -> Result<PointSet, Error> {
+    fn points(&self, session: &Session) -> Result<PointSet> {
         let known = self.by_surrogate || self.known(session)?.is_some();
         Ok(PointSet {
             seed: self.seed,
@@ -125,12 +111,12 @@ impl Analysis for Asked {
         })
     }
 
-    fn check(&self, session: &Session) -> Result<(), Error> {
+    fn check(&self, session: &Session) -> Result {
         let goal = Goal::new(&session.study, &session.judge, &self.from)?;
         self.problem(session, &goal).map(drop)
     }
 
-    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult, Error> {
+    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult> {
         let goal = Goal::new(&session.study, &session.judge, &self.from)?;
         let problem = self.problem(session, &goal)?;
         let stand = self.by_surrogate.then(|| self.stand(session)).transpose()?;
@@ -177,8 +163,7 @@ impl Analysis for Asked {
             Some(answer) => {
                 told.reasons = reasons::off(&session.judge, &goal, &centre);
                 told.reasons.push(reasons::not_shown(&problem));
-                let most = most(session, &problem, &sample, &answer.scales);
-                told.reasons.extend(most);
+                told.reasons.extend(most(session, &problem, &sample, &answer.scales));
             }
             None => {
                 told.reasons = reasons::of(&session.judge, &goal, &centre);
@@ -192,7 +177,7 @@ impl Analysis for Asked {
 
 impl Asked {
     /// The points of the finished study, if they were drawn from the parameters' distributions.
-    fn known(&self, session: &Session) -> Result<Option<PointTable>, Error> {
+    fn known(&self, session: &Session) -> Result<Option<PointTable>> {
         if !self.from.join("summary.json").exists() {
             return Ok(None);
         }
@@ -205,19 +190,18 @@ impl Asked {
     }
 
     /// A surrogate of the finished study's points, however they were chosen.
-    fn stand(&self, session: &Session) -> Result<Stand, Error> {
+    fn stand(&self, session: &Session) -> Result<Stand> {
         let (_, table) = known::points_of(&self.from, &session.study)?;
         Stand::fit(&table).ok_or_else(|| {
             Error::option("budget", "the points are too few for a surrogate: `verify STUDY --budget N` makes more")
         })
     }
 
-    fn problem(&self, session: &Session, goal: &Goal<'_>) -> Result<Problem, Error> {
+    fn problem(&self, session: &Session, goal: &Goal<'_>) -> Result<Problem> {
         let Session { study, plan, .. } = session;
         let with_tolerances = plan.with_tolerances();
         if with_tolerances.is_empty() {
-            let message = "no parameter has a tolerance: those that vary come from samples, which stay as they are";
-            return Err(study.error(message).into());
+            return Err(study.error("no parameter has a tolerance: those that vary come from samples, which stay as they are").into());
         }
         let inputs = || with_tolerances.iter().map(|&k| &plan.inputs[k]);
         let problem = Problem {
@@ -251,8 +235,7 @@ fn most(session: &Session, problem: &Problem, sample: &Sample, proportions: &[f6
 
 /// The places among the inputs of the numbers of a point: those with tolerances, then those from samples.
 fn of_points(plan: &Plan) -> Vec<usize> {
-    let from_samples = plan.joints.iter().flat_map(Joint::inputs).copied();
-    plan.with_tolerances().into_iter().chain(from_samples).collect()
+    plan.with_tolerances().into_iter().chain(plan.joints.iter().flat_map(Joint::inputs).copied()).collect()
 }
 
 /// Relative cost of a narrower tolerance, for each parameter that has one.
@@ -260,18 +243,16 @@ fn costs(study: &Study, plan: &Plan) -> Result<Vec<f64>, FileError> {
     let varied: Vec<&str> = plan.with_tolerances().iter().map(|&k| plan.inputs[k].name.as_str()).collect();
     for (name, cost) in &study.tolerances.costs {
         if !varied.contains(&name.as_ref().as_str()) {
-            let message = format!(
+            return Err(study.error_at(name, format!(
                 "no parameter `{}` has a tolerance; name one under [parameters] that varies and comes from no sample",
                 name.as_ref()
-            );
-            return Err(study.error_at(name, message));
+            )));
         }
         if !(*cost.as_ref() > 0.0 && cost.as_ref().is_finite()) {
             return Err(study.error_at(cost, "a cost must be a positive, finite number"));
         }
     }
-    let cost = |name: &&str| study.tolerances.costs.get(*name).map_or(1.0, |cost| *cost.as_ref());
-    Ok(varied.iter().map(cost).collect())
+    Ok(varied.iter().map(|name| study.tolerances.costs.get(*name).map_or(1.0, |cost| *cost.as_ref())).collect())
 }
 
 fn limit(study: &Study) -> Result<f64, FileError> {
@@ -290,7 +271,7 @@ fn parameters(plan: &Plan, problem: &Problem, scales: &[f64], safe: &[f64]) -> V
     let scaled = |input: &Input, scale: f64| {
         ParameterSummary::new(&Input { distribution: input.distribution.scaled(scale), ..input.clone() })
     };
-    let parameter = |(k, &number): (usize, &usize)| {
+    with_tolerances.iter().enumerate().map(|(k, &number)| {
         let input = &plan.inputs[number];
         Parameter {
             name: input.name.clone(),
@@ -304,8 +285,7 @@ fn parameters(plan: &Plan, problem: &Problem, scales: &[f64], safe: &[f64]) -> V
             distribution: scaled(input, safe[k]).distribution.into_iter().collect(),
             limited: scales[k] >= 0.999 * problem.limit,
         }
-    };
-    with_tolerances.iter().enumerate().map(parameter).collect()
+    }).collect()
 }
 
 /// A distribution as words, with numbers of as many digits as people need.
@@ -319,8 +299,7 @@ fn words(parameter: &ParameterSummary) -> String {
     let words = rounded.distribution.iter().filter_map(|(key, value)| {
         let value = value.as_str()?;
         Some(if key == "distribution" { value.to_owned() } else { format!("{key} {value}") })
-    });
-    let words = words.collect::<Vec<_>>().join(", ");
+    }).collect::<Vec<_>>().join(", ");
     match &parameter.unit {
         Some(unit) => format!("{words} {unit}"),
         None => words,
@@ -338,7 +317,7 @@ struct Runs<'a, 'b> {
 
 impl Runs<'_, '_> {
     /// The results of points; none for those that fail.
-    fn outcomes(&mut self, points: &[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>, Error> {
+    fn outcomes(&mut self, points: &[Vec<f64>]) -> Result<Vec<Option<Vec<f64>>>> {
         let inputs = &self.session.plan.inputs;
         let full = |point: &Vec<f64>| -> Vec<f64> {
             let mut all: Vec<f64> = inputs.iter().map(|input| input.distribution.centre()).collect();
@@ -357,11 +336,9 @@ impl Runs<'_, '_> {
     fn known(&self, table: &PointTable) -> (Vec<Vec<f64>>, Vec<Option<Vec<f64>>>) {
         const MOST: usize = 20_000;
         let count = table.len().min(MOST);
-        let point = |i: usize| self.varied.iter().map(|&k| table.parameters[k].values[i]).collect();
-        let outcome = |i: usize| {
+        ((0..count).map(|i| self.varied.iter().map(|&k| table.parameters[k].values[i]).collect()).collect(), (0..count).map(|i| {
             let values = table.criteria.iter().map(|criterion| criterion.values[i]);
             table.completed(i).then(|| values.collect())
-        };
-        ((0..count).map(point).collect(), (0..count).map(outcome).collect())
+        }).collect())
     }
 }
