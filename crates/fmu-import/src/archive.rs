@@ -328,9 +328,7 @@ impl Archive {
             if held.is_empty() {
                 held.push("none at all".to_owned());
             }
-            return Err(self
-                .misnamed(identifier, platform)
-                .unwrap_or_else(|| ArchiveError::NoBinary { platform, held }));
+            return Err(self.misnamed(identifier, platform).unwrap_or(ArchiveError::NoBinary { platform, held }));
         }
         let target = numbered(parent).map_err(ArchiveError::NoRoom)?;
         let unpacked = match self {

@@ -575,7 +575,7 @@ impl Unknowns<'_> {
         let Some(varies) = text.and_then(|text| text.varies.as_ref()) else {
             return bound.add_free(self.study, name, free, slot, conversion);
         };
-        let cases: Vec<String> = bound.simulations.iter().map(|case| case.name.clone()).flatten().collect();
+        let cases: Vec<String> = bound.simulations.iter().filter_map(|case| case.name.clone()).collect();
         if cases.len() < 2 {
             return Err(self.study.error_at(
                 varies,

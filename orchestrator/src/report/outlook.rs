@@ -10,7 +10,7 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
     let row = |(name, comparison): (&String, &Comparison)| {
         let unit = summary.criteria.get(name).and_then(|c| c.criterion.unit.as_ref());
         let name = unit.map_or_else(|| name.clone(), |unit| format!("{name} ({unit})"));
-        std::iter::once(name).chain(compared(comparison).into_iter()).collect()
+        std::iter::once(name).chain(compared(comparison)).collect()
     };
     told.table(Table {
         name: "Validation comparison".into(),

@@ -82,7 +82,7 @@ fn most_important(shown: &[Measure], parameters: &[String]) -> Option<String> {
 /// The keys of the methods that were not used, without values.
 fn unused(seed: u64) -> Told {
     let settled = Settled { size: 0, seed };
-    RUNS.iter().map(|method| method.tell(&[], &[], &settled)).flatten().collect()
+    RUNS.iter().flat_map(|method| method.tell(&[], &[], &settled)).collect()
 }
 
 /// Analyses the runs of a method's own design.
