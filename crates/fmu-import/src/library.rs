@@ -141,10 +141,18 @@ impl Library {
     fn component(&self, name: &str, events: bool) -> Called<Box<dyn Simulation>> {
         let (birth, common, caller) = (&self.birth, self.common, Caller::new(self.mode));
         Ok(match &self.functions {
-            Functions::Two(functions) => Box::new(fmi2::Model::new(Arc::clone(functions), common, birth, caller, name)?),
-            Functions::Three(functions, elements) => {
-                Box::new(fmi3::Model::new(Arc::clone(functions), common, Arc::clone(elements), birth, events, caller, name)?)
+            Functions::Two(functions) => {
+                Box::new(fmi2::Model::new(Arc::clone(functions), common, birth, caller, name)?)
             }
+            Functions::Three(functions, elements) => Box::new(fmi3::Model::new(
+                Arc::clone(functions),
+                common,
+                Arc::clone(elements),
+                birth,
+                events,
+                caller,
+                name,
+            )?),
         })
     }
 

@@ -9,8 +9,8 @@ use super::{
     reference::{DelayRange, DelayText, Normalise, OwnNormaliser, ReferenceText},
     window::seconds,
 };
-use conformity::uncertainty::{Distribution, Uncertainty};
 use crate::concern::{ACCEPTS_ZERO, Code, Concern};
+use conformity::uncertainty::{Distribution, Uncertainty};
 use curves::{Curve, Metric, Pair, iso18571};
 use fmu_import::{
     digest,

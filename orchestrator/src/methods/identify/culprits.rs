@@ -2,14 +2,32 @@
 
 use std::collections::BTreeSet;
 
-use calibration::{fit::Fit, local::End, next::Group, outcome::IdentificationOutcome, problem::{Free, NoPrediction, Problem, Query, Simulate, Spacing}, remembered::Remembered, rounds::{Searched, Task}, suspects::{Confusion, Constant, Fault, Inquiry, Sensor, Suspect}};
+use calibration::{
+    fit::Fit,
+    local::End,
+    next::Group,
+    outcome::IdentificationOutcome,
+    problem::{Free, NoPrediction, Problem, Query, Simulate, Spacing},
+    remembered::Remembered,
+    rounds::{Searched, Task},
+    suspects::{Confusion, Constant, Fault, Inquiry, Sensor, Suspect},
+};
 use fmu_import::{Content, Description, Value, units::Conversion};
-use fmu_points::{names::behind, task::{SensorError, Slot}};
+use fmu_points::{
+    names::behind,
+    task::{SensorError, Slot},
+};
 use indexmap::IndexMap;
 use result_document::{Block, Document, format::number};
 use study::cases::SEPARATOR;
 
-use crate::{identify::{bind::Bound, model::{Extended, FmuModel}}, results::confusions};
+use crate::{
+    identify::{
+        bind::Bound,
+        model::{Extended, FmuModel},
+    },
+    results::confusions,
+};
 
 /// Looks for what would explain the misfit at the first optimum, by further runs.
 ///
@@ -53,7 +71,8 @@ fn reach(bound: &Bound) -> Vec<[f64; 2]> {
             [end(slot.min, f64::NEG_INFINITY), end(slot.max, f64::INFINITY)]
         }
         _ => [f64::NEG_INFINITY, f64::INFINITY],
-    }).collect()
+    })
+    .collect()
 }
 
 /// The sensors: one for each criterion, whatever the case.
@@ -116,28 +135,38 @@ fn constants<'m>(
     }
     let extended = Extended { model, slots: all.iter().map(|known| known.slot.clone()).collect() };
     let values: Vec<f64> = all.iter().map(|known| known.value).collect();
-    let others: Vec<f64> = all.iter().map(|Known { free, value, .. }| {
-        let place = free.place(*value);
-        free.value(if place > 0.5 { place - STEP } else { place + STEP })
-    }).collect();
-    let queries: Vec<Query> = others.iter().enumerate().flat_map(|(k, other)| {
-        let mut moved = values.clone();
-        moved[k] = *other;
-        let free = [problem.free_values(places), moved].concat();
-        (0..cases).map(move |case| Query { case, free: free.clone(), latents: problem.latent_values(case, places) })
-    }).collect();
+    let others: Vec<f64> = all
+        .iter()
+        .map(|Known { free, value, .. }| {
+            let place = free.place(*value);
+            free.value(if place > 0.5 { place - STEP } else { place + STEP })
+        })
+        .collect();
+    let queries: Vec<Query> = others
+        .iter()
+        .enumerate()
+        .flat_map(|(k, other)| {
+            let mut moved = values.clone();
+            moved[k] = *other;
+            let free = [problem.free_values(places), moved].concat();
+            (0..cases).map(move |case| Query { case, free: free.clone(), latents: problem.latent_values(case, places) })
+        })
+        .collect();
     let predicted = match extended.simulate(&queries) {
         Ok(predicted) => predicted,
         Err(NoPrediction::Here(_)) => return Ok(Vec::new()),
         Err(stopped) => return Err(stopped),
     };
-    Ok(all.into_iter().zip(others).zip(predicted.chunks(cases)).filter_map(
-        |((Known { slot, free, value, fault, usual }, other), by_case)| {
+    Ok(all
+        .into_iter()
+        .zip(others)
+        .zip(predicted.chunks(cases))
+        .filter_map(|((Known { slot, free, value, fault, usual }, other), by_case)| {
             let moved: Result<Vec<Vec<f64>>, _> = by_case.iter().cloned().collect();
             let model = Box::new(Extended { model, slots: vec![slot] });
             Some(Constant { fault, usual, free, value, moved: (other, moved.ok()?), model })
-        },
-    ).collect())
+        })
+        .collect())
 }
 
 /// What a study takes as given, with a range around the value that it has.
@@ -267,16 +296,22 @@ pub(super) fn headline(outcome: &IdentificationOutcome) -> Option<String> {
         return Some(step);
     }
     let Some(first) = suspects.first() else { return Some(NOTHING.to_owned()) };
-    let part = if first.explains() { "Likeliest cause" } else {
-            "Nothing that was tried explains all of it: two things may be wrong, or the model lacks something. Likeliest cause of \
+    let part = if first.explains() {
+        "Likeliest cause"
+    } else {
+        "Nothing that was tried explains all of it: two things may be wrong, or the model lacks something. Likeliest cause of \
              most of it"
-        };
-    let mut equals: Vec<String> = suspects[1..].iter().filter(|other| other.cost[1] - first.cost[1] < NEAR).map(|other| match other.fault {
-        Fault::Range | Fault::Constant => other.name.clone(),
-        Fault::Offset | Fault::Gain => format!("the sensor of {}", other.name),
-        Fault::Delay => format!("the times of {}", other.name),
-        Fault::Unit(_) => format!("the unit of {}", other.name),
-    }).collect();
+    };
+    let mut equals: Vec<String> = suspects[1..]
+        .iter()
+        .filter(|other| other.cost[1] - first.cost[1] < NEAR)
+        .map(|other| match other.fault {
+            Fault::Range | Fault::Constant => other.name.clone(),
+            Fault::Offset | Fault::Gain => format!("the sensor of {}", other.name),
+            Fault::Delay => format!("the times of {}", other.name),
+            Fault::Unit(_) => format!("the unit of {}", other.name),
+        })
+        .collect();
     equals.dedup();
     let as_well = match equals[..] {
         [] => String::new(),
@@ -308,22 +343,34 @@ pub(super) fn causes(outcome: &IdentificationOutcome) -> Vec<String> {
     if outcome.end != End::Converged || outcome.fit() != Fit::Good || outcome.has_several() {
         return headline(outcome).into_iter().collect();
     }
-    let values: Vec<String> = outcome.free.iter().filter(|free| free.left < DETERMINED).map(|free| {
-        let unit = behind(free.unit.as_deref().filter(|unit| *unit != "1"));
-        let [low, high] = free.interval.map(|end| number(end, 4));
-        format!("{} = {}{unit} ({low} .. {high}, 95 %)", free.name, number(free.value, 4))
-    }).collect();
-    if values.is_empty() { Vec::new() } else { vec![format!("The parameters alone would explain it: the model fits at {}.", values.join(", "))] }
+    let values: Vec<String> = outcome
+        .free
+        .iter()
+        .filter(|free| free.left < DETERMINED)
+        .map(|free| {
+            let unit = behind(free.unit.as_deref().filter(|unit| *unit != "1"));
+            let [low, high] = free.interval.map(|end| number(end, 4));
+            format!("{} = {}{unit} ({low} .. {high}, 95 %)", free.name, number(free.value, 4))
+        })
+        .collect();
+    if values.is_empty() {
+        Vec::new()
+    } else {
+        vec![format!("The parameters alone would explain it: the model fits at {}.", values.join(", "))]
+    }
 }
 
 fn sentence(suspect: &Suspect) -> String {
     let unit = behind(suspect.unit.as_deref().filter(|unit| *unit != "1"));
     let (name, value) = (&suspect.name, number(suspect.value, 4));
     let percent = |part: f64| number(100.0 * part.abs(), 3);
-    let stated = suspect.allowed.map(|[_, limit]| match suspect.fault {
-        Fault::Gain => format!(" (stated: at most {} %)", percent(limit)),
-        _ => format!(" (stated: at most {}{unit})", number(limit, 3)),
-    }).unwrap_or_default();
+    let stated = suspect
+        .allowed
+        .map(|[_, limit]| match suspect.fault {
+            Fault::Gain => format!(" (stated: at most {} %)", percent(limit)),
+            _ => format!(" (stated: at most {}{unit})", number(limit, 3)),
+        })
+        .unwrap_or_default();
     match &suspect.fault {
         Fault::Range => {
             let [low, high] = suspect.allowed.unwrap_or([f64::NAN; 2]);

@@ -1,13 +1,18 @@
 //! The files of an identification.
 
 use crate::error::{Error, Result};
-use calibration::{text, outcome::IdentificationOutcome};
+use calibration::{outcome::IdentificationOutcome, text};
 use fmu_import::{quantity::Quantity, units::known};
 use fmu_points::names::behind;
 use number_tables::csv_file::{self, CsvFile};
 use point_journal::files::{write_table, write_text, write_texts};
 use std::path::{Path, PathBuf};
-use study::{Identification, Study, cases::SEPARATOR, inputs::{GAIN, OFFSET}, limit::part};
+use study::{
+    Identification, Study,
+    cases::SEPARATOR,
+    inputs::{GAIN, OFFSET},
+    limit::part,
+};
 
 /// Writes all files.
 pub(super) fn write(
@@ -126,14 +131,15 @@ fn write_cases(
     outcome: &IdentificationOutcome,
     optimum: usize,
 ) -> Result {
-    let Some(path) = &settings.cases else {
-        return Ok(())
-    };
+    let Some(path) = &settings.cases else { return Ok(()) };
     let path = resolve(study, path.as_ref());
     let mut table = CsvFile::open(&path, Some(b'#'))?;
     let header = table.header()?;
-    let places: Vec<Option<usize>> =
-        settings.latent.values().map(|latent| header.iter().position(|name| Some(name) == latent.column.as_ref())).collect();
+    let places: Vec<Option<usize>> = settings
+        .latent
+        .values()
+        .map(|latent| header.iter().position(|name| Some(name) == latent.column.as_ref()))
+        .collect();
     let (mut rows, mut row) = (Vec::new(), csv::StringRecord::new());
     for case in &outcome.optima[optimum].latents {
         if !table.row(&mut row)? {

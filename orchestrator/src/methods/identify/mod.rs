@@ -6,20 +6,59 @@ mod files;
 mod posterior;
 mod surrogate;
 
-use std::{path::{Path, PathBuf}, process::ExitCode, time::{Duration, Instant}};
+use std::{
+    path::{Path, PathBuf},
+    process::ExitCode,
+    time::{Duration, Instant},
+};
 
 use clap::Args;
 use serde::{Deserialize, Serialize};
 
-use super::{asking::{self, Analysis, AnalysisResult, Delivery, PointSet}, known::Finished, setup::{Source, SourceParts}};
-use crate::{error::{Error, Result}, identify::{from_study, offsets, bind::Bound, model::{Finer, FmuModel}}, options::{Means, Work}, results::origin::Origin, session::Request};
-use calibration::{fit, capped::Capped, failures::Excluded, local::End, next::NextOutcome, numerical::NumericalError, objective::Objective, outcome::IdentificationOutcome, problem::{NoPrediction, Simulate}, remembered::Remembered, rounds::{self, Searched}, sample::{Sample, outcome::Evidence}, search::{self, Progress, SearchError}};
+use super::{
+    asking::{self, Analysis, AnalysisResult, Delivery, PointSet},
+    known::Finished,
+    setup::{Source, SourceParts},
+};
+use crate::{
+    error::{Error, Result},
+    identify::{
+        bind::Bound,
+        from_study,
+        model::{Finer, FmuModel},
+        offsets,
+    },
+    options::{Means, Work},
+    results::origin::Origin,
+    session::Request,
+};
+use calibration::{
+    capped::Capped,
+    failures::Excluded,
+    fit,
+    local::End,
+    next::NextOutcome,
+    numerical::NumericalError,
+    objective::Objective,
+    outcome::IdentificationOutcome,
+    problem::{NoPrediction, Simulate},
+    remembered::Remembered,
+    rounds::{self, Searched},
+    sample::{Sample, outcome::Evidence},
+    search::{self, Progress, SearchError},
+};
 use fmu_import::Package;
 use fmu_points::names::{did_you_mean, nearest};
-use point_journal::{files::write_json, pipeline::{Pipeline, folder::Earlier}};
+use point_journal::{
+    files::write_json,
+    pipeline::{Pipeline, folder::Earlier},
+};
 use result_document::Document;
 use sampling::design::cube;
-use study::{Identification, Study, concern::{Code, Concern}};
+use study::{
+    Identification, Study,
+    concern::{Code, Concern},
+};
 use surrogate::Known;
 
 /// The result's file in a folder of results.
@@ -148,7 +187,11 @@ impl Analysis for Asked {
         let fmu = package.description();
         // The unknowns and the data are those of the section `[identify]`, or of the study's criteria.
         let is_stated = study.criteria.is_empty() || !settings.measured.is_empty();
-        let bound = if study.cases.is_empty() && is_stated { Bound::new(&study, &settings, fmu)? } else { from_study::bind(&study, &settings, fmu)? };
+        let bound = if study.cases.is_empty() && is_stated {
+            Bound::new(&study, &settings, fmu)?
+        } else {
+            from_study::bind(&study, &settings, fmu)?
+        };
         Ok(Fit { request: Request { seed, ..request }, study, settings, package, bound, known: Known::default() })
     }
 
@@ -172,7 +215,10 @@ impl Analysis for Asked {
             let free = bound.problem.free.iter().map(|free| free.name.as_str());
             if !free.clone().any(|free| free == name) {
                 let suggestion = did_you_mean(nearest(name, free));
-                return Err(Error::option("narrow", format!("`{name}` is none of the parameters that are sought{suggestion}")));
+                return Err(Error::option(
+                    "narrow",
+                    format!("`{name}` is none of the parameters that are sought{suggestion}"),
+                ));
             }
         }
         posterior::check(study, settings, bound, self.posterior.is_some())?;
@@ -223,9 +269,7 @@ impl Analysis for Asked {
 impl Asked {
     /// The evidence that this one's is weighed against.
     fn other(&self, settings: &Identification, bound: &Bound) -> Result<Option<Evidence>> {
-        let Some(path) = &self.against else {
-            return Ok(None)
-        };
+        let Some(path) = &self.against else { return Ok(None) };
         if settings.posterior.is_none() {
             return Err(Error::option("against", "the evidence comes with --posterior N"));
         }
@@ -250,11 +294,7 @@ impl Asked {
 }
 
 /// Searches for the most probable parameters.
-fn find(
-    options: &Asked,
-    fit: &Fit,
-    pipeline: &mut Pipeline<'_>,
-) -> Result<(IdentificationOutcome, Option<Sample>)> {
+fn find(options: &Asked, fit: &Fit, pipeline: &mut Pipeline<'_>) -> Result<(IdentificationOutcome, Option<Sample>)> {
     let Fit { study, settings, package, bound, .. } = fit;
     let starts = starts(study, settings, bound.problem.free.len())?;
     let limits = search::Effort {
@@ -290,10 +330,13 @@ fn find(
         let mut searched = rounds::searched(&task, asked, &|progress| {
             model.say(so_far(progress));
         })?;
-        let again = by.map(|by| {
-            let objective = Objective::new(&searched.problem, &remembered, settings.difference);
-            surrogate::run_again(&objective, by, (&mut searched.optima, capped.left()))
-        }).transpose()?.or_else(|| rough.map(|rough| rough.told.clone()));
+        let again = by
+            .map(|by| {
+                let objective = Objective::new(&searched.problem, &remembered, settings.difference);
+                surrogate::run_again(&objective, by, (&mut searched.optima, capped.left()))
+            })
+            .transpose()?
+            .or_else(|| rough.map(|rough| rough.told.clone()));
         let optima = &searched.optima;
         let mut outcome = IdentificationOutcome { surrogate: again, notes: bound.notes.clone(), ..searched.outcome() };
         if rough.is_some() && capped.has_refused() {
@@ -370,7 +413,13 @@ fn look_closer(
 
 /// The doubts about a result, for programs.
 fn concerns(outcome: &IdentificationOutcome) -> Vec<Concern> {
-    outcome.numerical_error.as_ref().and_then(NumericalError::doubt).map(|text| Concern::new(Code::CoarseStep, text).remedied(NumericalError::REMEDY)).into_iter().collect()
+    outcome
+        .numerical_error
+        .as_ref()
+        .and_then(NumericalError::doubt)
+        .map(|text| Concern::new(Code::CoarseStep, text).remedied(NumericalError::REMEDY))
+        .into_iter()
+        .collect()
 }
 
 /// How far a search has got, for people.
@@ -381,5 +430,6 @@ fn so_far(progress: &Progress) -> String {
 
 /// Starts from a scrambled Sobol net between the bounds.
 fn starts(study: &Study, settings: &Identification, unknowns: usize) -> Result<Vec<Vec<f64>>> {
-    Ok(cube(unknowns, settings.starts, settings.seed, 1).map_err(|message| study.error(format!("[identify] {message}")))?)
+    Ok(cube(unknowns, settings.starts, settings.seed, 1)
+        .map_err(|message| study.error(format!("[identify] {message}")))?)
 }

@@ -5,8 +5,23 @@ use std::{path::Path, time::Instant};
 use serde::Deserialize;
 
 use super::files::remove;
-use crate::{error::{Error, Result}, identify::bind::Bound};
-use calibration::{local::End, objective::Objective, optima::Optimum, outcome::IdentificationOutcome, problem::Problem, sample::{FEWEST, Sample, SampleError, Settings, sample, text, outcome::{Evidence, PosteriorOutcome}}, search::SearchError};
+use crate::{
+    error::{Error, Result},
+    identify::bind::Bound,
+};
+use calibration::{
+    local::End,
+    objective::Objective,
+    optima::Optimum,
+    outcome::IdentificationOutcome,
+    problem::Problem,
+    sample::{
+        FEWEST, Sample, SampleError, Settings,
+        outcome::{Evidence, PosteriorOutcome},
+        sample, text,
+    },
+    search::SearchError,
+};
 use number_tables::{csv_file, files};
 use point_journal::files::write_atomically;
 use study::{Identification, Study, identification::PosteriorStart};
@@ -22,9 +37,7 @@ const FILE: &str = "posterior.csv";
 
 /// Refuses numbers of particles that would say nothing.
 pub(super) fn check(study: &Study, settings: &Identification, bound: &Bound, by_option: bool) -> Result {
-    let Some(particles) = &settings.posterior else {
-        return Ok(())
-    };
+    let Some(particles) = &settings.posterior else { return Ok(()) };
     let common = 2 * bound.problem.populations.len();
     let unknowns = (bound.problem.unknowns() + common) as u64;
     let fewest = FEWEST.max(EACH * unknowns);
@@ -43,7 +56,8 @@ pub(super) fn other(path: &Path, problem: &Problem) -> Result<Evidence> {
         evidence: Option<Evidence>,
     }
     let path = if path.is_dir() { path.join(super::FILE) } else { path.to_owned() };
-    let evidence = serde_json::from_str::<Other>(&files::text(&path)?).map_err(|error| Error::content(&path, error))?
+    let evidence = serde_json::from_str::<Other>(&files::text(&path)?)
+        .map_err(|error| Error::content(&path, error))?
         .evidence
         .ok_or_else(|| Error::content(&path, "there is no evidence in it; run that identify with --posterior N"))?;
     evidence.is_of(problem).map_err(|message| Error::content(&path, message))?;
@@ -60,9 +74,7 @@ pub(super) fn sampled(
     outcome: &mut IdentificationOutcome,
     say: &dyn Fn(String),
 ) -> Result<Option<Sample>, SearchError> {
-    let Some(particles) = &settings.posterior else {
-        return Ok(None)
-    };
+    let Some(particles) = &settings.posterior else { return Ok(None) };
     let seeds = match settings.posterior_start {
         PosteriorStart::Optima => optima,
         PosteriorStart::Prior => &[],
@@ -87,16 +99,9 @@ pub(super) fn sampled(
 }
 
 /// Writes the table of particles. Without a sample an earlier one's goes: it would be taken for this one's.
-pub(super) fn write(
-    folder: &Path,
-    settings: &Identification,
-    bound: &Bound,
-    sample: Option<&Sample>,
-) -> Result {
+pub(super) fn write(folder: &Path, settings: &Identification, bound: &Bound, sample: Option<&Sample>) -> Result {
     let path = folder.join(FILE);
-    let Some(sample) = sample else {
-        return remove(&path)
-    };
+    let Some(sample) = sample else { return remove(&path) };
     // Groups of one size may need some more.
     let wanted = settings.posterior.as_ref().map_or(MOST, |particles| *particles.as_ref()) as usize;
     write_atomically(&path, |out| {

@@ -3,9 +3,26 @@
 
 use std::path::Path;
 
-use super::{Asked, Fit, super::known::{digest_of, points_of}};
-use crate::{error::{Error, Result}, identify::bind::Bound};
-use calibration::{rounds, objective::{Misfit, Objective}, optima::Optimum, problem::{Prediction, Query, Simulate}, search::SearchError, surrogate::{Replaced, Task, fewest, replaced as made, outcome::{RunAgain, SurrogateOutcome}}};
+use super::{
+    super::known::{digest_of, points_of},
+    Asked, Fit,
+};
+use crate::{
+    error::{Error, Result},
+    identify::bind::Bound,
+};
+use calibration::{
+    objective::{Misfit, Objective},
+    optima::Optimum,
+    problem::{Prediction, Query, Simulate},
+    rounds,
+    search::SearchError,
+    surrogate::{
+        Replaced, Task, fewest,
+        outcome::{RunAgain, SurrogateOutcome},
+        replaced as made,
+    },
+};
 use sampling::design::cube;
 
 /// Runs of each case beside those of the surrogate: one before the first, one once more, half the steps, and two optima.
@@ -58,16 +75,22 @@ impl Known {
             return Ok(Self::default());
         };
         // What else varies, a search holds.
-        let mut varied = table.parameters.iter().filter(|column| column.values.windows(2).any(|pair| pair[0] != pair[1]));
+        let mut varied =
+            table.parameters.iter().filter(|column| column.values.windows(2).any(|pair| pair[0] != pair[1]));
         if varied.any(|column| problem.free.iter().all(|free| free.name != column.name)) {
             return Ok(Self::default());
         }
         let mut known = Self { digest: Some(digest_of(folder)?), ..Self::default() };
         for row in 0..table.len().min(POINTS) {
-            let places: Vec<f64> = problem.free.iter().zip(&inputs).map(|(free, column)| free.place(column.values[row])).collect();
+            let places: Vec<f64> =
+                problem.free.iter().zip(&inputs).map(|(free, column)| free.place(column.values[row])).collect();
             if places.iter().all(|place| (0.0..=1.0).contains(place)) {
                 known.places.push(places);
-                known.predictions.push(if table.completed(row) { Ok(outputs.iter().map(|column| column.values[row]).collect()) } else { Err(table.status[row].to_string()) });
+                known.predictions.push(if table.completed(row) {
+                    Ok(outputs.iter().map(|column| column.values[row]).collect())
+                } else {
+                    Err(table.status[row].to_string())
+                });
             }
         }
         Ok(known)
@@ -75,7 +98,10 @@ impl Known {
 
     /// The answers, as a search asks for them.
     pub(super) fn answers<'a>(&'a self, bound: &'a Bound) -> impl Iterator<Item = (Query, Prediction)> + 'a {
-        self.places.iter().map(|places| Query { case: 0, free: bound.problem.free_values(places), latents: Vec::new() }).zip(self.predictions.iter().cloned())
+        self.places
+            .iter()
+            .map(|places| Query { case: 0, free: bound.problem.free_values(places), latents: Vec::new() })
+            .zip(self.predictions.iter().cloned())
     }
 }
 
@@ -98,7 +124,10 @@ pub(super) fn check(Fit { bound, known, .. }: &Fit, options: &Asked) -> Result {
         return Ok(());
     }
     let each = if cases > 1 { format!(" of {cases} cases") } else { String::new() };
-    Err(Error::option("budget", format!("{runs} runs: give {least} or more for these unknowns{each}, and at most {}", MOST * cases)))
+    Err(Error::option(
+        "budget",
+        format!("{runs} runs: give {least} or more for these unknowns{each}, and at most {}", MOST * cases),
+    ))
 }
 
 /// Makes surrogates where a budget wants them.

@@ -1,7 +1,13 @@
 //! The document of trade-offs: the best compromise, and the front, pair by pair of criteria.
 
 use parameter_regions::pareto::study::{CONFLICT, Member, Pareto};
-use result_document::{Block, Column, Document, Figure, Key, Table, numbers, words, format::{count, number}, svg::{Frame, area, circle, path}};
+use result_document::{
+    Block, Column, Document, Figure, Key, Table,
+    format::{count, number},
+    numbers,
+    svg::{Frame, area, circle, path},
+    words,
+};
 
 /// Most pairs of criteria that are drawn; pairs in conflict come first.
 const MOST_PLOTS: usize = 6;
@@ -47,7 +53,8 @@ fn members(result: &Pareto, best: &Member) -> Table {
     if result.nearest > 0 {
         rows.push(row("Nearest", &result.front[result.nearest]));
     }
-    let parameters = result.parameters.iter().zip(&result.units).map(|(name, unit)| Column { unit: unit.clone(), ..numbers(name) });
+    let parameters =
+        result.parameters.iter().zip(&result.units).map(|(name, unit)| Column { unit: unit.clone(), ..numbers(name) });
     let columns = [words(""), numbers("largest"), numbers("distance")].into_iter();
     Table {
         name: "Best compromise".into(),

@@ -6,8 +6,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use super::{asking::{AnalysisResult, Delivery}, known::{self, Finished}};
-use crate::{error::{Error, Result}, results::origin::Origin};
+use super::{
+    asking::{AnalysisResult, Delivery},
+    known::{self, Finished},
+};
+use crate::{
+    error::{Error, Result},
+    results::origin::Origin,
+};
 use parameter_regions::pareto::study::trade_off;
 use point_journal::pipeline::folder::Earlier;
 use result_document::Document;

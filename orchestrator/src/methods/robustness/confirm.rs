@@ -1,8 +1,14 @@
 //! Fresh runs of the model inside the box.
 
-use super::{Points, ROUNDS, joint, super::asking};
-use crate::{error::{Error, Result}, session::Session};
-use parameter_regions::{robustness::{Robustness, rows}, table::PointTable};
+use super::{super::asking, Points, ROUNDS, joint};
+use crate::{
+    error::{Error, Result},
+    session::Session,
+};
+use parameter_regions::{
+    robustness::{Robustness, rows},
+    table::PointTable,
+};
 use point_journal::pipeline::Pipeline;
 
 /// The most draws to search for points inside a small region.
@@ -53,9 +59,7 @@ impl Confirmation<'_, '_> {
         let places: Vec<usize> =
             (0..parameters.len()).filter(|&k| result.parameters.contains(&parameters[k].name)).collect();
         let varying = |x: &[f64]| -> Vec<f64> { places.iter().map(|&k| x[k]).collect() };
-        let Some(region) = &mut result.region else {
-            return self.run(Vec::new())
-        };
+        let Some(region) = &mut result.region else { return self.run(Vec::new()) };
         let runs = self.run(self.inside(round, |x| region.contains(&varying(x)))?)?;
         let inner: Vec<Vec<f64>> = rows(&runs).iter().map(|x| varying(x)).collect();
         region.fresh = Some(region.confirm(&inner, &runs.verified));

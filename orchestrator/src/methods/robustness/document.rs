@@ -3,8 +3,20 @@
 use std::fmt::Write;
 
 use crate::results::words::capitalised;
-use parameter_regions::robustness::{Robustness, maps::{CELLS, Map}, margins::Margin, region::Region, stand::Quality};
-use result_document::{Block, Document, Figure, Key, Table, numbers, words, format::{number, percent, with_unit}, svg::{Frame, path}};
+use parameter_regions::robustness::{
+    Robustness,
+    maps::{CELLS, Map},
+    margins::Margin,
+    region::Region,
+    stand::Quality,
+};
+use result_document::{
+    Block, Document, Figure, Key, Table,
+    format::{number, percent, with_unit},
+    numbers,
+    svg::{Frame, path},
+    words,
+};
 
 /// The document of a result.
 pub fn document(result: &Robustness) -> Document {
@@ -41,9 +53,7 @@ fn margins(result: &Robustness) -> Table {
     let row = |(k, name): (usize, &String)| {
         let margin = result.margins.iter().find(|m| m.parameter == *name);
         let of_margin = |of: &dyn Fn(&Margin) -> String| margin.map_or_else(|| "–".into(), of);
-        let of_box = |side: usize| {
-            result.region.as_ref().map_or_else(|| "–".into(), |r| number(r.limits[k][side], 5))
-        };
+        let of_box = |side: usize| result.region.as_ref().map_or_else(|| "–".into(), |r| number(r.limits[k][side], 5));
         vec![
             with_unit(name, &result.units[k]),
             of_margin(&|m| end(&m.low)),
@@ -81,9 +91,7 @@ fn evidence(level: f64, of: &Region) -> String {
         of.confirmed.points,
         of.confirmed.verified
     );
-    let Some(fresh) = of.fresh else {
-        return told
-    };
+    let Some(fresh) = of.fresh else { return told };
     let [low, high] = fresh.interval.map(percent);
     format!(
         "{told} Of {} fresh runs inside {} are verified (95 % interval {low} .. {high} %): {}.",
@@ -141,10 +149,12 @@ const SHADES: usize = 9;
 
 /// The shades of a map, from the lowest value to the highest.
 fn shades() -> String {
-    let shades: String = (0..SHADES).map(|s| {
-        let x = 10 * s;
-        format!("<rect class=\"shade s{s}\" x=\"{x}\" width=\"10.2\" height=\"10\"/>")
-    }).collect();
+    let shades: String = (0..SHADES)
+        .map(|s| {
+            let x = 10 * s;
+            format!("<rect class=\"shade s{s}\" x=\"{x}\" width=\"10.2\" height=\"10\"/>")
+        })
+        .collect();
     format!("<svg class=\"plot scale\" viewBox=\"0 0 90 10\" aria-hidden=\"true\">{shades}</svg>")
 }
 

@@ -7,10 +7,21 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes}, known::{self, Finished}};
-use crate::{error::{Error, Result}, options::Work, results::origin::Origin, session::{Request, Session}};
+use super::{
+    asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes},
+    known::{self, Finished},
+};
+use crate::{
+    error::{Error, Result},
+    options::Work,
+    results::origin::Origin,
+    session::{Request, Session},
+};
 use confirm::Confirmation;
-use parameter_regions::{robustness::{Robustness, refined, region, rows}, table::PointTable};
+use parameter_regions::{
+    robustness::{Robustness, refined, region, rows},
+    table::PointTable,
+};
 use point_journal::pipeline::Pipeline;
 use result_document::Document;
 use sampling::design::{Design, Method, Sampling, cube};
@@ -207,9 +218,11 @@ fn cloud(plan: Option<&Plan>, table: &PointTable, seed: u64) -> Result<Vec<Vec<f
             let points = joint(plan, SIZE, seed).map_err(|message| Error::option("seed", message))?;
             Ok((0..SIZE).map(|index| points.point(index)).collect())
         }
-        Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(names()) => {
-            Ok(cube(plan.varied().len(), SIZE, seed, 1).map_err(|message| Error::option("seed", message))?.iter().map(|u| plan.from_cube(u)).collect())
-        }
+        Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(names()) => Ok(cube(plan.varied().len(), SIZE, seed, 1)
+            .map_err(|message| Error::option("seed", message))?
+            .iter()
+            .map(|u| plan.from_cube(u))
+            .collect()),
         _ => Ok(region::cloud(&rows(table), seed)),
     }
 }

@@ -2,7 +2,12 @@
 
 use super::outputs::{Output, Sensitivity};
 use crate::results::words::capitalised;
-use result_document::{Block, Document, Figure, Key, Table, words, format::number, svg::{area, path, picture, text, ticks}};
+use result_document::{
+    Block, Document, Figure, Key, Table,
+    format::number,
+    svg::{area, path, picture, text, ticks},
+    words,
+};
 use sensitivity::{Estimate, method::Measure};
 
 /// The document of a result.
@@ -63,9 +68,7 @@ fn bars(output: &str, parameters: &[String], shown: &[Measure]) -> String {
     /// The look of the first bar, the second, and all others.
     const CLASSES: [&str; 3] = ["in", "all", "all"];
     let measures: Vec<&Measure> = shown.iter().filter(|measure| measure.drawn).collect();
-    let Some(first) = measures.first() else {
-        return String::new()
-    };
+    let Some(first) = measures.first() else { return String::new() };
     let mut order: Vec<usize> = (0..parameters.len()).collect();
     let finite = |v: f64| if v.is_finite() { v } else { 0.0 };
     let value = |k: usize| finite(first.estimates[k].value);

@@ -10,13 +10,28 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use nalgebra::DMatrix;
 
-use super::{asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes}, known::Finished};
-use crate::{error::{Error, Result}, options::Work, results::{points, table}, session::{Request, Session}};
-use ::sensitivity::{RUNS, named, method::{self, Settled, Space}};
+use super::{
+    asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes},
+    known::Finished,
+};
+use crate::{
+    error::{Error, Result},
+    options::Work,
+    results::{points, table},
+    session::{Request, Session},
+};
+use ::sensitivity::{
+    RUNS,
+    method::{self, Settled, Space},
+    named,
+};
 use number_tables::csv_file;
 use outputs::from_runs;
 use parameter_regions::table::PointTable;
-use point_journal::{pipeline::Pipeline, files::{make_folder, write_table}};
+use point_journal::{
+    files::{make_folder, write_table},
+    pipeline::Pipeline,
+};
 use result_document::Document;
 use study::{Study, plan::Plan};
 
@@ -102,9 +117,8 @@ impl Asked {
     /// The settings from the options, else from the study, else the defaults.
     fn new(options: &Options, study: &Study) -> Result<Self> {
         let said = &study.sensitivity;
-        let method = said.method.as_ref().map(|name| {
-            named(name.as_ref()).map_err(|message| study.error_at(name, message))
-        });
+        let method =
+            said.method.as_ref().map(|name| named(name.as_ref()).map_err(|message| study.error_at(name, message)));
         let usual = method.transpose()?.unwrap_or(RUNS[0]);
         let sizes = [options.base, options.morris, options.shapley];
         let asked = RUNS.iter().zip(sizes).find_map(|(method, size)| Some((*method, Some(size?))));

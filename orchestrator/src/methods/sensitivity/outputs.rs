@@ -2,7 +2,11 @@
 
 use super::failures;
 use parameter_regions::table::PointTable;
-use sensitivity::{Estimate, RUNS, dominant, method::{FromRuns, Measure, Settled, Told}, sobol::Indices};
+use sensitivity::{
+    Estimate, RUNS, dominant,
+    method::{FromRuns, Measure, Settled, Told},
+    sobol::Indices,
+};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -136,18 +140,24 @@ pub fn from_indices(name: String, indices: Option<Indices>, parameters: &[String
 /// The parameters whose first-order index lies above the total one by more than the error of both.
 fn first_above_total(told: &Told, parameters: &[String]) -> Vec<String> {
     let indices = told.get("sobol").and_then(|told| serde_json::from_value::<Indices>(told.clone()).ok());
-    indices.map(|indices| indices.first.into_iter().zip(indices.total).collect::<Vec<_>>()).unwrap_or_default().into_iter().zip(parameters).filter(|((first, total), _)| {
-        let half = |estimate: &Estimate| 0.5 * (estimate.high - estimate.low);
-        first.value - total.value > half(first).hypot(half(total))
-    }).map(|(_, parameter)| parameter.clone()).collect()
+    indices
+        .map(|indices| indices.first.into_iter().zip(indices.total).collect::<Vec<_>>())
+        .unwrap_or_default()
+        .into_iter()
+        .zip(parameters)
+        .filter(|((first, total), _)| {
+            let half = |estimate: &Estimate| 0.5 * (estimate.high - estimate.low);
+            first.value - total.value > half(first).hypot(half(total))
+        })
+        .map(|(_, parameter)| parameter.clone())
+        .collect()
 }
 
 /// The criteria's values; 1 or 0 for verified or not, where a run that failed is not; and 1 or 0 for failed or not, where
 /// any run failed.
 fn outputs(table: &PointTable) -> Vec<(String, Vec<f64>)> {
-    let flags = |flag: &dyn Fn(usize) -> bool| {
-        (0..table.len()).map(flag).map(|flag| f64::from(u8::from(flag))).collect()
-    };
+    let flags =
+        |flag: &dyn Fn(usize) -> bool| (0..table.len()).map(flag).map(|flag| f64::from(u8::from(flag))).collect();
     let criteria = table.criteria.iter().map(|c| (c.name.clone(), c.values.clone()));
     let verified = ("verified".to_owned(), flags(&|i| table.verified[i]));
     let failed = (failures::failed(table) > 0).then(|| {

@@ -2,7 +2,7 @@
 
 use conformity::decision::Decision;
 use parameter_regions::tolerances::stated::{Parameter, Tolerances, Wanted};
-use result_document::{Block, Document, Table, numbers, words, format::number};
+use result_document::{Block, Document, Table, format::number, numbers, words};
 
 /// The document of a result.
 pub fn document(result: &Tolerances) -> Document {
@@ -14,9 +14,12 @@ pub fn document(result: &Tolerances) -> Document {
         return told;
     }
     if let Some(widest) = result.widest {
-        let by = result.surrogate.map(|runs| {
-            format!(", which a surrogate of {runs} runs judged; beyond the study's tolerances it extrapolates")
-        }).unwrap_or_default();
+        let by = result
+            .surrogate
+            .map(|runs| {
+                format!(", which a surrogate of {runs} runs judged; beyond the study's tolerances it extrapolates")
+            })
+            .unwrap_or_default();
         told.say(format!(
             "At the widest tolerances it is {} % by {} weighted points, an effective sample size of {}{by}.",
             percent(widest.share),
@@ -74,9 +77,7 @@ fn wanted(result: &Tolerances) -> String {
 
 /// The result of the fresh runs; nothing where there are none.
 fn confirmed(result: &Tolerances) -> String {
-    let (Some(stated), Some(confirmed)) = (result.stated, result.confirmed) else {
-        return String::new()
-    };
+    let (Some(stated), Some(confirmed)) = (result.stated, result.confirmed) else { return String::new() };
     let [low, high] = confirmed.interval.map(percent);
     let [least, most] = stated.interval.map(percent);
     let judged = match confirmed.decision {

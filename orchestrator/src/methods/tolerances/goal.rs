@@ -1,6 +1,10 @@
 //! The goal of the tolerances.
 
-use crate::{error::{Error, Result}, judge::{Judge, share}, results::table};
+use crate::{
+    error::{Error, Result},
+    judge::{Judge, share},
+    results::table,
+};
 use conformity::risk::Guard;
 use parameter_regions::tolerances::stated::Wanted;
 use std::path::Path;
@@ -34,8 +38,13 @@ impl<'a> Goal<'a> {
             (None, conformance) => (Wanted::Conforming, conformance),
         };
         if let (Wanted::Conforming, Some(stated), false) = (wanted, stated, judge.measurement.complete()) {
-            return Err(study.error_at(stated, "a conformance probability needs the uncertainty of every measured value; add `uncertainty` \
-                           to the criteria, or want a `share`").into());
+            return Err(study
+                .error_at(
+                    stated,
+                    "a conformance probability needs the uncertainty of every measured value; add `uncertainty` \
+                           to the criteria, or want a `share`",
+                )
+                .into());
         }
         let target = match stated {
             Some(stated) => share(stated.as_ref()).ok_or_else(|| {
@@ -87,7 +96,8 @@ fn guard(study: &Study, judge: &Judge, from: &Path) -> Result<f64> {
                 Err(Error::Missing(_)) => None,
                 summary => Some(summary?),
             };
-            let conclusion = summary.filter(|s| s.provenance.study_sha256 == study.digest()).and_then(|summary| summary.conclusion);
+            let conclusion =
+                summary.filter(|s| s.provenance.study_sha256 == study.digest()).and_then(|summary| summary.conclusion);
             conclusion.and_then(|conclusion| conclusion.guard_band)
         }
     };

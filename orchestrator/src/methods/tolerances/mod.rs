@@ -8,15 +8,33 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes}, known::{self, Finished}};
-use crate::{error::{Error, Result}, options::Work, results::{table, summary::ParameterSummary}, session::{Request, Session}};
+use super::{
+    asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes},
+    known::{self, Finished},
+};
+use crate::{
+    error::{Error, Result},
+    options::Work,
+    results::{summary::ParameterSummary, table},
+    session::{Request, Session},
+};
 use goal::Goal;
 use number_tables::files::FileError;
-use parameter_regions::{robustness::stand::Stand, table::PointTable, tolerances::{Problem, Sample, stated::{Parameter, Tolerances}}};
+use parameter_regions::{
+    robustness::stand::Stand,
+    table::PointTable,
+    tolerances::{
+        Problem, Sample,
+        stated::{Parameter, Tolerances},
+    },
+};
 use point_journal::{Outcome, pipeline::Pipeline};
 use result_document::{Document, format::number};
 use sampling::design::Joint;
-use study::{Study, plan::{Input, Plan}};
+use study::{
+    Study,
+    plan::{Input, Plan},
+};
 
 pub use document::document;
 
@@ -201,7 +219,9 @@ impl Asked {
         let Session { study, plan, .. } = session;
         let with_tolerances = plan.with_tolerances();
         if with_tolerances.is_empty() {
-            return Err(study.error("no parameter has a tolerance: those that vary come from samples, which stay as they are").into());
+            return Err(study
+                .error("no parameter has a tolerance: those that vary come from samples, which stay as they are")
+                .into());
         }
         let inputs = || with_tolerances.iter().map(|&k| &plan.inputs[k]);
         let problem = Problem {
@@ -271,21 +291,25 @@ fn parameters(plan: &Plan, problem: &Problem, scales: &[f64], safe: &[f64]) -> V
     let scaled = |input: &Input, scale: f64| {
         ParameterSummary::new(&Input { distribution: input.distribution.scaled(scale), ..input.clone() })
     };
-    with_tolerances.iter().enumerate().map(|(k, &number)| {
-        let input = &plan.inputs[number];
-        Parameter {
-            name: input.name.clone(),
-            unit: input.unit.clone(),
-            cost: problem.costs[k],
-            own: words(&scaled(input, 1.0)),
-            widest_scale: scales[k],
-            widest: words(&scaled(input, scales[k])),
-            scale: safe[k],
-            stated: words(&scaled(input, safe[k])),
-            distribution: scaled(input, safe[k]).distribution.into_iter().collect(),
-            limited: scales[k] >= 0.999 * problem.limit,
-        }
-    }).collect()
+    with_tolerances
+        .iter()
+        .enumerate()
+        .map(|(k, &number)| {
+            let input = &plan.inputs[number];
+            Parameter {
+                name: input.name.clone(),
+                unit: input.unit.clone(),
+                cost: problem.costs[k],
+                own: words(&scaled(input, 1.0)),
+                widest_scale: scales[k],
+                widest: words(&scaled(input, scales[k])),
+                scale: safe[k],
+                stated: words(&scaled(input, safe[k])),
+                distribution: scaled(input, safe[k]).distribution.into_iter().collect(),
+                limited: scales[k] >= 0.999 * problem.limit,
+            }
+        })
+        .collect()
 }
 
 /// A distribution as words, with numbers of as many digits as people need.
@@ -296,10 +320,15 @@ fn words(parameter: &ParameterSummary) -> String {
             *value = number(exact, 4).into();
         }
     }
-    let words = rounded.distribution.iter().filter_map(|(key, value)| {
-        let value = value.as_str()?;
-        Some(if key == "distribution" { value.to_owned() } else { format!("{key} {value}") })
-    }).collect::<Vec<_>>().join(", ");
+    let words = rounded
+        .distribution
+        .iter()
+        .filter_map(|(key, value)| {
+            let value = value.as_str()?;
+            Some(if key == "distribution" { value.to_owned() } else { format!("{key} {value}") })
+        })
+        .collect::<Vec<_>>()
+        .join(", ");
     match &parameter.unit {
         Some(unit) => format!("{words} {unit}"),
         None => words,
@@ -336,9 +365,14 @@ impl Runs<'_, '_> {
     fn known(&self, table: &PointTable) -> (Vec<Vec<f64>>, Vec<Option<Vec<f64>>>) {
         const MOST: usize = 20_000;
         let count = table.len().min(MOST);
-        ((0..count).map(|i| self.varied.iter().map(|&k| table.parameters[k].values[i]).collect()).collect(), (0..count).map(|i| {
-            let values = table.criteria.iter().map(|criterion| criterion.values[i]);
-            table.completed(i).then(|| values.collect())
-        }).collect())
+        (
+            (0..count).map(|i| self.varied.iter().map(|&k| table.parameters[k].values[i]).collect()).collect(),
+            (0..count)
+                .map(|i| {
+                    let values = table.criteria.iter().map(|criterion| criterion.values[i]);
+                    table.completed(i).then(|| values.collect())
+                })
+                .collect(),
+        )
     }
 }

@@ -31,7 +31,10 @@ pub(super) fn off(judge: &Judge, goal: &Goal<'_>, centres: &[Option<Vec<f64>>]) 
         [centre] => centre.as_deref().unwrap_or_default(),
         _ => return vec![of_rows(goal, centres)],
     };
-    judge.criteria.iter().zip(centre)
+    judge
+        .criteria
+        .iter()
+        .zip(centre)
         .filter(|(criterion, value)| !criterion.accepts(**value))
         .map(|(criterion, &value)| nominal_is_off(criterion, value))
         .collect()
