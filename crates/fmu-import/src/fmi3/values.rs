@@ -231,19 +231,17 @@ impl Model {
 
     fn put_text(&mut self, new: New<'_>) -> Called {
         let (element, access) = (new.element, self.functions.string);
-        let pointers: Vec<*const c_char> = self
-            .merged(
-                new,
-                access.set.name,
-                |value| match value {
-                    Value::String(text) => Some(c_string(text)),
-                    _ => None,
-                },
-                |model| model.texts(element),
-            )?
-            .iter()
-            .map(|text| text.as_ptr())
-            .collect();
+        let texts = self.merged(
+            new,
+            access.set.name,
+            |value| match value {
+                Value::String(text) => Some(c_string(text)),
+                _ => None,
+            },
+            |model| model.texts(element),
+        )?;
+        // The texts live until the call is over.
+        let pointers: Vec<*const c_char> = texts.iter().map(|text| text.as_ptr()).collect();
         self.put_all(access, element, &pointers)
     }
 }
