@@ -34,12 +34,12 @@ const STEPS: usize = 4;
 /// A point may belong to the event when it does so many deviations off.
 const OPTIMISM: f64 = 1.0;
 /// The widths of the draws around such a point, across and along its radius (the latter is divided by the radius).
-const WIDTHS: [f64; 2] = [0.6, 1.0];
+const WIDTHS: [f64; 2] = [0.9, 1.0];
 /// The part of the draws that are plain.
 const PLAIN: f64 = 0.2;
 /// Points and functions of each member: for a batch, and for the answer.
 const OF_BATCH: [usize; 2] = [1500, 4];
-const OF_ANSWER: [usize; 2] = [16_000, 8];
+const OF_ANSWER: [usize; 2] = [32_000, 8];
 /// The search ends when two answers in turn are known so well (relative deviation), and so many runs are of the event.
 const ENOUGH: f64 = 0.01;
 const ENOUGH_INSIDE: usize = 8;
