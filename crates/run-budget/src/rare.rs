@@ -34,17 +34,19 @@ const STEPS: usize = 4;
 /// A point may belong to the event when it does so many deviations off.
 const OPTIMISM: f64 = 1.0;
 /// The widths of the draws around such a point, across and along its radius (the latter is divided by the radius).
-const WIDTHS: [f64; 2] = [0.6, 1.0];
+const WIDTHS: [f64; 2] = [0.9, 1.0];
 /// The part of the draws that are plain.
 const PLAIN: f64 = 0.2;
 /// Points and functions of each member: for a batch, and for the answer.
 const OF_BATCH: [usize; 2] = [1500, 4];
-const OF_ANSWER: [usize; 2] = [16_000, 8];
+const OF_ANSWER: [usize; 2] = [32_000, 8];
 /// The search ends when two answers in turn are known so well (relative deviation), and so many runs are of the event.
 const ENOUGH: f64 = 0.01;
 const ENOUGH_INSIDE: usize = 8;
 /// The surrogate is never surer of a side than that.
 const SUREST: f64 = 0.03;
+/// A run that is off by so many root mean squares is beyond a jump: of normal errors, one in a million is.
+const JUMP: f64 = 5.0;
 /// Runs of the event without which nothing is said.
 const LEAST_INSIDE: usize = 3;
 
@@ -108,8 +110,9 @@ impl Population {
     }
 
     /// The share in the mean over the functions, known as well as these and the points let it; and the relative deviation of what
-    /// the functions alone leave open. A few functions that are far off (their tails are heavy) count by their number alone.
-    fn share(&self) -> (Share, f64) {
+    /// the functions alone leave open, which counts `widening` times. A few functions that are far off (their tails are heavy) count
+    /// by their number alone.
+    fn share(&self, widening: f64) -> (Share, f64) {
         let points = self.scores.len() as f64;
         let of = |k: usize| {
             let column = self.values.column(k);
@@ -121,7 +124,7 @@ impl Population {
         let inner = &shares[cut..shares.len() - cut];
         let estimate = (inner.iter().sum::<f64>() / inner.len() as f64).min(1.0);
         // Both are 1.645 deviations off where the shares are normal.
-        let open = (inner[inner.len() - 1] - estimate).max(estimate - inner[0]) / 1.645;
+        let open = widening * (inner[inner.len() - 1] - estimate).max(estimate - inner[0]) / 1.645;
         let parts = self.probabilities();
         let squares = parts.iter().zip(&self.weights).map(|(p, w)| (p * w - estimate).powi(2)).sum::<f64>();
         let variance = open * open + squares / points / points;
@@ -151,7 +154,7 @@ impl Search<'_> {
             let surrogate = fitted.filter(|s| self.event != Event::Failed || s.success(1).is_some());
             let inside: Vec<usize> = (0..done).filter(|&i| self.event.is(self.limits, &runs[i])).collect();
             if done >= self.runs || enough == 2 {
-                let told = self.told(surrogate.as_ref(), inside.len(), &foretold);
+                let told = self.told(surrogate.as_ref(), inside.len(), &foretold, &runs);
                 // The last runs may have shown something new.
                 let settled = told.as_ref().is_ok_and(|(_, open)| *open < 2.0 * ENOUGH);
                 if done >= self.runs || settled {
@@ -164,7 +167,7 @@ impl Search<'_> {
             if let Some(surrogate) = &surrogate {
                 let mut random = Random::new(self.seed, Purpose::Search, 1 + done as u32);
                 let population = self.population(surrogate, OF_BATCH, &mut random);
-                let (_, open) = population.share();
+                let (_, open) = population.share(1.0);
                 enough = if inside.len() >= ENOUGH_INSIDE && open < ENOUGH { enough + 1 } else { 0 };
                 batch = self.chosen(&population, size, &mut random);
             }
@@ -189,6 +192,7 @@ impl Search<'_> {
         surrogate: Option<&Surrogate>,
         inside: usize,
         foretold: &[[f64; 2]],
+        runs: &[Run],
     ) -> Result<(Share, f64), Unknown> {
         let surrogate = surrogate.ok_or(Unknown::Unfit)?;
         if inside < LEAST_INSIDE {
@@ -198,8 +202,30 @@ impl Search<'_> {
         if deviations > REFUTED {
             return Err(Unknown::Contradicted { deviations });
         }
+        let [largest, widening] = self.unevenness(surrogate, runs);
+        if largest > JUMP {
+            return Err(Unknown::Contradicted { deviations: largest });
+        }
         let mut random = Random::new(self.seed, Purpose::Search, 0);
-        Ok(self.population(surrogate, OF_ANSWER, &mut random).share())
+        Ok(self.population(surrogate, OF_ANSWER, &mut random).share(widening))
+    }
+
+    /// How unevenly the errors by leaving one run out are spread: the largest in root mean squares, and by how much more than its
+    /// functions say the surrogate is off. Those spread errors over all places; at a jump a few runs have them all, and the kurtosis,
+    /// three where errors are normal, tells how few.
+    fn unevenness(&self, surrogate: &Surrogate, runs: &[Run]) -> [f64; 2] {
+        let of_limit = |limit: &Limit| {
+            let values = runs.iter().filter_map(Run::finite).map(|values| values[limit.output]);
+            let errors = values.zip(surrogate.left_out(limit.output));
+            let squares: Vec<f64> = errors.map(|(value, [mean, off])| ((value - mean) / off).powi(2)).collect();
+            let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+            let fourth = squares.iter().map(|square| square * square).sum::<f64>() / squares.len() as f64;
+            [squares.iter().copied().fold(0.0, f64::max) / mean, fourth / mean / mean / 3.0].map(f64::sqrt)
+        };
+        self.limits
+            .iter()
+            .map(of_limit)
+            .fold([0.0, 1.0], |[a, b], [largest, widening]| [a.max(largest), b.max(widening)])
     }
 
     /// Plain points: those of a net, or independent ones where there is no net of so many dimensions.
