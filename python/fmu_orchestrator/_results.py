@@ -4,7 +4,7 @@ import json
 import os
 import tempfile
 import tomllib
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from numbers import Integral
@@ -191,7 +191,7 @@ class Verification:
     @cached_property
     def points(self) -> Table:
         """A row a point: its number, parameters, the criteria's values in the study's units, ``NAME.ok``, ``verified``,
-        where a guard band acts ``accepted``, and ``status``."""
+        where a guard band acts ``accepted``, where uncertainties are stated ``conformance``, and ``status``."""
         return read(self.folder / "points.csv", self._kinds, self._units())
 
     def _units(self) -> dict[str, str]:
@@ -199,11 +199,13 @@ class Verification:
         named = [*self.summary["parameters"], *({**count, "name": name} for name, count in self.summary["criteria"].items())]
         return {one["name"]: one["unit"] for one in named if one.get("unit")}
 
-    def _kinds(self, width: int) -> list[Kind]:
+    def _kinds(self, header: Sequence[str]) -> list[Kind]:
         """The types of the columns of ``points.csv``."""
-        numbers = len(self.summary["parameters"]) + len(self.summary["criteria"])
+        numbers = 1 + len(self.summary["parameters"]) + len(self.summary["criteria"])
         kinds: list[Kind] = ["count"]
-        return kinds + ["number"] * numbers + ["flag"] * (width - numbers - 2) + ["text"]
+        kinds += ["number"] * (numbers - 1)
+        kinds += ["number" if name == "conformance" else "flag" for name in header[numbers:-1]]
+        return [*kinds, "text"]
 
     @property
     def report(self) -> Path:

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 Kind = Literal["count", "number", "flag", "text"]
-Kinds = Sequence[Kind] | Callable[[int], Sequence[Kind]] | None
+Kinds = Sequence[Kind] | Callable[[Sequence[str]], Sequence[Kind]] | None
 Units = Mapping[str, str | None] | Callable[[], Mapping[str, str | None]] | None
 # Rows that are text at a time.
 GROUP = 1 << 14
@@ -141,13 +141,13 @@ def read(path: Path, kinds: Kinds = None, units: Units = None) -> Table:
 
 
 def parse(file: TextIO, kinds: Kinds = None, units: Units = None) -> Table:
-    """Reads a table of the program; ``kinds`` are the types of its columns, or what says them of a number of columns, else
+    """Reads a table of the program; ``kinds`` are the types of its columns, or what says them of the header, else
     they are found from the cells."""
     first = next(iter(file), "")
     # A first line that begins with # tells of the columns.
     reader = csv.reader(file if first.startswith("#") else chain([first], file))
     header = [unquoted(name) for name in next(reader, [])]
-    known = kinds(len(header)) if callable(kinds) else kinds
+    known = kinds(header) if callable(kinds) else kinds
     chosen: Sequence[Kind] = known or ["text"] * len(header)
     columns = [_empty(kind) for kind in chosen]
     while rows := list(islice(reader, GROUP)):

@@ -98,7 +98,7 @@ impl NumericalError {
     }
 
     /// What to do about steps that are too coarse.
-    pub const REMEDY: &'static str = "Choose a shorter `step` under [simulation].";
+    pub const REMEDY: &'static str = "Choose a shorter `step` under [simulation], for a system `--step` of `system`.";
 
     /// What speaks against the steps; none where the error is small.
     pub fn doubt(&self) -> Option<String> {

@@ -43,6 +43,10 @@ pub const MISTAKE: u8 = 2;
 /// With one clear line, for a mistake in what was asked for.
 pub fn run(cli: Cli) -> Result<ExitCode> {
     let junit = cli.command.junit().map(Path::to_owned);
+    // A run that is killed writes nothing more.
+    if let Some(file) = &junit {
+        note_mistake(file, "the run did not end".to_owned());
+    }
     let done = dispatch(cli);
     if let (Err(error), Some(file)) = (&done, junit) {
         note_mistake(&file, error.to_string());

@@ -457,7 +457,15 @@ impl Comparison {
             };
             Test::new(class, name, outcome)
         });
-        [Test::new(class, "verdict", verdict), Test::new(class, "points", whole)].into_iter().chain(criteria).collect()
+        let told: Vec<String> = self.criteria.iter().filter_map(|(name, change)| change.told(name)).collect();
+        let rest: Vec<&str> = self.warnings.iter().filter(|text| !told.contains(text)).map(String::as_str).collect();
+        let rest = (!rest.is_empty()).then(|| match strict {
+            true => Outcome::Failed(rest.join("; ")),
+            false => Outcome::Skipped(rest.join("; ")),
+        });
+        let whole = [("verdict", Some(verdict)), ("points", Some(whole)), ("settings", rest)];
+        let whole = whole.into_iter().filter_map(|(name, outcome)| Some(Test::new(class, name, outcome?)));
+        whole.chain(criteria).collect()
     }
 }
 

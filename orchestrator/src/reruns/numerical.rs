@@ -98,7 +98,7 @@ fn with_half_the_step(reruns: &Reruns<'_>, summary: &Summary) -> Result<Vec<Doub
                  ({})",
                 criterion.name, cases[case].task.schedule.step, criterion.allowed()
             ));
-            (criterion.name.clone(), concern.remedied("Choose a shorter `step` under [simulation]."))
+            (criterion.name.clone(), concern.remedied("Choose a shorter `step` under [simulation], for a system `--step` of `system`."))
         })
     }).collect())
 }

@@ -7,7 +7,7 @@ use calibration::{
     local::End,
     next::Group,
     outcome::IdentificationOutcome,
-    problem::{Free, NoPrediction, Problem, Query, Simulate, Spacing},
+    problem::{Free, NoPrediction, Problem, Query, SharedKind, Simulate, Spacing},
     remembered::Remembered,
     rounds::{Searched, Task},
     suspects::{Confusion, Constant, Fault, Inquiry, Sensor, Suspect},
@@ -295,7 +295,7 @@ pub(super) fn headline(outcome: &IdentificationOutcome) -> Option<String> {
     if let Some(step) = coarse(outcome) {
         return Some(step);
     }
-    let Some(first) = suspects.first() else { return Some(NOTHING.to_owned()) };
+    let Some(first) = suspects.first() else { return strained(outcome).or_else(|| Some(NOTHING.to_owned())) };
     let part = if first.explains() {
         "Likeliest cause"
     } else {
@@ -329,7 +329,7 @@ fn coarse(outcome: &IdentificationOutcome) -> Option<String> {
         let steps: Vec<String> = error.steps.iter().map(f64::to_string).collect();
         format!(
             "Likeliest cause: the communication step of {} s is too coarse, as half of it changes the sum of squares from {now} to \
-             {finer}. Shorten `step` before you look for others.",
+             {finer}. Shorten `step` (of a system `system --step`) before you look for others.",
             steps.join(" and ")
         )
     })
@@ -342,6 +342,9 @@ pub(super) fn causes(outcome: &IdentificationOutcome) -> Vec<String> {
     const DETERMINED: f64 = 0.5;
     if outcome.end != End::Converged || outcome.fit() != Fit::Good || outcome.has_several() {
         return headline(outcome).into_iter().collect();
+    }
+    if let Some(sensors) = strained(outcome) {
+        return vec![sensors];
     }
     let values: Vec<String> = outcome
         .free
@@ -358,6 +361,28 @@ pub(super) fn causes(outcome: &IdentificationOutcome) -> Vec<String> {
     } else {
         vec![format!("The parameters alone would explain it: the model fits at {}.", values.join(", "))]
     }
+}
+
+/// Sensors without whose errors, far beyond what is stated of them, the model would not fit.
+fn strained(outcome: &IdentificationOutcome) -> Option<String> {
+    /// So many standard uncertainties.
+    const FAR: f64 = 3.0;
+    let far = outcome.shared.iter().filter(|error| error.value.abs() * error.coverage > FAR * error.limit);
+    let sensors: Vec<String> = far
+        .map(|error| {
+            sentence(&Suspect {
+                fault: if error.kind == SharedKind::Gain { Fault::Gain } else { Fault::Offset },
+                name: error.name.clone(),
+                value: error.value,
+                unit: error.unit.clone(),
+                allowed: Some([-error.limit, error.limit]),
+                departure: error.value.abs() / error.limit,
+                cost: [outcome.cost; 2],
+                probability: None,
+            })
+        })
+        .collect();
+    (!sensors.is_empty()).then(|| format!("Likeliest cause: {}. The model fits only with that.", sensors.join(", and ")))
 }
 
 fn sentence(suspect: &Suspect) -> String {
