@@ -108,6 +108,7 @@ def test_remarks_are_warnings(tmp_path):
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         result = Study.load(study).verify(points=4, output=tmp_path / "ours")
+    assert all(isinstance(value, float) and 0 <= value <= 1 for value in result.points["conformance"])
     ours = [warning for warning in caught if warning.category is OrchestratorWarning]
     said = [str(warning.message) for warning in ours]
     assert said[: len(remarks)] == remarks and {warning.filename for warning in ours} == {__file__}

@@ -119,9 +119,11 @@ fn changed_values_are_told_and_a_point_that_flips_is_a_difference() {
     for (now, words) in [(json!(0.05), "was 0.01414 and is 0.05"), (Value::Null, "and is not stated")] {
         summary["validation"]["Y"]["u_num"] = now;
         bench.write("new/summary.json", &summary.to_string());
-        let (said, _) = compared(&bench, "new", &["--strict"]);
+        let (said, _) = compared(&bench, "new", &["--strict", "--junit", "junit.xml"]);
         assert_eq!(said.code, 1, "{}", said.out);
         assert!(said.out.contains(words), "{}", said.out);
+        let of_settings = tests(&bench, "junit.xml").into_iter().find(|test| test.1 == "settings");
+        assert!(of_settings.unwrap().2.unwrap().starts_with("failure: "));
     }
 }
 
