@@ -1,7 +1,7 @@
 //! The journal's orbits over the film's viscosity: found where they are needed, with polynomials between them.
 
 use super::orbit::{Orbit, Piece};
-use super::{Departure, NoLeap, TwoScales, stiff};
+use super::{Departure, NoLeap, TwoScales, reach, stiff};
 use crate::bearing::Flows;
 use crate::solver::{Budget, DormandPrince, Failure};
 use nalgebra::{Matrix2, SMatrix, Vector2};
@@ -28,6 +28,8 @@ pub(super) struct Curve<'a, M> {
     left: usize,
     /// Whether turns take implicit steps.
     stiff: bool,
+    /// How far the departure is off its orbit, and in how many turns the journal comes to it, as two turns tell.
+    pub(super) approach: [f64; 2],
 }
 
 /// The distance of the second orbit in the logarithm of the viscosity.
@@ -107,12 +109,13 @@ impl<'a, M: TwoScales> Curve<'a, M> {
             step: model.period() / (model.turns() as f64 * FIRST_STEPS),
             left: MOST_STEPS * model.turns(),
             stiff: false,
+            approach: [0.0; 2],
         };
         // The resolved turn gives a better slope.
         let turn = curve.turn(viscosity, end)?;
         let step = end - Vector2::from(from.before);
+        let change = turn.place() - end;
         if step.norm() > curve.noise() {
-            let change = turn.place() - end;
             // In half-speed whirl a turn ends where it began, mirrored and shrunk; where the film is
             // stiff, it forgets its beginning. Both are nearly multiples of the identity.
             let part = change.dot(&step) / step.norm_squared();
@@ -122,6 +125,12 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         }
         let first = curve.search_from(viscosity, end, turn, Aim::Heat)?;
         curve.nodes.push((viscosity.ln(), first));
+        let off = (first.place() - end).norm();
+        if step.norm() > 0.0 && off > curve.noise() {
+            let next = curve.at_clearance(clearance, 1.0).turn(viscosity, turn.place())?;
+            let shrinking = change.norm() / (next.place() - turn.place()).norm();
+            curve.approach = [off, (off / curve.noise()).ln() / shrinking.max(1.0).ln()];
+        }
         Ok((curve, first))
     }
 
@@ -248,9 +257,8 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         let (mut start, mut turn) = (guess, turn);
         for _ in 0..TURNS {
             let miss = turn.place() - start;
-            let farthest = start.norm().max(turn.place().norm());
-            let bound = if farthest < 1.0 { 1.0 } else { farthest + 0.1 };
-            let step = self.newton(miss).filter(|step| (start + step).norm() < bound);
+            let reach = reach(start, turn.place());
+            let step = self.newton(miss).filter(|step| (start + step).norm() < reach);
             if aim.distance(start, turn.place()) < aim.close(self.tolerance) {
                 return Ok(step.map_or(turn, |step| Orbit(turn.0 + self.slope * step)));
             }

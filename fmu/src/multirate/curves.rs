@@ -140,6 +140,11 @@ impl<'a, M: TwoScales> Curves<'a, M> {
         curve.with_orbit(clearance, viscosity, near)?.place(viscosity)
     }
 
+    /// How far the departure is off its orbit, and in how many turns the journal comes to it.
+    pub(super) fn approach(&self) -> [f64; 2] {
+        self.curves[0].1.approach
+    }
+
     /// Approximate derivative of a turn's end and flows over its beginning, at the latest orbit.
     pub(super) fn slope(&self) -> SMatrix<f64, 5, 2> {
         self.curves[self.latest].1.slope()
