@@ -112,8 +112,7 @@ pub fn leap(
     mut pass: impl FnMut(Temperatures, f64),
 ) -> Result<Departure, NoLeap> {
     let mean = Averaged::new(model, None, tolerance, Across::Cubics, &from)?;
-    let [off, approach] = mean.curves.borrow().approach();
-    if approach * (AT_THE_END + FOR_THE_HEAT * off) > turns as f64 {
+    if let Some(approach) = mean.curves.borrow().far(&from, turns)? {
         return Err(NoLeap::Far(approach));
     }
     let span = turns as f64 * model.period();
@@ -346,10 +345,6 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
     }
 }
 
-/// A leap is longer than the journal's approach to its orbit by this factor, so that nothing is left of it at the end, and the
-/// longer the further the journal is off, so that the approach's heat hardly matters.
-const AT_THE_END: f64 = 2.0;
-const FOR_THE_HEAT: f64 = 100.0;
 /// How far from the middle a turn between these places may begin instead. Where rough surfaces cross, it is beyond 1.
 pub fn reach(start: Vector2<f64>, end: Vector2<f64>) -> f64 {
     let farthest = start.norm().max(end.norm());

@@ -28,8 +28,6 @@ pub(super) struct Curve<'a, M> {
     left: usize,
     /// Whether turns take implicit steps.
     stiff: bool,
-    /// How far the departure is off its orbit, and in how many turns the journal comes to it, as two turns tell.
-    pub(super) approach: [f64; 2],
 }
 
 /// The distance of the second orbit in the logarithm of the viscosity.
@@ -53,6 +51,10 @@ const HEAT_ERROR: f64 = 100.0;
 /// The same of what the last term of the polynomial between the orbits contributes to it.
 const CURVE_ERROR: f64 = 500.0;
 
+/// A leap is longer than the journal's approach to its orbit by this factor, so that nothing is left of it at the end, and the
+/// longer the further the journal is off, so that the approach's heat hardly matters.
+const AT_THE_END: f64 = 2.0;
+const FOR_THE_HEAT: f64 = 100.0;
 /// The last term of a place on the polynomial that will do.
 const POLYNOMIAL_PLACE: f64 = 1e3;
 
@@ -109,13 +111,12 @@ impl<'a, M: TwoScales> Curve<'a, M> {
             step: model.period() / (model.turns() as f64 * FIRST_STEPS),
             left: MOST_STEPS * model.turns(),
             stiff: false,
-            approach: [0.0; 2],
         };
         // The resolved turn gives a better slope.
         let turn = curve.turn(viscosity, end)?;
         let step = end - Vector2::from(from.before);
-        let change = turn.place() - end;
         if step.norm() > curve.noise() {
+            let change = turn.place() - end;
             // In half-speed whirl a turn ends where it began, mirrored and shrunk; where the film is
             // stiff, it forgets its beginning. Both are nearly multiples of the identity.
             let part = change.dot(&step) / step.norm_squared();
@@ -125,13 +126,30 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         }
         let first = curve.search_from(viscosity, end, turn, Aim::Heat)?;
         curve.nodes.push((viscosity.ln(), first));
-        let off = (first.place() - end).norm();
-        if step.norm() > 0.0 && off > curve.noise() {
-            let next = curve.at_clearance(clearance, 1.0).turn(viscosity, turn.place())?;
-            let shrinking = change.norm() / (next.place() - turn.place()).norm();
-            curve.approach = [off, (off / curve.noise()).ln() / shrinking.max(1.0).ln()];
-        }
         Ok((curve, first))
+    }
+
+    /// In how many turns the journal comes to its first orbit from the departure, if these are too many for a leap over `turns`.
+    pub(super) fn far(&self, from: &Departure, turns: usize) -> Result<Option<f64>, Failure> {
+        let [start, first] = [Vector2::from(from.eccentricity), self.nodes[0].1.place()];
+        let off = first - start;
+        if off.norm() <= self.noise() {
+            return Ok(None);
+        }
+        let needed = |shrinking: f64| {
+            let needed = (off.norm() / (PLACE_ERROR * self.tolerance)).ln() / shrinking.max(1.0).ln();
+            Some(needed).filter(|needed| needed * (AT_THE_END + FOR_THE_HEAT * off.norm()) > turns as f64)
+        };
+        let slope = self.slope.fixed_rows::<2>(0);
+        if needed(off.norm() / (slope * off).norm()).is_none() {
+            return Ok(None);
+        }
+        // The slope may be a guess. Turns at one viscosity tell.
+        let mut curve = self.at_clearance(self.clearance, 1.0);
+        let viscosity = self.model.viscosity(from.temperatures.film);
+        let next = curve.turn(viscosity, start)?.place();
+        let last = curve.turn(viscosity, next)?.place();
+        Ok(needed((next - start).norm() / (last - next).norm()))
     }
 
     /// The same at another clearance, m, and `slack` times the tolerance, still without orbits.

@@ -140,9 +140,9 @@ impl<'a, M: TwoScales> Curves<'a, M> {
         curve.with_orbit(clearance, viscosity, near)?.place(viscosity)
     }
 
-    /// How far the departure is off its orbit, and in how many turns the journal comes to it.
-    pub(super) fn approach(&self) -> [f64; 2] {
-        self.curves[0].1.approach
+    /// In how many turns the journal comes to its orbit from the departure, if these are too many for a leap over `turns`.
+    pub(super) fn far(&self, from: &Departure, turns: usize) -> Result<Option<f64>, NoLeap> {
+        Ok(self.curves[0].1.far(from, turns)?)
     }
 
     /// Approximate derivative of a turn's end and flows over its beginning, at the latest orbit.
