@@ -40,6 +40,9 @@ pub enum NoLeap {
     /// The journal finds no periodic orbit at a viscosity.
     #[error("no periodic orbit at a film viscosity of {0:?} Pa.s")]
     NoOrbit(f64),
+    /// The journal needs so many turns to its orbit.
+    #[error("the journal comes to its orbit too slowly")]
+    Far(f64),
     /// The clearance closes at these temperatures.
     #[error("the clearance closes with the bush at {:.1} K and the shaft at {:.1} K", .0.bush, .0.shaft)]
     Closed(Temperatures),
@@ -109,6 +112,9 @@ pub fn leap(
     mut pass: impl FnMut(Temperatures, f64),
 ) -> Result<Departure, NoLeap> {
     let mean = Averaged::new(model, None, tolerance, Across::Cubics, &from)?;
+    if let Some(approach) = mean.curves.borrow().far(&from, turns)? {
+        return Err(NoLeap::Far(approach));
+    }
     let span = turns as f64 * model.period();
     let (t, worn) = if model.wears() {
         mean.follow_wear(tolerance, span, &from, pass)?
@@ -337,6 +343,12 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
         }
         Ok((here, jacobian))
     }
+}
+
+/// How far from the middle a turn between these places may begin instead. Where rough surfaces cross, it is beyond 1.
+pub fn reach(start: Vector2<f64>, end: Vector2<f64>) -> f64 {
+    let farthest = start.norm().max(end.norm());
+    if farthest < 1.0 { 1.0 } else { farthest + 0.1 }
 }
 
 /// The change of a temperature from which derivatives are taken, K.

@@ -1,7 +1,7 @@
 //! The journal's orbits over the film's viscosity: found where they are needed, with polynomials between them.
 
 use super::orbit::{Orbit, Piece};
-use super::{Departure, NoLeap, TwoScales, stiff};
+use super::{Departure, NoLeap, TwoScales, reach, stiff};
 use crate::bearing::Flows;
 use crate::solver::{Budget, DormandPrince, Failure};
 use nalgebra::{Matrix2, SMatrix, Vector2};
@@ -51,6 +51,10 @@ const HEAT_ERROR: f64 = 100.0;
 /// The same of what the last term of the polynomial between the orbits contributes to it.
 const CURVE_ERROR: f64 = 500.0;
 
+/// A leap is longer than the journal's approach to its orbit by this factor, so that nothing is left of it at the end, and the
+/// longer the further the journal is off, so that the approach's heat hardly matters.
+const AT_THE_END: f64 = 2.0;
+const FOR_THE_HEAT: f64 = 100.0;
 /// The last term of a place on the polynomial that will do.
 const POLYNOMIAL_PLACE: f64 = 1e3;
 
@@ -123,6 +127,29 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         let first = curve.search_from(viscosity, end, turn, Aim::Heat)?;
         curve.nodes.push((viscosity.ln(), first));
         Ok((curve, first))
+    }
+
+    /// In how many turns the journal comes to its first orbit from the departure, if these are too many for a leap over `turns`.
+    pub(super) fn far(&self, from: &Departure, turns: usize) -> Result<Option<f64>, Failure> {
+        let [start, first] = [Vector2::from(from.eccentricity), self.nodes[0].1.place()];
+        let off = first - start;
+        if off.norm() <= self.noise() {
+            return Ok(None);
+        }
+        let needed = |shrinking: f64| {
+            let needed = (off.norm() / (PLACE_ERROR * self.tolerance)).ln() / shrinking.max(1.0).ln();
+            Some(needed).filter(|needed| needed * (AT_THE_END + FOR_THE_HEAT * off.norm()) > turns as f64)
+        };
+        let slope = self.slope.fixed_rows::<2>(0);
+        if needed(off.norm() / (slope * off).norm()).is_none() {
+            return Ok(None);
+        }
+        // The slope may be a guess. Turns at one viscosity tell.
+        let mut curve = self.at_clearance(self.clearance, 1.0);
+        let viscosity = self.model.viscosity(from.temperatures.film);
+        let next = curve.turn(viscosity, start)?.place();
+        let last = curve.turn(viscosity, next)?.place();
+        Ok(needed((next - start).norm() / (last - next).norm()))
     }
 
     /// The same at another clearance, m, and `slack` times the tolerance, still without orbits.
@@ -248,9 +275,8 @@ impl<'a, M: TwoScales> Curve<'a, M> {
         let (mut start, mut turn) = (guess, turn);
         for _ in 0..TURNS {
             let miss = turn.place() - start;
-            let farthest = start.norm().max(turn.place().norm());
-            let bound = if farthest < 1.0 { 1.0 } else { farthest + 0.1 };
-            let step = self.newton(miss).filter(|step| (start + step).norm() < bound);
+            let reach = reach(start, turn.place());
+            let step = self.newton(miss).filter(|step| (start + step).norm() < reach);
             if aim.distance(start, turn.place()) < aim.close(self.tolerance) {
                 return Ok(step.map_or(turn, |step| Orbit(turn.0 + self.slope * step)));
             }

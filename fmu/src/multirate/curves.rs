@@ -140,6 +140,11 @@ impl<'a, M: TwoScales> Curves<'a, M> {
         curve.with_orbit(clearance, viscosity, near)?.place(viscosity)
     }
 
+    /// In how many turns the journal comes to its orbit from the departure, if these are too many for a leap over `turns`.
+    pub(super) fn far(&self, from: &Departure, turns: usize) -> Result<Option<f64>, NoLeap> {
+        Ok(self.curves[0].1.far(from, turns)?)
+    }
+
     /// Approximate derivative of a turn's end and flows over its beginning, at the latest orbit.
     pub(super) fn slope(&self) -> SMatrix<f64, 5, 2> {
         self.curves[self.latest].1.slope()

@@ -16,10 +16,6 @@ use std::cell::RefCell;
 
 /// Cycles that are resolved after a leap.
 const CYCLES_AT_THE_END: usize = 1;
-/// The journal is near its orbit if a cycle moves it by less than this share of the clearance.
-const SETTLED: f64 = 1e-2;
-/// Cycles after which it leaps even if it is not near its orbit, as the rest of its approach adds little heat.
-const MOST_SETTLING_CYCLES: usize = 1;
 /// Factor on the solver's tolerance in the turns before a leap, of which only their heat matters later.
 const SETTLING_SLACK: f64 = 1000.0;
 /// Factor on the solver's tolerance in the turns after a leap, whose start is not known any better.
@@ -327,15 +323,14 @@ impl Stand {
         let cycle = self.cycle();
         let mut slack = 1.0;
         let mut left = (span / cycle) as usize;
-        let mut settling = MOST_SETTLING_CYCLES;
+        // One cycle shows how fast the journal comes to its orbit.
+        let mut settling = 1;
         while left > CYCLES_AT_THE_END {
             let start = self.state.eccentricity;
             self.resolve_within(SETTLING_SLACK, cycle)?;
             left -= 1;
-            let end = self.state.eccentricity;
             settling -= 1;
-            let settled = settling == 0 || (end[0] - start[0]).hypot(end[1] - start[1]) < SETTLED;
-            if !settled || left <= CYCLES_AT_THE_END {
+            if settling > 0 || left <= CYCLES_AT_THE_END {
                 continue;
             }
             let cycles = left - CYCLES_AT_THE_END;
@@ -355,6 +350,10 @@ impl Stand {
                 Err(NoLeap::Closed(at)) => {
                     self.state.temperatures = at;
                     self.check_clearance()?;
+                }
+                Err(NoLeap::Far(approach)) if approach < cycles as f64 => {
+                    settling = approach.ceil() as usize;
+                    continue;
                 }
                 Err(reason) => {
                     let turns = cycles * self.turns_of_a_cycle();

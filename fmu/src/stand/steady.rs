@@ -180,7 +180,7 @@ impl Stand {
             };
             let e = Vector2::from(self.state.eccentricity) + change.place;
             let t = vector(&self.state.temperatures) + change.temperatures;
-            if !((t - slow).amax() < FARTHEST && e.norm() < 1.0) {
+            if !((t - slow).amax() < FARTHEST && e.norm() < multirate::reach(seen.place, seen.place + seen.miss)) {
                 break;
             }
             self.state.eccentricity = e.into();

@@ -339,3 +339,20 @@ fn ten_turns_of_reynolds_films_are_balanced() {
         check_the_turn_of_a_reynolds_film(number, fluctuating(number));
     }
 }
+
+/// Asperities carry a heavy load where the surfaces' mean planes cross: the eccentricity ratio is beyond 1 then. What the drive
+/// does leaves as heat.
+#[test]
+fn rough_surfaces_that_cross_are_steady_too() {
+    for load in [1.4e4, 1.5e4, 2e4] {
+        let mut stand = Stand::default();
+        stand.load.lever_ratio = 0.0;
+        stand.load.eccentricity = 0.0;
+        stand.thermal.bush_ambient = 5.0;
+        stand.inputs.external_force.value = load;
+        let stand = start(stand, Initialization::SteadyState);
+        let r = stand.readings();
+        assert_eq!(r.eccentricity_ratio > 1.0, load > 1.4e4, "{load} N");
+        assert!((r.friction_power / r.ambient_heat_flow - 1.0).abs() < 1e-5, "{load} N");
+    }
+}

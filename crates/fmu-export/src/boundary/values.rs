@@ -198,7 +198,10 @@ impl<M: Model> Instance<M> {
     ) -> Outcome {
         self.check_intermediate(references, true)?;
         for (reference, value) in references.iter().zip(values) {
-            let variable = variable::<M>(*reference)?;
+            let variable = variable::<M>(*reference).map_err(|unknown| match self.state_or_rate(*reference) {
+                Ok(Some(_)) => Refusal::Absent("a state is set by SetContinuousStates, and its derivative is computed"),
+                _ => unknown,
+            })?;
             check_settable(variable, self.run.phase)?;
             put(variable, *value, None)?;
         }

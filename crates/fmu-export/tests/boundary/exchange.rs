@@ -53,6 +53,10 @@ mod functions {
         unsafe { calls::set_continuous_states::<Lag>(host.component, state.as_ptr(), state.len()) }
     }
 
+    pub fn set(host: &Host, reference: u32) -> Status {
+        unsafe { calls::set_real::<Lag>(host.component, &reference, 1, &1.0) }
+    }
+
     pub fn state(host: &Host) -> f64 {
         let mut state = f64::NAN;
         let status = unsafe { calls::get_continuous_states::<Lag>(host.component, &mut state, 1) };
@@ -126,6 +130,10 @@ fn functions_have_their_modes() {
     assert_eq!([host.step(0.0, 0.1), enter_event(&host)], [Error; 2]);
     assert_eq!([host.set("gain", 3.0), host.set_boolean("inverted", 1)], [Ok; 2], "in event mode");
     assert_eq!(host.set("initialState", 8.0), Error);
+    assert_eq!([set(&host, STATE), set(&host, RATE)], [Error; 2]);
+    assert!(host.said("a state is set by SetContinuousStates"));
+    assert_eq!(set(&host, STATE + 1), Error);
+    assert!(host.said("no variable has the value reference"));
     assert_eq!([new_states(&host), enter_continuous(&host)], [Ok; 2]);
     assert_eq!([new_states(&host), enter_continuous(&host)], [Error; 2]);
     assert_eq!(

@@ -14,7 +14,7 @@ const CLEAR: f64 = 20.0;
 /// A turn as Newton's method sees it: where it begins, and by how much it misses its beginning.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turn {
-    place: Vector2<f64>,
+    pub place: Vector2<f64>,
     temperatures: Vector4,
     pub miss: Vector2<f64>,
     warming: Vector4,
