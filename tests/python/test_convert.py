@@ -291,7 +291,7 @@ def test_stamps_of_parquet_and_tdms(tmp_path):
     at = np.datetime64("2026-11-03T22:00:00.000") + np.arange(3) * np.timedelta64(250, "ms")
     with nptdms.TdmsWriter(tmp_path / "x.tdms") as file:
         file.write_segment([nptdms.ChannelObject("g", "at", at), nptdms.ChannelObject("g", "late", at + np.timedelta64(2, "s"))])
-    [path] = convert(tmp_path / "x.tdms", tmp_path / "tdms", zero="2026-11-03T21:59:50")
+    [path] = convert(tmp_path / "x.tdms", tmp_path / "tdms", zero="2026-11-03T21:59:50+00:00")
     assert rows(path) == [["at [s]", "late [s]"], *([str(10 + 0.25 * k), str(12 + 0.25 * k)] for k in range(3))]
 
 

@@ -58,14 +58,18 @@ impl Decimals {
     /// The number in a cell.
     pub fn number(&self, cell: &str) -> Option<f64> {
         let number = number(self.separator, cell)?;
-        if let Some(mark) = self.marks.iter().find(|mark| cell.contains(mark.sign)) {
-            if has_thousands(cell, mark.sign) {
-                mark.unclear.borrow_mut().get_or_insert_with(|| cell.to_owned());
-            } else {
-                mark.is_decimal.set(true);
-            }
+        if let Some(mark) = self.marks.iter().find(|mark| has_thousands(cell, mark.sign)) {
+            mark.unclear.borrow_mut().get_or_insert_with(|| cell.to_owned());
         }
         Some(number)
+    }
+
+    /// Looks at a cell, whether or not anybody asks for its number.
+    fn see(&self, cell: &str) {
+        let mark = self.marks.iter().find(|mark| cell.contains(mark.sign));
+        if let Some(mark) = mark.filter(|mark| !mark.is_decimal.get() && !has_thousands(cell, mark.sign)) {
+            mark.is_decimal.set(number(self.separator, cell).is_some());
+        }
     }
 
     /// A cell whose mark may be the decimal one or stand between thousands, where none of the rows so far tells. Whole numbers
@@ -132,6 +136,7 @@ impl CsvFile {
         let more =
             self.reader.read_record(row).map_err(|error| FileError::new(&self.path, reason(&self.path, &error)))?;
         self.check_row()?;
+        row.iter().for_each(|cell| self.decimals.see(cell));
         Ok(more)
     }
 
