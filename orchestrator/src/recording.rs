@@ -304,7 +304,14 @@ impl Recorded<'_> {
             let unit = self.tables.iter().find_map(|(table, _)| table.get(column))?.unit.as_deref()?;
             Some(format!("{key}: the model has no unit, so the values are those in `{unit}`, as they are"))
         });
-        (0..self.tables.len()).filter_map(|file| self.about_time(file)).chain(plain).collect()
+        let skipped = self.tables.iter().filter_map(|(table, _)| {
+            let ((count, first), name) = (table.skipped?, files::name(table.path()));
+            Some(format!(
+                "{name}: {count} blank lines or comments between rows are no rows, line {first} first: if values are missing \
+                 there, write nan"
+            ))
+        });
+        (0..self.tables.len()).filter_map(|file| self.about_time(file)).chain(skipped).chain(plain).collect()
     }
 
     /// Which column the times of a file are, and their range.

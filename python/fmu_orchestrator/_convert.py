@@ -9,6 +9,7 @@ process with limits: a file that is damaged costs a line, not the machine.
 import argparse
 import csv
 import datetime
+import decimal
 import filecmp
 import functools
 import importlib
@@ -136,6 +137,10 @@ def convert_here(path: Path, folder: Path, zero: str | None = None, options: _ro
         print(f"note: {channel}: {count} samples are invalid, as the file says, and become empty cells", file=sys.stderr)
     if contents.start is not None:
         if zero is not None:
+            if (contents.start.tzinfo is None) != (_stamp(zero).tzinfo is None):
+                raise OrchestratorError(
+                    f"{name}: its stamps have {'no' if contents.start.tzinfo is None else 'a'} zone, unlike --zero {zero}; its time 0 is "
+                    f"{contents.start.isoformat()}: say --zero in the same way")
             late = (contents.start - _stamp(zero)).total_seconds()
             for group in groups:
                 group.time = None if group.time is None else _later(group.time, late)
@@ -169,12 +174,12 @@ def _say_units(groups: Sequence[Group], options: _rows.Options, name: str) -> No
 
 
 def _stamp(text: str) -> datetime.datetime:
-    """A time stamp without a zone, or in that of Greenwich."""
+    """A time stamp; one with a zone in that of Greenwich."""
     try:
         at = datetime.datetime.fromisoformat(text)
     except ValueError:
         raise OrchestratorError(f"--zero {text}: no time stamp such as 2026-11-22T13:15:07") from None
-    return at if at.tzinfo is None else at.astimezone(datetime.UTC).replace(tzinfo=None)
+    return at if at.tzinfo is None else at.astimezone(datetime.UTC)
 
 
 def _reader(path: Path) -> "Reader":
@@ -243,12 +248,16 @@ def _is_series(values: Any) -> bool:
     return getattr(values, "ndim", 0) == 1 and len(values) > 1 and getattr(values, "dtype", None) is not None and values.dtype.kind in "iufb"
 
 
+# What a master of MDF is that is no time.
+AXES = {2: "an angle", 3: "a distance", 4: "an index"}
+
+
 def _mdf(path: Path, _: object = None) -> Contents:
     contents = Contents()
     with _library("asammdf", path).MDF(path) as mdf:
         contents.start = _stamp(mdf.header.start_time.isoformat())
         for number in mdf.virtual_groups:
-            group = Group(f"group {number}", None)
+            groups: list[Group] = []
             included = mdf.included_channels(number)[number]
             places = [(None, index, channel) for index, channels in included.items() for channel in channels]
             for signal in mdf.select(places, raw=False, copy_master=True):
@@ -257,13 +266,17 @@ def _mdf(path: Path, _: object = None) -> Contents:
                     continue
                 values = _valid(signal, contents)
                 # Channels of one group have one clock, but for those that a file records without their invalid samples.
-                if group.time is None:
-                    group.time = signal.timestamps
-                if len(group.time) != len(signal.timestamps):
-                    contents.groups.append(Group(signal.name, signal.timestamps, [(signal.name, signal.unit, values)]))
+                if not groups or len(groups[0].channels[0][2]) != len(values):
+                    groups.append(Group(signal.name, signal.timestamps))
+                    master, kind = signal.master_metadata or ("", 1)
+                    if kind in AXES:
+                        unit = mdf.groups[number].channels[mdf.masters_db[number]].unit
+                        groups[-1] = Group(signal.name, None, [(master, unit, signal.timestamps)])
+                        contents.told.append(f"`{master}` is {AXES[kind]} and no time: it is a channel beside `{signal.name}`")
+                    groups[-1].channels.append((signal.name, signal.unit, values))
                     continue
-                group.channels.append((signal.name, signal.unit, values))
-            contents.groups.append(group)
+                groups[0].channels.append((signal.name, signal.unit, values))
+            contents.groups.extend(groups)
     return contents
 
 
@@ -282,7 +295,7 @@ def _tdms(path: Path, _: object = None) -> Contents:
     starts = [c.properties["wf_start_time"] for g in file.groups() for c in g.channels() if "wf_start_time" in c.properties]
     first = min(starts, default=None)
     if first is not None:
-        contents.start = _stamp(str(first)[:26])
+        contents.start = _stamp(f"{str(first)[:26]}Z")
     for part in file.groups():
         rates: dict[tuple[object, ...], Group] = {}
         for channel in part.channels():
@@ -290,7 +303,7 @@ def _tdms(path: Path, _: object = None) -> Contents:
             if getattr(getattr(values, "dtype", None), "kind", "") == "M" and len(values) > 1:
                 # Stamps of their own count from the first start, or from the first of them.
                 first = values[0] if first is None else first
-                contents.start = contents.start or _stamp(str(first)[:26])
+                contents.start = contents.start or _stamp(f"{str(first)[:26]}Z")
                 values, stamped = Clock(((values - first) / _second(first)).tolist()), "s"
             if not stamped and not _is_series(values):
                 contents.left_out.append(f"{part.name}/{channel.name}")
@@ -429,7 +442,8 @@ def _parquet(path: Path, _: object = None) -> Contents:
             ticks = column.cast("timestamp[ns]" if is_moment else "duration[ns]").cast("int64").to_pylist()
             if is_moment and zero is None:
                 zero = next((tick for tick in ticks if tick is not None), 0)
-                contents.start = datetime.datetime(1970, 1, 1) + datetime.timedelta(microseconds=zero // 1000)
+                zone = datetime.UTC if getattr(kind, "tz", None) else None
+                contents.start = datetime.datetime(1970, 1, 1, tzinfo=zone) + datetime.timedelta(microseconds=zero // 1000)
             origin = zero or 0 if is_moment else 0
             values, unit = (Clock if is_moment else list)(None if tick is None else (tick - origin) / 1e9 for tick in ticks), "s"
             if is_moment:
@@ -447,7 +461,7 @@ def _parquet(path: Path, _: object = None) -> Contents:
 
 def _xlsx(path: Path, options: _rows.Options) -> Contents:
     book = _library("openpyxl", path).load_workbook(path, read_only=True, data_only=True)
-    contents = Contents()
+    contents, starts = Contents(), []
     for sheet in book.worksheets:
         rows = [[_cell(cell) for cell in row] for row in sheet.iter_rows()]
         if sum(any(_rows._is_value(cell) for cell in row) for row in rows) < 2:
@@ -455,9 +469,13 @@ def _xlsx(path: Path, options: _rows.Options) -> Contents:
             continue
         columns = _rows.table(path, rows, options)
         contents.told.extend(columns.told)
-        contents.start = contents.start or columns.start
         contents.groups.append(Group(sheet.title, columns.time, columns.channels))
+        if columns.start:
+            starts.append((columns.start, contents.groups[-1]))
     book.close()
+    contents.start = min((start for start, _ in starts), default=None)
+    for start, group in starts:
+        group.time = _later(group.time, (start - contents.start).total_seconds())
     return contents
 
 
@@ -472,9 +490,11 @@ def _cell(cell: Any) -> str:
         value = value.date()
     if isinstance(value, float):
         percent = "%" in cell.number_format
-        shown = f"{100 * value:.15g}" if percent else repr(value)
-        # With another zero, 1.234 is no number of thousands.
-        return shown + ("0" if "." in shown and "e" not in shown else "") + (" %" if percent else "")
+        shown = f"{100 * value:.15g}" if percent else repr(value).removesuffix(".0")
+        # Without a mark it says nothing of the marks in cells of text.
+        sign, figures, power = decimal.Decimal(shown).as_tuple()
+        bare = shown if "." not in shown else f"{'-' * sign}{''.join(map(str, figures))}e{power}"
+        return bare + (" %" if percent else "")
     return "" if value is None else value.isoformat() if hasattr(value, "isoformat") else str(value).strip()
 
 

@@ -16,7 +16,7 @@ import unicodedata
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from itertools import pairwise
+from itertools import islice, pairwise
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -48,6 +48,7 @@ SIGNALS = {"signal", "name", "channel", "variable", "parameter", "sensor", "tag"
 VALUES = {"value", "values", "val", "wert", "messwert", "reading"}
 PARTS = {"year": "year yr yy yyyy jahr", "month": "month mo mon mm monat", "day": "day dy dd tag", "hour": "hour hr hh stunde",
          "minute": "minute min mi minuten", "second": "second sec ss sekunde"}
+MOST = {"year": 9999, "month": 12, "day": 31, "hour": 24, "minute": 59, "second": 60}
 # Spellings that are right as they stand; only their case tells some of them apart (mN, MN; nm, Nm; us, uS).
 KNOWN = set("1 % s ms us ns min h d Hz kHz MHz GHz m cm mm um km N kN mN MN N.m Nm N.mm Nmm kNm Pa hPa mbar kPa bar MPa psi W kW MW "
             "K degC degF deg rad mrad rad/s deg/s rpm 1/min 1/s m/s mm/s km/h m/s2 g kg kg/s g/s kg/h m3/s m3/h l/min V mV kV A mA uA Ah mAh J kJ "
@@ -148,7 +149,8 @@ def read(path: Path, options: Options) -> Columns:
         delimiter = _separator(path, lines)
     rows = _split(path, lines, delimiter)
     shown = next((name for name, letter in SEPARATORS.items() if letter == delimiter), delimiter)
-    columns = table(path, rows, options, "." if delimiter == "," and not any('"' in line for line in lines[:SAMPLE]) else None, delimiter == " ")
+    point = delimiter == "," and not any("," in cell and _is_number(cell) for row in rows for cell in row)
+    columns = table(path, rows, options, "." if point else None, delimiter == " ")
     columns.told = [*told, f"between cells: {shown}", *columns.told]
     return columns
 
@@ -317,9 +319,9 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
                 f"{path}: {len(others)} lines below line {first + 1} (`{' '.join(rows[first])[:40]}`) are no rows like it, line {others[0] + 1} first: `{shown}`; "
                 "say --delimiter or --header")
         told.append(f"{len(others)} lines hold no row of the recording and were left out, line {others[0] + 1} first: `{shown}`")
-    blank = [k for k in range(good[0], good[-1]) if width == 1 and not any(rows[k])]
+    blank = [k for k in range(good[0], good[-1]) if not any(rows[k])]
     if blank:
-        told.append(f"{len(blank)} blank lines between the values were left out, line {blank[0] + 1} first: if a value is missing there, write nan")
+        told.append(f"{len(blank)} blank lines between the values were left out, line {blank[0] + 1} first: if values are missing there, write nan")
     short = [k for k in good if len(rows[k]) < width]
     if short:
         told.append(f"{len(short)} rows have fewer than {width} cells, line {short[0] + 1} first: their last columns are taken as empty; where other cells are missing, correct them")
@@ -330,7 +332,7 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
 
 def _kind(cells: Sequence[str]) -> tuple[str, str]:
     """What a column holds, and the only text among its numbers, which is a mark."""
-    there = [cell for cell in cells[:SAMPLE] if cell.lower() not in NOTHING]
+    there = list(islice((cell for cell in cells if cell.lower() not in NOTHING), SAMPLE))
     numbers, stamps = sum(map(_is_number, there)), sum(map(_is_stamp, there))
     if stamps > len(there) / 2:
         return "stamp", ""
@@ -346,7 +348,8 @@ def _suffix(cell: str) -> str:
         return ""
     # A minus behind a number is its sign in some files, and no unit; a unit that begins with a figure stands behind a blank.
     found = re.fullmatch(NUMBER.pattern + r"\s*([^\d\s.,;-].*|(?<=\s)1/.*)", _plain(cell))
-    return found[found.re.groups] if found and _is_unit(found[found.re.groups]) else ""
+    # A letter right behind a figure may be a factor: 800m are 0.8.
+    return found[found.re.groups] if found and _is_unit(found[found.re.groups]) and not re.search(r"[\d.,]m$", cell) else ""
 
 
 def _header(path: Path, rows: list[list[str]], first: int, width: int, options: Options) -> tuple[list[str], list[str], int]:
@@ -424,10 +427,10 @@ def _numbers(path: Path, columns: Sequence[Sequence[str]], decimal: str | None, 
                 refuse(OTHER[decimal], f" beside `{evidence[decimal]}`")
         elif len(thousands) == 1:
             decimal = OTHER[next(iter(thousands))]
-        elif unclear and (len(unclear) > 1 or not any(re.match(r"[+-]?\d{4}", cell) for cell in cells)):
+        elif unclear:
             refuse(next(iter(unclear)), "")
         else:
-            decimal = next(iter(unclear), ".")
+            decimal = "."
     if decimal in thousands:
         raise OrchestratorError(f"{path}: `{thousands[decimal]}` has several `{decimal}`, which is the decimal mark elsewhere; say --decimal")
     between = OTHER[decimal]
@@ -456,6 +459,7 @@ class Moment:
     days: Mapping[str, datetime.date] | None  # the days that it may mean, by the order of day and month
     seconds: float | None
     is_short: bool = False  # hours and minutes alone, or minutes and seconds
+    has_zone: bool = False  # the stamp says it, and the time is that of Greenwich
 
 
 @functools.lru_cache(1 << 14)
@@ -465,9 +469,10 @@ def _days(one: str, mark: str, two: str, behind: str, three: str) -> Mapping[str
     word = unicodedata.normalize("NFKD", two.lower()).encode("ascii", "ignore").decode()
     month = two if two.isdigit() else str(MONTHS.get(word[:4]) or MONTHS.get(word[:3], 0))
     readings = {"": (one, month, three)} if len(one) == 4 else {"": (three, month, one)}
-    if len(one) < 3 and two.isdigit() and mark in "/-":
-        readings = {"day first": (three, two, one), "month first": (three, one, two)}
-        if len(one) == len(three) == 2:
+    is_short = len(one) == len(three) == 2 and two.isdigit()
+    if len(one) < 3 and two.isdigit() and (mark in "/-" or is_short):
+        readings = {"day first": (three, two, one), **({"month first": (three, one, two)} if mark in "/-" else {})}
+        if is_short:
             readings["year first"] = (one, two, three)
     days = {}
     for order, (year, at, day) in readings.items():
@@ -486,7 +491,7 @@ def _moment(cell: str, form: str | None) -> Moment | None:
             if dated:
                 return Moment(day, None)
             seconds = (at.replace(tzinfo=None) - datetime.datetime.combine(at.date(), datetime.time())).total_seconds()
-            return Moment(day, seconds - (at.utcoffset() or datetime.timedelta()).total_seconds())
+            return Moment(day, seconds - (at.utcoffset() or datetime.timedelta()).total_seconds(), False, at.tzinfo is not None)
         beside = _moment(cell, None) if dated else None
         return beside if beside and beside.days is None else None
     if found := COMPACT.fullmatch(cell):
@@ -514,7 +519,7 @@ def _moment(cell: str, form: str | None) -> Moment | None:
     if zone and zone[0] in "+-":
         zone = zone.replace(":", "")
         seconds -= (int(zone[1:3]) * 3600 + int(zone[3:]) * 60) * (-1 if zone[0] == "-" else 1)
-    return Moment(days, seconds, not (third or days or half))
+    return Moment(days, seconds, not (third or days or half), bool(zone))
 
 
 def _columns(
@@ -548,8 +553,10 @@ def _columns(
                 raise OrchestratorError(f"{path}: column `{labels[j]}` may be the time, but `{sample[:40]}` is no known stamp; say --format, or --time none")
             told.append(f"column `{labels[j]}` holds {held} (`{sample[:40]}`) and was left out")
             continue
-        suffixes = {_suffix(cell) for cell in cells[j] if cell.lower() not in NOTHING} - {""}
-        suffix = suffixes.pop() if len(suffixes) == 1 else ""
+        suffixes = {_suffix(cell) for cell in cells[j] if cell.lower() not in NOTHING}
+        # Where only some have one, the others may be of any unit.
+        plain = not said[j] and any(map(_is_number, cells[j]))
+        suffix = next(iter(suffixes - {""})) if len(suffixes - {""}) == 1 and not plain else ""
         if suffix and said[j] and said[j] != unit(suffix):
             raise OrchestratorError(f"{path}: column `{labels[j]}` is in `{said[j]}` and its cells in `{unit(suffix)}`; say --unit \"{labels[j]}={unit(suffix)}\" or correct one")
         said[j] = unit(suffix) if suffix else said[j]
@@ -612,7 +619,7 @@ def _time(
             return None, None
         days, clocks, whole = ([j for j in group if j == wanted or (group is not whole and wanted in days + clocks)] for group in (days, clocks, whole))
     if not stamps:
-        row = _calendar(labels, kinds, cells, number, taken)
+        row = _calendar(path, labels, kinds, cells, number, taken)
         return (None, None) if row is None else _seconds(row, ", ".join(f"`{labels[j]}`" for j in sorted(taken)), told)
     if len(whole) == 1 and not (days and clocks):
         chosen = whole
@@ -643,7 +650,7 @@ def _time(
             readings[order] = [_at(moment, order) if moment else None for moment in joined]
     if not readings:
         raise OrchestratorError(f"{path}: the dates of {name} are none; say --format")
-    sample = cells[chosen[0]][0]
+    sample = next(filter(None, cells[chosen[0]]))
     if len(readings) > 1:
         differences = [[at and at - min(filter(None, row)) for at in row] for row in readings.values()]
         rising = [order for order, row in readings.items() if _rises(row)]
@@ -654,11 +661,22 @@ def _time(
             readings = {rising[0]: readings[rising[0]]}
         else:
             mark, year = next(letter for letter in sample if not letter.isdigit()), "%Y" if re.search(r"\d{4}", sample) else "%y"
-            rest = " %H:%M:%S"[: 3 * sample.count(":") + 3] if ":" in sample else ""
+            rest = _form(sample)
             forms = " or ".join(f'"{FORMS[order].format(mark, year)}{rest}"' for order in readings)
             raise OrchestratorError(f"{path}: dates such as `{sample}` may have the {possible} first; say --format {forms}")
     order, row = next(iter(readings.items()))
-    return _seconds(row, name + (f" ({order})" if order and len(readings) == 1 else ""), told)
+    seconds, start = _seconds(row, name + (f" ({order})" if order and len(readings) == 1 else ""), told)
+    return seconds, start.replace(tzinfo=datetime.UTC) if head.has_zone else start
+
+
+def _form(stamp: str) -> str:
+    """The form of what stands behind the day."""
+    def clock(found: re.Match[str]) -> str:
+        return f"{'%I' if half else '%H'}:%M{':%S' if found[1] else ''}{f'{found[2]}%f' if found[2] else ''}"
+
+    found = DAY.match(stamp)
+    rest, half = re.subn(r"[AaPp][Mm]$", "%p", re.sub(r"(Z|[+-]\d\d:?\d\d)$", "%z", stamp[found.end():] if found else ""))
+    return re.sub(r"\d+:\d\d(:\d\d)?(?:([.,:])\d+)?", clock, rest)
 
 
 def _rises(row: Sequence[Any]) -> bool:
@@ -669,7 +687,7 @@ def _rises(row: Sequence[Any]) -> bool:
 def _join(parts: list[Moment | None]) -> Moment | None:
     """A moment in one column, or its day and its time in two."""
     day, clock = parts[0], parts[-1]
-    return day and clock and Moment(day.days, clock.seconds, day.is_short)
+    return day and clock and Moment(day.days, clock.seconds, day.is_short, clock.has_zone)
 
 
 def _at(moment: Moment, order: str) -> int:
@@ -705,7 +723,7 @@ def _seconds(row: Sequence[int | None], name: str, told: list[str]) -> tuple[lis
 
 
 def _calendar(
-    labels: list[str], kinds: Sequence[str], cells: list[list[str]], number: Callable[[str], float | None], taken: set[int]
+    path: Path, labels: list[str], kinds: Sequence[str], cells: list[list[str]], number: Callable[[str], float | None], taken: set[int]
 ) -> list[int | None] | None:
     """Year, month, day, hour and minute in columns."""
     places = {}
@@ -716,16 +734,30 @@ def _calendar(
             places[part] = found[0]
     if not {"year", "month", "day"} <= places.keys():
         return None
+
+    def refuse(part: str, why: str) -> NoReturn:
+        raise OrchestratorError(
+            f"{path}: column `{labels[places[part]]}` is called as the {part} of the time and {why}; rename it where it is something else, or say --time none")
+
+    for above, part in pairwise(["day", "hour", "minute", "second"]):
+        if part in places and above not in places:
+            refuse(part, f"no column is the {above}")
+    if "minute" in places and labels[places["minute"]].lower() == "min" and any(label.lower() in ("max", "mean", "avg") for label in labels):
+        refuse("minute", "stands beside a largest or a mean value")
     row: list[int | None] = []
     for k in range(len(cells[0])):
         values = {part: number(cells[j][k]) for part, j in places.items()}
         if any(value is None for value in values.values()):
             row.append(None)
             continue
+        for part, most in MOST.items():
+            value = values.get(part) or 0.0
+            if not 0 <= value <= most or value % 1 and part != "second":
+                refuse(part, f"holds {value:g}")
         try:
             day = datetime.date(*(int(values[part] or 0) for part in ("year", "month", "day")))
         except ValueError:
-            return None
+            refuse("day", f"holds {values['day']:g} in month {values['month']:g} of year {values['year']:g}")
         if day.year < 100:
             return None
         # Weather data count the hours from 1 to 24 and write the end of each.

@@ -291,7 +291,7 @@ def test_stamps_of_parquet_and_tdms(tmp_path):
     at = np.datetime64("2026-11-03T22:00:00.000") + np.arange(3) * np.timedelta64(250, "ms")
     with nptdms.TdmsWriter(tmp_path / "x.tdms") as file:
         file.write_segment([nptdms.ChannelObject("g", "at", at), nptdms.ChannelObject("g", "late", at + np.timedelta64(2, "s"))])
-    [path] = convert(tmp_path / "x.tdms", tmp_path / "tdms", zero="2026-11-03T21:59:50")
+    [path] = convert(tmp_path / "x.tdms", tmp_path / "tdms", zero="2026-11-03T21:59:50+00:00")
     assert rows(path) == [["at [s]", "late [s]"], *([str(10 + 0.25 * k), str(12 + 0.25 * k)] for k in range(3))]
 
 
@@ -344,3 +344,47 @@ def test_hdf5_of_pandas_names_the_way_out(tmp_path):
         file["run"].attrs["pandas_type"] = "frame"
     with pytest.raises(OrchestratorError, match=r"pandas.read_hdf\(FILE\).to_parquet"):
         convert_here(tmp_path / "x.h5", tmp_path / "out")
+
+
+def test_sheets_keep_their_offsets_and_texts_their_doubt(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    for sheet, minute in ((book.active, 10), (book.create_sheet("b"), 0)):
+        sheet.append(["time", "F [N]"])
+        for second in range(3):
+            sheet.append([datetime.datetime(2026, 11, 3, 12, minute, second), second + 0.125])
+    book.save(tmp_path / "m.xlsx")
+    late, first = convert_here(tmp_path / "m.xlsx", tmp_path / "out")
+    assert late.read_text().split() == ["time", "[s],F", "[N]", "600.0,0.125", "601.0,1.125", "602.0,2.125"]
+    assert first.read_text().splitlines()[1] == "0.0,0.125"
+    book = openpyxl.Workbook()
+    for row in (["t [s]", "F"], [0, 1.25], [1, "1.234"], [2, 1500.5]):
+        book.active.append(row)
+    book.save(tmp_path / "n.xlsx")
+    with pytest.raises(OrchestratorError, match="`1.234` may be 1234 or 1.234"):
+        convert_here(tmp_path / "n.xlsx", tmp_path / "out")
+    [path] = convert_here(tmp_path / "n.xlsx", tmp_path / "out", options=Options(decimal=","))
+    assert path.read_text().splitlines()[1:] == ["0.0,1.25", "1.0,1234.0", "2.0,1500.5"]
+
+
+def test_a_master_of_mdf_that_is_no_time_is_not_called_so(tmp_path, capsys):
+    asammdf, numpy = pytest.importorskip("asammdf"), pytest.importorskip("numpy")
+    with asammdf.MDF() as mdf:
+        for name, master in (("p", ("crank", 2)), ("n", ("time", 1))):
+            mdf.append(asammdf.Signal(numpy.arange(3.0), numpy.arange(3.0) * 5, name=name, unit="bar", master_metadata=master))
+        mdf.save(tmp_path / "m.mf4")
+    angle, time = convert_here(tmp_path / "m.mf4", tmp_path / "out")
+    assert angle.read_text().startswith("crank") and time.read_text().startswith("time [s],n [bar]")
+    assert "`crank` is an angle and no time" in capsys.readouterr().out
+
+
+def test_a_zone_is_told_and_must_be_that_of_zero(tmp_path, capsys):
+    for zone, other in (("+01:00", ""), ("", "+00:00")):
+        path = tmp_path / "m.csv"
+        path.write_text(f"when;F\n2026-11-03 12:00:00{zone};1.5\n2026-11-03 12:00:01{zone};2.5\n")
+        convert_here(path, tmp_path / f"out{len(zone)}")
+        zero = "2026-11-03T11:00:00+00:00" if zone else "2026-11-03T12:00:00"
+        assert f"--zero {zero}\n" in capsys.readouterr().out
+        convert_here(path, tmp_path / f"out{len(zone)}", zero=zero)
+        with pytest.raises(OrchestratorError, match="zone, unlike --zero"):
+            convert_here(path, tmp_path / "none", zero=f"2026-11-03T12:00:00{other}")

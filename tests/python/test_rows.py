@@ -132,6 +132,16 @@ def test_thousands_and_signs(tmp_path):
 
 @pytest.mark.parametrize(("lines", "words", "said"), [
     (["t [s];P", "0;1.500", "1;2.500"], ['--decimal "."', '--decimal ","'], {"decimal": "."}),
+    (["Zeit [ms];P", "0;980", "300;1.001", "10000;999"], ["1001 or 1.001", '--decimal "."'], {"decimal": ","}),
+    (["t [s],P", "0,980", '1500,"1,050"'], ["1050 or 1.050"], {"decimal": "."}),
+    (["Year,Month,Day,Max,Min", "2026,11,1,12,3", "2026,11,2,13,4"], ["`Min` is called as the minute", "--time none"], {"time": "none"}),
+    (["Year,Month,Day,Hour,Min,Max", "2026,11,1,12,3,4", "2026,11,2,13,4,5"], ["`Min` is called as the minute"], {"time": "none"}),
+    (["year,month,day,HR,T", "2026,11,1,65,3", "2026,11,2,70,4"], ["`HR` is called as the hour of the time and holds 65"], {"time": "none"}),
+    (["year,month,day,hour,T", "2026,11,1,1.5,3", "2026,11,1,2.5,4"], ["`hour`", "holds 1.5"], {"time": "none"}),
+    (["year,month,day,T", "2026,11,30,3", "2026,11,31,4"], ["holds 31 in month 11"], {"time": "none"}),
+    (["when;P", "26.11.03;1.5", "26.11.04;2.5"], ['"%d.%m.%y" or "%y.%m.%d"'], {"format": "%y.%m.%d"}),
+    (["when;P", *(f"0{k}/11/2026 0{k}:15:07.250 PM;1.5" for k in (3, 4, 6))], ['"%d/%m/%Y %I:%M:%S.%f %p"'], {"format": "%d/%m/%Y %I:%M:%S.%f %p"}),
+    (["when;P", *(f"0{k}/11/2026T0{k}:15+01:00;1.5" for k in (3, 4, 6))], ['"%d/%m/%YT%H:%M%z"'], {"format": "%d/%m/%YT%H:%M%z"}),
     (["t [s];P", "0;0,5", "1;2.500"], ["2500", "2.500"], {"decimal": ","}),
     (["when;P", "03/11/2026 12:00;1.5", "04/11/2026 12:00;2.5", "05/11/2026 12:00;2.5"], ["%d/%m/%Y", "%m/%d/%Y"], {"format": "%d/%m/%Y %H:%M"}),
     (["day;clock;P", "03-11-2026;12:00:00;1.5", "04-11-2026;12:10:00;2.5", "05-11-2026;12:00:00;2.5"], ['"%d-%m-%Y"', '"%m-%d-%Y"'], {"format": "%d-%m-%Y"}),
@@ -213,6 +223,19 @@ def test_rows_of_strange_cells_stay(tmp_path):
 def test_blank_lines_between_values_are_told(tmp_path, capsys):
     assert len(converted(tmp_path, rows("x", "1", "", "2", "3"))[1]) == 3
     assert "1 blank lines between the values were left out, line 3 first" in capsys.readouterr().out
+    converted(tmp_path, rows("x,y", "1,2", "", "2,3", "3,4"))
+    assert "1 blank lines between the values were left out, line 3 first" in capsys.readouterr().out
+
+
+def test_a_channel_that_is_empty_at_its_beginning_stays(tmp_path):
+    header, table = converted(tmp_path, rows("t [s],A,B", *(f"{k},{k}.5,{'' if k < 2500 else k}" for k in range(2600))))
+    assert header[2] == "B" and [row[2] for row in table[2499:2502]] == ["", 2500.0, 2501.0]
+
+
+def test_a_letter_behind_some_numbers_is_no_unit(tmp_path):
+    for cell in ("800m", "800 mV"):
+        header, table = converted(tmp_path, rows("t [s],U", "0,1.2", f"1,{cell}", "2,1.1"))
+        assert header[1] == "U" and [row[1] for row in table] == [1.2, cell, 1.1]
 
 
 def generated(tmp_path, seed):

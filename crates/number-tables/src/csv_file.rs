@@ -35,40 +35,51 @@ pub struct CsvFile {
 #[derive(Debug)]
 pub(crate) struct Decimals {
     separator: u8,
-    /// Whether a cell had a decimal comma, and whether one had points as between thousands.
-    seen: Cell<[bool; 2]>,
-    /// Whether a cell shows that its mark is the decimal one, or that thousands have none; and the first cell whose mark may be either.
-    is_clear: Cell<bool>,
+    marks: [Mark; 2],
+}
+
+/// A point or comma in numbers.
+#[derive(Debug)]
+struct Mark {
+    sign: char,
+    /// Whether a cell shows that it is the decimal mark.
+    is_decimal: Cell<bool>,
+    /// The first cell in which it may also stand between thousands.
     unclear: RefCell<Option<String>>,
 }
 
 impl Decimals {
     /// Those of a file with this separator between cells.
     pub fn new(separator: u8) -> Self {
-        Self { separator, seen: Cell::default(), is_clear: Cell::new(separator == b','), unclear: RefCell::default() }
+        let mark = |sign, is_decimal| Mark { sign, is_decimal: Cell::new(is_decimal), unclear: RefCell::default() };
+        Self { separator, marks: [mark('.', separator == b','), mark(',', false)] }
     }
 
-    /// The number in a cell. Beside decimal commas `1.000` may be a thousand, and is none.
+    /// The number in a cell.
     pub fn number(&self, cell: &str) -> Option<f64> {
         let number = number(self.separator, cell)?;
-        let [comma, thousands] = self.seen.get();
-        let seen = [comma || cell.contains(','), thousands || has_thousands(cell)];
-        self.seen.set(seen);
-        if !self.is_clear.get() {
-            let is_mark = |sign: char| sign == '.' || sign == ',';
-            let digits = cell.trim_start_matches(['+', '-']).bytes().take_while(u8::is_ascii_digit).count();
-            if has_thousands(&cell.replace(',', ".")) {
-                self.unclear.borrow_mut().get_or_insert_with(|| cell.to_owned());
-            } else {
-                self.is_clear.set(digits > 3 || cell.contains(is_mark))
-            }
+        if let Some(mark) = self.marks.iter().find(|mark| has_thousands(cell, mark.sign)) {
+            mark.unclear.borrow_mut().get_or_insert_with(|| cell.to_owned());
         }
-        (seen != [true, true]).then_some(number)
+        Some(number)
     }
 
-    /// A cell whose mark may be the decimal one or stand between thousands, where none of the rows so far tells.
+    /// Looks at a cell, whether or not anybody asks for its number.
+    fn see(&self, cell: &str) {
+        let mark = self.marks.iter().find(|mark| cell.contains(mark.sign));
+        if let Some(mark) = mark.filter(|mark| !mark.is_decimal.get() && !has_thousands(cell, mark.sign)) {
+            mark.is_decimal.set(number(self.separator, cell).is_some());
+        }
+    }
+
+    /// A cell whose mark may be the decimal one or stand between thousands, where none of the rows so far tells. Whole numbers
+    /// tell nothing: a logger groups some columns and counts in others.
     fn unclear(&self) -> Option<String> {
-        self.unclear.borrow().clone().filter(|_| !self.is_clear.get())
+        let [point, comma] = &self.marks;
+        let is_clear = |mark: &Mark, other: &Mark| mark.is_decimal.get() && !other.is_decimal.get();
+        [(point, comma), (comma, point)]
+            .into_iter()
+            .find_map(|(mark, other)| mark.unclear.borrow().clone().filter(|_| !is_clear(mark, other)))
     }
 }
 
@@ -125,6 +136,7 @@ impl CsvFile {
         let more =
             self.reader.read_record(row).map_err(|error| FileError::new(&self.path, reason(&self.path, &error)))?;
         self.check_row()?;
+        row.iter().for_each(|cell| self.decimals.see(cell));
         Ok(more)
     }
 
@@ -142,7 +154,7 @@ impl CsvFile {
         ))
     }
 
-    /// The number in a cell of this file. Beside decimal commas `1.000` may be a thousand, and is none.
+    /// The number in a cell of this file.
     pub fn number(&self, cell: &str) -> Option<f64> {
         self.decimals.number(cell)
     }
@@ -159,6 +171,7 @@ struct CsvRows {
     blanks: Peekable<IntoIter<usize>>,
     is_blank: bool,
     count: usize,
+    skipped: Vec<usize>,
 }
 
 /// Opens a csv file.
@@ -168,11 +181,11 @@ struct CsvRows {
 pub fn rows(path: &Path, how: How) -> Result<Box<dyn Rows>, FileError> {
     let mut file = CsvFile::open(path, how.comments.then_some(b'#'))?;
     let names = file.header()?;
-    let mut blanks = Vec::new();
+    let (mut blanks, mut skipped) = Default::default();
     if how.comments {
-        let lines = files::open(path).and_then(|file| blank(BufReader::new(file), b'#'));
-        blanks = lines.map_err(|error| FileError::read(path, error))?;
-        blanks.retain(|_| how.gaps && names.len() == 1);
+        let keeps = how.gaps && names.len() == 1;
+        let lines = files::open(path).and_then(|file| blank(BufReader::new(file), b'#', keeps));
+        (blanks, skipped) = lines.map_err(|error| FileError::read(path, error))?;
     }
     Ok(Box::new(CsvRows {
         file,
@@ -182,6 +195,7 @@ pub fn rows(path: &Path, how: How) -> Result<Box<dyn Rows>, FileError> {
         blanks: blanks.into_iter().peekable(),
         is_blank: false,
         count: 0,
+        skipped,
     }))
 }
 
@@ -213,6 +227,10 @@ impl Rows for CsvRows {
         self.file.decimals.unclear()
     }
 
+    fn skipped(&self) -> &[usize] {
+        &self.skipped
+    }
+
     fn text(&self, place: usize) -> Cow<'_, str> {
         let cell = self.record.get(place).filter(|_| !self.is_blank);
         Cow::Borrowed(cell.unwrap_or(""))
@@ -223,9 +241,9 @@ impl Rows for CsvRows {
     }
 }
 
-/// Whether the points of a number could stand between thousands.
-fn has_thousands(cell: &str) -> bool {
-    let mut parts = cell.trim_start_matches(['+', '-']).split('.');
+/// Whether this mark of a number could stand between thousands.
+fn has_thousands(cell: &str, mark: char) -> bool {
+    let mut parts = cell.trim_start_matches(['+', '-']).split(mark);
     let is_first = |part: &str| (1..=3).contains(&part.len()) && !part.starts_with('0');
     let is_first = parts.next().is_some_and(is_first);
     let mut parts = parts.peekable();
@@ -261,14 +279,14 @@ fn separator(file: &mut impl BufRead, comment: Option<u8>) -> io::Result<u8> {
     Ok(counts.iter().max_by_key(|(_, count)| *count).map_or(b',', |&(byte, count)| if count > 0 { byte } else { b',' }))
 }
 
-/// The places of blank lines among the rows of a file, counted from 0 behind the header. Lines that begin with the sign of a comment
-/// are no rows.
+/// The places of blank lines among the rows of a file, counted from 0 behind the header, where they are kept; and the other lines
+/// between rows that are none: blank ones and those that begin with the sign of a comment.
 ///
 /// # Errors
 /// When it cannot be read, and when a row begins with a spreadsheet's error: it would be a comment.
-fn blank(file: impl BufRead, comment: u8) -> io::Result<Vec<usize>> {
+fn blank(file: impl BufRead, comment: u8, keeps: bool) -> io::Result<(Vec<usize>, Vec<usize>)> {
     let is_of_error = |byte: &u8| byte.is_ascii_uppercase() || b"/0!?".contains(byte);
-    let mut rows = Vec::new();
+    let (mut rows, mut skipped, mut pending) = (Vec::new(), Vec::new(), Vec::new());
     let mut row: Option<usize> = None;
     for (place, line) in file.split(b'\n').enumerate() {
         let line = line?;
@@ -282,14 +300,25 @@ fn blank(file: impl BufRead, comment: u8) -> io::Result<Vec<usize>> {
                     place + 1
                 )));
             }
+            pending.push(place + 1);
+            continue;
+        }
+        if text.is_empty() && !keeps {
+            pending.push(place + 1);
             continue;
         }
         if let Some(row) = row.filter(|_| text.is_empty()) {
             rows.push(row);
+        } else {
+            // What stands above the first row is none.
+            if row.is_some_and(|row| row > rows.len()) {
+                skipped.append(&mut pending);
+            }
+            pending.clear();
         }
         row = Some(row.map_or(0, |row| row + 1));
     }
-    Ok(rows)
+    Ok((rows, skipped))
 }
 
 /// A text as a cell: where a spreadsheet would take it for a formula, an apostrophe before it prevents that, and what a
@@ -383,8 +412,15 @@ mod tests {
             ("\n# made by hand\n\ny\n1\n\n2\n", vec![1]),
             ("y\n\n1\n# more\n\n\n2\n\n", vec![0, 2, 3, 5]),
         ] {
-            assert_eq!(blank(text.as_bytes(), b'#').unwrap(), places, "{text}");
+            assert_eq!(blank(text.as_bytes(), b'#', true).unwrap().0, places, "{text}");
         }
+    }
+
+    #[test]
+    fn lines_between_rows_that_are_none_are_known() {
+        let text = "# made by hand\n\ny,z\n# s,N\n1,2\n\n# 3,4\n5,6\n\n";
+        assert_eq!(blank(text.as_bytes(), b'#', false).unwrap(), (vec![], vec![6, 7]));
+        assert_eq!(blank("y\n1\n\n# 3\n2\n".as_bytes(), b'#', true).unwrap(), (vec![1], vec![4]));
     }
 
     #[test]
@@ -395,7 +431,7 @@ mod tests {
             ("F,n\n# Made by hand, 3\n#\n1,2\n#note\n", true),
             ("#NOTE\nF,n\n1,2\n", true),
         ] {
-            assert_eq!(blank(text.as_bytes(), b'#').is_ok(), is_comment, "{text}");
+            assert_eq!(blank(text.as_bytes(), b'#', true).is_ok(), is_comment, "{text}");
         }
     }
 
@@ -465,7 +501,7 @@ mod tests {
         for (cell, expected) in
             [("1.000", true), ("-12.345", true), ("0.125", false), ("1.00", false), ("1000", false), ("1.5e3", false)]
         {
-            assert_eq!(has_thousands(cell), expected, "{cell}");
+            assert_eq!(has_thousands(cell, '.'), expected, "{cell}");
         }
     }
 }

@@ -104,6 +104,14 @@ fn empty(path: &Path) -> FileError {
     FileError::new(path, "the table has no rows")
 }
 
+/// Refuses numbers that have two readings.
+fn check_marks(path: &Path, rows: &dyn Rows) -> Result<(), FileError> {
+    let Some(cell) = rows.unclear() else { return Ok(()) };
+    let (without, convert) = (cell.replace(['.', ','], ""), recorded::convert(path));
+    let message = format!("`{cell}` may be {without} or {}; {convert} and asks for --decimal", cell.replace(',', "."));
+    Err(FileError::new(path, message))
+}
+
 fn twice(path: &Path, what: &str) -> FileError {
     FileError::new(path, format!("{what} is there twice; remove or rename one"))
 }
@@ -191,6 +199,7 @@ impl Table {
         if reading.table.rows.is_empty() {
             return Err(empty(path));
         }
+        check_marks(path, &*rows)?;
         Ok(reading.table)
     }
 

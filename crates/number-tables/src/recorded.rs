@@ -22,6 +22,8 @@ pub struct RecordedTable {
     columns: Vec<Column>,
     /// How many rows there are.
     pub rows: usize,
+    /// How many lines between rows are blank or comments, and the first of them.
+    pub skipped: Option<(usize, usize)>,
 }
 
 /// A column.
@@ -38,6 +40,21 @@ pub struct Column {
     pub empty: usize,
     /// The cells that are no numbers: row, line and text.
     pub texts: Vec<(usize, u64, String)>,
+}
+
+impl Column {
+    /// Why it does not rise.
+    fn why_no_time(&self) -> String {
+        let name = &self.name;
+        let pairs = self.values.iter().zip(self.values.iter().skip(1));
+        if let Some((_, line, text)) = self.texts.first() {
+            format!("line {line}: `{text}` in `{name}` is no number")
+        } else if let Some((k, (before, after))) = pairs.enumerate().find(|(_, (before, after))| after < before) {
+            format!("`{name}` falls from {before} to {after} in row {}", k + 2)
+        } else {
+            format!("`{name}` does not rise")
+        }
+    }
 }
 
 /// How files of other formats begin.
@@ -73,7 +90,7 @@ impl RecordedTable {
             Column { name: name.clone(), bare: bare.to_owned(), unit, ..Column::default() }
         };
         let columns: Vec<Column> = rows.names().iter().map(column).collect();
-        let mut table = Self { path: path.to_owned(), columns, rows: 0 };
+        let mut table = Self { path: path.to_owned(), columns, rows: 0, skipped: None };
         while rows.advance().map_err(plain)? {
             if table.rows == 0 && (0..table.columns.len()).all(|k| rows.number(k).is_none() && !rows.text(k).is_empty())
             {
@@ -93,12 +110,9 @@ impl RecordedTable {
             }
             table.rows += 1;
         }
-        if let Some(cell) = rows.unclear() {
-            let without = cell.replace(['.', ','], "");
-            return Err(FileError::new(
-                path,
-                format!("`{cell}` may be {without} or {}; {}", cell.replace(',', "."), convert(path)),
-            ));
+        crate::check_marks(path, &*rows)?;
+        if let [first, ..] = rows.skipped() {
+            table.skipped = Some((rows.skipped().len(), *first));
         }
         if let Some(name) = table.names_signals() {
             return Err(FileError::new(
@@ -156,12 +170,17 @@ impl RecordedTable {
             if with_unit.is_empty() { self.columns.iter().filter(by_name).filter(rises).collect() } else { with_unit };
         match candidates.as_slice() {
             [one] => Ok(&one.name),
-            [] => Err(self.wrong(format!(
-                "no column is the time: none has a unit of time, or is called `time`, and rises (it has {}); say time = {{ \
-                 column = \"...\" }}, or time = {{ rate = \"... Hz\" }}; where a column has time stamps, {}",
-                self.names(),
-                convert(&self.path)
-            ))),
+            [] => {
+                let called = self.columns.iter().find(by_unit).or_else(|| self.columns.iter().find(by_name));
+                let none = "none has a unit of time, or is called `time`".to_owned();
+                Err(self.wrong(format!(
+                    "no column is the time: {} (it has {}); say time = {{ column = \"...\" }}, or time = {{ rate = \"... Hz\" \
+                     }}; where a column has time stamps, {}",
+                    called.map_or(none, Column::why_no_time),
+                    self.names(),
+                    convert(&self.path)
+                )))
+            }
             several => {
                 let names: Vec<String> = several.iter().map(|column| format!("`{}`", column.name)).collect();
                 let names = names.join(" or ");
@@ -342,14 +361,27 @@ mod tests {
 
     #[test]
     fn thousands_and_decimals_are_told_apart_or_asked_about() {
-        for text in ["t;F\n0;1.500\n1;2.250\n", "t;F\n0;950\n1;1.200\n", "t\tF\n0\t-1,500\n1\t2,250\n"] {
+        for text in [
+            "t;F\n0;1.500\n1;2.250\n",
+            "t;F\n0;950\n1;1.200\n",
+            "t\tF\n0\t-1,500\n1\t2,250\n",
+            "t;F\n0;1.500\n1;1500\n",
+            "t;F\n0,5;980\n1,5;1.001\n",
+            "t\tF\n0.5\t980\n1.5\t1,001\n",
+            "t;F\n0;0.5\n1;0,5\n2;1.500\n",
+        ] {
             let error = read(text.as_bytes()).unwrap_err().to_string();
             assert!(error.contains(" may be ") && error.contains("convert"), "{error}");
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("m.csv");
+            std::fs::write(&path, text).unwrap();
+            let error = crate::Table::read(&path, &[crate::column("F", "")]).unwrap_err().to_string();
+            assert!(error.contains(" may be "), "{error}");
         }
         for (text, first) in [
             ("t;F\n0;1.500\n1;0.25\n", 1.5),
             ("t;F\n0,0;1,500\n1,5;2,250\n", 1.5),
-            ("t;F\n0;1.500\n1;1500\n", 1.5),
+            ("t\tF\n0.5\t1.500\n1.5\t1500\n", 1.5),
             ("t,F\n0,1.500\n1,2.250\n", 1.5),
         ] {
             assert_eq!(read(text.as_bytes()).unwrap().get("F").unwrap().values[0], first, "{text}");
@@ -371,6 +403,17 @@ mod tests {
             "t,signal,F\n0,on,1\n1,off,2\n2,on,3\n3,off,4\n",
         ] {
             assert!(read(text.as_bytes()).is_ok(), "{text}");
+        }
+    }
+
+    #[test]
+    fn why_no_column_is_the_time_is_said() {
+        for (text, why) in [
+            ("t [s],F\n0,1\n2,2\n1,3\n", "`t [s]` falls from 2 to 1 in row 3"),
+            ("t [s],F\n0,1\n1,2\nTotal,3\n", "line 4: `Total` in `t [s]` is no number"),
+        ] {
+            let error = read(text.as_bytes()).unwrap().time().unwrap_err().to_string();
+            assert!(error.contains(why), "{error}");
         }
     }
 

@@ -26,6 +26,11 @@ pub trait Rows {
         None
     }
 
+    /// The lines between rows that are blank or comments and were left out.
+    fn skipped(&self) -> &[usize] {
+        &[]
+    }
+
     /// A cell of this row as it is written; empty where there is no value.
     fn text(&self, place: usize) -> Cow<'_, str>;
 
