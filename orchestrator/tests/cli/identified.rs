@@ -175,7 +175,8 @@ uncertainty = 0.006
     let begin = "the communication step of 0.25 s is too coarse: with finer ones lag.rate would be about 0.12 ";
     assert!(text.starts_with(begin), "{text}");
     assert_eq!(concern["remedy"], "Choose a shorter `step` under [simulation], for a system `--step` of `system`.");
-    let first = format!("warning: {text}. Choose a shorter `step` under [simulation], for a system `--step` of `system`\n");
+    let first =
+        format!("warning: {text}. Choose a shorter `step` under [simulation], for a system `--step` of `system`\n");
     assert!(said.out.starts_with(&first), "{}", said.out);
     let page = bench.read("out/report.html");
     assert!(page.contains(&format!("Warning: {begin}")), "{page}");

@@ -382,7 +382,8 @@ fn strained(outcome: &IdentificationOutcome) -> Option<String> {
             })
         })
         .collect();
-    (!sensors.is_empty()).then(|| format!("Likeliest cause: {}. The model fits only with that.", sensors.join(", and ")))
+    (!sensors.is_empty())
+        .then(|| format!("Likeliest cause: {}. The model fits only with that.", sensors.join(", and ")))
 }
 
 fn sentence(suspect: &Suspect) -> String {
