@@ -104,10 +104,15 @@ fn empty(path: &Path) -> FileError {
     FileError::new(path, "the table has no rows")
 }
 
+/// The command that makes a plain table of any other file.
+pub fn convert(path: &Path) -> String {
+    format!("`python -m fmu_orchestrator convert \"{}\"` makes a plain table of it", path.display())
+}
+
 /// Refuses numbers that have two readings.
 fn check_marks(path: &Path, rows: &dyn Rows) -> Result<(), FileError> {
     let Some(cell) = rows.unclear() else { return Ok(()) };
-    let (without, convert) = (cell.replace(['.', ','], ""), recorded::convert(path));
+    let (without, convert) = (cell.replace(['.', ','], ""), convert(path));
     let message = format!("`{cell}` may be {without} or {}; {convert} and asks for --decimal", cell.replace(',', "."));
     Err(FileError::new(path, message))
 }

@@ -7,6 +7,7 @@ use std::{
 };
 
 use crate::{
+    convert,
     files::{self, FileError},
     is_of_time, is_time_name, name_and_unit,
     rows::How,
@@ -59,11 +60,6 @@ impl Column {
 
 /// How files of other formats begin.
 const BINARY: [&[u8]; 7] = [b"MDF ", b"UnFinMF", b"TDSm", b"\x89HDF", b"MATLAB", b"PK\x03\x04", b"\xd0\xcf\x11\xe0"];
-
-/// The command that makes a plain table of any other file.
-pub fn convert(path: &Path) -> String {
-    format!("`python -m fmu_orchestrator convert \"{}\"` makes a plain table of it", path.display())
-}
 
 impl RecordedTable {
     /// Reads a recording.
