@@ -172,6 +172,7 @@ impl Service {
             // Its initialisers may have changed what this process does about its children.
             system::adopt_orphans();
             self.runner = Runner::new(library.map_err(named)?, &self.setup.cases);
+            system::give_back_free_memory();
         }
         Ok(())
     }

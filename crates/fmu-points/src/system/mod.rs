@@ -36,3 +36,12 @@ pub fn give_back_memory() {
         unsafe { libc::mallopt(libc::M_MMAP_THRESHOLD, LARGE) };
     }
 }
+
+/// Gives all memory that is free back to the system: a fork has less to copy then.
+pub(crate) fn give_back_free_memory() {
+    #[cfg(all(target_os = "linux", target_env = "gnu"))]
+    // SAFETY: asks this process's C library, which knows what is free.
+    unsafe {
+        libc::malloc_trim(0);
+    }
+}

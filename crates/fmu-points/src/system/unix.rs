@@ -137,7 +137,12 @@ pub fn memory_of_machine() -> Option<u64> {
 /// socket, a lock of a file outside of its room. None of the program's own descriptors does.
 pub fn held() -> Option<String> {
     // The first descriptors are those of the FMU: the program keeps its own far above. Of more files it is not looked at.
-    (3..16).find_map(|descriptor| {
+    let mut first: [libc::pollfd; 13] =
+        std::array::from_fn(|at| libc::pollfd { fd: 3 + at as i32, events: 0, revents: 0 });
+    // SAFETY: writes to these entries which of the descriptors are open.
+    unsafe { libc::poll(first.as_mut_ptr(), first.len() as libc::nfds_t, 0) };
+    let mut open = first.iter().filter(|entry| entry.revents & libc::POLLNVAL == 0).map(|entry| entry.fd);
+    open.find_map(|descriptor| {
         let Some(kind) = option(descriptor, libc::SO_TYPE) else {
             let is_file = io::Error::last_os_error().raw_os_error() == Some(libc::ENOTSOCK);
             return is_file.then(|| lock(descriptor))?;
