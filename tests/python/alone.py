@@ -33,14 +33,13 @@ def told(outcome):
     return [words for words in ("not reproducible:", "the FMU holds a port, a socket or a lock") if words in said]
 
 
-def examine(laboratory, model, every, where):
+def examine(laboratory, fmu, model, every, where):
     """The numbers of points that are right, wrong and lost, what told, and the processes that were left."""
     count = FEW if model.waits else POINTS.get(every, MOST)
     hit = {point for point in range(1, count + 1) if point % every == 7}
     with tempfile.TemporaryDirectory() as folder:
         folder = Path(folder)
         options = ["--extra-runs", "0", "--point-timeout", TIMEOUT if model.waits else NO_TIMEOUT, *model.options]
-        fmu = laboratory.workshop.model(model)
         sound = laboratory.fresh(fmu, points=count) if model.results == "own" else laboratory.sound
         run = study(folder, fmu, hit, options=options, points=count)
         if where is None:
@@ -73,8 +72,10 @@ def main():
     with tempfile.TemporaryDirectory() as folder, ThreadPoolExecutor(options.at_once) as threads:
         laboratory = Laboratory(Path(folder))
         laboratory.sound = laboratory.fresh(laboratory.workshop.model(HEALTHY), points=MOST)
-        runs = [(model, every, where) for model in models for every in options.every for where in places]
-        for (model, every, where), found in zip(runs, threads.map(lambda run: examine(laboratory, *run), runs)):
+        # Runs of one behaviour have one file, which none may write while another reads it.
+        fmus = [(laboratory.workshop.model(model), model) for model in models]
+        runs = [(*fmu, every, where) for fmu in fmus for every in options.every for where in places]
+        for (_, model, every, where), found in zip(runs, threads.map(lambda run: examine(laboratory, *run), runs)):
             count, wrong, lost, words, strays = found
             points += count
             if wrong or lost or strays:
