@@ -11,7 +11,12 @@ use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
-use super::{errors::Errors, next::Group, optima::Optimum, problem::Problem};
+use super::{
+    errors::Errors,
+    next::Group,
+    optima::Optimum,
+    problem::{Problem, SharedKind},
+};
 
 /// The value with the largest studentised residual.
 #[derive(Clone, Debug, Serialize)]
@@ -175,12 +180,19 @@ type Pulls = [(usize, usize, (DVector<f64>, f64))];
 /// What the variance of an unknown consists of.
 fn budget(rows: &Rows<'_>, covariance: &DMatrix<f64>, place: usize, (groups, all): (&[Group], &Pulls)) -> Vec<Part> {
     let (problem, variance) = (rows.problem, covariance[(place, place)]);
-    let noise = groups.iter().map(|group| {
+    let own = groups.iter().flat_map(|group| {
         let own = all.iter().filter(|(case, quantity, _)| group.values.contains(&[*case, *quantity]));
-        (format!("noise of {}", group.name), own.map(|(.., (pull, _))| pull[place].powi(2)).sum())
+        let sums = own.fold([0.0; 3], |sums, (case, quantity, (pull, _))| {
+            let mixed = problem.mixed.iter().find(|value| (value.case, value.quantity) == (*case, *quantity));
+            let [zero, gain] = mixed.map_or([0.0; 2], |value| value.parts);
+            let parts = [1.0 - zero - gain, zero, gain];
+            std::array::from_fn(|k| sums[k] + parts[k] * pull[place].powi(2))
+        });
+        let words = ["noise", SharedKind::Offset.words(), SharedKind::Gain.words()];
+        words.into_iter().zip(sums).map(|(words, sum)| (format!("{words} of {}", group.name), sum))
     });
     let n = problem.unknowns();
-    let mut parts: Vec<(String, f64)> = noise.collect();
+    let mut parts: Vec<(String, f64)> = own.filter(|(_, sum)| *sum > 0.0).collect();
     for source in 0..problem.sources.len() {
         let mut channels = problem.channels.iter();
         let channel = channels.find(|channel| channel.sources.iter().any(|(number, _)| *number == source));
@@ -209,7 +221,7 @@ mod tests {
     use super::super::fit::Fit;
     use super::super::objective::Objective;
     use super::super::outcome::IdentificationOutcome;
-    use super::super::problem::{Channel, Effect, Measured, SharedKind, Source, Spacing};
+    use super::super::problem::{Channel, Effect, Measured, Mixed, Source, Spacing};
     use super::super::search::search;
     use super::super::testing::{effort, free, problem, said, starts};
     use super::*;
@@ -286,6 +298,25 @@ mod tests {
                 assert!((share - expected).abs() < 1e-4, "{from}: {share}, expected {expected}");
             }
             assert!((budget.iter().map(|part| part.share).sum::<f64>() - 1.0).abs() < 1e-9, "{budget:?}");
+        }
+    }
+
+    /// A value whose own error has a zero error of 0.3, a gain error of 0.2 and noise of 0.4, all but for what the bounds tell.
+    #[test]
+    fn the_error_of_a_single_value_is_told_by_its_parts() {
+        let square: f64 = 0.09 + 0.04 + 0.16;
+        let row = vec![Measured { value: 1.0, accuracy: square.sqrt() }];
+        let mut problem = problem(vec![free("a", Spacing::Linear, -100.0, 100.0)], vec![row]);
+        problem.mixed = vec![Mixed { case: 0, quantity: 0, parts: [0.09 / square, 0.04 / square] }];
+        let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0]]);
+        let objective = Objective::new(&problem, &model, 1e-4);
+        let (optima, _) = search(&objective, &starts(1, 4), &effort(2, 40), &|_| ()).unwrap();
+        let group = Group { name: "y".to_owned(), values: vec![[0, 0]] };
+        let (_, influence) = of_values(&problem, &optima[0], &[group]);
+        let told: Vec<&str> = influence[0].budget.iter().map(|part| &*part.from).collect();
+        assert_eq!(told, ["noise of y", "a zero error of y", "a gain error of y", "what was known before"]);
+        for (part, own) in influence[0].budget.iter().zip([0.16, 0.09, 0.04]) {
+            assert!((part.share - own / square).abs() < 1e-4, "{part:?}");
         }
     }
 

@@ -176,6 +176,17 @@ pub struct NotNormal {
     pub law: Law,
 }
 
+/// A measured value whose own error is not all noise.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Mixed {
+    /// The value's case.
+    pub case: usize,
+    /// Its quantity.
+    pub quantity: usize,
+    /// The parts of the error's square that are the zero's and the gain's.
+    pub parts: [f64; 2],
+}
+
 /// What is known of the noise of quantities, the rows of a curve, where it is an estimate.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Estimate {
@@ -327,6 +338,9 @@ pub struct Problem {
     /// The values whose own errors are not normal.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub not_normal: Vec<NotNormal>,
+    /// The values whose own errors are not all noise.
+    #[serde(skip)]
+    pub mixed: Vec<Mixed>,
     /// The quantities whose noise is an estimate.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub estimates: Vec<Estimate>,

@@ -1,10 +1,11 @@
 //! A search as a study asks for it.
 
 use super::{
-    objective::Objective,
+    local::{Limits, Minimum, minimise},
+    objective::{Differences, Objective},
     optima::Optimum,
     outcome::IdentificationOutcome,
-    problem::{Problem, Simulate},
+    problem::{NoPrediction, Problem, Simulate},
     search::{Effort, Progress, SearchError, search},
 };
 
@@ -38,7 +39,7 @@ impl Searched {
     }
 }
 
-/// Searches; where gain errors are parts of predicted values, first without them, for these values.
+/// Searches; where gain errors are parts of predicted values, first without them, and then as parts of what the best fit predicts.
 ///
 /// # Errors
 /// Those of [`search`].
@@ -50,8 +51,35 @@ pub fn searched(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(&Progres
     let mut problem = task.problem.clone();
     if let Some(first) = problem.with_parts(None) {
         let (optima, _) = find(&first)?;
-        problem = problem.with_parts(Some(&optima[0].minimum.misfit.predicted)).unwrap_or(problem);
+        problem = settled(task, model, optima[0].minimum.clone())?;
     }
     let (optima, progress) = find(&problem)?;
     Ok(Searched { problem, optima, progress })
+}
+
+/// The problem whose gain errors are parts of what the fit predicts that they lead to, from a minimum on: each round
+/// brings the prediction nearer to the last one by about the size of a gain error.
+fn settled(task: &Task<'_>, model: &dyn Simulate, mut minimum: Minimum) -> Result<Problem, SearchError> {
+    const ROUNDS: usize = 8;
+    /// A part of what a gain error may do to a value that no result shows.
+    const SETTLED: f64 = 1e-5;
+    let Effort { iterations, deadline, .. } = task.effort;
+    let limits = Limits { iterations, decrease: 1e-7, deadline };
+    let mut problem = task.problem.clone();
+    for _ in 0..ROUNDS {
+        let predicted = minimum.misfit.predicted;
+        problem = task.problem.with_parts(Some(&predicted)).unwrap_or(problem);
+        let objective = Objective::new(&problem, model, task.difference);
+        minimum = match minimise(&objective, minimum.places, &[], Differences::Central, &limits) {
+            Ok(minimum) => minimum,
+            Err(NoPrediction::Stopped) => return Err(SearchError::Stopped),
+            // The search that follows tells what fails.
+            Err(NoPrediction::Here(_)) => break,
+        };
+        let values = predicted.iter().zip(&minimum.misfit.predicted).flat_map(|(a, b)| a.iter().zip(b));
+        if values.into_iter().all(|(before, now)| (now - before).abs() <= SETTLED * before.abs()) {
+            break;
+        }
+    }
+    Ok(problem)
 }

@@ -16,8 +16,8 @@ use crate::judge::{Criterion, Judge};
 use calibration::{
     digits::rounded,
     problem::{
-        Case, Channel, Effect, Estimate, Free, Measured, NotNormal, Population, Prior, Quantity, SharedKind, Source,
-        Spacing,
+        Case, Channel, Effect, Estimate, Free, Measured, Mixed, NotNormal, Population, Prior, Quantity, SharedKind,
+        Source, Spacing,
     },
     text::digits,
 };
@@ -117,6 +117,11 @@ pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Resu
                 bound.readings.push(Reading::Value(bound.outputs.len()));
                 bound.outputs.push(if difference { conversion.of_differences() } else { *conversion });
                 bound.simulations[case].task.observed.push(probe.clone());
+                // What correlated values share is told as sources.
+                if !tied.holds(number) {
+                    let parts = [uncertainty.offset(), uncertainty.gain * value].map(|part| (part / accuracy).powi(2));
+                    bound.problem.mixed.push(Mixed { case: 0, quantity: first, parts });
+                }
                 vec![(name.as_ref().clone(), Measured { value, accuracy })]
             }
         };
@@ -458,6 +463,11 @@ impl Tied {
             numbers,
             factor,
         }
+    }
+
+    /// Whether the errors of a criterion are correlated with others'.
+    fn holds(&self, number: usize) -> bool {
+        self.numbers.binary_search(&number).is_ok()
     }
 
     /// The independent standard uncertainty of a value, number `quantity` of the problem, and its distribution where that is not
