@@ -2,6 +2,9 @@
 
 import math
 import sys
+import tomllib
+import zipfile
+from xml.etree import ElementTree
 
 import pytest
 from test_acceptance import ROOT
@@ -37,6 +40,18 @@ def test_differences():
     assert measure.difference([[1.0], [math.nan]], [[1.0]]) == "none"
     assert measure.difference([[2.0], [4.0]], [[2.0], [5.0]]) == "2e-01"
     assert measure.difference([[2.0]], []) == "0 of 1 points have values"
+
+
+def test_the_rare_studies(tmp_path):
+    study = tomllib.loads(measure.rare_study(tmp_path, "branches").read_text(encoding="utf-8"))
+    assert list(study["parameters"]) == ["x1", "x2"]
+    assert study["criteria"] == {"margin": {"variable": "branches", "at-least": 0}}
+    with zipfile.ZipFile(study["fmu"]) as fmu:
+        variables = ElementTree.fromstring(fmu.read("modelDescription.xml")).iter("ScalarVariable")
+    assert [variable.get("name") for variable in variables] == [*measure.NAMES, "branches", "oscillator"]
+    stand = tomllib.loads(measure.rare_study(tmp_path, "stand").read_text(encoding="utf-8"))
+    assert len(stand["parameters"]) == 7 and stand["criteria"]["margin"]["at-most"] == 28
+    assert measure.rarely(0.00321, 0.00311, 0.00331) == "0.321 % (0.311 to 0.331 %)"
 
 
 def test_a_table_goes_between_its_markers():

@@ -186,24 +186,106 @@ def paper_table(folder, rounds):
     ]
     exact = "first-order index {}, total index {}".format(*our_indices(reference / "sensitivity.json"))
     return rows, (f"The orchestrator from {BASE_OF_REFERENCE * 9:,} runs: {exact}. OpenTURNS' polynomial of 200 runs: total index "
-                  f"{float(polynomial):.3f}.\n\n{shares_of_few(folder / 'few')}")
-
-
-def shares_of_few(target):
-    """The share by surrogates of 100 runs, and what they cost."""
-    ours = succeeded(run([PROGRAM, "verify", HERE / OURS / "paper.toml", "--budget", 100, "--output", target, "--force"]), (0, 1, 3))
-    theirs = succeeded(run([python("openturns"), HERE / "openturns/few.py"]))
-    told = json.loads((target / "summary.json").read_text())["surrogate"]
-    other = float(re.search(rf"share: {NUMBER}", theirs.said).group(1))
-    low, high = told["interval"]
-    return (f"The share by Gaussian processes of 100 runs: ours {100 * told['share']:.1f} % ({100 * low:.1f} to {100 * high:.1f} %) in "
-            f"{ours.cpu:.1f} s of CPU; OpenTURNS' {100 * other:.1f} %, no interval, in {theirs.cpu:.1f} s.")
+                  f"{float(polynomial):.3f}.")
 
 
 def wrong(file):
     """How many of the accepted points are expected not to conform."""
     risk = json.loads(file.read_text())["risk"]
     return percent(risk["not_conforming_given_accepted"], *risk["intervals"]["not_conforming_given_accepted"])
+
+
+# Few runs.
+
+# The criteria of the rare events, and the names of the functions' outputs.
+RARE = {"stand": '"sensor.frictionPower", at-most = 28', "branches": '"branches", at-least = 0', "oscillator": '"oscillator", at-least = 0'}
+REAL = '<ScalarVariable name="{}" valueReference="{}" causality="{}" {}><Real {}/></ScalarVariable>'
+NAMES = ["x1", "x2", "x3", "x4", "x5", "x6"]
+
+
+def functions(folder):
+    """The FMU of functions.c."""
+    sys.path.insert(0, str(ROOT / "tests/python"))
+    import faulty
+    inputs = [REAL.format(name, k, "parameter", 'variability="fixed"', 'start="0"') for k, name in enumerate(NAMES)]
+    outputs = [REAL.format(name, len(NAMES) + k, "output", "", "") for k, name in enumerate(["branches", "oscillator"])]
+    variables = "<ModelVariables>" + "".join(inputs + outputs) + "</ModelVariables>"
+    text = re.sub("<ModelVariables>.*</ModelVariables>", variables, faulty.description(outputs=False), flags=re.DOTALL)
+    workshop, binary = faulty.Workshop(folder), folder / "functions.so"
+    workshop.compile("-shared", HERE / "functions.c", "-o", binary, "-lm")
+    return workshop.fmu("functions", binary, text)
+
+
+def rare_study(folder, name):
+    """A study of a rare event."""
+    paper = (HERE / OURS / "paper.toml").read_text().replace("../../../../dist/PlainBearingStand.fmu", str(STAND))
+    if name == "stand":
+        text = paper.partition("[criteria]")[0]
+    else:
+        drawn = NAMES[:2] if name == "branches" else NAMES
+        parameters = "".join(f'{x} = {{ distribution = "normal", mean = 0, deviation = 1 }}\n' for x in drawn)
+        text = f'fmu = "{functions(folder)}"\nsimulation = {{ stop = 1, step = 1 }}\n[parameters]\n{parameters}'
+    study = folder / f"{name}.toml"
+    study.write_text(f"{text}[criteria]\nmargin = {{ variable = {RARE[name]} }}\n")
+    return study
+
+
+def rare_row(folder, name):
+    """A rare share by 150 runs: ours, and OpenTURNS' in two ways."""
+    target = folder / "rare"
+    command = [PROGRAM, "verify", rare_study(folder, name), "--rare", "not-conforming", "--output", target, "--force"]
+    ours = succeeded(run(command), (0, 1, 3))
+    told = json.loads((target / "rare.json").read_text())["surrogate"]
+    cells = [f"{rarely(told['share'], *told['interval'])}, {told['runs']} runs, {ours.cpu:.1f} s"]
+    for how in ("gp", "form"):
+        theirs = run([python("openturns"), HERE / "openturns/rare.py", name, how])
+        found = re.search(rf"share: {NUMBER} \+- (nan|{NUMBER}) runs: (\d+)", theirs.said)
+        if found:
+            value, half = map(float, found.group(1, 2))
+            share = f"{100 * value:.3g} %" if math.isnan(half) else rarely(value, value - half, value + half)
+            cells.append(f"{share}, {found.group(4)} runs, {theirs.cpu:.1f} s")
+        else:
+            cells.append(kept(theirs, []))
+    return cells
+
+
+def rarely(value, low, high):
+    return f"{100 * value:.3g} % ({100 * low:.3g} to {100 * high:.3g} %)"
+
+
+def clearance(said):
+    value, deviation = map(float, said)
+    return f"{value:.2f} ± {deviation:.2f} µm"
+
+
+def our_clearance(file):
+    """Mean and deviation of the clearance in the sample of a posterior, mm, in µm."""
+    free = next(free for free in json.loads(file.read_text())["posterior"]["free"] if free["name"] == PARAMETER)
+    return clearance([1000 * free["mean"], 1000 * free["deviation"]])
+
+
+def few_table(folder, _):
+    """What surrogates of few runs tell."""
+    study = HERE / OURS / "paper.toml"
+    ours = {name: succeeded(run([PROGRAM, *command, study, "--output", folder / name, "--force"]), (0, 1, 3)) for name, command in {
+        "share": ["verify", "--budget", 100], "few": ["identify", "--budget", 80], "many": ["identify", "--posterior", 2000]}.items()}
+    theirs = {name: succeeded(run([python("openturns"), HERE / f"openturns/{name}.py"])) for name in ("few", "posterior")}
+    told = json.loads((folder / "share/summary.json").read_text())["surrogate"]
+    low, high = told["interval"]
+    other = float(re.search(rf"share: {NUMBER}", theirs["few"].said).group(1))
+    places = json.loads((folder / "few/identification.json").read_text())["surrogate"]["runs"]
+    sampled = re.search(rf"clearance: {NUMBER} \+- {NUMBER}", theirs["posterior"].said).groups()
+    rows = [
+        ["", "orchestrator", "OpenTURNS, Gaussian process", "OpenTURNS, FORM"],
+        ["accepted, 100 runs", f"{100 * told['share']:.1f} % ({100 * low:.1f} to {100 * high:.1f} %), {ours['share'].cpu:.1f} s",
+         f"{100 * other:.1f} %, {theirs['few'].cpu:.1f} s", ""],
+        ["power above 28 W", *rare_row(folder, "stand")],
+        ["four branches, 0.446 %", *rare_row(folder, "branches")],
+        ["oscillator, 2.86 %", *rare_row(folder, "oscillator")],
+        ["clearance, identified", f"{our_clearance(folder / 'few/identification.json')}, {places} runs, {ours['few'].cpu:.1f} s",
+         f"{clearance(sampled)}, 80 runs, {theirs['posterior'].cpu:.1f} s", ""],
+    ]
+    return rows, f"Without a surrogate the clearance is {our_clearance(folder / 'many/identification.json')}."
 
 
 # The same points by all.
@@ -385,11 +467,11 @@ def installed(peer):
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--rounds", type=int, default=5, help="of each program that is timed")
-    parser.add_argument("--only", choices=["paper", "accidents"], help="one of the two tables")
+    parser.add_argument("--only", choices=["paper", "few", "accidents"], help="one of the tables")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        for part, measured in {"paper": paper_table, "accidents": accident_table}.items():
+        for part, measured in {"paper": paper_table, "few": few_table, "accidents": accident_table}.items():
             if options.only in (None, part):
                 write(part, *measured(folder, options.rounds))
 
