@@ -641,8 +641,8 @@ impl Recorded<'_> {
     }
 }
 
-/// Whether numbers are clocks such as 131507 or 1315: never 60 to 99 seconds or minutes, though they pass them; late in the day,
-/// beside days, or in steps that are regular only so.
+/// Whether numbers are clocks such as 131507 or 1315: never 60 to 99 seconds or minutes, though they pass them; late in the day or
+/// for long, beside days, or in steps that are regular only so.
 fn is_of_clock(times: &[f64], beside_days: bool) -> bool {
     let is_clock = |time: &f64| time % 100.0 < 60.0 && time / 100.0 % 100.0 < 60.0;
     let passes = times.windows(2).any(|pair| (pair[0] / 100.0).floor() != (pair[1] / 100.0).floor());
@@ -651,9 +651,11 @@ fn is_of_clock(times: &[f64], beside_days: bool) -> bool {
         let first = steps.next();
         steps.all(|step| Some(step) == first)
     };
-    let in_minutes = |time: f64| (time / 100.0).floor() * 60.0 + time % 100.0;
-    let has_steps = times.len() > 4 && is_regular(in_minutes) && !is_regular(|time| time);
-    times.iter().all(is_clock) && passes && (times.iter().all(|time| *time >= 1e4) || beside_days || has_steps)
+    let seconds = |time: f64| (time / 1e4).floor() * 3600.0 + (time / 100.0).floor() % 100.0 * 60.0 + time % 100.0;
+    let has_steps = times.len() > 4 && is_regular(seconds) && !is_regular(|time| time);
+    let mut late = times.iter().map(|time| *time >= 1e4);
+    let is_late = if times.len() > 9 { late.any(|late| late) } else { late.all(|late| late) };
+    times.iter().all(is_clock) && passes && (is_late || beside_days || has_steps)
 }
 
 /// The way from one unit to another one.

@@ -177,11 +177,11 @@ def _split(path: Path, lines: Sequence[str], delimiter: str) -> list[list[str]]:
 def _words(line: str) -> list[str]:
     """Words of a line; a unit belongs to the name before it."""
     row: list[str] = []
-    for word in line.removeprefix("#").split():
-        if row and word[0] in "[(" and row[-1][0] not in "[(":
+    for word in re.findall(r'"[^"]*"|\S+', line.removeprefix("#")):
+        if row and word[0] in "[(" and row[-1][:1] not in "[(":
             row[-1] += f" {word}"
         else:
-            row.append(word)
+            row.append(word.strip('"'))
     return row
 
 
@@ -211,7 +211,7 @@ def _separator(path: Path, lines: Sequence[str]) -> str:
     sample = [line for line in lines if line.strip()]
     # What remarks have between their words says nothing of the rows.
     sample = ([line for line in sample if line[0] not in "#*"] or sample)[:SAMPLE]
-    best: list[tuple[float, str]] = []
+    best: list[tuple[float, str, float]] = []
     for letter in SEPARATORS.values():
         rows = [row for row in _split(path, sample, letter) if len(row) > 1]
         widths = Counter(len(row) for row in rows if any(_is_value(cell) or _suffix(cell) for cell in row))
@@ -220,12 +220,13 @@ def _separator(path: Path, lines: Sequence[str]) -> str:
         width, count = widths.most_common(1)[0]
         cells = [cell for row in rows if len(row) == width for cell in row if cell]
         sound = sum(_is_value(cell) or bool(_suffix(cell)) for cell in cells) / max(len(cells), 1)
-        best.append((count / len(sample) * (0.5 + sound), letter))
-    # Blanks stand within cells, too: they separate where nothing else does.
-    best = [pair for pair in best if pair[1] != " "] or best
+        best.append((count / len(sample) * (0.5 + sound), letter, sound))
+    # Blanks stand within cells, too: they separate where nothing else does, and beside decimal commas, between which is no number.
+    others = [one for one in best if one[1] != " "]
+    best = others if others and (best[-1][2] <= 0.7 or any(one[2] > 0.5 for one in others)) else best
     if not best:
         return ","
-    best.sort(key=lambda pair: -pair[0])
+    best.sort(key=lambda one: -one[0])
     return best[0][1]
 
 
@@ -818,8 +819,9 @@ def _of_figures(
         named = re.sub("[^hms]", "", (said[j] or labels[j]).lower())
         told = [one for one in found if one == (form and form[2]) or named.endswith("hhmmss"[: len(one)]) or is_padded and len(there[j][0]) == len(one)]
         values = [numbers[j](cell) or 0.0 for cell in there[j]]
-        # Numbers of seconds would seldom all be clocks, pass a minute, and begin after 10,000, or have other steps than clocks have.
-        is_like = min(values) >= 10_000 and len({value // 100 for value in values}) > 1 or len(found) > 1 and _is_regular(values)
+        # Numbers of seconds would seldom all be clocks that pass a minute: late in the day, for long, or in steps that are regular only so.
+        is_like = len({value // 100 for value in values}) > 1 and (
+            min(values) >= 10_000 or max(values) >= 10_000 and (len(values) > 9 or not _rises(values)) or _is_regular(values))
         if not told and (len(found) > 1 if has_day else is_like):
             before = next((f"{day[0]} " for day in days.values()), "")
             forms = '" or "'.join(before + one for one in found)
@@ -859,8 +861,9 @@ def _figures(cell: str, form: str) -> str | None:
 
 
 def _is_regular(values: Sequence[float]) -> bool:
-    """Whether hours and minutes in figures have one step where seconds would have several."""
-    steps = [{after - before for before, after in pairwise(row)} for row in (values, [value // 100 * 60 + value % 100 for value in values])]
+    """Whether clocks of figures have one step where seconds would have several."""
+    clocks = [value // 10_000 * 3600 + value // 100 % 100 * 60 + value % 100 for value in values]
+    steps = [{round(after - before, 6) for before, after in pairwise(row)} for row in (values, clocks)]
     return len(values) > 4 and len(steps[0]) > 1 == len(steps[1])
 
 

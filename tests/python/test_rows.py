@@ -89,7 +89,7 @@ def test_date_and_time_in_several_columns_join(tmp_path):
     (["Date;T", "20240131;1", "20240201;2"], [0, 86400], {}),
     (["MESS_DATUM;T", "2024013123;1", "2024020100;2"], [0, 3600], {}),
     # Without its leading zero: 1:05:05, not 10:50:05.
-    (["a;b;T", "10505;1;1.5", "101010;2;2.5"], [0, 18305], {"format": "%H%M%S", "time": "a"}),
+    (["a;b;T", "10505;1;1.5", "101010;2;2.5"], [0, 32705], {"format": "%H%M%S", "time": "a"}),
 ])
 def test_days_and_clocks_of_figures_alone(tmp_path, lines, seconds, said):
     header, table = converted(tmp_path, rows(*lines), **said)
@@ -149,6 +149,8 @@ def test_what_other_peoples_loggers_wrote(tmp_path):
                 *(f"2019 {at}  {height} 8 7 1.5 10 11" for at, height in (("04 02 13 40", "MM"), ("04 02 13 50", "1.5"), ("05 02 13 50", "MM"))))
     header, table = converted(tmp_path, buoy)
     assert header[:3] == ["time [s]", "WVHT [m]", "DPD [s]"] and [row[:2] for row in table] == [[0.0, "MM"], [600.0, 1.5], [600.0 + 30 * 86400, "MM"]]
+    # Decimal commas with blanks between.
+    assert converted(tmp_path, rows("Time [s]  F  n", "0,000  1,5 3", "0,100  2,5 4"))[1] == [[0.0, 1.5, 3.0], [0.1, 2.5, 4.0]]
     # Units in brackets below the names, blanks between; rows of marks alone.
     assert converted(tmp_path, rows("Time  F  n", "(s) (kN) (rpm)", "0.0 1.5 3", "0.1 2.5 4"))[0] == ["Time [s]", "F [kN]", "n [rpm]"]
     assert converted(tmp_path, rows("F [N]", "1.5", "n/a", "2.5", "n/a"))[1] == [[1.5], [""], [2.5], [""]]
