@@ -213,8 +213,8 @@ def _separator(path: Path, lines: Sequence[str]) -> str:
     sample = ([line for line in sample if line[0] not in "#*"] or sample)[:SAMPLE]
     best: list[tuple[float, str, float]] = []
     for letter in SEPARATORS.values():
-        rows = [row for row in _split(path, sample, letter) if len(row) > 1]
-        widths = Counter(len(row) for row in rows if any(_is_value(cell) or _suffix(cell) for cell in row))
+        rows = [row for row in _split(path, sample, letter) if len(row) > 1 and any(_is_value(cell) or _suffix(cell) for cell in row)]
+        widths = Counter(map(len, rows))
         if not widths:
             continue
         width, count = widths.most_common(1)[0]
@@ -377,7 +377,7 @@ def _header(path: Path, rows: list[list[str]], first: int, width: int, options: 
         above = [k for k in range(options.header - 1, first) if any(rows[k])]
     else:
         above = []
-        for k in range(first - 1, -1, -1):
+        for k in range(first - 1, -1, -1) if options.header is None else ():
             if not any(rows[k]) and above:
                 break
             if any(rows[k]):

@@ -361,7 +361,7 @@ def test_sheets_keep_their_offsets_and_texts_their_doubt(tmp_path):
     for row in (["t [s]", "F"], [0, 1.25], [1, "1.234"], [2, 1500.5]):
         book.active.append(row)
     book.save(tmp_path / "n.xlsx")
-    with pytest.raises(OrchestratorError, match="`1.234` may be 1234 or 1.234"):
+    with pytest.raises(OrchestratorError, match="`1.234` in column `F` may be 1234 or 1.234"):
         convert_here(tmp_path / "n.xlsx", tmp_path / "out")
     [path] = convert_here(tmp_path / "n.xlsx", tmp_path / "out", options=Options(decimal=","))
     assert path.read_text().splitlines()[1:] == ["0.0,1.25", "1.0,1234.0", "2.0,1500.5"]

@@ -249,7 +249,8 @@ def test_a_clock_that_falls_and_short_rows_are_told(tmp_path, capsys):
     # Cells of remarks that separate better than those of the recording.
     remarks = [*(f"span {k} = {k}.5, {k}.75" for k in range(4)), "interval = 5", *(f"  {k}.5   {k}.25  {k}.75" for k in range(9))]
     with pytest.raises(OrchestratorError, match="9 lines below line 1 .* are no rows like it, line 5 first"):
-        converted(tmp_path, rows(*remarks), header=0)
+        converted(tmp_path, rows(*remarks), header=0, delimiter=",")
+    assert len(converted(tmp_path, rows(*remarks), header=0)[1]) == 9
     # A column of states beside a time that comes again is none of signals' names; `T` is no time; frames are no parts of a second.
     steps = rows("time [s],T,State", "0,1.5,R", "1,2.5,R", "1,2.6,C", "2,2.5,C", "3,2.5,C")
     assert len(converted(tmp_path, steps)[1]) == 5
