@@ -378,7 +378,8 @@ def _header(path: Path, rows: list[list[str]], first: int, width: int, options: 
     else:
         above = []
         for k in range(first - 1, -1, -1) if options.header is None else ():
-            if not any(rows[k]) and above:
+            # A spreadsheet fills up a title with empty cells.
+            if above and not any(rows[k][width > 2 :]):
                 break
             if any(rows[k]):
                 if len(rows[k]) < max(width - 1, 2) and width > 1:

@@ -126,6 +126,7 @@ def test_headers_of_loggers(tmp_path):
     assert header == ["Zeit [s]", "T_oel [degC]", "T_wasser [degC]"]
     # What is no number stays for the program to ask.
     assert table == [[0.0, 80.5, "OVR"], [1.0, 81.5, 90.25]]
+    assert converted(tmp_path, rows("Rig 7;;", "t [s];F;n", "0;1,5;2", "1;2,5;3"))[0] == ["t [s]", "F", "n"]
     assert converted(tmp_path, rows("sep=;", "t [s];n [min⁻¹]", "0;1500", "1;1501"))[0] == ["t [s]", "n [1/min]"]
     tabs = rows("time\tT [degC]\tState", "2026-11-22 10:00:00\t20.0\ton", "2026-11-22 10:00:01\t20.1\ton")
     assert converted(tmp_path, tabs) == (["time [s]", "T [degC]"], [[0.0, 20.0], [1.0, 20.1]])
