@@ -81,7 +81,9 @@ def convert(path: str | Path, folder: str | Path | None = None, zero: str | None
     if done.returncode == 0:
         *lines, last = done.stdout.splitlines()
         print("\n".join(lines))
-        for line in told:
+        # What a library logs of a file that is cut off.
+        logged = [line for line in told if not line.startswith("note: ")]
+        for line in [*(line for line in told if line not in logged), *(f"note: its library says: {line}" for line in logged[:1])]:
             print(line, file=sys.stderr)
         return [Path(name) for name in json.loads(last)]
     errors = [line.removeprefix("error: ") for line in told if line.startswith("error: ")]

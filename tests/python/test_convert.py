@@ -6,6 +6,7 @@ import datetime
 import multiprocessing
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -181,6 +182,14 @@ def test_series_of_one_length_belong_together():
     contents = _by_length(items, Contents())
     assert [[channel[0] for channel in group.channels] for group in contents.groups] == [["a"], ["b/x", "b/y/1", "b/y/2"]]
     assert contents.left_out == ["c"]
+
+
+def test_what_a_library_logs_is_a_note(tmp_path, capsys):
+    path = tmp_path / "m.tdms"
+    _tdms(path)
+    path.write_bytes(path.read_bytes()[:-20])
+    convert(path, tmp_path / "out")
+    assert re.fullmatch("note: its library says: .*Last segment of file has less data than expected.*\n", capsys.readouterr().err)
 
 
 @pytest.mark.parametrize(("ending", "library"), [("mf4", "asammdf"), ("tdms", "nptdms"), ("h5", "h5py"), ("xlsx", "openpyxl")])
