@@ -81,7 +81,9 @@ def convert(path: str | Path, folder: str | Path | None = None, zero: str | None
     if done.returncode == 0:
         *lines, last = done.stdout.splitlines()
         print("\n".join(lines))
-        for line in told:
+        # What a library logs of a file that is cut off.
+        logged = [line for line in told if not line.startswith("note: ")]
+        for line in [*(line for line in told if line not in logged), *(f"note: its library says: {line}" for line in logged[:1])]:
             print(line, file=sys.stderr)
         return [Path(name) for name in json.loads(last)]
     errors = [line.removeprefix("error: ") for line in told if line.startswith("error: ")]
@@ -510,7 +512,7 @@ MARKS: Mapping[bytes, Reader] = {
 
 OPTIONS = {
     "output": "where the csv goes (beside FILE)", "zero": "the moment of time 0, for several files of a run",
-    "delimiter": "the letter between cells, or tab, space", "decimal": "the decimal mark: . or ,", "encoding": "such as utf-16",
+    "delimiter": "the letter between cells, or tab, space", "decimal": "the decimal mark, . or , of columns that do not tell, or NAME=MARK", "encoding": "such as utf-16",
     "header": "the line of the names; 0 where there are none", "time": "the column of the time, or none", "format": "of stamps: %%d/%%m/%%Y %%H:%%M:%%S",
 }
 
@@ -530,9 +532,10 @@ def main(given: Sequence[str]) -> int:
     parser = _Parser("convert", description=about)
     parser.add_argument("file", metavar="FILE", help=f"text in any usual form, or {endings}")
     for key, words in OPTIONS.items():
-        parser.add_argument(f"--{key}", help=words, type=int if key == "header" else str)
+        parser.add_argument(f"--{key}", help=words, type=int if key == "header" else str, action="append" if key == "decimal" else "store")
     parser.add_argument("--unit", metavar="NAME=UNIT", action="append", default=[], help="of a column")
     said = {key: value for key, value in vars(parser.parse_args(given)).items() if value is not None}
+    said["decimal"] = {name: mark for name, _, mark in (pair.rpartition("=") for pair in said.get("decimal", []))} or None
     pairs = [pair.rpartition("=") for pair in said.pop("unit")]
     if not all(equals for _, equals, _ in pairs):
         parser.error("--unit takes NAME=UNIT")

@@ -37,10 +37,16 @@ MONTH_FIRST = re.compile(r"(?:[A-Za-z]{2,3}[.,]* )?([^\W\d_]{3,9})\.? (\d{1,2}),
 LIKE_STAMP = re.compile(r"\d{1,4}\D+\d{1,3}\D+\d")
 COMPACT = re.compile(r"((?:19|20)\d\d)([01]\d)([0-3]\d)[T :_]?(\d\d)(\d\d)(\d\d(?:[.,]\d+)?)?(Z|[+-]\d\d:?\d\d)?")
 HOURS = re.compile(
-    r"(?:(\d+) ?d(?:ays?)?,? ?)?(\d{1,6}):(\d\d)(?::(\d\d))?(?:[.,](\d{1,12})|(?<=:\d\d:\d\d):(\d{3}))?(?: ?([AaPp])\.?[Mm]\.?)?(?: ?(Z|UTC|GMT|[+-]\d\d:?\d\d))?")
+    r"(?:(\d+) ?d(?:ays?)?,? ?)?(\d{1,6}):(\d\d)(?::(\d\d))?(?:[.,](\d{1,12})|(?<=:\d\d:\d\d):(\d{3}))?(?: ?([AaPp])\.?(?:[Mm]\.?)?)?(?: ?(Z|UTC|GMT|[+-]\d\d:?\d\d))?")
 # How months begin in English, German, French, Spanish and Italian, without accents.
 MONTHS = {name: k for k, names in enumerate("jan ene gen|feb fev|mar mrz|apr avr abr|may mai mag|jun juin giu|jul juil lug|aug aou ago|sep set|"
                                             "oct okt ott|nov|dec dez dic".split("|"), 1) for name in names.split()}
+# Days and clocks as numbers, the names of their columns, and a form that says how they are written.
+DAYS = ["%Y%m%d", "%d%m%Y", "%m%d%Y", "%y%m%d", "%d%m%y", "%m%d%y", "%Y%j", "%Y%m%d%H"]
+CLOCKS = ["%H%M", "%H%M%S"]
+CALLED_DAY = re.compile(r"(?i)(?<![a-z])(date|datum|dat|fecha|data|dato|day|tag|jour|ymd|y{2,4}mmdd)(?![a-z])|date$|datum$")
+CALLED_CLOCK = re.compile(r"(?i)time|zeit|uhr|clock|hhmm|hora|heure|start|begin|stop|end$|^(von|bis)$|(?<![a-z])(hour|utc|hrmn)(?![a-z])")
+FORM_OF_FIGURES = re.compile(r"((?:%[Yymdj])+)? ?(%H%M(?:%S)?)?")
 FORMS = {"day first": "%d{0}%m{0}{1}", "month first": "%m{0}%d{0}{1}", "year first": "{1}{0}%m{0}%d"}
 TIMES = {"t", "ts", "time", "zeit", "timestamp", "timestamps", "tout"}
 # Names of columns in a table that has a row for each value of each signal.
@@ -68,7 +74,7 @@ class Options:
     """What the user says of a file."""
 
     delimiter: str | None = None
-    decimal: str | None = None
+    decimal: str | Mapping[str, str] | None = None  # by columns; of "" where a column itself does not tell
     encoding: str | None = None
     header: int | None = None
     format: str | None = None
@@ -142,6 +148,8 @@ def read(path: Path, options: Options) -> Columns:
     lines = content.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     if lines[0].startswith("LabVIEW Measurement"):
         return _labview(path, lines, options)
+    if lines[0].startswith("* Sea-Bird") and any(line.startswith("# name 0 = ") for line in lines):
+        return _seabird(path, lines, options)
     delimiter = SEPARATORS.get(options.delimiter or "", options.delimiter)
     if lines[0].lower().startswith("sep=") and len(lines[0].strip()) == 5:
         delimiter, lines[0] = delimiter or lines[0][4], ""
@@ -169,11 +177,11 @@ def _split(path: Path, lines: Sequence[str], delimiter: str) -> list[list[str]]:
 def _words(line: str) -> list[str]:
     """Words of a line; a unit belongs to the name before it."""
     row: list[str] = []
-    for word in line.removeprefix("#").split():
-        if row and word[0] in "[(" and row[-1][0] not in "[(":
+    for word in re.findall(r'"[^"]*"|\S+', line.removeprefix("#")):
+        if row and word[0] in "[(" and row[-1][:1] not in "[(":
             row[-1] += f" {word}"
         else:
-            row.append(word)
+            row.append(word.strip('"'))
     return row
 
 
@@ -200,29 +208,31 @@ def _is_value(cell: str) -> bool:
 
 def _separator(path: Path, lines: Sequence[str]) -> str:
     """The one with which most lines have the same number of cells and these are values."""
-    sample = [line for line in lines if line.strip()][:SAMPLE]
-    best: list[tuple[float, str]] = []
+    sample = [line for line in lines if line.strip()]
+    # What remarks have between their words says nothing of the rows.
+    sample = ([line for line in sample if line[0] not in "#*"] or sample)[:SAMPLE]
+    best: list[tuple[float, str, float]] = []
     for letter in SEPARATORS.values():
-        rows = [row for row in _split(path, sample, letter) if len(row) > 1]
-        widths = Counter(len(row) for row in rows if any(_is_value(cell) or _suffix(cell) for cell in row))
+        rows = [row for row in _split(path, sample, letter) if len(row) > 1 and any(_is_value(cell) or _suffix(cell) for cell in row)]
+        widths = Counter(map(len, rows))
         if not widths:
             continue
         width, count = widths.most_common(1)[0]
         cells = [cell for row in rows if len(row) == width for cell in row if cell]
         sound = sum(_is_value(cell) or bool(_suffix(cell)) for cell in cells) / max(len(cells), 1)
-        best.append((count / len(sample) * (0.5 + sound), letter))
-    # Blanks stand within cells, too: they separate where nothing else does.
-    best = [pair for pair in best if pair[1] != " "] or best
+        best.append((count / len(sample) * (0.5 + sound), letter, sound))
+    # Blanks stand within cells, too: they separate where nothing else does, and beside decimal commas, between which is no number.
+    others = [one for one in best if one[1] != " "]
+    best = others if others and (best[-1][2] <= 0.7 or any(one[2] > 0.5 for one in others)) else best
     if not best:
         return ","
-    best.sort(key=lambda pair: -pair[0])
+    best.sort(key=lambda one: -one[0])
     return best[0][1]
 
 
 def table(path: Path, rows: list[list[str]], options: Options, decimal: str | None = None, exact: bool = False) -> Columns:
     """The columns of a table of texts; with ``exact``, an empty cell is none."""
     told: list[str] = []
-    decimal = options.decimal or decimal
     while rows and not any(rows[-1]):
         rows.pop()
     body = [k for k, row in enumerate(rows) if any(map(_is_value, row))]
@@ -326,8 +336,7 @@ def table(path: Path, rows: list[list[str]], options: Options, decimal: str | No
     if short:
         told.append(f"{len(short)} rows have fewer than {width} cells, line {short[0] + 1} first: their last columns are taken as empty; where other cells are missing, correct them")
     cells = [[rows[k][j] if j < len(rows[k]) else "" for k in good] for j in range(width)]
-    number = _numbers(path, [cells[j] for j in typed if kinds[j] == "number"], decimal, told)
-    return _columns(path, names, units, kinds, cells, number, options, told)
+    return _columns(path, names, units, list(kinds), cells, decimal, options, told)
 
 
 def _kind(cells: Sequence[str]) -> tuple[str, str]:
@@ -368,8 +377,9 @@ def _header(path: Path, rows: list[list[str]], first: int, width: int, options: 
         above = [k for k in range(options.header - 1, first) if any(rows[k])]
     else:
         above = []
-        for k in range(first - 1, -1, -1):
-            if not any(rows[k]) and above:
+        for k in range(first - 1, -1, -1) if options.header is None else ():
+            # A spreadsheet fills up a title with empty cells.
+            if above and not any(rows[k][width > 2 :]):
                 break
             if any(rows[k]):
                 if len(rows[k]) < max(width - 1, 2) and width > 1:
@@ -399,11 +409,45 @@ def _header(path: Path, rows: list[list[str]], first: int, width: int, options: 
     return names, units, above[place] + 1
 
 
-def _numbers(path: Path, columns: Sequence[Sequence[str]], decimal: str | None, told: list[str]) -> Callable[[str], float | None]:
-    """How a cell becomes a number: which of point and comma is the decimal mark, and which stands between thousands."""
-    cells = [plain for cells in columns for cell in cells if NUMBER.fullmatch(plain := _plain(cell).removesuffix(_suffix(cell)).rstrip())]
+def _numbers(
+    path: Path, labels: Sequence[str], kinds: Sequence[str], cells: Sequence[Sequence[str]], said: Mapping[str, str], told: list[str]
+) -> dict[int, Callable[[str], float | None]]:
+    """How cells become numbers. Each column tells for itself: a point for decimals in one says nothing of another, in which it may
+    stand between thousands."""
+    numbers: dict[int, Callable[[str], float | None]] = {}
+    groups: dict[str, list[str]] = {}
+    for j, label in enumerate(labels):
+        if kinds[j] == "number":
+            decimal, has_marks, has_groups = _decimal(path, label, cells[j], said)
+            between = OTHER[decimal]
+            group = re.compile(rf"[+-]?[1-9]\d{{0,2}}(\{between}\d{{3}})+(\{decimal}\d*)?([eEdD][+-]?\d+)?")
+            numbers[j] = functools.partial(_number, between, group)
+            if has_marks:
+                groups.setdefault(f"decimal mark: {decimal}" + (f"; `{between}` stands between thousands" if has_groups else ""), []).append(label)
+    for words, names in groups.items():
+        if words != "decimal mark: .":
+            told.append(words + (f" in `{'`, `'.join(names)}`" if len(groups) > 1 else ""))
+    return numbers
+
+
+def _number(between: str, group: re.Pattern[str], cell: str) -> float | None:
+    plain = _plain(cell)
+    if not NUMBER.fullmatch(plain):
+        return None
+    if between in plain:
+        if not group.fullmatch(plain):
+            return None
+        plain = plain.replace(between, "")
+    value = float(plain.replace(",", ".").lower().replace("d", "e"))
+    return value if math.isfinite(value) else None
+
+
+def _decimal(path: Path, label: str, column: Sequence[str], said: Mapping[str, str]) -> tuple[str, bool, bool]:
+    """Which of point and comma is the decimal mark of a column, whether it has marks, and whether one stands between thousands."""
     seen: dict[tuple[str, str], str] = {}  # the first cell in which a mark has a role
-    for cell in cells:
+    for cell in column:
+        if not cell or cell.isdecimal() or not NUMBER.fullmatch(cell := _plain(cell).removesuffix(_suffix(cell)).rstrip()):
+            continue
         marks = re.findall("[.,]", cell)
         if len(set(marks)) == 2:
             seen.setdefault(("decimal", marks[-1]), cell)
@@ -411,45 +455,28 @@ def _numbers(path: Path, columns: Sequence[Sequence[str]], decimal: str | None, 
             role = "thousands" if len(marks) > 1 else "unclear" if GROUPED.fullmatch(cell) else "decimal"
             seen.setdefault((role, marks[0]), cell)
     evidence, thousands, unclear = ({mark: seen[role, mark] for mark in ".," if (role, mark) in seen} for role in ("decimal", "thousands", "unclear"))
-
-    def refuse(mark: str, why: str) -> NoReturn:
-        cell, other = unclear[mark], OTHER[mark]
+    doubtful = {mark: cell for mark, cell in unclear.items() if mark not in thousands and mark not in evidence}
+    if label in said:
+        decimal = said[label]
+    elif len(evidence) == 1 and not doubtful:
+        [decimal] = evidence
+    elif len(thousands) == 1 and not evidence:
+        decimal = OTHER[next(iter(thousands))]
+    elif "" in said or not seen:
+        decimal = said.get("", ".")
+    elif doubtful:
+        mark, cell = next(iter(doubtful.items()))
+        beside = "".join(f" beside `{other}`" for other in evidence.values())
         raise OrchestratorError(
-            f"{path}: `{cell}` may be {cell.replace(mark, '')} or {cell.replace(mark, '.')}{why}; say --decimal \"{mark}\" where `{mark}` is the "
-            f"decimal mark, or --decimal \"{other}\" where it stands between thousands")
-
-    if decimal is None:
-        if len(evidence) == 2:
-            raise OrchestratorError(f"{path}: `{evidence['.']}` has a decimal point and `{evidence[',']}` a decimal comma; say --decimal, or correct one")
-        if evidence:
-            [decimal] = evidence
-            if OTHER[decimal] in unclear and OTHER[decimal] not in thousands:
-                refuse(OTHER[decimal], f" beside `{evidence[decimal]}`")
-        elif len(thousands) == 1:
-            decimal = OTHER[next(iter(thousands))]
-        elif unclear:
-            refuse(next(iter(unclear)), "")
-        else:
-            decimal = "."
+            f"{path}: `{cell}` in column `{label}` may be {cell.replace(mark, '')} or {cell.replace(mark, '.')}{beside}; say --decimal \"{mark}\" where "
+            f"`{mark}` is the decimal mark, or --decimal \"{OTHER[mark]}\" where it stands between thousands; of this column alone, --decimal \"{label}={mark}\"")
+    else:
+        raise OrchestratorError(
+            f"{path}: column `{label}`: `{evidence['.']}` has a decimal point and `{evidence[',']}` a decimal comma; say --decimal \"{label}=.\" or "
+            f"--decimal \"{label}=,\", and the cells of the other kind stay as they are, or correct one")
     if decimal in thousands:
-        raise OrchestratorError(f"{path}: `{thousands[decimal]}` has several `{decimal}`, which is the decimal mark elsewhere; say --decimal")
-    between = OTHER[decimal]
-    if decimal == "," or between in thousands or between in unclear:
-        told.append(f"decimal mark: {decimal}" + (f"; `{between}` stands between thousands" if between in thousands or between in unclear else ""))
-    group = re.compile(rf"[+-]?[1-9]\d{{0,2}}(\{between}\d{{3}})+(\{decimal}\d*)?([eEdD][+-]?\d+)?")
-
-    def number(cell: str) -> float | None:
-        plain = _plain(cell)
-        if not NUMBER.fullmatch(plain):
-            return None
-        if between in plain:
-            if not group.fullmatch(plain):
-                return None
-            plain = plain.replace(between, "")
-        value = float(plain.replace(",", ".").lower().replace("d", "e"))
-        return value if math.isfinite(value) else None
-
-    return number
+        raise OrchestratorError(f"{path}: column `{label}`: `{thousands[decimal]}` has several `{decimal}`, which is its decimal mark; correct one of its cells")
+    return decimal, bool(seen), OTHER[decimal] in thousands or OTHER[decimal] in unclear
 
 
 @dataclass
@@ -483,6 +510,9 @@ def _days(one: str, mark: str, two: str, behind: str, three: str) -> Mapping[str
 
 def _moment(cell: str, form: str | None) -> Moment | None:
     if form:
+        if cell.isdecimal() and FORM_OF_FIGURES.fullmatch(form):
+            # Where leading zeros are missing, 10505 would be 10:50:05.
+            cell = cell.zfill(_width(form.replace(" ", "")))
         # The form of a date leaves the clock in a column beside it as it is.
         dated = not any(letter in form for letter in ("%H", "%I", "%M", "%S", "%X", "%c"))
         with contextlib.suppress(ValueError):
@@ -523,8 +553,7 @@ def _moment(cell: str, form: str | None) -> Moment | None:
 
 
 def _columns(
-    path: Path, names: list[str], units: list[str], kinds: Sequence[str], cells: list[list[str]], number: Callable[[str], float | None],
-    options: Options, told: list[str],
+    path: Path, names: list[str], units: list[str], kinds: list[str], cells: list[list[str]], decimal: str | None, options: Options, told: list[str]
 ) -> Columns:
     width = len(cells)
     names = [names[j] if j < len(names) and names[j] else str(j + 1) for j in range(width)]
@@ -535,8 +564,15 @@ def _columns(
         if column not in labels and column not in names:
             raise OrchestratorError(f"{path}: --unit {column}: there is no such column; it has {', '.join(labels)}")
         said[labels.index(column) if column in labels else names.index(column)] = given
+    marks = {"": options.decimal} if isinstance(options.decimal, str) else dict(options.decimal or {})
+    marks |= {} if "" in marks or decimal is None else {"": decimal}
+    for column, mark in marks.items():
+        if column and column not in labels or mark not in OTHER:
+            raise OrchestratorError(f"{path}: --decimal {column}{'=' * bool(column)}{mark}: say . or , or NAME=MARK; the columns are {', '.join(labels)}")
+    numbers = _numbers(path, labels, kinds, cells, marks, told)
     taken: set[int] = set()
-    time, start = _time(path, labels, names, kinds, cells, number, options, told, taken)
+    options = _of_figures(path, labels, said, kinds, cells, numbers, options, taken)
+    time, start = _time(path, labels, names, kinds, cells, numbers, options, told, taken)
     _refuse_signals_in_rows(path, labels, kinds, cells, time, taken)
     channels: list[tuple[str, str, Sequence[Any]]] = []
     timed = options.time or any(kinds[j] == "number" and (said[j] in OF_TIME or is_time_name(labels[j])) for j in range(width))
@@ -567,7 +603,7 @@ def _columns(
                 marks += bool(cell)
                 values.append(None)
             else:
-                value = number(cell.removesuffix(suffix).strip())
+                value = numbers[j](cell.removesuffix(suffix).strip())
                 # What is no number stays for the reader to ask.
                 values.append(cell if value is None else value)
         if marks:
@@ -597,8 +633,8 @@ def _refuse_signals_in_rows(
 
 
 def _time(
-    path: Path, labels: list[str], names: list[str], kinds: Sequence[str], cells: list[list[str]], number: Callable[[str], float | None],
-    options: Options, told: list[str], taken: set[int],
+    path: Path, labels: list[str], names: list[str], kinds: Sequence[str], cells: list[list[str]],
+    numbers: Mapping[int, Callable[[str], float | None]], options: Options, told: list[str], taken: set[int],
 ) -> tuple[list[float | None] | None, datetime.datetime | None]:
     """Seconds since the first stamp, and that, where there are stamps."""
     if options.time == "none":
@@ -619,7 +655,9 @@ def _time(
             return None, None
         days, clocks, whole = ([j for j in group if j == wanted or (group is not whole and wanted in days + clocks)] for group in (days, clocks, whole))
     if not stamps:
-        row = _calendar(path, labels, kinds, cells, number, taken)
+        row = _calendar(path, labels, kinds, cells, numbers, taken)
+        if row and "hour" not in _places(labels, kinds) and len(set(row)) < len(row):
+            raise OrchestratorError(f"{path}: its columns of year, month and day have several rows of one day and no hour; say --time none, or --time NAME of another column")
         return (None, None) if row is None else _seconds(row, ", ".join(f"`{labels[j]}`" for j in sorted(taken)), told)
     if len(whole) == 1 and not (days and clocks):
         chosen = whole
@@ -641,7 +679,7 @@ def _time(
 
     bad = next((k for k, moment in enumerate(joined) if differs(moment) and any(cells[j][k] for j in chosen)), None)
     if bad is not None:
-        raise OrchestratorError(f"{path}: `{' '.join(cells[j][bad] for j in chosen)}` of the time {name} (row {bad + 1}) is no time like the others; say --format")
+        raise OrchestratorError(f"{path}: `{' '.join(cells[j][bad] for j in chosen)}` of the time {name} (row {bad + 1}) is no time like the others; say --format, or correct the row")
     if head.days is None:
         return _of_day(joined, name, told), None
     readings: dict[str, list[int | None]] = {}
@@ -665,6 +703,11 @@ def _time(
             forms = " or ".join(f'"{FORMS[order].format(mark, year)}{rest}"' for order in readings)
             raise OrchestratorError(f"{path}: dates such as `{sample}` may have the {possible} first; say --format {forms}")
     order, row = next(iter(readings.items()))
+    again = sum(before == after is not None for before, after in pairwise(row))
+    if again and all(moment is None or moment.seconds is None for moment in joined):
+        raise OrchestratorError(
+            f"{path}: {name} holds days, and {again} rows have the day of the row before; write the clock beside it in one column, or say --time none, or "
+            "--time NAME of another column")
     seconds, start = _seconds(row, name + (f" ({order})" if order and len(readings) == 1 else ""), told)
     return seconds, start.replace(tzinfo=datetime.UTC) if head.has_zone else start
 
@@ -722,16 +765,114 @@ def _seconds(row: Sequence[int | None], name: str, told: list[str]) -> tuple[lis
     return seconds, datetime.datetime.fromordinal(zero // DAY_NS) + datetime.timedelta(microseconds=zero % DAY_NS // 1000)
 
 
-def _calendar(
-    path: Path, labels: list[str], kinds: Sequence[str], cells: list[list[str]], number: Callable[[str], float | None], taken: set[int]
-) -> list[int | None] | None:
-    """Year, month, day, hour and minute in columns."""
+def _places(labels: list[str], kinds: Sequence[str]) -> dict[str, int]:
+    """The columns that are called as parts of a calendar."""
     places = {}
     for part, words in PARTS.items():
         # Beside a month `MM`, `mm` is a minute.
         found = [j for j, label in enumerate(labels) if ("mi" if label == "mm" and "MM" in labels else label.lower()) in words.split() and kinds[j] == "number"]
         if len(found) == 1:
             places[part] = found[0]
+    return places
+
+
+def _of_figures(
+    path: Path, labels: list[str], said: list[str], kinds: list[str], cells: list[list[str]],
+    numbers: Mapping[int, Callable[[str], float | None]], options: Options, taken: set[int],
+) -> Options:
+    """Makes stamps of days and clocks that are figures alone, such as 20240131 and 93015; gives the options that are left to obey."""
+    form = FORM_OF_FIGURES.fullmatch(options.format or "")
+    if options.time == "none" or form and form[1] and form[2] and " " not in form[0]:
+        return options
+    there = [[cell for cell in column if cell.lower() not in NOTHING] for column in cells]
+    heads = [_moment(column[0], None if form else options.format) if kind == "stamp" and column else None for kind, column in zip(kinds, there, strict=True)]
+    plain = [j for j, kind in enumerate(kinds) if kind == "number" and there[j] and said[j].lower() in ("", "hhmm", "hhmmss")]
+
+    def fitting(j: int, forms: Sequence[str]) -> list[str]:
+        return [form for form in forms if all(_figures(cell, form) for cell in there[j])]
+
+    days = {j: found for j in plain if CALLED_DAY.search(labels[j]) and (found := fitting(j, [form[1]] if form and form[1] else DAYS))}
+    clocks = {j: found for j in plain if j not in days and CALLED_CLOCK.search(labels[j]) and (found := fitting(j, [form[2]] if form and form[2] else CLOCKS))}
+    timed = any(kinds[j] == "number" and j not in clocks and (said[j] in OF_TIME or not said[j] and is_time_name(labels[j]))
+                and _rises([numbers[j](cell) for cell in there[j]]) for j in range(len(labels)))
+    parts = _places(labels, kinds)
+    has_parts = {"year", "month", "day"} <= parts.keys() and "hour" not in parts
+    known_days = [head for head in heads if head and head.days]
+    if timed or len(days) > 1 or any(head.seconds is not None for head in known_days):
+        return options
+    clocks = {j: found for j, found in clocks.items() if options.time not in labels or options.time == labels[j] or labels.index(options.time) in days} if options.time else clocks
+    if len(clocks) + sum(head is not None and not head.days for head in heads) > 1:
+        several = "` or `".join(labels[j] for j, head in enumerate(heads) if j in clocks or head and not head.days)
+        raise OrchestratorError(f"{path}: the clock may be `{several}`; say --time NAME")
+
+    def become(j: int, form: str) -> None:
+        cells[j], kinds[j] = [_figures(cell, form) or cell for cell in cells[j]], "stamp"
+
+    for j, found in days.items():
+        rising = [form for form in found if _rises([_figures(cell, form) for cell in there[j]])]
+        days[j] = found = rising if len(rising) == 1 else found
+        if len(found) > 1:
+            raise OrchestratorError(f"{path}: dates such as `{there[j][0]}` in column `{labels[j]}` have several readings; say --format \"" + '" or "'.join(found) + '"')
+    for j, found in clocks.items():
+        has_day = bool(days or known_days or has_parts)
+        # What all rows have of leading zeros, or the name, tells how much there is.
+        is_padded = len({len(cell) for cell in there[j]}) == 1 and any(cell[0] == "0" for cell in there[j])
+        named = re.sub("[^hms]", "", (said[j] or labels[j]).lower())
+        told = [one for one in found if one == (form and form[2]) or named.endswith("hhmmss"[: len(one)]) or is_padded and len(there[j][0]) == len(one)]
+        values = [numbers[j](cell) or 0.0 for cell in there[j]]
+        # Numbers of seconds would seldom all be clocks that pass a minute: late in the day, for long, or in steps that are regular only so.
+        is_like = len({value // 100 for value in values}) > 1 and (
+            min(values) >= 10_000 or max(values) >= 10_000 and (len(values) > 9 or not _rises(values)) or _is_regular(values))
+        if not told and (len(found) > 1 if has_day else is_like):
+            before = next((f"{day[0]} " for day in days.values()), "")
+            forms = '" or "'.join(before + one for one in found)
+            raise OrchestratorError(
+                f"{path}: column `{labels[j]}`: `{there[j][0]}` may be a clock, or a number of seconds; say --format \"{forms}\", or --unit \"{labels[j]}=s\"")
+        if told or has_day:
+            become(j, (told or found)[0])
+            heads[j] = _moment(_figures(there[j][0], found[0]) or "", None)
+    for j, found in days.items():
+        become(j, found[0])
+    if has_parts and any(head and not head.days for head in heads):
+        dates = [[numbers[parts[part]](cell) for cell in cells[parts[part]]] for part in ("year", "month", "day")]
+        cells[parts["day"]] = ["-".join(f"{value:02.0f}" for value in row) if None not in row else "" for row in zip(*dates, strict=True)]
+        kinds[parts["day"]] = "stamp"
+        taken.update((parts["year"], parts["month"]))
+    return dataclasses.replace(options, format=None if form and (days or clocks) else options.format)
+
+
+def _width(form: str) -> int:
+    return sum({"Y": 4, "j": 3}.get(letter, 2) for letter in form[1::2])
+
+
+def _figures(cell: str, form: str) -> str | None:
+    """A day or a clock that is written in figures alone, of which leading zeros may be missing, as a stamp."""
+    head, *part = re.split("[.,]", cell)
+    width = _width(form)
+    if not head.isdecimal() or len(head) > width or len(part) > (form == "%H%M%S"):
+        return None
+    if form in CLOCKS:
+        hours, minutes, seconds = (int(head.zfill(width).ljust(6, "0")[k : k + 2]) for k in (0, 2, 4))
+        return f"{hours}:{minutes:02}:{seconds:02}" + "".join(f".{figures}" for figures in part if figures) if hours <= 24 and minutes < 60 and seconds < 60 else None
+    with contextlib.suppress(ValueError):
+        at = datetime.datetime.strptime(head.zfill(width), form)
+        if len(head) >= width - 1 and 1900 <= at.year < 2100:
+            return at.isoformat(" ") if "%H" in form else at.date().isoformat()
+    return None
+
+
+def _is_regular(values: Sequence[float]) -> bool:
+    """Whether clocks of figures have one step where seconds would have several."""
+    clocks = [value // 10_000 * 3600 + value // 100 % 100 * 60 + value % 100 for value in values]
+    steps = [{round(after - before, 6) for before, after in pairwise(row)} for row in (values, clocks)]
+    return len(values) > 4 and len(steps[0]) > 1 == len(steps[1])
+
+
+def _calendar(
+    path: Path, labels: list[str], kinds: Sequence[str], cells: list[list[str]], numbers: Mapping[int, Callable[[str], float | None]], taken: set[int]
+) -> list[int | None] | None:
+    """Year, month, day, hour and minute in columns."""
+    places = _places(labels, kinds)
     if not {"year", "month", "day"} <= places.keys():
         return None
 
@@ -746,7 +887,7 @@ def _calendar(
         refuse("minute", "stands beside a largest or a mean value")
     row: list[int | None] = []
     for k in range(len(cells[0])):
-        values = {part: number(cells[j][k]) for part, j in places.items()}
+        values = {part: numbers[j](cells[j][k]) for part, j in places.items()}
         if any(value is None for value in values.values()):
             row.append(None)
             continue
@@ -797,4 +938,31 @@ def _labview(path: Path, lines: Sequence[str], options: Options) -> Columns:
         columns.time = [round(float(*begins) + k * float(*steps), 12) for k in range(len(body))]
     if columns.time:
         columns.told.append(f"time: by LabVIEW's header, {columns.time[0]} .. {columns.time[-1]} s")
+    return columns
+
+
+def _seabird(path: Path, lines: Sequence[str], options: Options) -> Columns:
+    """Sea-Bird's files name their columns above `*END*`; without blanks between them, each has eleven letters."""
+    end = next((k for k, line in enumerate(lines) if line.startswith("*END*")), len(lines))
+    known = dict(pair for line in lines[:end] if len(pair := line.removeprefix("# ").rstrip().split(" = ", 1)) == 2)
+    if known.get("file_type") == "binary":
+        raise OrchestratorError(f"{path}: its values are binary; save it as ASCII, as SBE Data Processing does")
+    names, units = [], []
+    for name in (known[f"name {k}"] for k in range(len(known)) if f"name {k}" in known):
+        found = re.search(r"\[(?:.*, )?([^]]+)\]", name)
+        names.append(name.partition(":")[0])
+        units.append(f"[{found[1]}]" if found else "")
+    rows = [line.split() for line in lines[end + 1 :]]
+    wide = [[line[k : k + 11].strip() for k in range(0, 11 * len(names), 11)] if len(line.rstrip()) == 11 * len(names) else [] for line in lines[end + 1 :]]
+    rows = [cut if len(row) != len(names) == len(cut) else row for row, cut in zip(rows, wide, strict=True)]
+    bad, gaps = known.get("bad_flag"), 0
+    for row in rows:
+        for j, cell in enumerate(row):
+            if bad and cell == bad:
+                row[j], gaps = "", gaps + 1
+    columns = table(path, [names, units, *rows], dataclasses.replace(options, header=1), ".")
+    if gaps:
+        columns.told.append(f"{gaps} cells are `{bad}`, the header's mark of bad values, and became empty")
+    if columns.time is None and (interval := known.get("interval", "")).startswith("seconds"):
+        columns.told.append(f"the header says that rows are {interval.partition(':')[2].strip()} s apart")
     return columns

@@ -6,6 +6,7 @@ import datetime
 import multiprocessing
 import os
 import random
+import re
 import shutil
 import signal
 import subprocess
@@ -181,6 +182,14 @@ def test_series_of_one_length_belong_together():
     contents = _by_length(items, Contents())
     assert [[channel[0] for channel in group.channels] for group in contents.groups] == [["a"], ["b/x", "b/y/1", "b/y/2"]]
     assert contents.left_out == ["c"]
+
+
+def test_what_a_library_logs_is_a_note(tmp_path, capsys):
+    path = tmp_path / "m.tdms"
+    _tdms(path)
+    path.write_bytes(path.read_bytes()[:-20])
+    convert(path, tmp_path / "out")
+    assert re.fullmatch("note: its library says: .*Last segment of file has less data than expected.*\n", capsys.readouterr().err)
 
 
 @pytest.mark.parametrize(("ending", "library"), [("mf4", "asammdf"), ("tdms", "nptdms"), ("h5", "h5py"), ("xlsx", "openpyxl")])
@@ -361,7 +370,7 @@ def test_sheets_keep_their_offsets_and_texts_their_doubt(tmp_path):
     for row in (["t [s]", "F"], [0, 1.25], [1, "1.234"], [2, 1500.5]):
         book.active.append(row)
     book.save(tmp_path / "n.xlsx")
-    with pytest.raises(OrchestratorError, match="`1.234` may be 1234 or 1.234"):
+    with pytest.raises(OrchestratorError, match="`1.234` in column `F` may be 1234 or 1.234"):
         convert_here(tmp_path / "n.xlsx", tmp_path / "out")
     [path] = convert_here(tmp_path / "n.xlsx", tmp_path / "out", options=Options(decimal=","))
     assert path.read_text().splitlines()[1:] == ["0.0,1.25", "1.0,1234.0", "2.0,1500.5"]

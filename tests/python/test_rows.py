@@ -75,6 +75,48 @@ def test_date_and_time_in_several_columns_join(tmp_path):
     assert table == [[0.0, 1.5], [1800.0, 2.5]]
 
 
+@pytest.mark.parametrize(("lines", "seconds", "said"), [
+    (["Date;Time;T", "20240131;93015;1", "20240131;93045;2", "20240203;100015;3"], [0, 30, 261000], {}),
+    (["Date;Time;T", "20240131;0935;1", "20240203;1000;2"], [0, 260700], {}),
+    (["Date;HHMM;T", "20240131;935;1", "20240203;1000;2"], [0, 260700], {}),
+    (["Date;Time;T", "20240131;93015.25;1", "20240131;93016.75;2"], [0, 1.5], {}),
+    (["Date;Time;T", "2024-01-31;93015;1", "2024-02-03;93045;2"], [0, 259230], {}),
+    (["Date;Time;T", "20240131;09:30:15;1", "20240203;09:30:45;2"], [0, 259230], {}),
+    (["Date;Time;T", "240131;93015;1", "240201;94500;2"], [0, 87285], {}),
+    (["Date;Time;T", "1/14/20;12:30a;1", "1/14/20;1:00a;2"], [0, 1800], {}),
+    (["Year;Month;Day;Time;T", "2024;1;31;09:30:15;1", "2024;2;3;09:30:45;2"], [0, 259230], {}),
+    (["Year;Month;Day;Time;T", "2024;1;31;93015;1", "2024;2;3;93045;2"], [0, 259230], {}),
+    (["Date;T", "20240131;1", "20240201;2"], [0, 86400], {}),
+    (["MESS_DATUM;T", "2024013123;1", "2024020100;2"], [0, 3600], {}),
+    # Without its leading zero: 1:05:05, not 10:50:05.
+    (["a;b;T", "10505;1;1.5", "101010;2;2.5"], [0, 32705], {"format": "%H%M%S", "time": "a"}),
+])
+def test_days_and_clocks_of_figures_alone(tmp_path, lines, seconds, said):
+    header, table = converted(tmp_path, rows(*lines), **said)
+    assert header[0] == "time [s]" and header[-1] == "T" and [row[0] for row in table] == seconds
+    # Elapsed seconds beside a day stay what they are.
+    assert converted(tmp_path, rows("Date,t [s],T", "20240131,0,1", "20240131,1,3"))[0] == ["Date", "t [s]", "T"]
+    assert converted(tmp_path, rows("Date,Time,T", "20240131,75.5,1", "20240131,99,3"))[0] == ["Date", "Time", "T"]
+
+
+def test_marks_of_each_column_are_told(tmp_path, capsys):
+    assert converted(tmp_path, rows("a;b;c", "0.5;0,25;1.234.567", "1.5;1234,5;2.345"))[1] == [[0.5, 0.25, 1234567.0], [1.5, 1234.5, 2345.0]]
+    told = capsys.readouterr().out
+    assert "decimal mark: , in `b`" in told and "decimal mark: ,; `.` stands between thousands in `c`" in told
+    with pytest.raises(OrchestratorError, match="--decimal x=.: say . or , or NAME=MARK; the columns are a"):
+        converted(tmp_path, rows("a", "0.5", "1.5"), decimal={"x": "."})
+
+
+def test_sea_bird(tmp_path, capsys):
+    head = ["* Sea-Bird SBE 9 Data File:", "# nquan = 3", "# name 0 = timeS: Time, Elapsed [seconds]", "# name 1 = t090C: Temperature [ITS-90, deg C]",
+            "# name 2 = flag: flag", *(f"# span {k} =      0.082,     24.362" for k in range(3)), "# interval = seconds: 0.25", "# bad_flag = -9.990e-29", "*END*"]
+    header, table = converted(tmp_path, rows(*head, "      0.083    13.5596 0.0000e+00", "      0.333-1.0255e+01 -9.990e-29"), name="m.cnv")
+    assert header == ["timeS [s]", "t090C [degC]", "flag"] and table == [[0.083, 13.5596, 0.0], [0.333, -10.255, ""]]
+    assert "1 cells are `-9.990e-29`, the header's mark of bad values" in capsys.readouterr().out
+    with pytest.raises(OrchestratorError, match="binary; save it as ASCII"):
+        converted(tmp_path, rows(head[0], head[2], "# file_type = binary", "*END*", "abc"), name="m.cnv")
+
+
 def test_headers_of_loggers(tmp_path):
     toa5 = rows('"TOA5","st","CR1000","1","x","p","2","Table"', '"TIMESTAMP","RECORD","T_Avg"', '"TS","RN","Deg C"', '"","","Avg"',
                 '"2026-11-03 13:15:00",1,20.5', '"2026-11-03 13:16:00",2,21.5')
@@ -84,6 +126,7 @@ def test_headers_of_loggers(tmp_path):
     assert header == ["Zeit [s]", "T_oel [degC]", "T_wasser [degC]"]
     # What is no number stays for the program to ask.
     assert table == [[0.0, 80.5, "OVR"], [1.0, 81.5, 90.25]]
+    assert converted(tmp_path, rows("Rig 7;;", "t [s];F;n", "0;1,5;2", "1;2,5;3"))[0] == ["t [s]", "F", "n"]
     assert converted(tmp_path, rows("sep=;", "t [s];n [min⁻¹]", "0;1500", "1;1501"))[0] == ["t [s]", "n [1/min]"]
     tabs = rows("time\tT [degC]\tState", "2026-11-22 10:00:00\t20.0\ton", "2026-11-22 10:00:01\t20.1\ton")
     assert converted(tmp_path, tabs) == (["time [s]", "T [degC]"], [[0.0, 20.0], [1.0, 20.1]])
@@ -107,6 +150,8 @@ def test_what_other_peoples_loggers_wrote(tmp_path):
                 *(f"2019 {at}  {height} 8 7 1.5 10 11" for at, height in (("04 02 13 40", "MM"), ("04 02 13 50", "1.5"), ("05 02 13 50", "MM"))))
     header, table = converted(tmp_path, buoy)
     assert header[:3] == ["time [s]", "WVHT [m]", "DPD [s]"] and [row[:2] for row in table] == [[0.0, "MM"], [600.0, 1.5], [600.0 + 30 * 86400, "MM"]]
+    # Decimal commas with blanks between.
+    assert converted(tmp_path, rows("Time [s]  F  n", "0,000  1,5 3", "0,100  2,5 4"))[1] == [[0.0, 1.5, 3.0], [0.1, 2.5, 4.0]]
     # Units in brackets below the names, blanks between; rows of marks alone.
     assert converted(tmp_path, rows("Time  F  n", "(s) (kN) (rpm)", "0.0 1.5 3", "0.1 2.5 4"))[0] == ["Time [s]", "F [kN]", "n [rpm]"]
     assert converted(tmp_path, rows("F [N]", "1.5", "n/a", "2.5", "n/a"))[1] == [[1.5], [""], [2.5], [""]]
@@ -133,6 +178,21 @@ def test_thousands_and_signs(tmp_path):
 @pytest.mark.parametrize(("lines", "words", "said"), [
     (["t [s];P", "0;1.500", "1;2.500"], ['--decimal "."', '--decimal ","'], {"decimal": "."}),
     (["Zeit [ms];P", "0;980", "300;1.001", "10000;999"], ["1001 or 1.001", '--decimal "."'], {"decimal": ","}),
+    # What a mark is in one column says nothing of another one.
+    (["a;b", "0.5;1.234", "1.5;2.345"], ["`1.234` in column `b` may be 1234 or 1.234", '--decimal "."', '--decimal ","', '--decimal "b=."'], {"decimal": {"b": ","}}),
+    (["a\tb", "0,5\t1.234", "1,5\t2.345"], ["`1.234` in column `b`"], {"decimal": "."}),
+    (["a;b", "4.300,25;1.234", "1.301,25;2.345"], ["`1.234` in column `b`"], {"decimal": ","}),
+    (["a;b", "0.5;1", "0,5;2"], ["`0.5` has a decimal point and `0,5` a decimal comma", '--decimal "a=."'], {"decimal": {"a": "."}}),
+    (["a;b", "1.234.567;3", "0.5;4"], ["`1.234.567` has several `.`, which is its decimal mark"], None),
+    # Days and clocks of figures alone.
+    (["Date;Time;T", "20240131;935;1", "20240203;945;2"], ["`935` may be a clock", '--format "%Y%m%d %H%M" or "%Y%m%d %H%M%S"', '--unit "Time=s"'], {"format": "%Y%m%d %H%M"}),
+    (["Date;Time;T", "20240131;935;1", "20240203;945;2"], ['--unit "Time=s"'], {"units": {"Time": "s"}}),
+    (["Date;Time;T", "240131;93015;1", "240128;94500;2", "240201;94500;2"], ['"%y%m%d" or "%d%m%y"'], {"format": "%y%m%d"}),
+    (["Time;T", "93015;1", "93115;2"], ["`93015` may be a clock", '--format "%H%M%S"'], {"format": "%H%M%S"}),
+    (["Time;T", "0;1", "15;2", "30;3", "45;4", "100;3", "115;3"], ['--format "%H%M"'], {"format": "%H%M"}),
+    (["Date;Start;End Time;T", "20240131;93015;94015;1", "20240131;93115;94115;1"], ["the clock may be `Start` or `End Time`"], {"time": "Start"}),
+    (["Date;HH;MM;SS;T", "20240131;9;30;15;1.5", "20240131;9;31;15;1.5"], ["1 rows have the day of the row before", "--time none"], {"time": "none"}),
+    (["Year,Month,Day,Time,T", "2024,1,30,7.5,1.5", "2024,1,30,75.5,1.5"], ["several rows of one day", "--time NAME"], {"time": "Time"}),
     (["t [s],P", "0,980", '1500,"1,050"'], ["1050 or 1.050"], {"decimal": "."}),
     (["Year,Month,Day,Max,Min", "2026,11,1,12,3", "2026,11,2,13,4"], ["`Min` is called as the minute", "--time none"], {"time": "none"}),
     (["Year,Month,Day,Hour,Min,Max", "2026,11,1,12,3,4", "2026,11,2,13,4,5"], ["`Min` is called as the minute"], {"time": "none"}),
@@ -188,9 +248,10 @@ def test_a_clock_that_falls_and_short_rows_are_told(tmp_path, capsys):
     told = capsys.readouterr().out
     assert "-43199 .. 0 s; it falls 1 times" in told and "1 rows have fewer than 3 cells, line 3 first" in told
     # Cells of remarks that separate better than those of the recording.
-    remarks = [*(f"# span {k} = {k}.5, {k}.75" for k in range(4)), "# interval = 5", *(f"  {k}.5   {k}.25  {k}.75" for k in range(9))]
+    remarks = [*(f"span {k} = {k}.5, {k}.75" for k in range(4)), "interval = 5", *(f"  {k}.5   {k}.25  {k}.75" for k in range(9))]
     with pytest.raises(OrchestratorError, match="9 lines below line 1 .* are no rows like it, line 5 first"):
-        converted(tmp_path, rows(*remarks), header=0)
+        converted(tmp_path, rows(*remarks), header=0, delimiter=",")
+    assert len(converted(tmp_path, rows(*remarks), header=0)[1]) == 9
     # A column of states beside a time that comes again is none of signals' names; `T` is no time; frames are no parts of a second.
     steps = rows("time [s],T,State", "0,1.5,R", "1,2.5,R", "1,2.6,C", "2,2.5,C", "3,2.5,C")
     assert len(converted(tmp_path, steps)[1]) == 5

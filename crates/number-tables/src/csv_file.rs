@@ -3,7 +3,6 @@
 
 use std::{
     borrow::Cow,
-    cell::{Cell, RefCell},
     fs::File,
     io::{self, BufRead, BufReader, Read, Seek, Take},
     iter::Peekable,
@@ -28,60 +27,47 @@ const MOST_ROW_BYTES: u64 = MOST_ROW << 20;
 pub struct CsvFile {
     path: PathBuf,
     reader: csv::Reader<Take<File>>,
-    decimals: Decimals,
-}
-
-/// The numbers of a file.
-#[derive(Debug)]
-pub(crate) struct Decimals {
     separator: u8,
-    marks: [Mark; 2],
+    /// Of each column; where commas separate cells, a point is the decimal mark.
+    marks: Vec<Marks>,
 }
 
-/// A point or comma in numbers.
-#[derive(Debug)]
-struct Mark {
-    sign: char,
-    /// Whether a cell shows that it is the decimal mark.
-    is_decimal: Cell<bool>,
-    /// The first cell in which it may also stand between thousands.
-    unclear: RefCell<Option<String>>,
+/// What a column's cells tell of point and comma in its numbers: the first cell in which each is the decimal mark, and in which it
+/// may also stand between thousands, with their lines. A point for decimals in one column says nothing of another one.
+#[derive(Clone, Debug, Default)]
+struct Marks {
+    decimal: [Option<(u64, String)>; 2],
+    unclear: [Option<(u64, String)>; 2],
 }
 
-impl Decimals {
-    /// Those of a file with this separator between cells.
-    pub fn new(separator: u8) -> Self {
-        let mark = |sign, is_decimal| Mark { sign, is_decimal: Cell::new(is_decimal), unclear: RefCell::default() };
-        Self { separator, marks: [mark('.', separator == b','), mark(',', false)] }
-    }
-
-    /// The number in a cell.
-    pub fn number(&self, cell: &str) -> Option<f64> {
-        let number = number(self.separator, cell)?;
-        if let Some(mark) = self.marks.iter().find(|mark| has_thousands(cell, mark.sign)) {
-            mark.unclear.borrow_mut().get_or_insert_with(|| cell.to_owned());
-        }
-        Some(number)
-    }
-
-    /// Looks at a cell, whether or not anybody asks for its number.
-    fn see(&self, cell: &str) {
-        let mark = self.marks.iter().find(|mark| cell.contains(mark.sign));
-        if let Some(mark) = mark.filter(|mark| !mark.is_decimal.get() && !has_thousands(cell, mark.sign)) {
-            mark.is_decimal.set(number(self.separator, cell).is_some());
+impl Marks {
+    fn see(&mut self, separator: u8, line: u64, cell: &str) {
+        let Some(mark) = MARKS.iter().position(|&mark| cell.contains(mark)) else { return };
+        if self.decimal[mark].is_none() && number(separator, cell).is_some() {
+            let is_unclear = has_thousands(cell, MARKS[mark]);
+            let seen = if is_unclear { &mut self.unclear[mark] } else { &mut self.decimal[mark] };
+            seen.get_or_insert_with(|| (line, cell.to_owned()));
         }
     }
 
-    /// A cell whose mark may be the decimal one or stand between thousands, where none of the rows so far tells. Whole numbers
-    /// tell nothing: a logger groups some columns and counts in others.
-    fn unclear(&self) -> Option<String> {
-        let [point, comma] = &self.marks;
-        let is_clear = |mark: &Mark, other: &Mark| mark.is_decimal.get() && !other.is_decimal.get();
-        [(point, comma), (comma, point)]
-            .into_iter()
-            .find_map(|(mark, other)| mark.unclear.borrow().clone().filter(|_| !is_clear(mark, other)))
+    /// What has two readings, with its line. Whole numbers tell nothing: some loggers group from five figures on.
+    fn unclear(&self) -> Option<(u64, String)> {
+        let may_be = |mark: usize| {
+            let (line, cell) = self.unclear[mark].as_ref()?;
+            let is_clear = self.decimal[mark].is_some() && self.decimal[1 - mark].is_none();
+            let (without, with) = (cell.replace(MARKS, ""), cell.replace(',', "."));
+            (!is_clear).then(|| (*line, format!("`{cell}` may be {without} or {with}")))
+        };
+        may_be(0).or_else(|| may_be(1)).or_else(|| match &self.decimal {
+            [Some((_, point)), Some((line, comma))] => {
+                Some((*line, format!("`{comma}` has a decimal comma and `{point}` a decimal point")))
+            }
+            _ => None,
+        })
     }
 }
+
+const MARKS: [char; 2] = ['.', ','];
 
 impl CsvFile {
     /// Opens a file; lines that begin with `comment` are left out.
@@ -107,7 +93,8 @@ impl CsvFile {
         Ok(Self {
             path: path.to_owned(),
             reader: builder.delimiter(separator).from_reader(file),
-            decimals: Decimals::new(separator),
+            separator,
+            marks: Vec::new(),
         })
     }
 
@@ -136,7 +123,11 @@ impl CsvFile {
         let more =
             self.reader.read_record(row).map_err(|error| FileError::new(&self.path, reason(&self.path, &error)))?;
         self.check_row()?;
-        row.iter().for_each(|cell| self.decimals.see(cell));
+        if self.separator != b',' {
+            self.marks.resize(row.len().max(self.marks.len()), Marks::default());
+            let line = row.position().map_or(0, csv::Position::line);
+            self.marks.iter_mut().zip(row.iter()).for_each(|(marks, cell)| marks.see(self.separator, line, cell));
+        }
         Ok(more)
     }
 
@@ -152,11 +143,6 @@ impl CsvFile {
                 self.reader.position().line()
             ),
         ))
-    }
-
-    /// The number in a cell of this file.
-    pub fn number(&self, cell: &str) -> Option<f64> {
-        self.decimals.number(cell)
     }
 }
 
@@ -216,15 +202,15 @@ impl Rows for CsvRows {
     }
 
     fn number(&self, place: usize) -> Option<f64> {
-        self.file.number(&self.text(place))
+        number(self.file.separator, &self.text(place))
     }
 
     fn whole(&self, place: usize) -> Option<u64> {
         self.text(place).parse().ok()
     }
 
-    fn unclear(&self) -> Option<String> {
-        self.file.decimals.unclear()
+    fn unclear(&self, place: usize) -> Option<(u64, String)> {
+        self.file.marks.get(place)?.unclear()
     }
 
     fn skipped(&self) -> &[usize] {

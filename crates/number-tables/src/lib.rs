@@ -109,12 +109,13 @@ pub fn convert(path: &Path) -> String {
     format!("`python -m fmu_orchestrator convert \"{}\"` makes a plain table of it", path.display())
 }
 
-/// Refuses numbers that have two readings.
-fn check_marks(path: &Path, rows: &dyn Rows) -> Result<(), FileError> {
-    let Some(cell) = rows.unclear() else { return Ok(()) };
-    let (without, convert) = (cell.replace(['.', ','], ""), convert(path));
-    let message = format!("`{cell}` may be {without} or {}; {convert} and asks for --decimal", cell.replace(',', "."));
-    Err(FileError::new(path, message))
+/// Refuses columns with numbers that have two readings.
+fn check_marks(path: &Path, rows: &dyn Rows, mut places: impl Iterator<Item = usize>) -> Result<(), FileError> {
+    let Some((name, (line, why))) = places.find_map(|place| Some((&rows.names()[place], rows.unclear(place)?))) else {
+        return Ok(());
+    };
+    let message = format!("column `{}`: {why}; {} and asks for --decimal", shown(name), convert(path));
+    Err(FileError::new(path, message).at(line))
 }
 
 fn twice(path: &Path, what: &str) -> FileError {
@@ -204,7 +205,7 @@ impl Table {
         if reading.table.rows.is_empty() {
             return Err(empty(path));
         }
-        check_marks(path, &*rows)?;
+        check_marks(path, &*rows, reading.places.iter().copied())?;
         Ok(reading.table)
     }
 

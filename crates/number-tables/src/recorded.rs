@@ -106,7 +106,7 @@ impl RecordedTable {
             }
             table.rows += 1;
         }
-        crate::check_marks(path, &*rows)?;
+        crate::check_marks(path, &*rows, 0..table.columns.len())?;
         if let [first, ..] = rows.skipped() {
             table.skipped = Some((rows.skipped().len(), *first));
         }
@@ -185,6 +185,15 @@ impl RecordedTable {
                 )))
             }
         }
+    }
+
+    /// Whether a column has days in figures, such as 20261103.
+    pub fn has_days(&self) -> bool {
+        let is_day = |value: &f64| {
+            let (month, day) = ((value / 100.0).floor() % 100.0, value % 100.0);
+            (19e6..21e6).contains(value) && (1.0..=12.0).contains(&month) && (1.0..=31.0).contains(&day)
+        };
+        self.columns.iter().any(|column| column.values.iter().all(|value| is_day(value) && value.fract() == 0.0))
     }
 
     /// How many columns there are.
@@ -364,10 +373,16 @@ mod tests {
             "t;F\n0;1.500\n1;1500\n",
             "t;F\n0,5;980\n1,5;1.001\n",
             "t\tF\n0.5\t980\n1.5\t1,001\n",
-            "t;F\n0;0.5\n1;0,5\n2;1.500\n",
+            // What a mark is in another column says nothing.
+            "t;F\n0.5;1.234\n1.5;2.345\n",
+            "t;F\n0,0;1,500\n1,5;2,250\n",
+            "t\tF\n0.5\t1.500\n1.5\t1500\n",
         ] {
             let error = read(text.as_bytes()).unwrap_err().to_string();
-            assert!(error.contains(" may be ") && error.contains("convert"), "{error}");
+            assert!(
+                error.contains(": column `F`: `") && error.contains(" may be ") && error.contains("convert"),
+                "{error}"
+            );
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("m.csv");
             std::fs::write(&path, text).unwrap();
@@ -376,12 +391,19 @@ mod tests {
         }
         for (text, first) in [
             ("t;F\n0;1.500\n1;0.25\n", 1.5),
-            ("t;F\n0,0;1,500\n1,5;2,250\n", 1.5),
-            ("t\tF\n0.5\t1.500\n1.5\t1500\n", 1.5),
+            ("t;F\n0,5;1.500\n1,5;0.250\n", 1.5),
+            ("t;F\n0;1,500\n1;1500,25\n", 1.5),
             ("t,F\n0,1.500\n1,2.250\n", 1.5),
         ] {
             assert_eq!(read(text.as_bytes()).unwrap().get("F").unwrap().values[0], first, "{text}");
         }
+        let error = read(b"t;F\n0;0.5\n1;0,25\n2;1.500\n").unwrap_err().to_string();
+        assert!(error.contains("m.csv:3: column `F`: `0,25` has a decimal comma and `0.5` a decimal point"), "{error}");
+        // A table of points is not asked about columns that nobody reads.
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.csv");
+        std::fs::write(&path, "t;F\n0;1.500\n1;2.500\n").unwrap();
+        assert!(crate::Table::read(&path, &[crate::column("t", "")]).is_ok());
     }
 
     #[test]

@@ -21,8 +21,8 @@ pub trait Rows {
     /// A cell of this row as a count.
     fn whole(&self, place: usize) -> Option<u64>;
 
-    /// A number that has two readings, where the rows so far do not tell which is right.
-    fn unclear(&self) -> Option<String> {
+    /// What has two readings in a column, where the rows so far do not tell which is right, and its line.
+    fn unclear(&self, _place: usize) -> Option<(u64, String)> {
         None
     }
 
