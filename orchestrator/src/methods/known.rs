@@ -92,7 +92,7 @@ impl Finished<'_> {
     /// The names of study and folder, as seen from here; those of files elsewhere are whole. Of a table that was judged the study's
     /// name is known alone.
     pub fn names(&self) -> Names {
-        let here = absolute(Path::new(""));
+        let here = std::env::current_dir().unwrap_or_default();
         let shown = |path: &Path| {
             let text = path.strip_prefix(&here).unwrap_or(path).display().to_string();
             match text {

@@ -147,6 +147,11 @@ fn found(documents: &[Document], summary: &Summary) -> Option<String> {
                     .collect::<Vec<_>>()
                     .join("; "),
                 "tolerances" => sentences.next_back()?.to_owned(),
+                "identification" => {
+                    let all: Vec<&str> = sentences.collect();
+                    let cause = all.iter().find(|said| said.contains("ikeliest cause"));
+                    (*cause.or(all.first())?).to_owned()
+                }
                 _ => sentences.next()?.to_owned(),
             };
             Some(format!("{} ({})", document.link, said.trim_end_matches('.')))
@@ -156,7 +161,8 @@ fn found(documents: &[Document], summary: &Summary) -> Option<String> {
 }
 
 /// Where to read which parameter decides.
-const SENSITIVE: &str = "`orchestrator sensitivity {study} --from {folder}` tells which parameter decides the verdict, without a further run.";
+const SENSITIVE: &str =
+    "`orchestrator sensitivity {study} --from {folder}` tells which parameter decides, without a further run.";
 
 fn required(summary: &Summary) -> Option<&Requirement> {
     summary.conclusion.as_ref()?.required.as_ref()

@@ -6,7 +6,7 @@ use calibration::{
     fit::Fit,
     local::End,
     next::Group,
-    outcome::IdentificationOutcome,
+    outcome::{FreeOutcome, IdentificationOutcome},
     problem::{Free, NoPrediction, Prior, Problem, Query, SharedKind, Simulate, Spacing},
     remembered::Remembered,
     rounds::{Searched, Task},
@@ -381,13 +381,14 @@ fn strained(outcome: &IdentificationOutcome) -> Option<String> {
         cost: [outcome.cost; 2],
         probability: None,
     };
-    let far = outcome.shared.iter().filter(|error| error.value.abs() * error.coverage > FAR * error.limit);
-    let sensors = far.map(|error| {
+    let far = || outcome.shared.iter().filter(|error| error.value.abs() * error.coverage > FAR * error.limit);
+    let sensors = far().map(|error| {
         let fault = if error.kind == SharedKind::Gain { Fault::Gain } else { Fault::Offset };
         sentence(&suspect(fault, &error.name, error.value, &error.unit, [-error.limit, error.limit]))
     });
     // A study's distribution is its drawing. Of what the data tell nothing, the value is that of the prior.
-    let parameters = outcome.free.iter().filter(|free| free.strain().abs() > FAR).filter_map(|free| {
+    let off = || outcome.free.iter().filter(|free| free.strain().abs() > FAR);
+    let parameters = off().filter_map(|free| {
         let Prior { centre, spread } = free.prior?;
         let allowed = match free.scale {
             Spacing::Linear => [centre - 2.0 * spread, centre + 2.0 * spread],
@@ -397,8 +398,12 @@ fn strained(outcome: &IdentificationOutcome) -> Option<String> {
         Some(format!("{told} ({} standard deviations from {})", number(free.strain().abs(), 2), number(centre, 4)))
     });
     let all: Vec<String> = sensors.chain(parameters).collect();
+    // Without what the strain itself adds, the rest may be as of a right model.
+    let of_sensors = far().map(|error| error.value * error.coverage / error.limit);
+    let strain: f64 = of_sensors.chain(off().map(FreeOutcome::strain)).map(|strain| strain * strain).sum();
+    let freedom = outcome.degrees_of_freedom as f64;
     let fits = match outcome.fit() {
-        Fit::Misses => {
+        Fit::Misses if outcome.cost - strain > freedom + FAR * (2.0 * freedom).sqrt() => {
             "Even with that the model misses: something else is missing in it, or in the stated uncertainties"
         }
         _ => "The model fits only with that",
