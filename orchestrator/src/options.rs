@@ -2,7 +2,7 @@
 
 use std::{
     num::NonZeroUsize,
-    path::{Path, PathBuf},
+    path::{Component, Path, PathBuf},
     thread::available_parallelism,
     time::Duration,
 };
@@ -223,6 +223,27 @@ impl Work {
 /// Where a study's results lie unless the user says otherwise.
 pub fn folder_of(study: &Path) -> PathBuf {
     Path::new("results").join(study.file_stem().unwrap_or("study".as_ref()))
+}
+
+/// A file's path as seen from the folder of the study, or from here where the study goes to standard output.
+pub fn relative(file: &Path, study: Option<&Path>) -> PathBuf {
+    let folder = |path: &Path| {
+        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+        parent.unwrap_or(Path::new(".")).canonicalize()
+    };
+    let from = folder(study.unwrap_or(Path::new("study.toml")));
+    let (Ok(from), Ok(to), Some(name)) = (from, folder(file), file.file_name()) else {
+        return file.to_owned();
+    };
+    let common = from.components().zip(to.components());
+    let common = common.take_while(|(a, b)| a == b).count();
+    if common == 0 {
+        // Another drive.
+        return to.join(name);
+    }
+    let up = from.components().skip(common).map(|_| Component::ParentDir);
+    let path: PathBuf = up.chain(to.components().skip(common)).collect();
+    path.join(name)
 }
 
 /// A size with a unit, bytes.

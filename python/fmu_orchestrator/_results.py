@@ -391,6 +391,11 @@ class Identification(Analysis):
         return found
 
     @property
+    def causes(self) -> list[str]:
+        """What would explain that the model misses, a sentence each, the likeliest first; or that the parameters alone do."""
+        return list(self.data.get("causes", []))
+
+    @property
     def optima(self) -> list[Optimum]:
         """All sets of parameters that could be the right one, the most probable first. Where there are several, none of
         them is *the* value."""

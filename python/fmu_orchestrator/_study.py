@@ -223,9 +223,11 @@ class Study:
         weighs the model against that of another result on the same data. ``time_limit``, s, ends the search and takes the
         best so far.
         """
+        if points_of is not None and budget is None:
+            raise OrchestratorError("identify(points_of=...) needs budget=N, the most further runs; without one leave points_of out")
         source, folder = self._folders(points_of, output)
-        if source is not None and (budget is None or folder != source):
-            raise OrchestratorError("points_of needs a budget, of whose surrogate they are a part, and no other output")
+        if source is not None and folder != source:
+            raise OrchestratorError("identify(points_of=...) writes into the folder of the points; leave output out")
         options: dict[str, Value] = {"starts": starts, "posterior": posterior, "budget": budget}
         options |= {"narrow": narrow, "seed": seed, "time_limit": time_limit}
         options["against"] = None if against is None else os.path.abspath(against)

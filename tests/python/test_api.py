@@ -138,8 +138,8 @@ def test_analyses_take_points_of_a_study(verified, tmp_path):
     assert ours.data == json.loads((tmp_path / "theirs" / "sensitivity.json").read_text()) and ours.data["runs"] == 60
     with pytest.raises(OrchestratorError, match="--budget"):
         study.sensitivity(points_of=verified, budget=80)
-    for options in [{}, {"budget": 20, "output": tmp_path / "other"}]:
-        with pytest.raises(OrchestratorError, match="points_of needs a budget"):
+    for options, told in [({}, "needs budget=N"), ({"budget": 20, "output": tmp_path / "other"}, "leave output out")]:
+        with pytest.raises(OrchestratorError, match=told):
             study.identify(points_of=verified, **options)
 
 
@@ -190,6 +190,7 @@ def test_an_identification_is_the_command_lines(fmu, tmp_path):
     found = ours.parameters["oil.viscosityScale"]
     assert found.interval[0] < found.value < found.interval[1]
     assert ours.optima[0].parameters == ours.parameters
+    assert ours.causes == ours.data["causes"]
     assert sum(optimum.weight for optimum in ours.optima) == pytest.approx(1)
     power = fmu_orchestrator.simulate(fmu, {"oil.viscosityScale": found.value}, stop=1, step=1)["sensor.frictionPower"]
     assert power[-1] == pytest.approx(14, rel=0.01)

@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use super::{
     digits::rounded, influence::Farthest, next::Group, order::Order, outcome::IdentificationOutcome, problem::Estimate,
+    suspects::Suspect,
 };
 
 /// A right model misses by more with this probability, or its residuals are more in order: then the fit is in doubt.
@@ -47,6 +48,11 @@ impl IdentificationOutcome {
             Some(_) if self.is_too_close() || self.doubts().is_empty() => Fit::Good,
             _ => Fit::Misses,
         }
+    }
+
+    /// Whether a cause was found that explains all of the misfit.
+    pub fn is_explained(&self) -> bool {
+        self.suspects.as_ref().and_then(|suspects| suspects.first()).is_some_and(Suspect::explains)
     }
 
     /// Whether the misfit is smaller than the stated uncertainties allow.

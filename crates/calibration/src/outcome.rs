@@ -13,7 +13,7 @@ use super::{
     optima::{Approximation, Optimum},
     order::Order,
     posterior::{Direction, UNDETERMINED},
-    problem::{Problem, Spacing},
+    problem::{Prior, Problem, Spacing},
     sample::outcome::{Evidence, PosteriorOutcome},
     search::Progress,
     shared::SharedOutcome,
@@ -134,6 +134,9 @@ pub struct FreeOutcome {
     pub approximation: Approximation,
     /// The bounds.
     pub bounds: [f64; 2],
+    /// What was known of it beyond these.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub prior: Option<Prior>,
     /// The bound at which it ended.
     pub at_bound: Option<&'static str>,
     /// The part of the prior's standard deviation that the data leave.
@@ -144,6 +147,17 @@ pub struct FreeOutcome {
     /// Whether runs fail on both sides of it: then nothing is known of what it changes, and the interval is the prior's.
     #[serde(skip_serializing_if = "std::ops::Not::not")]
     pub surrounded: bool,
+}
+
+impl FreeOutcome {
+    /// How many standard deviations of its prior the most probable value is from the prior's centre, upwards; 0 without a prior.
+    pub fn strain(&self) -> f64 {
+        let off = |Prior { centre, spread }| match self.scale {
+            Spacing::Linear => (self.value - centre) / spread,
+            Spacing::Log => (self.value / centre).ln() / spread.ln(),
+        };
+        self.prior.map_or(0.0, off)
+    }
 }
 
 /// The channels' shared errors by their normal approximations.
@@ -343,6 +357,7 @@ fn free(problem: &Problem, optimum: &Optimum, index: usize) -> FreeOutcome {
         interval: optimum.intervals[index].ends.map(|place| free.value(place)),
         approximation: optimum.intervals[index].approximation,
         bounds: [free.min, free.max],
+        prior: free.prior,
         at_bound: bound(place),
         left: deviation * optimum.posterior.prior[index].sqrt(),
         of_case: problem.populations.iter().any(|population| population.members.contains(&index)),

@@ -324,10 +324,10 @@ pub fn influence(outcome: &IdentificationOutcome) -> Vec<String> {
         .collect()
 }
 
-/// What speaks against the fit, a sentence each, once the search has converged.
+/// What speaks against the fit, a sentence each, once the search has converged. What one cause explains speaks against nothing else.
 pub fn doubts(outcome: &IdentificationOutcome) -> Vec<String> {
     let converged = outcome.end == End::Converged;
-    let doubts = converged.then(|| outcome.doubts()).into_iter().flatten();
+    let doubts = (converged && !outcome.is_explained()).then(|| outcome.doubts()).into_iter().flatten();
     // A model is blamed where the search is sure of its optimum.
     let [lowest, searches] = [outcome.search.lowest(), outcome.search.minima.len()];
     let is_unsure = converged && outcome.fit() == Fit::Misses && searches > 1 && lowest < searches.div_ceil(2).max(2);

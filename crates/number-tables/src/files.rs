@@ -36,9 +36,12 @@ impl FileError {
         Self { kind: Some(error.kind()), ..Self::new(path, reason(path, &error)) }
     }
 
-    /// The same with a remedy behind it.
+    /// The same with a remedy behind it, unless it names that already.
     pub fn with(mut self, remedy: impl AsRef<str>) -> Self {
-        self.message += remedy.as_ref();
+        let remedy = remedy.as_ref();
+        if !self.message.contains(remedy.trim_start_matches("; ")) {
+            self.message += remedy;
+        }
         self
     }
 

@@ -123,21 +123,26 @@ fn twice(path: &Path, what: &str) -> FileError {
 }
 
 /// The remedy where a cell is no number.
-fn remedy(text: &str) -> &'static str {
+fn remedy(path: &Path, text: &str) -> String {
     let is_stamp = text.len() >= 8 && text.starts_with(|first: char| first.is_ascii_digit()) && text.contains(':');
     if is_stamp {
-        "; it looks like a time stamp: `python -m fmu_orchestrator convert FILE` makes seconds of it"
-    } else if text.contains([',', '.']) && !text.contains(char::is_alphabetic) {
+        return format!("; it looks like a time stamp: {}, in seconds", convert(path));
+    }
+    let remedy = if text.contains([',', '.']) && !text.contains(char::is_alphabetic) {
         "; a decimal comma needs cells that no commas separate, and no points in other cells, as in 1.000"
     } else if text.is_empty() {
         "; fill it, or remove the row"
     } else if text.starts_with('#') {
         "; a spreadsheet's error: leave the cell empty where a value may be missing, or mend the formula"
     } else if text.chars().any(char::is_alphabetic) {
-        "; a table has one line of names and then numbers: units belong in the study, an item of an enumeration is its number"
+        return format!(
+            "; units belong behind the column's name (`F [N]`), an item of an enumeration is its number; {}",
+            convert(path)
+        );
     } else {
         ""
-    }
+    };
+    remedy.to_owned()
 }
 
 /// A column that is asked for: the names that it may have (none: the time, by its unit), and its purpose.
@@ -268,7 +273,7 @@ impl<'a> Reading<'a> {
                     .or_else(|| truth(&row.text(place)))
                     .ok_or_else(|| {
                         let (column, text) = (shown(&self.header[place]), shown(&row.text(place)));
-                        let remedy = remedy(&text);
+                        let remedy = remedy(self.path, &text);
                         FileError::new(self.path, format!("column `{column}`: `{text}` is not a number{remedy}"))
                             .at(row.line())
                     })

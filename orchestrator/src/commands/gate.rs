@@ -7,7 +7,7 @@ use crate::{
     error::Result,
     junit::{self, Outcome, Test},
     methods::asking::exit_code,
-    results::{Summary, summary::Count},
+    results::{FEWEST, Summary, summary::Count},
 };
 use conformity::{
     conclusion::{Conclusion, grouped},
@@ -32,7 +32,19 @@ pub(super) fn verdict(summary: &Summary, gate: &Gate) -> Result<ExitCode> {
         );
         return Ok(ExitCode::FAILURE);
     }
+    if let Some(few) = few(summary).filter(|_| gate.strict) {
+        fmu_points::tell::line!("note: exit code 1, since --strict is given, and {few}");
+        return Ok(ExitCode::FAILURE);
+    }
     Ok(exit_code(verdict))
+}
+
+/// That the points of a design that verify a model are so few that hardly any doubt could show.
+fn few(summary: &Summary) -> Option<String> {
+    let is_drawn =
+        !summary.parameters.is_empty() && summary.provenance.method != "table" && summary.surrogate.is_none();
+    let is_few = is_drawn && summary.points < FEWEST && summary.decision() == Decision::Verified;
+    is_few.then(|| format!("fewer than {FEWEST} points show no doubt: run more"))
 }
 
 fn warnings(summary: &Summary) -> impl Iterator<Item = &Concern> {
@@ -94,6 +106,8 @@ pub(super) fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
         let outcome = if strict { Outcome::Failed(text) } else { Outcome::Skipped(format!("warning: {text}")) };
         Test::new(&format!("{study}.warnings"), &name, outcome)
     });
+    let few = few(summary).filter(|_| strict);
+    let few = few.map(|few| Test::new(&format!("{study}.warnings"), "few-points", Outcome::Failed(few)));
     let verdict = Test::new(&study, "verdict", whole);
-    [verdict].into_iter().chain(criteria).chain(cases).chain(doubts).collect()
+    [verdict].into_iter().chain(criteria).chain(cases).chain(doubts).chain(few).collect()
 }

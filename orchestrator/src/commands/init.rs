@@ -4,13 +4,14 @@ mod measured;
 mod run;
 mod write;
 
-use std::path::{Component, Path, PathBuf};
+use std::path::Path;
 use std::process::ExitCode;
 
 use super::isolated::Isolated;
 use super::{output, simulate};
 use crate::cli::Init;
 use crate::error::Error;
+use crate::options::relative;
 use fmu_import::{Causality, Description, Kind, Package, Variability, Variable};
 use fmu_points::task::{Schedule, Task};
 use measured::Measured;
@@ -140,25 +141,4 @@ fn parameters<'a>(
     let message = "no parameter and no input of type Real has a start value other than 0 about which it could vary; give one with \
                    --set NAME=VALUE";
     Err(Error::content(path, message))
-}
-
-/// A file's path as seen from the folder of the study, or from here where the study goes to standard output.
-fn relative(file: &Path, study: Option<&Path>) -> PathBuf {
-    let folder = |path: &Path| {
-        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
-        parent.unwrap_or(Path::new(".")).canonicalize()
-    };
-    let from = folder(study.unwrap_or(Path::new("study.toml")));
-    let (Ok(from), Ok(to), Some(name)) = (from, folder(file), file.file_name()) else {
-        return file.to_owned();
-    };
-    let common = from.components().zip(to.components());
-    let common = common.take_while(|(a, b)| a == b).count();
-    if common == 0 {
-        // Another drive.
-        return to.join(name);
-    }
-    let up = from.components().skip(common).map(|_| Component::ParentDir);
-    let path: PathBuf = up.chain(to.components().skip(common)).collect();
-    path.join(name)
 }

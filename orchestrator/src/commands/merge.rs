@@ -45,8 +45,9 @@ pub(super) fn run(options: &Merge) -> Result<ExitCode> {
     let summary = verification.conclude(output, Some(run), None, &mut looked, None).map_err(|error| match error {
         Error::Incomplete { missing, points, .. } => Error::Refused(format!(
             "{missing} of {points} points are in none of the shards {}; merge all of them, or compute what is missing with \
-             `verify STUDY --output {} --resume`",
+             `orchestrator verify {} --output {} --resume`",
             named.join(", "),
+            verification.session.request.own_study().display(),
             output.display()
         )),
         error => error,

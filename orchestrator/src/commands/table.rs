@@ -7,7 +7,7 @@ use crate::{
     report::counted::risks,
     results::{
         Summary,
-        answer::{Answer, remarks},
+        answer::{Answer, Names, remarks},
         summary::{Count, FailedPoint, FailureKind},
         surrogate,
     },
@@ -16,8 +16,10 @@ use result_document::wrapped;
 
 /// The result for people: what fits a screen, or all of it. The page is in `folder`.
 pub(super) fn told(summary: &Summary, folder: Option<&Path>, verbose: bool) -> String {
-    let has_sensitivity = folder.is_some_and(|folder| methods::has_sensitivity(&Finished { folder, summary }));
-    let answer = Answer::new(summary).beside(has_sensitivity);
+    let of = folder.map(|folder| Finished { folder, summary });
+    let names = of.map_or_else(|| Names::of(summary), |of| of.names());
+    let documents = of.map(|of| methods::shown(&of)).unwrap_or_default();
+    let answer = Answer::new(summary).beside(summary, (&names, &documents), "Found as well (report.html)");
     let place = folder.map_or_else(String::new, |place| format!("results in {}", place.display()));
     let all = [answer.decides.len(), answer.next.len()];
     if verbose || folder.is_none() {

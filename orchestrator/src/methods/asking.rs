@@ -192,10 +192,11 @@ pub(super) fn session(request: Request, takes: Takes) -> Result<Session> {
     if session.plan.correlation.is_some() && !takes.correlations {
         return Err(session
             .study
-            .error(
+            .error(format!(
                 "this analysis takes every parameter on its own, and correlated ones cannot be changed alone; remove \
-                       [[correlations]], or use `sensitivity STUDY --shapley N`, which keeps them together",
-            )
+                       [[correlations]], or use `orchestrator sensitivity {} --shapley 1000`, which keeps them together",
+                session.study.path().display()
+            ))
             .into());
     }
     let together = session.plan.together();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::{
     error::{Error, Result},
     options::folder_of,
-    results::{Summary, origin::Origin, table},
+    results::{Summary, answer::Names, origin::Origin, table},
     session::Request,
 };
 use number_tables::files;
@@ -89,6 +89,27 @@ pub struct Finished<'a> {
 }
 
 impl Finished<'_> {
+    /// The names of study and folder, as seen from here; those of files elsewhere are whole. Of a table that was judged the study's
+    /// name is known alone.
+    pub fn names(&self) -> Names {
+        let here = std::env::current_dir().unwrap_or_default();
+        let shown = |path: &Path| {
+            let text = path.strip_prefix(&here).unwrap_or(path).display().to_string();
+            match text {
+                text if text.is_empty() => ".".to_owned(),
+                text if text.contains(char::is_whitespace) => format!("\"{text}\""),
+                text => text,
+            }
+        };
+        let folder = absolute(self.folder);
+        let request = Request::read(self.folder).ok();
+        let study = request.as_ref().map_or(Path::new(&self.summary.provenance.study), Request::own_study);
+        let is_usual = absolute(&folder_of(study)) == folder;
+        let folder = shown(&folder);
+        let output = if is_usual { String::new() } else { format!(" --output {folder}") };
+        Names { study: shown(study), output, folder }
+    }
+
     /// The result of an analysis that the folder holds, if it belongs to the study that the folder holds.
     pub(super) fn result<T: DeserializeOwned>(&self, file: &str) -> Option<T> {
         let text = std::fs::read_to_string(self.folder.join(file)).ok()?;

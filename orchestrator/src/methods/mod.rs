@@ -39,11 +39,6 @@ macro_rules! methods {
         pub(crate) fn shown(study: &Finished<'_>) -> Vec<Document> {
             [rare::shown(study), $($module::shown(study)),*].into_iter().flatten().collect()
         }
-
-        /// Whether a study's folder holds `sensitivity` of it.
-        pub(crate) fn has_sensitivity(study: &Finished<'_>) -> bool {
-            sensitivity::shown(study).is_some()
-        }
     };
 }
 

@@ -5,8 +5,7 @@ use crate::results::{Summary, summary::Count};
 use conformity::conclusion::grouped;
 use curves::{Kind, Metric};
 use parameter_regions::table::{CriterionColumn, PointTable};
-use result_document::format::{count, number, percent};
-use sampling::statistics::share::Fraction;
+use result_document::format::number;
 use serde::Serialize;
 
 #[derive(Default, Serialize)]
@@ -25,39 +24,25 @@ pub(super) struct CountRow {
     miss: String,
 }
 
-/// The share that the verdict rests on: that of the accepted points with the interval that decided, or of the points that
-/// meet all criteria.
+/// How the range was computed that decided, where one did.
 #[derive(Serialize)]
 pub(super) struct Headline {
-    count: String,
-    /// Both ends of the interval; none where nothing can be said of the share.
-    interval: Option<[String; 2]>,
-    /// Of the interval, per cent.
+    /// Of the range, per cent.
     confidence: String,
-    /// How it was computed, where it decided.
-    method: Option<String>,
+    method: String,
 }
 
 impl Headline {
-    pub(super) fn new(judgement: &Judgement, meets_all: &Fraction) -> Self {
-        const USUAL: f64 = 95.0;
-        let Some((required, accepted)) = judgement.required() else {
-            return Self {
-                count: count(meets_all.count),
-                interval: Some([meets_all.low, meets_all.high].map(percent)),
-                confidence: number(USUAL, 4),
-                method: None,
-            };
-        };
-        Self {
-            count: count(accepted),
-            interval: required.interval.map(|ends| ends.map(percent)),
+    pub(super) fn new(judgement: &Judgement) -> Option<Self> {
+        let (required, _) = judgement.required()?;
+        required.interval?;
+        Some(Self {
             confidence: number(100.0 * required.rule.confidence, 4),
-            method: Some(match required.guard_bands {
+            method: match required.guard_bands {
                 Some(_) => format!("{}, over all guard bands that may be the right one", required.method),
                 None => required.method.clone(),
-            }),
-        }
+            },
+        })
     }
 }
 

@@ -4,7 +4,12 @@ use super::{Report, history, judgement::Judgement, outlook::comparison, whatif::
 use crate::{
     error::{Error, Result},
     methods::{self, known::Finished},
-    results::{Summary, answer, choice, table, words::capitalised},
+    results::{
+        Summary,
+        answer::{self, Answer},
+        choice, table,
+        words::capitalised,
+    },
 };
 use conformity::decision::Decision;
 use result_document::{Block, Document, format::count};
@@ -25,6 +30,7 @@ impl Report {
             judgement: Judgement::new(&summary)
                 .map_err(|message| Error::content(&folder.join("summary.json"), message))?,
             history: history::read(folder, &table, study.as_ref()),
+            answer: answer(folder, &summary),
             documents: documents(folder, &summary),
             study_text,
             table,
@@ -39,6 +45,12 @@ impl Report {
     }
 }
 
+/// The first screen, with what the methods found.
+fn answer(folder: &Path, summary: &Summary) -> Answer {
+    let study = Finished { folder, summary };
+    Answer::new(summary).beside(summary, (&study.names(), &methods::shown(&study)), "Found as well (below)")
+}
+
 /// The study's documents beside its verdict.
 fn documents(folder: &Path, summary: &Summary) -> Vec<Document> {
     let study = Finished { folder, summary };
@@ -47,8 +59,11 @@ fn documents(folder: &Path, summary: &Summary) -> Vec<Document> {
     let decision = summary.decision();
     let is_of_best = |document: &&mut Document| ["identification", "robustness"].contains(&&*document.id);
     for document in documents.iter_mut().filter(is_of_best).filter(|_| decision != Decision::Verified) {
-        let told =
-            format!("The verdict stays \"{decision}\": it counts all points, this section looks for the best alone.");
+        let looks = match &*document.id {
+            "robustness" => "for the part of the space that may be accepted",
+            _ => "for the best alone",
+        };
+        let told = format!("The verdict stays \"{decision}\": it counts all points, this section looks {looks}.");
         document.blocks.insert(0, Block::Sentence(told));
     }
     documents

@@ -17,7 +17,7 @@ pub(crate) mod whatif;
 
 use crate::{
     error::{Error, Result},
-    results::Summary,
+    results::{Summary, answer::Answer},
 };
 use base64::{Engine, engine::general_purpose::STANDARD};
 use figures::Series;
@@ -27,7 +27,6 @@ use judgement::Judgement;
 use parameter_regions::table::PointTable;
 use point_journal::files::write_text;
 use result_document::{Document, svg};
-use sampling::statistics::share::Fraction;
 use std::{
     io::Write,
     path::{Path, PathBuf},
@@ -42,6 +41,8 @@ pub struct Report {
     pub table: PointTable,
     /// The verdict and its risks.
     pub judgement: Judgement,
+    /// The first screen.
+    pub answer: Answer,
     /// The trajectory of the best point, if it was recorded.
     pub history: Vec<Series>,
     /// The model's own error, and what the methods told.
@@ -55,18 +56,11 @@ pub struct Report {
 }
 
 impl Report {
-    /// The share of the points that meet all criteria. Where it has no interval, the page has no place for one.
-    fn verified(&self) -> Fraction {
-        let Summary { points, verified, verified_fraction, verified_interval, .. } = self.summary;
-        let [low, high] = verified_interval.unwrap_or([verified_fraction; 2]);
-        Fraction { count: verified as usize, of: points as usize, low, high }
-    }
-
     /// How many points there are, those included that the table leaves out, and how many of them are accepted.
     fn counts(&self) -> [usize; 2] {
-        let Fraction { count, of, .. } = self.verified();
+        let Summary { points, verified, .. } = self.summary;
         let required = self.judgement.required();
-        [of, required.map_or(count, |(_, accepted)| accepted)]
+        [points as usize, required.map_or(verified as usize, |(_, accepted)| accepted)]
     }
 
     /// The criteria that have pictures, where they are too many for all to have some.

@@ -10,7 +10,7 @@ use super::payload::{self, PlotColumn};
 use super::planes::planes;
 use crate::error::Error;
 use crate::results::Summary;
-use crate::results::answer::{Answer, Sign};
+use crate::results::answer::Sign;
 use crate::results::summary::FailureKind;
 use crate::results::words::counted;
 use base64::{Engine, engine::general_purpose::STANDARD};
@@ -40,7 +40,7 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
     let ranking = table.best(payload::MOST_POINTS);
     let order: Vec<usize> = ranking.iter().map(|r| r.point).collect();
     let points = payload::embedded(table, &order, columns.len());
-    let (summary, verified) = (&report.summary, report.verified());
+    let summary = &report.summary;
     let from = &summary.provenance;
     let conformance = report.judgement.conformance(table);
     let counts = report.counts();
@@ -51,7 +51,7 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
     let data = script_safe(&serde_json::to_string(&data)?);
     let bytes = bytes.all();
     let packed = bytes.len() > MOST_PLAIN;
-    let answer = Answer::new(summary).beside(report.documents.iter().any(|document| document.id == "sensitivity"));
+    let answer = &report.answer;
     let planes = planes(drawn, &columns, &points, counts);
     let mut plots: Plots =
         planes.iter().map(|p| (format!("plane-{}-{}", columns[p.x].name, columns[p.y].name), p.svg.clone())).collect();
@@ -101,14 +101,14 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
             Sign::No => "M5 5l14 14M19 5L5 19",
             Sign::Open => "M7.5 9.2a4.6 4.6 0 1 1 6.7 4.1c-1.5.8-2.2 1.5-2.2 3.2M12 20.2v.3",
         },
-        answer => Serde(&answer),
+        answer => Serde(answer),
         word => match judgement.is_guarded() {
             true => "accepted",
             false => summary.met(),
         },
         guarded => judgement.is_guarded(),
         n => count(total),
-        headline => Serde(Headline::new(judgement, &verified)),
+        headline => Serde(Headline::new(judgement)),
         failed => summary.failed,
         drawn => count(points.len()),
         sampled => points.len() < total,

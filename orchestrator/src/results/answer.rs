@@ -15,7 +15,7 @@ use super::{Summary, resampled::presumed};
 use conformity::conclusion::{Conclusion, Requirement, grouped, percent};
 use conformity::decision::Decision;
 use fmu_points::Conduct;
-use result_document::format::number;
+use result_document::{Block, Document, format::number};
 use study::concern::{Concern, Severity};
 
 /// What a reader has to know who reads no further.
@@ -89,17 +89,80 @@ impl Answer {
         }
     }
 
-    /// The same for a folder that may hold `sensitivity` already.
+    /// The same beside what the methods found in the same folder, with the names of study and folder in its commands; `place`
+    /// says where that stands.
     #[must_use]
-    pub fn beside(mut self, has_sensitivity: bool) -> Self {
-        self.next.retain(|sentence| !(has_sensitivity && sentence == SENSITIVE));
+    pub fn beside(mut self, summary: &Summary, (names, documents): (&Names, &[Document]), place: &str) -> Self {
+        if documents.iter().any(|document| document.id == "sensitivity") {
+            self.next.retain(|sentence| sentence != SENSITIVE);
+        }
+        if let Some(found) = found(documents, summary) {
+            let behind = usize::from(summary.surrogate.is_some()) + summary.causes.len();
+            self.decides.insert(behind.min(self.decides.len()), format!("{place}: {found}."));
+        }
+        let placed = |sentence: &mut String| {
+            let Names { study, output, folder } = names;
+            for (mark, name) in [("{study}", study), ("{output}", output), ("{folder}", folder)] {
+                *sentence = sentence.replace(mark, name);
+            }
+        };
+        self.next.iter_mut().for_each(placed);
         self
     }
 }
 
+/// Study and folder as one names them in a command.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Names {
+    /// The study.
+    pub study: String,
+    /// The option for the folder, with a blank before it, where that is another one than the study has by itself.
+    pub output: String,
+    /// The folder.
+    pub folder: String,
+}
+
+impl Names {
+    /// Of results without a folder.
+    pub fn of(summary: &Summary) -> Self {
+        Self { study: summary.provenance.study.clone(), ..Self::default() }
+    }
+}
+
+/// What the methods found, each in a few words. What explains the verdict stands there anyway.
+fn found(documents: &[Document], summary: &Summary) -> Option<String> {
+    const SHOWN: usize = 3;
+    let told: Vec<String> = documents
+        .iter()
+        .filter(|document| document.id != "identification" || summary.causes.is_empty())
+        .filter_map(|document| {
+            let mut sentences = document.blocks.iter().filter_map(|block| match block {
+                Block::Sentence(text) => Some(text.as_str()),
+                _ => None,
+            });
+            let of_outputs = || document.figures().into_iter().filter(|figure| !figure.note.is_empty()).take(SHOWN);
+            let said = match &*document.id {
+                "sensitivity" => of_outputs()
+                    .map(|figure| format!("{}: {}", figure.caption, figure.note.trim_end_matches('.')))
+                    .collect::<Vec<_>>()
+                    .join("; "),
+                "tolerances" => sentences.next_back()?.to_owned(),
+                "identification" => {
+                    let all: Vec<&str> = sentences.collect();
+                    let cause = all.iter().find(|said| said.contains("ikeliest cause"));
+                    (*cause.or(all.first())?).to_owned()
+                }
+                _ => sentences.next()?.to_owned(),
+            };
+            Some(format!("{} ({})", document.link, said.trim_end_matches('.')))
+        })
+        .collect();
+    (!told.is_empty()).then(|| told.join(", "))
+}
+
 /// Where to read which parameter decides.
 const SENSITIVE: &str =
-    "`orchestrator sensitivity STUDY --from FOLDER` tells which parameter decides the verdict, without a further run.";
+    "`orchestrator sensitivity {study} --from {folder}` tells which parameter decides, without a further run.";
 
 fn required(summary: &Summary) -> Option<&Requirement> {
     summary.conclusion.as_ref()?.required.as_ref()
@@ -348,13 +411,16 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
                     "tells the evidence, as Identification on the page does: correct what is wrong, and verify again"
                 }
             };
-            list.push(format!("`orchestrator identify STUDY` {told}."));
+            list.push(format!("`orchestrator identify {{study}}{{output}}` {told}."));
             list.extend(nearest(summary));
         }
-        Decision::Inconclusive if summary.surrogate.is_some() => {
-            list.push("A larger --budget with --resume goes on from these runs.".to_owned());
-        }
-        Decision::Inconclusive => list.extend(conclusion.and_then(needed)),
+        Decision::Inconclusive => list.extend(match &summary.surrogate {
+            None => conclusion.and_then(needed),
+            Some(by) => Some(format!(
+                "`orchestrator verify {{study}}{{output}} --resume --budget {}` goes on from these runs.",
+                2 * by.runs
+            )),
+        }),
     }
     list
 }
@@ -383,8 +449,8 @@ fn nearest(summary: &Summary) -> Option<String> {
 fn undecided(conclusion: &Conclusion, summary: &Summary) -> Option<String> {
     let Requirement { rule, interval, .. } = conclusion.required.as_ref()?;
     let more = if summary.surrogate.is_some() { "runs" } else { "points" };
-    let (share, interval) = (percent(rule.share), range((*interval)?));
-    Some(format!("The required {share} % lie inside the interval {interval}: more {more} narrow it."))
+    interval.as_ref()?;
+    Some(format!("The required {} % lie inside that range: more {more} narrow it.", percent(rule.share)))
 }
 
 /// How many points decide.
@@ -392,8 +458,8 @@ fn needed(conclusion: &Conclusion) -> Option<String> {
     let required = conclusion.required.as_ref()?;
     let (once, going_on) = (required.points_needed?, required.points_needed_going_on?);
     Some(format!(
-        "If the share stays what it is, about {} independent points decide in another study, {} in this one if it goes on \
-         (`--resume --points N`).",
+        "If the share stays what it is, about {} points decide, computed anew, or {} if this run goes on: \
+         `orchestrator verify {{study}}{{output}} --resume --points {going_on}`.",
         grouped(once),
         grouped(going_on)
     ))

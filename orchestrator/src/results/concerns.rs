@@ -7,11 +7,11 @@ use fmu_import::units::{Conversion, known};
 use study::concern::{Code, Concern};
 
 /// Fewer points may miss a measured value by chance.
-const FEWEST: u64 = 10;
+pub const FEWEST: u64 = 10;
 
 /// Factors between units that are often mistaken for each other, and offsets, for values whose unit nobody states, with the
 /// words for this way and for the way back.
-const UNITS: [(f64, f64, [&str; 2]); 8] = [
+const UNITS: [(f64, f64, [&str; 2]); 9] = [
     (1.0, 273.15, ["degC and K", "K and degC"]),
     (1e6, 0.0, ["MPa and Pa, or um and m", "Pa and MPa, or m and um"]),
     (1e5, 0.0, ["bar and Pa", "Pa and bar"]),
@@ -26,6 +26,7 @@ const UNITS: [(f64, f64, [&str; 2]); 8] = [
     (1e2, 0.0, ["a share and per cent, or m and cm", "per cent and a share, or cm and m"]),
     (TAU / 60.0, 0.0, ["rpm and rad/s", "rad/s and rpm"]),
     (60.0, 0.0, ["Hz and rpm", "rpm and Hz"]),
+    (3.6, 0.0, ["m/s and km/h", "km/h and m/s"]),
     (PI / 180.0, 0.0, ["deg and rad", "rad and deg"]),
 ];
 
@@ -275,6 +276,7 @@ mod tests {
             (12.0, 1.0, [1.1e7, 1.3e7], "MPa and Pa"),
             (300.0, 5.0, [31.0, 32.0], "rpm and rad/s"),
             (0.02, 0.001, [19.0, 20.5], "such as m and mm"),
+            (36.0, 0.4, [9.9, 10.1], "km/h and m/s"),
         ] {
             for points in [3, 50] {
                 let warning = out_of_reach(&criterion(nominal, tolerance), reached, points).unwrap().text;

@@ -24,7 +24,7 @@ pub mod tally;
 pub mod validity;
 pub mod words;
 
-pub use concerns::confusions;
+pub use concerns::{FEWEST, confusions};
 pub use failed::place;
 pub use looked::Looked;
 pub use settled::MOST_EXTRA_RUNS;

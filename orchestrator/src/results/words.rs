@@ -169,6 +169,7 @@ pub fn counted(points: f64) -> String {
 fn short(value: f64) -> String {
     let decimals = match value.abs() {
         0.0 => 0,
+        v if v < 5e-5 => return "under 0.0001".to_owned(),
         v if v < 0.01 => 4,
         v if v < 0.1 => 3,
         v if v < 1.0 => 2,

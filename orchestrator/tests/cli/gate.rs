@@ -141,6 +141,24 @@ fn is_doubted(bench: &Bench, study: &str, doubt: Option<&str>) {
     assert_eq!(run(&["--strict"]).code, i32::from(doubt.is_some()), "{study}");
 }
 
+/// One point of a design that happens to agree shows no doubt, so it passes no strict gate.
+#[test]
+fn few_points_pass_no_strict_gate() {
+    let bench = Bench::new();
+    let study = STUDY.split("[[cases]]").next().unwrap().to_owned()
+        + "[criteria.Y]\nvariable = \"lag.y\"\nnominal = 0.86\ntolerance = 0.1\n";
+    bench.write("study.toml", &study);
+    for (points, more, code) in [("1", &[][..], 0), ("9", &["--strict"], 1), ("10", &["--strict"], 0)] {
+        let run = ["verify", "study.toml", "--output", "out", "--force", "--junit", "junit.xml", "--points", points];
+        let said = bench.run(&[&run[..], &["--extra-runs", "0"], more].concat());
+        assert_eq!(said.code, code, "{points}: {}{}", said.out, said.err);
+        let few = "fewer than 10 points show no doubt: run more";
+        assert_eq!(said.err.contains(few), code == 1, "{}", said.err);
+        let told = tests(&bench, "junit.xml").iter().any(|test| test.2.as_ref().is_some_and(|text| text.contains(few)));
+        assert_eq!(told, code == 1);
+    }
+}
+
 #[test]
 fn warnings_end_a_strict_run_with_1() {
     let bench = Bench::new();

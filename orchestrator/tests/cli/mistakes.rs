@@ -540,7 +540,9 @@ fn tables_that_do_not_fit() {
         bench.run(&["judge", "study.toml", "table.csv"])
     };
     judge("point,Z\n1,0.8\n").is_mistake(&["table.csv", "no column `Y`", "point, Z"]);
-    judge("point,Y\n1,high\n").is_mistake(&["table.csv:2", "`high` is not a number"]);
+    let convert = "`python -m fmu_orchestrator convert \"table.csv\"`";
+    judge("point,Y\n1,high\n").is_mistake(&["table.csv:2", "`high` is not a number", convert]);
+    judge("point,Y\n1,0.8 m/s\n").is_mistake(&["table.csv:2", "units belong behind the column's name", convert]);
     judge("point;Y\n1;0,86\n2;1.000\n").is_mistake(&["table.csv:3: column `Y`", "`1.000` may be 1000 or 1.000", "--decimal"]);
     judge("point;Y\n1;1.000\n2;0,86\n").is_mistake(&["table.csv:2: column `Y`", "`1.000` may be 1000 or 1.000", "--decimal"]);
     judge("point;t;Y\n1;0.5;1.000\n").is_mistake(&["table.csv:2: column `Y`", "`1.000` may be 1000 or 1.000"]);
@@ -556,7 +558,7 @@ fn tables_that_do_not_fit() {
     judge("1,0.8\n2,0.9\n").is_mistake(&["table.csv", "the first line must name the columns"]);
     std::fs::write(bench.path("table.csv"), b"point,Y,\xe9\n1,1,1\n").unwrap();
     let latin = bench.run(&["judge", "study.toml", "table.csv"]);
-    latin.is_mistake(&["table.csv", "line 1", "UTF-8"]);
+    latin.is_mistake(&["table.csv", "line 1", "UTF-8", convert]);
     let missing = bench.run(&["judge", "study.toml", "none.csv"]);
     missing.is_mistake(&["none.csv"]);
 }
@@ -613,7 +615,7 @@ fn what_cannot_be_meant_is_refused_with_its_place() {
     // What it says, it keeps.
     bench.run(&["verify", "study.toml", "--output", "few", "--resume", "--points", "12"]);
     let advises =
-        || bench.read("few/report.html").contains("<code>orchestrator sensitivity STUDY --from FOLDER</code>");
+        || bench.read("few/report.html").contains("<code>orchestrator sensitivity study.toml --from few</code>");
     assert!(advises());
     assert_eq!(bench.run(&["sensitivity", "study.toml", "--from", "few"]).code, 0);
     // It needs no advice any more.

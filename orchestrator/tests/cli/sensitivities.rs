@@ -94,7 +94,7 @@ fn points_of_a_study_tell_indices_where_a_surrogate_holds() {
     // By closed form x2 has 4 of 14; where runs fail without a pattern a design is asked for.
     let said = bench.run(&["sensitivity", "study.toml", "--from", "out"]);
     assert!(
-        said.out.contains("from 250 of the 512 points") && said.out.contains("--base N"),
+        said.out.contains("from 250 of the 512 points") && said.out.contains("--base 256"),
         "{}{}",
         said.out,
         said.err
@@ -115,7 +115,7 @@ fn shapley_effects_divide_the_variance_among_correlated_parameters() {
     let study = format!("{HEAD}{}{correlated}", criteria(&["linear", "first"]));
     bench.write("study.toml", &study);
     let sobol = bench.run(&["sensitivity", "study.toml", "--base", "16"]);
-    sobol.is_mistake(&["correlated ones cannot be changed alone", "--shapley N"]);
+    sobol.is_mistake(&["correlated ones cannot be changed alone", "study.toml --shapley 1000"]);
     let (said, found) = sensitive(&bench, &study, &["--shapley", "256"]);
     assert_eq!(found["runs"], 256 * 8);
     assert!(said.out.contains("warning: the parameters are correlated"), "{}", said.out);

@@ -161,6 +161,7 @@ fn measured_columns_become_curves() {
         "`lag.yy`: the FMU has no such variable; did you mean `lag.y`?",
         "`lag.text`: it is no output",
         "`lag.micrometres`: it is the same in all rows",
+        "data.csv: `time` is the time; inputs over time: `drive.u`; curves: `lag.y`, `lag.temperature [degC]`",
     ] {
         assert!(said.err.contains(words), "no {words} in {}", said.err);
     }
@@ -186,7 +187,9 @@ fn rows_without_a_time_are_repeats() {
     let bench = Bench::new();
     bench.write("data.csv", "lag.y\n0.86\n0.87\n0.865\n");
     let measured = ["init", "lag.fmu", "--measured", "data.csv"];
-    let study = good(bench.run(&measured)).out;
+    let said = good(bench.run(&measured));
+    assert!(said.err.contains("3 rows count as repeats of one measurement: `lag.y`"), "{}", said.err);
+    let study = said.out;
     let lines = "nominal = 0.865\nnoise = 0.005 # the standard deviation of one row\nrepeats = 3\n";
     assert!(study.contains(lines), "{study}");
     bench.write("study.toml", &study);
@@ -194,7 +197,10 @@ fn rows_without_a_time_are_repeats() {
     bench.write("data.csv", "lag.yy,drive.u\n1,2\n");
     bench.run(&measured).is_mistake(&["no column is an output", "lag.yy: the FMU"]);
     bench.write("data.csv", "drive.u;lag.y\n1;0,632\n2;1,264\n");
-    let study = good(bench.run(&measured)).out;
+    let said = good(bench.run(&measured));
+    let told = "each of 2 rows became a case, an operating point: inputs `drive.u`, final values `lag.y`";
+    assert!(said.err.contains(told), "{}", said.err);
+    let study = said.out;
     let point = "name = \"row 2\"\nfixed.\"drive.u\" = \"2\"\ncriteria.\"lag.y\" = { variable = \"lag.y\", nominal = 1.264, tolerance = \"5 %\" }\n";
     assert!(study.contains(point), "{study}");
     bench.write("study.toml", &study);

@@ -88,10 +88,10 @@ impl Answer {
     pub fn words(&self, shown: bool) -> String {
         let words = match self {
             Self::Found if shown => {
-                "a box was found by the surrogates and the study's own points; --confirm N runs the model in it"
+                "a box was found by the surrogates and the study's own points; `--confirm 100` runs the model in it"
             }
             Self::Found => {
-                "a box was found that may hold the level, which the study's points cannot show; --confirm N runs the model in it"
+                "a box was found that may hold the level, which the study's points cannot show; `--confirm 100` runs the model in it"
             }
             Self::Confirmed => "a box was found, and fresh runs confirm it",
             Self::Refuted => "a box was found, but fresh runs contradict it",

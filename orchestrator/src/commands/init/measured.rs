@@ -150,6 +150,22 @@ impl<'a> Measured<'a> {
         for (name, reason) in &self.left {
             fmu_points::tell::line!("left out of {file}: `{name}`: {reason}");
         }
+        let named = |columns: &[Column<'_>]| {
+            columns.iter().map(|column| format!("`{}`", column.header)).collect::<Vec<_>>().join(", ")
+        };
+        let (measured, inputs, rows) = (named(&self.columns), named(&self.inputs), self.columns[0].values.len());
+        let told = match (&self.time, &*inputs) {
+            (Some(time), "") => format!("`{time}` is the time; curves: {measured}"),
+            (Some(time), _) => format!("`{time}` is the time; inputs over time: {inputs}; curves: {measured}"),
+            (None, "") => format!(
+                "no column of the time and none of an input, so {rows} rows count as repeats of one measurement: {measured}"
+            ),
+            (None, _) => format!(
+                "no column of the time, so each of {rows} rows became a case, an operating point: inputs {inputs}, final values \
+                 {measured}; a recording over time needs a column `time [s]`"
+            ),
+        };
+        fmu_points::tell::line!("{file}: {told}");
         Ok(())
     }
 }

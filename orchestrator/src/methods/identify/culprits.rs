@@ -6,8 +6,8 @@ use calibration::{
     fit::Fit,
     local::End,
     next::Group,
-    outcome::IdentificationOutcome,
-    problem::{Free, NoPrediction, Problem, Query, SharedKind, Simulate, Spacing},
+    outcome::{FreeOutcome, IdentificationOutcome},
+    problem::{Free, NoPrediction, Prior, Problem, Query, SharedKind, Simulate, Spacing},
     remembered::Remembered,
     rounds::{Searched, Task},
     suspects::{Confusion, Constant, Fault, Inquiry, Sensor, Suspect},
@@ -291,7 +291,9 @@ const NOTHING: &str = "Nothing that was tried explains it: no parameter beyond i
 pub(super) fn headline(outcome: &IdentificationOutcome) -> Option<String> {
     /// Sums of squares this near do not tell causes apart.
     const NEAR: f64 = 4.0;
-    let suspects = outcome.suspects.as_ref()?;
+    let Some(suspects) = &outcome.suspects else {
+        return strained(outcome).filter(|_| outcome.end == End::Converged && !outcome.has_several());
+    };
     if let Some(step) = coarse(outcome) {
         return Some(step);
     }
@@ -320,11 +322,13 @@ pub(super) fn headline(outcome: &IdentificationOutcome) -> Option<String> {
     Some(format!("{part}: {}; with it {}.{as_well}", sentence(first), falls(first)))
 }
 
-/// That the step is too coarse, where half of it changes the misfit as much as what is to be explained.
+/// That the step is too coarse, where half of it changes the misfit as much as what is to be explained, and does not only make a fit
+/// worse that something else explains.
 fn coarse(outcome: &IdentificationOutcome) -> Option<String> {
     let error = outcome.numerical_error.as_ref()?;
     let excess = outcome.cost - outcome.degrees_of_freedom as f64;
-    ((error.cost - outcome.cost).abs() > 0.5 * excess).then(|| {
+    let is_worse = error.cost > outcome.cost && outcome.is_explained();
+    ((error.cost - outcome.cost).abs() > 0.5 * excess && !is_worse).then(|| {
         let [now, finer] = [outcome.cost, error.cost].map(|cost| number(cost, 3));
         let steps: Vec<String> = error.steps.iter().map(f64::to_string).collect();
         format!(
@@ -343,8 +347,8 @@ pub(super) fn causes(outcome: &IdentificationOutcome) -> Vec<String> {
     if outcome.end != End::Converged || outcome.fit() != Fit::Good || outcome.has_several() {
         return headline(outcome).into_iter().collect();
     }
-    if let Some(sensors) = strained(outcome) {
-        return vec![sensors];
+    if let Some(strained) = strained(outcome) {
+        return vec![strained];
     }
     let values: Vec<String> = outcome
         .free
@@ -363,27 +367,48 @@ pub(super) fn causes(outcome: &IdentificationOutcome) -> Vec<String> {
     }
 }
 
-/// Sensors without whose errors, far beyond what is stated of them, the model would not fit.
+/// Sensors and parameters without which the model would not fit, so far beyond what is stated of them.
 fn strained(outcome: &IdentificationOutcome) -> Option<String> {
     /// So many standard uncertainties.
     const FAR: f64 = 3.0;
-    let far = outcome.shared.iter().filter(|error| error.value.abs() * error.coverage > FAR * error.limit);
-    let sensors: Vec<String> = far
-        .map(|error| {
-            sentence(&Suspect {
-                fault: if error.kind == SharedKind::Gain { Fault::Gain } else { Fault::Offset },
-                name: error.name.clone(),
-                value: error.value,
-                unit: error.unit.clone(),
-                allowed: Some([-error.limit, error.limit]),
-                departure: error.value.abs() / error.limit,
-                cost: [outcome.cost; 2],
-                probability: None,
-            })
-        })
-        .collect();
-    (!sensors.is_empty())
-        .then(|| format!("Likeliest cause: {}. The model fits only with that.", sensors.join(", and ")))
+    let suspect = |fault, name: &str, value, unit: &Option<String>, [low, high]: [f64; 2]| Suspect {
+        fault,
+        name: name.to_owned(),
+        value,
+        unit: unit.clone(),
+        allowed: Some([low, high]),
+        departure: 0.0,
+        cost: [outcome.cost; 2],
+        probability: None,
+    };
+    let far = || outcome.shared.iter().filter(|error| error.value.abs() * error.coverage > FAR * error.limit);
+    let sensors = far().map(|error| {
+        let fault = if error.kind == SharedKind::Gain { Fault::Gain } else { Fault::Offset };
+        sentence(&suspect(fault, &error.name, error.value, &error.unit, [-error.limit, error.limit]))
+    });
+    // A study's distribution is its drawing. Of what the data tell nothing, the value is that of the prior.
+    let off = || outcome.free.iter().filter(|free| free.strain().abs() > FAR);
+    let parameters = off().filter_map(|free| {
+        let Prior { centre, spread } = free.prior?;
+        let allowed = match free.scale {
+            Spacing::Linear => [centre - 2.0 * spread, centre + 2.0 * spread],
+            Spacing::Log => [centre / spread.powi(2), centre * spread.powi(2)],
+        };
+        let told = sentence(&suspect(Fault::Range, &free.name, free.value, &free.unit, allowed));
+        Some(format!("{told} ({} standard deviations from {})", number(free.strain().abs(), 2), number(centre, 4)))
+    });
+    let all: Vec<String> = sensors.chain(parameters).collect();
+    // Without what the strain itself adds, the rest may be as of a right model.
+    let of_sensors = far().map(|error| error.value * error.coverage / error.limit);
+    let strain: f64 = of_sensors.chain(off().map(FreeOutcome::strain)).map(|strain| strain * strain).sum();
+    let freedom = outcome.degrees_of_freedom as f64;
+    let fits = match outcome.fit() {
+        Fit::Misses if outcome.cost - strain > freedom + FAR * (2.0 * freedom).sqrt() => {
+            "Even with that the model misses: something else is missing in it, or in the stated uncertainties"
+        }
+        _ => "The model fits only with that",
+    };
+    (!all.is_empty()).then(|| format!("Likeliest cause: {}. {fits}.", all.join(", and ")))
 }
 
 fn sentence(suspect: &Suspect) -> String {

@@ -116,6 +116,9 @@ impl Page<'_> {
             _ => "The search ended before it converged".to_owned(),
         };
         let mut agreement = Vec::from_iter(super::culprits::headline(outcome));
+        if outcome.is_explained() {
+            agreement.push("What follows is the fit without that.".to_owned());
+        }
         agreement.extend(text::doubts(outcome));
         if outcome.has_several() && fit != Fit::Misses {
             agreement.push("None of them is \"the\" value: further measurements must decide.".to_owned());

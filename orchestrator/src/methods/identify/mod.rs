@@ -3,6 +3,7 @@
 mod culprits;
 mod document;
 mod files;
+mod optimum;
 mod posterior;
 mod surrogate;
 
@@ -236,7 +237,8 @@ impl Analysis for Asked {
             });
         }
         let others = fit.bound.others();
-        files::write(folder, &fit.study, &fit.settings, &outcome, &others)?;
+        let fmu = fit.request.fmu.clone().unwrap_or_else(|| fit.study.fmu_path());
+        files::write(folder, (&fit.study, &fmu), &fit.settings, &outcome, &others)?;
         posterior::write(folder, &fit.settings, &fit.bound, sample.as_ref())?;
         let code = match outcome.end {
             End::Time | End::Iterations | End::Budget => ExitCode::FAILURE,
@@ -251,7 +253,11 @@ impl Analysis for Asked {
         };
         let origin = Origin { study_sha256: fit.study.digest(), fmu_sha256: Some(fit.package.digest()?), points: None };
         let document = page.section();
-        let text = document.as_text();
+        let mut text = document.as_text();
+        if !fit.study.criteria.is_empty() && outcome.optima.len() == 1 {
+            let file = folder.join("optimum.toml");
+            text += &format!("\n`orchestrator verify {}` judges the model there\n", file.display());
+        }
         write_json(&folder.join(SECTION), &Section { origin: origin.clone(), document })?;
         // A finished study has a page, which shows the section.
         if !folder.join("summary.json").exists() {

@@ -24,8 +24,11 @@ const CONFIDENCE: f64 = 0.95;
 pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensitivity, Error> {
     let Session { study, plan, judge, .. } = session;
     if !plan.is_independent() {
-        let message = "the parameters are correlated, or drawn together from a sample, and these indices are those of independent \
-                       ones; use `sensitivity STUDY --shapley N`";
+        let message = format!(
+            "the parameters are correlated, or drawn together from a sample, and these indices are those of independent ones; use \
+             `orchestrator sensitivity {} --shapley 1000`",
+            study.path().display()
+        );
         return Err(Error::option("from", message));
     }
     let (summary, table) = known::points_of(folder, study)?;
@@ -61,7 +64,7 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
             let study = study.path().display();
             let message = format!(
                 "{runs} points in {} have values, and {needed} are needed for indices of {dimensions} parameters: `orchestrator verify \
-                 {study} --resume --points {needed}` adds the others, or `sensitivity {study} --base N` runs a design",
+                 {study} --resume --points {needed}` adds the others, or `orchestrator sensitivity {study} --base 256` runs a design",
                 folder.display()
             );
             return Err(Error::option("from", message));
@@ -75,8 +78,9 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
         if let Err(why) = &found {
             warnings.push(format!(
                 "{name}: no indices from these points: {why}; verify twice as many (`--resume --points {}`), or run a design \
-                 (`sensitivity STUDY --base N`)",
-                2 * table.len()
+                 (`orchestrator sensitivity {} --base 256`)",
+                2 * table.len(),
+                study.path().display()
             ));
         }
         outputs.push(from_indices(name, found.ok(), &parameters, seed));

@@ -211,7 +211,11 @@ impl Asked {
     fn stand(&self, session: &Session) -> Result<Stand> {
         let (_, table) = known::points_of(&self.from, &session.study)?;
         Stand::fit(&table).ok_or_else(|| {
-            Error::option("budget", "the points are too few for a surrogate: `verify STUDY --budget N` makes more")
+            let study = session.study.path().display();
+            let message = format!(
+                "the points are too few for a surrogate: `orchestrator verify {study} --points 100` makes more"
+            );
+            Error::option("budget", message)
         })
     }
 
