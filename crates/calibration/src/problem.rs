@@ -420,6 +420,11 @@ impl Problem {
         for value in &mut problem.not_normal {
             value.law.normal = value.law.normal.hypot(more(value.case, value.quantity));
         }
+        // What is added is none of the sensor's.
+        for value in &mut problem.mixed {
+            let [before, now] = [&self.cases, &problem.cases].map(|c| c[value.case].measured[value.quantity].accuracy);
+            value.parts = value.parts.map(|part| part * (before / now).powi(2));
+        }
         problem
     }
 }
