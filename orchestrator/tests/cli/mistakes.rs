@@ -541,8 +541,16 @@ fn tables_that_do_not_fit() {
     };
     judge("point,Z\n1,0.8\n").is_mistake(&["table.csv", "no column `Y`", "point, Z"]);
     judge("point,Y\n1,high\n").is_mistake(&["table.csv:2", "`high` is not a number"]);
-    judge("point;Y\n1;0,86\n2;1.000\n").is_mistake(&["table.csv:3: column `Y`", "`1.000` may be 1000 or 1.000", "--decimal"]);
-    judge("point;Y\n1;1.000\n2;0,86\n").is_mistake(&["table.csv:2: column `Y`", "`1.000` may be 1000 or 1.000", "--decimal"]);
+    judge("point;Y\n1;0,86\n2;1.000\n").is_mistake(&[
+        "table.csv:3: column `Y`",
+        "`1.000` may be 1000 or 1.000",
+        "--decimal",
+    ]);
+    judge("point;Y\n1;1.000\n2;0,86\n").is_mistake(&[
+        "table.csv:2: column `Y`",
+        "`1.000` may be 1000 or 1.000",
+        "--decimal",
+    ]);
     judge("point;t;Y\n1;0.5;1.000\n").is_mistake(&["table.csv:2: column `Y`", "`1.000` may be 1000 or 1.000"]);
     judge("point,Y\n").is_mistake(&["table.csv", "no rows"]);
     judge("").is_mistake(&["table.csv", "no rows"]);
