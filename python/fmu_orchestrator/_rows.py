@@ -564,12 +564,12 @@ def _columns(
         if column not in labels and column not in names:
             raise OrchestratorError(f"{path}: --unit {column}: there is no such column; it has {', '.join(labels)}")
         said[labels.index(column) if column in labels else names.index(column)] = given
-    marks = {"": options.decimal} if isinstance(options.decimal, str) else dict(options.decimal or {})
-    marks |= {} if "" in marks or decimal is None else {"": decimal}
-    for column, mark in marks.items():
+    said_marks = {"": options.decimal} if isinstance(options.decimal, str) else dict(options.decimal or {})
+    said_marks |= {} if "" in said_marks or decimal is None else {"": decimal}
+    for column, mark in said_marks.items():
         if column and column not in labels or mark not in OTHER:
             raise OrchestratorError(f"{path}: --decimal {column}{'=' * bool(column)}{mark}: say . or , or NAME=MARK; the columns are {', '.join(labels)}")
-    numbers = _numbers(path, labels, kinds, cells, marks, told)
+    numbers = _numbers(path, labels, kinds, cells, said_marks, told)
     taken: set[int] = set()
     options = _of_figures(path, labels, said, kinds, cells, numbers, options, taken)
     time, start = _time(path, labels, names, kinds, cells, numbers, options, told, taken)
