@@ -498,14 +498,15 @@ fn what_a_fit_strains_is_its_cause() {
     };
     let normal = "distribution = \"normal\"\nmean = 1\ndeviation = 0.04";
     let uniform = "distribution = \"uniform\"\nmin = 0.9\nmax = 1.3";
-    for (parameter, rate, zero, cause) in [
-        (normal, 1.2, 0.0, Some(["lag.rate is 1.19", "instead of 0.92 .. 1.08", "(4.9 standard deviations from 1)"])),
-        (uniform, 1.05, 0.022, Some(["the sensor of level reads 0.02", "too high (stated: at most 0.01)", ""])),
-        (uniform, 1.2, 0.0, None),
+    // The zero error is six standard uncertainties: of these the rate takes a part.
+    for (parameter, rate, zero, noise, cause) in [
+        (normal, 1.2, 0.0, 0.006, Some(["lag.rate is 1.1", "instead of 0.92 .. 1.08", " standard deviations from 1)"])),
+        (uniform, 1.05, 0.03, 0.004, Some(["the sensor of level reads 0.02", "too high (stated: at most 0.01)", ""])),
+        (uniform, 1.2, 0.0, 0.006, None),
     ] {
         let row = |k: i32| {
             let t = 0.05 * f64::from(k);
-            let noise = 0.006 * (f64::from(k * k) * 1.234).sin();
+            let noise = noise * (f64::from(k * k) * 1.234).sin();
             format!("{t},{}\n", 1.0 - (-rate * t).exp() + zero + noise)
         };
         bench.write("studies/run.csv", &format!("t,y\n{}", (1..=40).map(row).collect::<String>()));
@@ -518,6 +519,13 @@ fn what_a_fit_strains_is_its_cause() {
         assert!(text.contains("The model fits the measured values"), "{text}");
         let outcome: Value = serde_json::from_str(&bench.read("results/fit/identification.json")).unwrap();
         let told = outcome["causes"][0].as_str().unwrap();
+        if parameter == normal {
+            // Of five standard deviations the prior takes the part that the data leave of its variance.
+            let free = &outcome["free"][0];
+            let [value, left] = ["value", "left"].map(|key| free[key].as_f64().unwrap());
+            let expected = 1.0 + 0.2 * (1.0 - left * left);
+            assert!((value - expected).abs() < 0.01, "{value} {expected}");
+        }
         match cause {
             Some(words) => {
                 assert!(told.starts_with("Likeliest cause: "), "{told}");
