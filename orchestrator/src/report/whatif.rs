@@ -169,7 +169,7 @@ fn fixed(summary: &Summary, study: Option<&Study>) -> Option<&'static str> {
     }
     if summary.verified_interval.is_none() || summary.provenance.replicates.is_some() {
         return Some(
-            "the points of a grid or of nets depend on each other, so that nothing tells the error of a weighted share",
+            "the points depend on each other, so that nothing tells the error of a weighted share",
         );
     }
     match study {

@@ -40,8 +40,7 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
         )
     };
     let run = |row: usize| Run { point: point(row), values: values(&table, row) };
-    let rows = rows(&summary.provenance.method, table.len());
-    let runs: Vec<Run> = rows.iter().map(|row| run(*row)).collect();
+    let runs: Vec<Run> = (0..MOST.min(table.len())).map(run).collect();
     let dimensions = varied.len();
     let net = design::cube(2 * dimensions, PAIRS, seed, 1).map_err(|message| study.error(message))?;
     let half = |half: usize| -> Vec<Vec<f64>> {
@@ -97,15 +96,6 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
         warnings,
         outputs,
     })
-}
-
-/// The first points, which are spread like all of them; those of a grid lie in a corner first.
-fn rows(method: &str, points: usize) -> Vec<usize> {
-    let most = MOST.min(points);
-    match method {
-        "full-factorial" => (0..most).map(|k| k * points / most).collect(),
-        _ => (0..most).collect(),
-    }
 }
 
 fn values(table: &PointTable, row: usize) -> Option<Vec<f64>> {
