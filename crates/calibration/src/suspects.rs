@@ -16,7 +16,7 @@ use super::{
     errors::Errors,
     expected::Expected,
     local::{Limits, Minimum, minimise},
-    next::Group,
+    influence::Group,
     objective::{Differences, Objective},
     optima::Optimum,
     problem::{Effect, Free, NoPrediction, Problem, SharedKind, Simulate, Source, Spacing},

@@ -234,7 +234,6 @@ lag = { min = "-60 ms", max = "60 ms" }
         "Fit and residuals",
         "What the data say of the sensors",
         "posterior, by its normal approximation",
-        "What to measure next",
     ] {
         assert!(page.contains(words), "no `{words}` on the page");
     }

@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use calibration::{
     fit::Fit,
     local::End,
-    next::Group,
+    influence::Group,
     outcome::IdentificationOutcome,
     problem::{Free, NoPrediction, Problem, Query, SharedKind, Simulate, Spacing},
     remembered::Remembered,
