@@ -71,7 +71,7 @@ impl<M: Model> Of<M> {
                     0,
                     nowhere,
                     None,
-                    None,
+                    none,
                 )
             },
             PhantomData,

@@ -71,11 +71,7 @@ pub enum Kinds {
 pub struct Log {
     messages: Cell<u64>,
     /// The instance that is at work: the callbacks call back into it.
-    pub busy: Cell<Option<Component>>,
-    /// The number of intermediate updates.
-    pub updates: Cell<u64>,
-    /// Where the choices of callbacks come from.
-    pub random: Cell<u64>,
+    busy: Cell<Option<Component>>,
     reset: Plain,
 }
 
@@ -142,8 +138,6 @@ impl Host {
             log: Box::new(Log {
                 messages: Cell::default(),
                 busy: Cell::default(),
-                updates: Cell::default(),
-                random: Cell::new(seed),
                 reset: interface.reset.1,
             }),
             seed,
@@ -362,8 +356,7 @@ impl Host {
             self.release(component);
         }
         let (seed, calls, messages) = (self.seed, self.calls, self.log.messages.get());
-        let updates = self.log.updates.get();
-        println!("seed {seed}: {calls} calls, {messages} messages, {updates} intermediate updates");
+        println!("seed {seed}: {calls} calls, {messages} messages");
         let head = ["OK", "warning", "discard", "error"].map(|word| format!("{word:>9}"));
         println!("{:36} {}", "", head.join(" "));
         for (name, counts) in &self.tally {

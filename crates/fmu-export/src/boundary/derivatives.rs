@@ -74,7 +74,6 @@ impl<M: Model> Instance<M> {
         orders: &[i32],
         values: &mut [Real],
     ) -> Outcome {
-        self.check_intermediate(references, false)?;
         self.refresh()?;
         let mut ahead = None;
         for ((reference, order), value) in references.iter().zip(orders).zip(values.iter_mut()) {

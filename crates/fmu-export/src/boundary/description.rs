@@ -9,7 +9,6 @@ use super::{
         units,
     },
     exchange::{RATE, STATE},
-    intermediate::is_intermediate,
     types::ValueReference,
     values::TIME,
     xml::{Number, Tag, Xml},
@@ -84,9 +83,9 @@ fn co_simulation_2<M: Model>() -> Tag {
         .with("providesDirectionalDerivative", true)
 }
 
-/// All that can be done, and nothing that cannot: a model without inner steps and events is stepped through without a stop.
+/// All that can be done, and nothing that cannot: a model without events is stepped through without a stop.
 fn co_simulation_3<M: Model>() -> Tag {
-    let (inner, events) = (M::INNER_STEP.is_some(), M::EVENTS.is_some());
+    let events = M::EVENTS.is_some();
     Tag::new("CoSimulation")
         .with("modelIdentifier", M::INFO.identifier)
         .with("canGetAndSetFMUState", true)
@@ -95,9 +94,7 @@ fn co_simulation_3<M: Model>() -> Tag {
         .with("providesAdjointDerivatives", true)
         .with("canHandleVariableCommunicationStepSize", true)
         .with("maxOutputDerivativeOrder", 1)
-        .with("providesIntermediateUpdate", inner)
-        .with("mightReturnEarlyFromDoStep", inner || events)
-        .with("canReturnEarlyAfterIntermediateUpdate", inner)
+        .with("mightReturnEarlyFromDoStep", events)
         .with("hasEventMode", events)
 }
 
@@ -303,11 +300,10 @@ fn describe<M: Model>(
     let set = !matches!(variable.role, Role::Output | Role::Local);
     let of = version.type_name(variable);
     let texts = set && three && matches!(variable.kind, Kind::String { .. });
-    let intermediate = three && interface == Interface::CoSimulation && is_intermediate(variable);
     let clock =
         variable.clock.filter(|_| three).and_then(|clock| M::variables().iter().position(|other| other.name == clock));
     let typed = |tag: Tag| {
-        let tag = tag.with_some("intermediateUpdate", intermediate.then_some(true)).with_some("clocks", clock);
+        let tag = tag.with_some("clocks", clock);
         let tag = match &variable.kind {
             Kind::Real(real) => tag
                 .with("unit", real.unit.name)

@@ -1,8 +1,7 @@
 //! The part of an FMI boundary that does not depend on the standard's version: one instance, in safe Rust.
 //!
 //! - `guard`: the checks that every call passes (handle, state machine, panics), and `raw`, the checks of its pointers;
-//! - `instance`: one instance, with `values`, `snapshot`, `derivatives`, for Model Exchange `exchange`, and
-//!   `intermediate` for hosts that look into communication steps;
+//! - `instance`: one instance, with `values`, `snapshot`, `derivatives`, and for Model Exchange `exchange`;
 //! - `phase`: where an instance is in its life;
 //! - `calls`: makes C functions of a version's table of them;
 //! - `description`, with `describe` and `xml`: the model descriptions of all versions.
@@ -17,7 +16,6 @@ pub mod description;
 pub mod exchange;
 pub mod guard;
 pub mod instance;
-pub mod intermediate;
 pub mod logger;
 pub mod phase;
 pub mod raw;
@@ -28,5 +26,4 @@ pub mod snapshot;
 pub mod types;
 pub mod values;
 pub mod version;
-pub mod watch;
 pub mod xml;

@@ -34,8 +34,6 @@ pub enum Refusal {
     Type { name: &'static str, is: &'static str, asked: &'static str },
     #[error("{name} is {role}, which cannot be set {phase}")]
     NotSettable { name: &'static str, role: &'static str, phase: Phase },
-    #[error("{name} cannot be accessed in intermediate update mode: {why}")]
-    NotIntermediate { name: &'static str, why: &'static str },
     #[error("{name} cannot be set to {value}: it must be {allowed}")]
     Value { name: &'static str, value: String, allowed: String },
     #[error("{name}: {why}")]

@@ -171,8 +171,8 @@ unsafe fn make<M: Model>(
         Some(Logger::new(callback, callbacks.component_environment, logging))
     };
     let check = || match (kind, offered::<M>()) {
-        (CO_SIMULATION, _) => Ok(Known::of(Version::Two, Interface::CoSimulation)),
-        (MODEL_EXCHANGE, Some(_)) => Ok(Known::of(Version::Two, Interface::ModelExchange)),
+        (CO_SIMULATION, _) => Ok(Known::of::<M>(Version::Two, Interface::CoSimulation)),
+        (MODEL_EXCHANGE, Some(_)) => Ok(Known::of::<M>(Version::Two, Interface::ModelExchange)),
         (_, offered) => Err(Refusal::Argument {
             name: "fmuType",
             value: kind.to_string(),

@@ -3,7 +3,7 @@
 use std::ffi::c_void;
 
 pub use crate::boundary::types::{
-    Component, ComponentEnvironment, FmuState, IntermediateUpdateCallback, LogMessageCallback, Real, Status, Text,
+    Component, ComponentEnvironment, FmuState, LogMessageCallback, Real, Status, Text,
     ValueReference,
 };
 

@@ -10,7 +10,6 @@ mod arguments;
 mod derivatives;
 mod exchange;
 mod host;
-mod intermediate;
 mod life;
 mod states;
 mod three;

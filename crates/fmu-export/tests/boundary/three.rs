@@ -63,7 +63,7 @@ impl Host {
                 0,
                 environment,
                 log,
-                None,
+                null(),
             )
         };
         Self { component, messages }
