@@ -80,8 +80,7 @@ def test_variables_are_those_of_fmi_2(description, description3):
 def test_capabilities_are_those_that_are_there(fmu3):
     root = etree.fromstring(zipfile.ZipFile(fmu3).read("modelDescription.xml"))
     assert root.find("ModelExchange") is None and root.find("ScheduledExecution") is None
-    true = {"canGetAndSetFMUState", "canSerializeFMUState", "providesDirectionalDerivatives",
-            "providesAdjointDerivatives", "canHandleVariableCommunicationStepSize"}
+    true = {"canGetAndSetFMUState", "canSerializeFMUState", "canHandleVariableCommunicationStepSize"}
     expected = {name: "true" for name in true} | {"hasEventMode": "false", "mightReturnEarlyFromDoStep": "false"}
     assert dict(root.find("CoSimulation").attrib) == {
         **expected, "modelIdentifier": "PlainBearingStand", "maxOutputDerivativeOrder": "1"}

@@ -284,19 +284,6 @@ fn saved_states_know_their_mode() {
     }
 }
 
-#[test]
-fn event_mode_has_derivatives_in_co_simulation() {
-    for (host, expected) in [(Host::stepped(1, 1), (Ok, [1.0; 3])), (Host::exchange(), (Error, [7.0; 3]))] {
-        let (margin, setpoint) = (vr::<House>("margin"), vr::<House>("setpoint"));
-        let mut slopes = [7.0; 3];
-        let place = slopes.as_mut_ptr();
-        let derivative = calls::get_directional_derivative::<House>;
-        // SAFETY: the component is alive, and the places are ours.
-        let status = unsafe { derivative(host.0, &margin, 1, &setpoint, 1, &1.0, 1, place, 3) };
-        assert_eq!((status, slopes.map(f64::round)), expected);
-    }
-}
-
 mod stuck {
     use fmu_export::declare::output;
     use fmu_export::model::{

@@ -30,8 +30,6 @@ pub static INTERFACE: Interface = Interface {
         (3, set_boolean),
         (3, set_string),
         (4, get_output_rates),
-        (2, directional),
-        (1, adjoint),
         (8, absent::act),
         (2, logging),
         (20, exchange::act),
@@ -307,25 +305,5 @@ fn get_output_rates(host: &mut Host, component: Component) {
     get_rates(host, component, name, |c, from, n, orders, into| {
         // SAFETY: right, NULL, a count that no memory has, or counts that contradict each other.
         counted(n, &|m| unsafe { fmi3GetOutputDerivatives(c, from, n, orders, into, m) })
-    });
-}
-
-fn directional(host: &mut Host, component: Component) {
-    let (name, kinds): (_, (Fits, Fits)) = ("fmi3GetDirectionalDerivative", (input, real_output));
-    let counted = n_values(host);
-    derivative(host, component, name, kinds, |c, (known, seed), (unknown, n, into)| {
-        let (known, k, seed) = (known.as_ptr(), known.len(), seed.as_ptr());
-        // SAFETY: right, NULL, a count that no memory has, or counts that contradict each other.
-        counted(n, &|m| unsafe { fmi3GetDirectionalDerivative(c, unknown, n, known, k, seed, k, into, m) })
-    });
-}
-
-fn adjoint(host: &mut Host, component: Component) {
-    let (name, kinds): (_, (Fits, Fits)) = ("fmi3GetAdjointDerivative", (real_output, input));
-    let counted = n_values(host);
-    derivative(host, component, name, kinds, |c, (unknown, seed), (known, n, into)| {
-        let (unknown, u, seed) = (unknown.as_ptr(), unknown.len(), seed.as_ptr());
-        // SAFETY: right, NULL, a count that no memory has, or counts that contradict each other.
-        counted(n, &|m| unsafe { fmi3GetAdjointDerivative(c, unknown, u, known, n, seed, u, into, m) })
     });
 }

@@ -80,7 +80,6 @@ fn co_simulation_2<M: Model>() -> Tag {
         .with("canNotUseMemoryManagementFunctions", true)
         .with("canGetAndSetFMUstate", true)
         .with("canSerializeFMUstate", true)
-        .with("providesDirectionalDerivative", true)
 }
 
 /// All that can be done, and nothing that cannot: a model without events is stepped through without a stop.
@@ -90,8 +89,6 @@ fn co_simulation_3<M: Model>() -> Tag {
         .with("modelIdentifier", M::INFO.identifier)
         .with("canGetAndSetFMUState", true)
         .with("canSerializeFMUState", true)
-        .with("providesDirectionalDerivatives", true)
-        .with("providesAdjointDerivatives", true)
         .with("canHandleVariableCommunicationStepSize", true)
         .with("maxOutputDerivativeOrder", 1)
         .with("mightReturnEarlyFromDoStep", events)

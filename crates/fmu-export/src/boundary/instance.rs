@@ -207,18 +207,6 @@ impl<M: Model> Instance<M> {
         }
         Ok(model)
     }
-
-    /// A copy of the model after `change`, with its outputs: initialised in initialization mode, updated later.
-    pub fn variant(&self, change: impl FnOnce(&mut M)) -> Outcome<M> {
-        let mut model = self.run.seed.as_ref().unwrap_or(&self.run.model).clone();
-        change(&mut model);
-        if self.run.seed.is_some() {
-            model.initialise(&self.run.experiment(self.resources.as_deref()), &mut ())?;
-        } else {
-            model.update()?;
-        }
-        Ok(model)
-    }
 }
 
 /// Refuses a host that gives an instance no name, or has read another description than that with this fingerprint.

@@ -76,9 +76,6 @@ pub const ALIVE: Phases = !of(&[Phase::Fatal]);
 /// The phases in which computed values can be read.
 pub const READABLE: Phases = ALIVE & !of(&[Phase::Instantiated]);
 
-/// The phases in which partial derivatives can be asked for: not in Model Exchange, whose event mode refuses them itself.
-pub const DERIVABLE: Phases = READABLE & !of(&[Phase::Continuous]);
-
 /// The phases in which states can be read.
 pub const INTEGRABLE: Phases = READABLE & !of(&[Phase::StepComplete, Phase::StepFailed]);
 

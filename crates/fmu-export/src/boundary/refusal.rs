@@ -11,6 +11,9 @@ use crate::model::Fault;
 /// How a call ends.
 pub type Outcome<T = Status> = Result<T, Refusal>;
 
+/// Hosts take the differences that they want themselves.
+pub const NO_DIRECTIONS: Outcome = Err(Refusal::Absent("this FMU provides no directional derivatives"));
+
 /// Why a call is refused. The instance is as before the call, unless a computation failed.
 #[derive(Debug, Error)]
 pub enum Refusal {

@@ -16,12 +16,12 @@ use crate::{
         instance::Instance,
         logger::{Callback, Logger, c_string},
         phase::{
-            ALIVE, DERIVABLE, Function, INTEGRABLE,
+            ALIVE, Function, INTEGRABLE,
             Phase::{Continuous, Error, Event, Initialization, Instantiated, StepComplete, StepFailed, Terminated},
             Phases, READABLE, SETTABLE, of,
         },
         raw::{place, texts, values, values_mut},
-        refusal::{Outcome, Refusal},
+        refusal::{NO_DIRECTIONS, Outcome, Refusal},
         values::INTEGER,
         version::Version,
     },
@@ -84,13 +84,8 @@ c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
             |instance| instance.deserialize(values(bytes.cast(), size, "serializedState")?, place(state, "FMUstate")?);
 
         fmi2GetDirectionalDerivative = get_directional_derivative(unknowns: *const ValueReference, n_unknowns: usize,
-            knowns: *const ValueReference, n_knowns: usize, direction: *const Real, derivative: *mut Real) in DERIVABLE =>
-            |instance| instance.get_directional_derivative(
-                values(unknowns, n_unknowns, "vUnknown_ref")?,
-                values(knowns, n_knowns, "vKnown_ref")?,
-                values(direction, n_knowns, "dvKnown")?,
-                values_mut(derivative, n_unknowns, "dvUnknown")?,
-            );
+            knowns: *const ValueReference, n_knowns: usize, direction: *const Real, derivative: *mut Real) in ALIVE =>
+            |_| NO_DIRECTIONS;
         fmi2SetRealInputDerivatives = set_real_input_derivatives(vr: *const ValueReference, n: usize, order: *const Integer,
             value: *const Real) in SETTABLE => |instance| instance.set_input_derivatives(
                 values(vr, n, "vr")?, values(order, n, "order")?, values(value, n, "value")?,

@@ -23,14 +23,14 @@ use crate::{
         instance::Instance,
         logger::{Callback, Logger},
         phase::{
-            ALIVE, DERIVABLE, Function, INTEGRABLE,
+            ALIVE, Function, INTEGRABLE,
             Phase::{
                 Continuous, Error, Event, Initialization, Instantiated, StepComplete, StepFailed, Terminated,
             },
             SETTABLE, of,
         },
         raw::{place, texts, values, values_mut},
-        refusal::{Outcome, Refusal},
+        refusal::{NO_DIRECTIONS, Outcome, Refusal},
         values::{INT32, INT64, all_elements, size},
         version::Version,
     },
@@ -120,11 +120,6 @@ with_absent_types! {
                 instantiate_by::<M>("fmi3InstantiateScheduledExecution", form, [name, token, resources], |_| Some(logger), check)
             };
         fmi3FreeInstance = free_instance(component: Component) => Handle::<M>::end(component, Version::Three);
-        /// After a discarded step the instance is where it was, in step mode: the host may try a shorter one.
-        fmi3DoStep = do_step(component: Component, from: Real, step: Real, no_set_state_prior: Boolean,
-            event_handling_needed: *mut Boolean, terminate_simulation: *mut Boolean, early_return: *mut Boolean,
-            last_successful_time: *mut Real) -> Status =>
-            take_step::<M>(component, from, step, [event_handling_needed, terminate_simulation, early_return], last_successful_time);
     }
     }
     calls {
@@ -137,6 +132,26 @@ with_absent_types! {
                 instance.enter_initialization()
             };
         fmi3ExitInitializationMode = exit_initialization_mode() in of(&[Initialization]) => |instance| instance.exit_initialization();
+        /// After a discarded step the instance is where it was, in step mode: the host may try a shorter one.
+        fmi3DoStep = do_step(from: Real, step: Real, no_set_state_prior: Boolean, event_handling_needed: *mut Boolean,
+            terminate_simulation: *mut Boolean, early_return: *mut Boolean, last_successful_time: *mut Real)
+            in of(&[StepComplete]) => |instance| {
+                let [event, terminate] = [
+                    place(event_handling_needed, "eventHandlingNeeded")?,
+                    place(terminate_simulation, "terminateSimulation")?,
+                ];
+                let early = place(early_return, "earlyReturn")?;
+                let reached = place(last_successful_time, "lastSuccessfulTime")?;
+                let outcome = instance.step(from, step);
+                *event = (outcome.is_ok() && instance.event_due).into();
+                *terminate = FALSE;
+                *early = (outcome.is_ok() && instance.run.time < from + step).into();
+                *reached = instance.run.time;
+                if instance.run.phase == StepFailed {
+                    instance.run.phase = StepComplete;
+                }
+                outcome
+            };
         fmi3EnterEventMode = enter_event_mode() in of(&[StepComplete, Continuous]) => |instance| instance.enter_event();
         fmi3Terminate = terminate() in of(&[StepComplete, Event, Continuous]) => |instance| instance.terminate();
         fmi3Reset = reset() in ALIVE => |instance| instance.reset();
@@ -192,20 +207,10 @@ with_absent_types! {
 
         fmi3GetDirectionalDerivative = get_directional_derivative(unknowns: *const ValueReference, n_unknowns: usize,
             knowns: *const ValueReference, n_knowns: usize, seed: *const Real, n_seed: usize, sensitivity: *mut Real,
-            n_sensitivity: usize) in DERIVABLE => |instance| {
-                let knowns = elements::<M>(knowns, n_knowns, "knowns", ("nSeed", n_seed))?;
-                let unknowns = elements::<M>(unknowns, n_unknowns, "unknowns", ("nSensitivity", n_sensitivity))?;
-                let (seed, sensitivity) = (values(seed, n_seed, "seed")?, values_mut(sensitivity, n_sensitivity, "sensitivity")?);
-                instance.get_directional_derivative(&unknowns, &knowns, seed, sensitivity)
-            };
+            n_sensitivity: usize) in ALIVE => |_| NO_DIRECTIONS;
         fmi3GetAdjointDerivative = get_adjoint_derivative(unknowns: *const ValueReference, n_unknowns: usize,
             knowns: *const ValueReference, n_knowns: usize, seed: *const Real, n_seed: usize, sensitivity: *mut Real,
-            n_sensitivity: usize) in DERIVABLE => |instance| {
-                let unknowns = elements::<M>(unknowns, n_unknowns, "unknowns", ("nSeed", n_seed))?;
-                let knowns = elements::<M>(knowns, n_knowns, "knowns", ("nSensitivity", n_sensitivity))?;
-                let (seed, sensitivity) = (values(seed, n_seed, "seed")?, values_mut(sensitivity, n_sensitivity, "sensitivity")?);
-                instance.get_adjoint_derivative(&unknowns, &knowns, seed, sensitivity)
-            };
+            n_sensitivity: usize) in ALIVE => |_| NO_DIRECTIONS;
         fmi3GetOutputDerivatives = get_output_derivatives(vr: *const ValueReference, n: usize, orders: *const i32, value: *mut Real,
             n_values: usize) in of(&[StepComplete, StepFailed, Terminated, Error]) => |instance| {
                 let all = for_values::<M>(vr, n, n_values)?;
@@ -284,7 +289,7 @@ unsafe fn references<'a>(vr: *const ValueReference, n: usize) -> Outcome<&'a [Va
     unsafe { values(vr, n, "valueReferences") }
 }
 
-/// The value references of all elements, for as many values.
+/// The value references of all elements, and a check that there is one value for each.
 ///
 /// # Safety
 /// As for all functions.
@@ -294,63 +299,13 @@ unsafe fn for_values<'a, M: Model>(
     n_values: usize,
 ) -> Outcome<Cow<'a, [ValueReference]>> {
     // SAFETY: as the host vouches.
-    unsafe { elements::<M>(vr, n, "valueReferences", ("nValues", n_values)) }
-}
-
-/// The value references of all elements, and a check that there is one value for each.
-///
-/// # Safety
-/// As for all functions.
-unsafe fn elements<'a, M: Model>(
-    vr: *const ValueReference,
-    n: usize,
-    name: &'static str,
-    (counted, given): (&'static str, usize),
-) -> Outcome<Cow<'a, [ValueReference]>> {
-    // SAFETY: as the host vouches.
-    let elements = all_elements::<M>(unsafe { values(vr, n, name) }?);
-    if given == elements.len() {
+    let elements = all_elements::<M>(unsafe { references(vr, n) }?);
+    if n_values == elements.len() {
         return Ok(elements);
     }
     Err(Refusal::Argument {
-        name: counted,
-        value: given.to_string(),
+        name: "nValues",
+        value: n_values.to_string(),
         why: "there must be a value for each scalar, and for each element of an array",
     })
-}
-
-/// Takes a communication step, and asks the host within it if it wants to be asked.
-///
-/// # Safety
-/// As for all functions.
-unsafe fn take_step<M: Model>(
-    component: Component,
-    from: Real,
-    step: Real,
-    [event_handling_needed, terminate_simulation, early_return]: [*mut Boolean; 3],
-    last_successful_time: *mut Real,
-) -> Status {
-    let function = Function { name: "fmi3DoStep", version: Version::Three, phases: of(&[StepComplete]) };
-    let body = |instance: &mut Instance<M>| {
-        // SAFETY: as the host vouches.
-        let (event, terminate, early, reached) = unsafe {
-            (
-                place(event_handling_needed, "eventHandlingNeeded")?,
-                place(terminate_simulation, "terminateSimulation")?,
-                place(early_return, "earlyReturn")?,
-                place(last_successful_time, "lastSuccessfulTime")?,
-            )
-        };
-        let outcome = instance.step(from, step);
-        *event = (outcome.is_ok() && instance.event_due).into();
-        *terminate = FALSE;
-        *early = (outcome.is_ok() && instance.run.time < from + step).into();
-        *reached = instance.run.time;
-        if instance.run.phase == StepFailed {
-            instance.run.phase = StepComplete;
-        }
-        outcome
-    };
-    // SAFETY: as the host vouches.
-    unsafe { enter(component, &function, body) }
 }

@@ -272,31 +272,6 @@ fn an_instance_of_one_version_is_none_of_the_other() {
 }
 
 #[test]
-fn adjoint_derivatives_are_the_transposed_directional_ones() {
-    let host = Host::started();
-    assert_eq!(host.set("input", 3.0), Ok);
-    let (unknowns, knowns) = ([vr("feed"), vr("output")], [vr("input"), vr("gain")]);
-    let mut adjoint = [f64::NAN; 2];
-    // SAFETY: two values each.
-    let status = unsafe {
-        calls::get_adjoint_derivative::<Lag>(
-            host.component,
-            unknowns.as_ptr(),
-            2,
-            knowns.as_ptr(),
-            2,
-            [10.0, 1.0].as_ptr(),
-            2,
-            adjoint.as_mut_ptr(),
-            2,
-        )
-    };
-    assert_eq!(status, Ok);
-    // feed = gain input; the output depends on neither at this instant.
-    assert!((adjoint[0] - 20.0).abs() < 1e-7 && (adjoint[1] - 30.0).abs() < 1e-7, "{adjoint:?}");
-}
-
-#[test]
 fn saved_states_continue_bit_for_bit() {
     let host = Host::started();
     assert_eq!([host.set("input", 0.3), host.step(0.0, 0.2).0], [Ok; 2]);
