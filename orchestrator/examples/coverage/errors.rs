@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 use sampling::design::cube;
-use sensitivity::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
+use crate::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
 use sensitivity::method::FirstOrder;
 use sensitivity::pairs::pairs;
 use sensitivity::sobol::{design, indices};

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use sampling::design::cube;
-use sensitivity::functions::{ishigami, ishigami_indices, sobol_g};
+use crate::functions::{ishigami, ishigami_indices, sobol_g};
 use sensitivity::method::Settled;
 use sensitivity::pairs::pairs;
 use sensitivity::shapley::{design, effects};
