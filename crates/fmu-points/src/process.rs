@@ -24,7 +24,7 @@ use crate::{
     working_directory,
 };
 use fmu_import::isolation::{
-    ControlGroup, Loss,
+    Loss,
     frame::{self, Inbox},
     keeper::signal_name,
 };
@@ -82,9 +82,6 @@ pub(crate) struct Process {
     pub(crate) setup: Setup,
     /// The folders that its points have for themselves, once it has any.
     room: Option<Arc<Room>>,
-    /// Whether it is for many points: it gets a control group where there can be such, which takes the system longer than
-    /// most points.
-    pub(crate) lasting: bool,
     running: Option<Running>,
 }
 
@@ -112,7 +109,7 @@ impl Process {
             fill: None,
             echo: false,
         };
-        Self { setup, room: None, lasting: false, running: None }
+        Self { setup, room: None, running: None }
     }
 
     /// Gives its points folders of their own: one for temporary files, and a working directory unless they keep the user's.
@@ -164,7 +161,7 @@ impl Process {
     ) -> Result<(), Gone> {
         let mut running = match self.running.take() {
             Some(running) => running,
-            None => Running::start(&self.setup, self.lasting)?,
+            None => Running::start(&self.setup)?,
         };
         running.order(&bytes(order))?;
         while more(running.wait(self.setup.limits, stopped)?) {}
@@ -179,7 +176,7 @@ impl Process {
 }
 
 impl Running {
-    fn start(setup: &Setup, lasting: bool) -> Result<Self, Gone> {
+    fn start(setup: &Setup) -> Result<Self, Gone> {
         let start = |error: io::Error| Gone::Start(error.to_string());
         let mut family = family();
         system::adopt_orphans();
@@ -205,13 +202,9 @@ impl Running {
             .stderr(if setup.echo { Stdio::inherit() } else { Stdio::null() })
             .spawn()
             .map_err(start)?;
-        family.insert(child.id(), None);
+        // Whatever it starts will be in its job from the beginning: it waits for its first order.
+        family.insert(child.id(), system::job_of(child.id()));
         drop(family);
-        if lasting || system::GROUPS_ARE_NEEDED {
-            // Whatever it starts will be in the group from the beginning: it waits for its first order.
-            let group = ControlGroup::new().filter(|group| group.take(child.id()));
-            self::family().insert(child.id(), group);
-        }
         let ticket = rand::random();
         let orders = child.stdin.take();
         let replies = child.stdout.take().map(system::source);
@@ -308,9 +301,8 @@ impl Drop for Running {
             let _ = self.child.kill();
             let _ = self.child.wait();
         }
-        let group = family().remove(&self.child.id());
-        // All that is still in it ends.
-        drop(group);
+        // All that is still in its job ends.
+        family().remove(&self.child.id());
         if !sound {
             let family = family();
             let mark = format!("{MARK}={}", mark());
@@ -328,11 +320,10 @@ fn mark() -> &'static str {
     OWN.get_or_init(|| format!("{}-{:016x}", std::process::id(), rand::random::<u64>()))
 }
 
-/// The workers of this process, with their control groups where there can be such: its other children with the mark
-/// have outlived theirs.
+/// The workers of this process, with their jobs on Windows: its other children with the mark have outlived theirs.
 static WORKERS: Mutex<Family> = Mutex::new(Family::new());
 
-type Family = BTreeMap<u32, Option<ControlGroup>>;
+type Family = BTreeMap<u32, system::Job>;
 
 fn family() -> MutexGuard<'static, Family> {
     locked(&WORKERS)
@@ -361,10 +352,9 @@ pub fn abandon_all() {
             Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(1)),
         }
     };
-    for (&worker, group) in &workers {
-        system::kill_worker(worker);
-        group.iter().for_each(ControlGroup::end);
-    }
+    workers.keys().for_each(|&worker| system::kill_worker(worker));
+    // On Windows with all that is in their jobs.
+    drop(workers);
     // Processes that a worker has adopted become this process's own when the worker ends, so look for them again then.
     let mark = format!("{MARK}={}", mark());
     while Instant::now() < until && system::end_marked(&mark, |_| false) {
