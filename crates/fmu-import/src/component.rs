@@ -1,18 +1,12 @@
 //! A component of a binary, and the functions whose signature is the same in both versions of FMI.
 
-use std::{
-    ffi::{CString, c_char, c_int},
-    ptr,
-};
+use std::ffi::{CString, c_char, c_int};
 
 use crate::{
     call::Called,
     caller::Caller,
     symbols::{Component, Function, LibraryError, Plain, Symbols, Text},
-    version::Version,
 };
-
-/// The functions to get and to free a state.
 
 /// The functions that have the same signature in every version.
 #[derive(Clone, Copy, Debug)]
