@@ -221,7 +221,7 @@ impl Analysis for Asked {
             });
         }
         let others = fit.bound.others();
-        files::write(folder, &fit.study, &fit.settings, &outcome, &others)?;
+        files::write(folder, &fit.study, &outcome, &others)?;
         posterior::write(folder, &fit.settings, &fit.bound, sample.as_ref())?;
         let code = match outcome.end {
             End::Time | End::Iterations | End::Budget => ExitCode::FAILURE,
