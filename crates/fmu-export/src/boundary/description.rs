@@ -229,7 +229,7 @@ fn variables<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
             variability,
             initial: first.filter(|_| !matches!(variable.kind, Kind::Clock { .. })),
         };
-        describe(xml, (version, interface), &head, elements, &initial);
+        describe(xml, version, &head, elements, &initial);
     }
     let (real, states) = (version.real(), states::<M>(interface));
     for (reference, state) in (STATE..).zip(states) {
@@ -288,7 +288,7 @@ impl<M> fmt::Display for Starts<'_, M> {
 /// for texts in FMI 3.0.
 fn describe<M: Model>(
     xml: &mut Xml,
-    (version, interface): (Version, Interface),
+    version: Version,
     head: &Head<'_>,
     elements: &[Variable<M>],
     initial: &M,

@@ -138,7 +138,7 @@ pub unsafe fn instantiate_by<M: Model>(
             .map_err(|refusal| logger.refuse(function, &refusal))
             .ok()?;
         let (form, resources) = ((version, exchange), resources.as_deref());
-        let mut instance = Instance::new(function, form, known.fingerprint, resources, logger);
+        let mut instance = Instance::<M>::new(function, form, known.fingerprint, resources, logger);
         instance.event_mode = known.event_mode;
         Some(Handle::give(instance))
     };
