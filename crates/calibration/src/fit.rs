@@ -3,7 +3,11 @@
 use serde::Serialize;
 
 use super::{
-    digits::rounded, influence::{Farthest, Group}, order::Order, outcome::IdentificationOutcome, problem::Estimate,
+    digits::rounded,
+    influence::{Farthest, Group},
+    order::Order,
+    outcome::IdentificationOutcome,
+    problem::Estimate,
 };
 
 /// A right model misses by more with this probability, or its residuals are more in order: then the fit is in doubt.

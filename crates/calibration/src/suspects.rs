@@ -15,8 +15,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::{
     errors::Errors,
     expected::Expected,
-    local::{Limits, Minimum, minimise},
     influence::Group,
+    local::{Limits, Minimum, minimise},
     objective::{Differences, Objective},
     optima::Optimum,
     problem::{Effect, Free, NoPrediction, Problem, SharedKind, Simulate, Source, Spacing},

@@ -48,8 +48,8 @@ pub fn dominant(estimates: &[Estimate]) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::method::{FirstOrder, Space};
     use crate::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
+    use crate::method::{FirstOrder, Space};
     use crate::testing::{lattice, near, settled};
 
     #[test]

@@ -135,11 +135,7 @@ impl Host {
             kinds,
             tally: Tally::new(),
             slowest: (Duration::ZERO, ""),
-            log: Box::new(Log {
-                messages: Cell::default(),
-                busy: Cell::default(),
-                reset: interface.reset.1,
-            }),
+            log: Box::new(Log { messages: Cell::default(), busy: Cell::default(), reset: interface.reset.1 }),
             seed,
         }
     }

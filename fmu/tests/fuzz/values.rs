@@ -199,6 +199,19 @@ pub fn get_rates(
     get(host, component, name, (outputs, before, holds), function);
 }
 
+/// Components of a direction, as many as references.
+pub fn direction(host: &mut Host, references: &[ValueReference]) -> Vec<f64> {
+    let component = |host: &mut Host| {
+        if host.random.once_in(20) { host.random.hostile() } else { host.random.unit() }
+    };
+    references.iter().map(|_| component(host)).collect()
+}
+
+/// Whether a variable is an input.
+pub fn input(variable: &Variable<Stand>) -> bool {
+    variable.role == Role::Input
+}
+
 /// Categories for the choice of messages, right and wrong.
 pub fn categories(host: &mut Host) -> ([Text; 2], usize) {
     let names = [c"logAll", c"logStatusError", c"logEvents", c"logNothing", c"\xff"];

@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Session, Until};
 use crate::{
-    error::{Error, Result},
+    error::Result,
     judge::Judge,
     results::{
         Summary,

@@ -286,13 +286,7 @@ impl<M> fmt::Display for Starts<'_, M> {
 
 /// One variable of the table, or an array of several. It has start values if the host may set it, which are elements of their own
 /// for texts in FMI 3.0.
-fn describe<M: Model>(
-    xml: &mut Xml,
-    version: Version,
-    head: &Head<'_>,
-    elements: &[Variable<M>],
-    initial: &M,
-) {
+fn describe<M: Model>(xml: &mut Xml, version: Version, head: &Head<'_>, elements: &[Variable<M>], initial: &M) {
     let (variable, three) = (&elements[0], version == Version::Three);
     let set = !matches!(variable.role, Role::Output | Role::Local);
     let of = version.type_name(variable);

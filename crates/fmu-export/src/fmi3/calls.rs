@@ -24,9 +24,7 @@ use crate::{
         logger::{Callback, Logger},
         phase::{
             ALIVE, Function, INTEGRABLE,
-            Phase::{
-                Continuous, Error, Event, Initialization, Instantiated, StepComplete, StepFailed, Terminated,
-            },
+            Phase::{Continuous, Error, Event, Initialization, Instantiated, StepComplete, StepFailed, Terminated},
             SETTABLE, of,
         },
         raw::{place, texts, values, values_mut},

@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use calibration::{
     fit::Fit,
-    local::End,
     influence::Group,
+    local::End,
     outcome::IdentificationOutcome,
     problem::{Free, NoPrediction, Problem, Query, SharedKind, Simulate, Spacing},
     remembered::Remembered,

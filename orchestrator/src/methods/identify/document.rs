@@ -4,8 +4,8 @@ use std::path::Path;
 
 use calibration::digits::{cleared, enough};
 use calibration::fit::Fit;
-use calibration::local::End;
 use calibration::influence::Group;
+use calibration::local::End;
 use calibration::outcome::{FreeOutcome, IdentificationOutcome, OptimumOutcome, Residual};
 use calibration::problem::{Free, Spacing};
 use calibration::sample::{self, Sample};

@@ -14,12 +14,7 @@ use study::{
 };
 
 /// Writes all files.
-pub(super) fn write(
-    folder: &Path,
-    study: &Study,
-    outcome: &IdentificationOutcome,
-    others: &[String],
-) -> Result {
+pub(super) fn write(folder: &Path, study: &Study, outcome: &IdentificationOutcome, others: &[String]) -> Result {
     let name = number_tables::files::name(study.path());
     let optima = outcome.optima.len();
     for place in 0..optima {

@@ -28,7 +28,7 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
                        ones; use `sensitivity STUDY --shapley N`";
         return Err(Error::option("from", message));
     }
-    let (summary, table) = known::points_of(folder, study)?;
+    let (_, table) = known::points_of(folder, study)?;
     let varied = plan.varied();
     let inputs = plan.inputs.iter().map(|input| table.parameters.iter().find(|p| p.name == input.name));
     let columns: Vec<Option<&[f64]>> = inputs.map(|column| column.map(|column| &*column.values)).collect();
@@ -80,9 +80,9 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
         }
         outputs.push(from_indices(name, found.ok(), &parameters, seed));
     }
-    let of_all = match rows.len() < table.len() {
-        true => format!("{} of the {} points", rows.len(), grouped(table.len() as u64)),
-        false => format!("the {} points", rows.len()),
+    let of_all = match runs.len() < table.len() {
+        true => format!("{} of the {} points", runs.len(), grouped(table.len() as u64)),
+        false => format!("the {} points", runs.len()),
     };
     let inputs = varied.iter().map(|&k| (&plan.inputs[k].name, plan.inputs[k].unit.clone()));
     let criteria = judge.criteria.iter().map(|criterion| (&criterion.name, criterion.unit.clone()));
