@@ -118,7 +118,7 @@ impl Instance {
     /// Lets `step` seconds pass from `time`.
     ///
     /// # Errors
-    /// When the step is refused or fails, and when the FMU ends the simulation by itself: then [`Call::ended`] says
+    /// When the step is refused or fails, and when the FMU ends the simulation by itself: then `Call::ended` says
     /// when, and the instance holds its last values.
     #[inline(never)]
     pub fn step(&mut self, time: f64, step: f64) -> Called {
