@@ -404,6 +404,8 @@ impl Model for Stand {
 
     const EXCHANGE: Option<Exchange<Self>> = Some(Exchange::of());
 
+    const INNER_STEP: Option<fn(&Self, f64) -> f64> = Some(Self::inner_step);
+
     fn variables() -> &'static [Variable<Self>] {
         crate::variables::table()
     }

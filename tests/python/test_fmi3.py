@@ -80,10 +80,16 @@ def test_variables_are_those_of_fmi_2(description, description3):
 def test_capabilities_are_those_that_are_there(fmu3):
     root = etree.fromstring(zipfile.ZipFile(fmu3).read("modelDescription.xml"))
     assert root.find("ModelExchange") is None and root.find("ScheduledExecution") is None
-    true = {"canGetAndSetFMUState", "canSerializeFMUState", "canHandleVariableCommunicationStepSize"}
-    expected = {name: "true" for name in true} | {"hasEventMode": "false", "mightReturnEarlyFromDoStep": "false"}
+    true = {"canGetAndSetFMUState", "canSerializeFMUState", "providesDirectionalDerivatives",
+            "providesAdjointDerivatives", "canHandleVariableCommunicationStepSize", "providesIntermediateUpdate",
+            "mightReturnEarlyFromDoStep", "canReturnEarlyAfterIntermediateUpdate"}
+    expected = {name: "true" for name in true} | {"hasEventMode": "false"}
     assert dict(root.find("CoSimulation").attrib) == {
         **expected, "modelIdentifier": "PlainBearingStand", "maxOutputDerivativeOrder": "1"}
+    marked = [v.get("name") for v in root.find("ModelVariables") if v.get("intermediateUpdate")]
+    continuous = [v.get("name") for v in root.find("ModelVariables").iter("Float64")
+                  if v.get("causality") in ("input", "output")]
+    assert marked == continuous and len(marked) > 20
 
 
 def test_files_are_those_of_fmi_2_but_for_binaries_icon_and_terminals(fmu, fmu3):
@@ -133,6 +139,51 @@ def test_states_go_back_and_to_bytes(stand3, description3):
     assert run(20, 40) == expected
     for one in (state, copy):
         stand3.freeFMUState(one)
+
+
+@pytest.mark.parametrize(("film", "step", "updates", "error"), [
+    (1, 0.5, (100, 1000), 1e-6),   # the steps of the time integration
+    (2, 0.05, (25, 25), 1e-12),    # those of the Reynolds film, none longer than 2 ms
+    (1, 30.0, (1, 1), 0.0),        # a leap
+])
+def test_a_host_looks_into_a_step(make3, description3, film, step, updates, error):
+    """The results are those of a host that does not look, to the tolerance of the time integration or better."""
+    names = {v.name: v.valueReference for v in description3.modelVariables}
+    references = [names[name] for name in OUTPUTS]
+    seen, told = [], []
+
+    def look(_, time, set_requested, get_allowed, finished, can_return, requested, at):
+        told.append((set_requested, get_allowed, finished, can_return))
+        seen.append((time, *watched.getFloat64(references)))
+
+    watched = make3(film, intermediateUpdate=look, requiredIntermediateVariables=references)
+    plain = make3(film)
+    assert watched.doStep(0.0, step) == plain.doStep(0.0, step) == (False, False, False, step)
+    assert updates[0] <= len(seen) <= updates[1]
+    assert told == [(True, True, True, False)] * (len(seen) - 1) + [(False, True, True, False)]
+    times = [row[0] for row in seen]
+    assert times == sorted(set(times)) and times[-1] == step
+    assert list(seen[-1][1:]) == watched.getFloat64(references) == pytest.approx(plain.getFloat64(references), rel=error, abs=0.0)
+
+
+def test_a_host_ends_a_step_where_it_wants(make3, description3):
+    """It stops after the inner step in which the shaft has turned by a radian, then at a time between two inner steps."""
+    angle = [v.valueReference for v in description3.modelVariables if v.name == "drive.angle"]
+
+    def look(_, time, set_requested, get_allowed, finished, can_return, requested, at):
+        if can_return and time < first and watched.getFloat64(angle)[0] > 1.0:
+            requested[0], at[0] = True, time
+        elif can_return and time > first:
+            requested[0], at[0] = True, 0.1234
+
+    first = np.inf
+    watched = make3(intermediateUpdate=look, earlyReturnAllowed=True, requiredIntermediateVariables=angle)
+    *_, early, first = watched.doStep(0.0, 0.5)
+    assert early and 1.0 < watched.getFloat64(angle)[0] < 1.2
+    *_, early, reached = watched.doStep(first, 0.5 - first)
+    assert early and reached == 0.1234
+    assert watched.getFloat64(angle) == pytest.approx([0.1234 * 10 * np.pi], rel=1e-12)
+    assert watched.doStep(reached, 1e-5)[2:] == (False, reached + 1e-5)
 
 
 def test_the_lag_becomes_an_fmu_of_fmi_3(tmp_path):

@@ -30,7 +30,8 @@ def test_the_archive_holds_what_importers_look_for(fmu):
 def test_every_capability_is_declared(description):
     capabilities = description.coSimulation
     for name in ["canHandleVariableCommunicationStepSize", "canInterpolateInputs",
-                 "canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate", "canSerializeFMUstate"]:
+                 "canNotUseMemoryManagementFunctions", "canGetAndSetFMUstate",
+                 "canSerializeFMUstate", "providesDirectionalDerivative"]:
         assert getattr(capabilities, name), name
     assert capabilities.maxOutputDerivativeOrder == 1
     assert not capabilities.canBeInstantiatedOnlyOncePerProcess
@@ -142,6 +143,22 @@ def test_a_step_rejecting_master_rolls_back(stand):
     run(plain, 0, 50)
     assert instance.get("drive.angle")[0] == pytest.approx(plain.get("drive.angle")[0], rel=1e-9)
     assert taken > 0
+
+
+def test_directional_derivatives_are_the_differences(stand):
+    instance = stand().start()
+    run(instance, 0, 100)
+    known = "load.externalForce"
+    unknowns = ["sensor.loadForce", "sensor.frictionCoefficient", "sensor.frictionPower"]
+    references = [instance.names[name] for name in unknowns]
+    derivative = instance.getDirectionalDerivative(references, [instance.names[known]], [1.0])
+    (force,) = instance.get(known)
+    values = []
+    for shift in [-0.5, 0.5]:
+        instance.set(known, force + shift)
+        values.append(instance.get(*unknowns))
+    for name, ours, low, high in zip(unknowns, derivative, *values):
+        assert ours == pytest.approx(high - low, rel=1e-4, abs=1e-12), name
 
 
 def test_inputs_with_slopes_beat_held_inputs(stand):

@@ -41,8 +41,14 @@ pub trait Model: Clone + Default + Serialize + DeserializeOwned + Send + Sync + 
     const EXCHANGE: Option<Exchange<Self>> = None;
 
     /// The model's events, if it has any: for Model Exchange, and for hosts of FMI 3.0 Co-Simulation that want to see them (event
-    /// mode). For other hosts [`advance`](Model::advance) handles them: [`Events::pass`] does so.
+    /// mode). For other hosts [`advance`](Model::advance) handles them: [`Events::pass`] does so. Such a model has no inner steps.
     const EVENTS: Option<Events<Self>> = None;
+
+    /// For hosts of FMI 3.0 that look into a communication step (intermediate update): the length of the first inner step of
+    /// [`advance`](Model::advance) over so many seconds. The boundary then advances the model by its inner steps, one after
+    /// another, and the host reads outputs, sets inputs or ends the communication step in between. Other hosts are not concerned.
+    /// Without it there are no intermediate updates.
+    const INNER_STEP: Option<fn(&Self, f64) -> f64> = None;
 
     /// All variables. A variable's place in this table is its value reference: hosts store it, so that variables may
     /// only be added at the end.

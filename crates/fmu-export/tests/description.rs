@@ -277,6 +277,8 @@ static TORN: [Variable<Torn>; 9] = [
 impl Model for Torn {
     const INFO: Info = fmu_export::info!();
 
+    const INNER_STEP: Option<fn(&Self, f64) -> f64> = Some(|_, step| step);
+
     const EVENTS: Option<Events<Self>> = Some(Events {
         indicators: &["one[1]", "none"],
         next: |_| None,
@@ -316,6 +318,7 @@ fn mistakes_in_arrays_and_events_are_found() {
     let expected = [
         "tick: a clock must be an output, and the model have events",
         "set: the model must compute what ticks with a clock, and \"tick\" must be one",
+        "a model with events has no INNER_STEP",
         "none: an indicator is a real variable, also in Model Exchange",
         &format!("one[1]: the 2 elements {ends}"),
         "one: an array's elements are left out or are indicators all in their order, or none",

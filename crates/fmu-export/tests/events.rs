@@ -71,7 +71,7 @@ impl<M: Model> Of<M> {
                     0,
                     nowhere,
                     None,
-                    none,
+                    None,
                 )
             },
             PhantomData,
@@ -281,6 +281,19 @@ fn saved_states_know_their_mode() {
         for mut state in [in_event_mode, in_step_mode, again] {
             assert_eq!(calls::free_fmu_state::<House>(host.0, &mut state), Ok);
         }
+    }
+}
+
+#[test]
+fn event_mode_has_derivatives_in_co_simulation() {
+    for (host, expected) in [(Host::stepped(1, 1), (Ok, [1.0; 3])), (Host::exchange(), (Error, [7.0; 3]))] {
+        let (margin, setpoint) = (vr::<House>("margin"), vr::<House>("setpoint"));
+        let mut slopes = [7.0; 3];
+        let place = slopes.as_mut_ptr();
+        let derivative = calls::get_directional_derivative::<House>;
+        // SAFETY: the component is alive, and the places are ours.
+        let status = unsafe { derivative(host.0, &margin, 1, &setpoint, 1, &1.0, 1, place, 3) };
+        assert_eq!((status, slopes.map(f64::round)), expected);
     }
 }
 

@@ -24,7 +24,7 @@ use crate::{
     working_directory,
 };
 use fmu_import::isolation::{
-    Loss,
+    ControlGroup, Loss,
     frame::{self, Inbox},
     keeper::signal_name,
 };
@@ -82,6 +82,9 @@ pub(crate) struct Process {
     pub(crate) setup: Setup,
     /// The folders that its points have for themselves, once it has any.
     room: Option<Arc<Room>>,
+    /// Whether it is for many points: it gets a control group where there can be such, which takes the system longer than
+    /// most points.
+    pub(crate) lasting: bool,
     running: Option<Running>,
 }
 
@@ -109,7 +112,7 @@ impl Process {
             fill: None,
             echo: false,
         };
-        Self { setup, room: None, running: None }
+        Self { setup, room: None, lasting: false, running: None }
     }
 
     /// Gives its points folders of their own: one for temporary files, and a working directory unless they keep the user's.
@@ -161,7 +164,7 @@ impl Process {
     ) -> Result<(), Gone> {
         let mut running = match self.running.take() {
             Some(running) => running,
-            None => Running::start(&self.setup)?,
+            None => Running::start(&self.setup, self.lasting)?,
         };
         running.order(&bytes(order))?;
         while more(running.wait(self.setup.limits, stopped)?) {}
@@ -176,7 +179,7 @@ impl Process {
 }
 
 impl Running {
-    fn start(setup: &Setup) -> Result<Self, Gone> {
+    fn start(setup: &Setup, lasting: bool) -> Result<Self, Gone> {
         let start = |error: io::Error| Gone::Start(error.to_string());
         let mut family = family();
         system::adopt_orphans();
@@ -202,9 +205,13 @@ impl Running {
             .stderr(if setup.echo { Stdio::inherit() } else { Stdio::null() })
             .spawn()
             .map_err(start)?;
-        // Whatever it starts will be in its job from the beginning: it waits for its first order.
-        family.insert(child.id(), system::job_of(child.id()));
+        family.insert(child.id(), None);
         drop(family);
+        if lasting || system::GROUPS_ARE_NEEDED {
+            // Whatever it starts will be in the group from the beginning: it waits for its first order.
+            let group = ControlGroup::new().filter(|group| group.take(child.id()));
+            self::family().insert(child.id(), group);
+        }
         let ticket = rand::random();
         let orders = child.stdin.take();
         let replies = child.stdout.take().map(system::source);
@@ -301,8 +308,9 @@ impl Drop for Running {
             let _ = self.child.kill();
             let _ = self.child.wait();
         }
-        // All that is still in its job ends.
-        family().remove(&self.child.id());
+        let group = family().remove(&self.child.id());
+        // All that is still in it ends.
+        drop(group);
         if !sound {
             let family = family();
             let mark = format!("{MARK}={}", mark());
@@ -320,10 +328,11 @@ fn mark() -> &'static str {
     OWN.get_or_init(|| format!("{}-{:016x}", std::process::id(), rand::random::<u64>()))
 }
 
-/// The workers of this process, with their jobs on Windows: its other children with the mark have outlived theirs.
+/// The workers of this process, with their control groups where there can be such: its other children with the mark
+/// have outlived theirs.
 static WORKERS: Mutex<Family> = Mutex::new(Family::new());
 
-type Family = BTreeMap<u32, system::Job>;
+type Family = BTreeMap<u32, Option<ControlGroup>>;
 
 fn family() -> MutexGuard<'static, Family> {
     locked(&WORKERS)
@@ -352,9 +361,10 @@ pub fn abandon_all() {
             Err(TryLockError::WouldBlock) => std::thread::sleep(Duration::from_millis(1)),
         }
     };
-    workers.keys().for_each(|&worker| system::kill_worker(worker));
-    // On Windows with all that is in their jobs.
-    drop(workers);
+    for (&worker, group) in &workers {
+        system::kill_worker(worker);
+        group.iter().for_each(ControlGroup::end);
+    }
     // Processes that a worker has adopted become this process's own when the worker ends, so look for them again then.
     let mark = format!("{MARK}={}", mark());
     while Instant::now() < until && system::end_marked(&mark, |_| false) {

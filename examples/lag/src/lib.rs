@@ -134,6 +134,9 @@ impl Model for Lag {
 
     const EXCHANGE: Option<Exchange<Self>> = Some(Exchange::of());
 
+    /// A host may look into a step eight times in each time constant.
+    const INNER_STEP: Option<fn(&Self, f64) -> f64> = Some(|lag, _| lag.constant / 8.0);
+
     fn variables() -> &'static [Variable<Self>] {
         &VARIABLES
     }

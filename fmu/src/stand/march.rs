@@ -220,6 +220,19 @@ impl Stand {
         LONGEST_FILM_STEP.min(self.turn() / FILM_STEPS_PER_TURN)
     }
 
+    /// The first inner step of a communication step of `span` seconds, s: one of the film or of the time integration. Where that
+    /// takes tiny steps, some of them are one: each inner step may take as much work as a communication step. A leap passes over
+    /// its turns, so that there is nothing to see within it.
+    pub(super) fn inner_step(&self, span: f64) -> f64 {
+        if self.can_leap(span) {
+            span
+        } else if self.film.is_transient() {
+            span / self.film_steps(span, 1.0)
+        } else {
+            self.state.next_step.max(self.longest_film_step())
+        }
+    }
+
     /// The present readings of the physical stand's sensors.
     fn sense(&self, oil: &mut Nearby) -> Sensed {
         self.course_at(0.0, &unknowns(&self.state), oil, &mut Seen::default()).1

@@ -27,8 +27,6 @@ pub fn act(host: &mut Host, component: Component) {
     let (size, long) = (std::ptr::without_provenance_mut::<usize>(8), std::ptr::without_provenance_mut::<u64>(8));
     let (flag, kind) = (std::ptr::without_provenance_mut::<u8>(1), std::ptr::without_provenance_mut::<i32>(4));
     refused! { host, component:
-        fmi3GetDirectionalDerivative(r, 1, r, 1, real, 1, real, 1);
-        fmi3GetAdjointDerivative(r, 1, r, 1, real, 1, real, 1);
         fmi3EnterStepMode();
         fmi3EvaluateDiscreteStates();
         fmi3EnterConfigurationMode();

@@ -71,7 +71,11 @@ pub enum Kinds {
 pub struct Log {
     messages: Cell<u64>,
     /// The instance that is at work: the callbacks call back into it.
-    busy: Cell<Option<Component>>,
+    pub busy: Cell<Option<Component>>,
+    /// The number of intermediate updates.
+    pub updates: Cell<u64>,
+    /// Where the choices of callbacks come from.
+    pub random: Cell<u64>,
     reset: Plain,
 }
 
@@ -135,7 +139,13 @@ impl Host {
             kinds,
             tally: Tally::new(),
             slowest: (Duration::ZERO, ""),
-            log: Box::new(Log { messages: Cell::default(), busy: Cell::default(), reset: interface.reset.1 }),
+            log: Box::new(Log {
+                messages: Cell::default(),
+                busy: Cell::default(),
+                updates: Cell::default(),
+                random: Cell::new(seed),
+                reset: interface.reset.1,
+            }),
             seed,
         }
     }
@@ -352,7 +362,8 @@ impl Host {
             self.release(component);
         }
         let (seed, calls, messages) = (self.seed, self.calls, self.log.messages.get());
-        println!("seed {seed}: {calls} calls, {messages} messages");
+        let updates = self.log.updates.get();
+        println!("seed {seed}: {calls} calls, {messages} messages, {updates} intermediate updates");
         let head = ["OK", "warning", "discard", "error"].map(|word| format!("{word:>9}"));
         println!("{:36} {}", "", head.join(" "));
         for (name, counts) in &self.tally {

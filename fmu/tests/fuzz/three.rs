@@ -9,7 +9,8 @@ use fmu_export::model::Kind;
 use plain_bearing_stand::fmi3_functions::*;
 use plain_bearing_stand::stand::Stand;
 
-use crate::host::{Host, Interface, Log, hidden, named};
+use crate::host::{Host, Interface, Log, Plain, hidden, named, reference_of};
+use crate::random::Random;
 use crate::values::*;
 use crate::{absent, exchange, states};
 
@@ -30,6 +31,8 @@ pub static INTERFACE: Interface = Interface {
         (3, set_boolean),
         (3, set_string),
         (4, get_output_rates),
+        (2, directional),
+        (1, adjoint),
         (8, absent::act),
         (2, logging),
         (20, exchange::act),
@@ -73,6 +76,82 @@ unsafe extern "C" fn logger(environment: ComponentEnvironment, status: Status, c
     unsafe { Log::hear(environment, status, category, message) }
 }
 
+/// The variables that a host announces when it looks into steps: one input and two outputs.
+fn announced() -> [ValueReference; 3] {
+    ["drive.speed", "sensor.loadForce", "drive.angle"].map(reference_of)
+}
+
+/// The host looks into a step: it reads and sets what it may and what it may not, calls what it must not, and now and then
+/// wants the step to end, allowed or not.
+unsafe extern "C" fn update(
+    environment: ComponentEnvironment,
+    time: f64,
+    set: bool,
+    get: bool,
+    finished: bool,
+    early: bool,
+    requested: *mut u8,
+    at: *mut f64,
+) {
+    // SAFETY: the environment is the host's log, which lives as long as the host.
+    let log = unsafe { &*environment.cast::<Log>() };
+    let Some(c) = log.busy.get() else {
+        panic!("an update outside of a step");
+    };
+    assert!(get && finished && time.is_finite() && (set || !early));
+    log.updates.set(log.updates.get() + 1);
+    let mut random = Random(log.random.get());
+    let [input, output, other] = announced();
+    let mut value = f64::NAN;
+    let speed = random.magnitude(1.0, 300.0);
+    // SAFETY: the instance is at work, and alive; the places are ours.
+    let (status, expected) = unsafe {
+        match random.below(12) {
+            0 | 1 => {
+                let status = fmi3SetFloat64(c, &input, 1, &speed, 1);
+                (status, if set { Status::Ok } else { Status::Error })
+            }
+            2 => (fmi3SetFloat64(c, &output, 1, &speed, 1), Status::Error),
+            3 => (fmi3SetFloat64(c, &3, 1, &speed, 1), Status::Error),
+            4 => (fmi3GetFloat64(c, &TIME, 1, &mut value, 1), Status::Error),
+            5 => {
+                let function = random.one(&[
+                    fmi3Reset as Plain,
+                    fmi3Terminate,
+                    fmi3ExitInitializationMode,
+                    fmi3EnterEventMode,
+                    fmi3EnterContinuousTimeMode,
+                ]);
+                (function(c), Status::Error)
+            }
+            6 => {
+                fmi3FreeInstance(c);
+                let (mut a, mut b, mut d) = (9, 9, 9);
+                let places = (&raw mut a, &raw mut b, &raw mut d);
+                let status = fmi3DoStep(c, time, 1e-3, TRUE, places.0, places.1, places.2, &mut value);
+                (status, Status::Error)
+            }
+            7 => {
+                let mut state = std::ptr::null_mut();
+                (fmi3GetFMUState(c, &mut state), Status::Error)
+            }
+            8 => {
+                let both = [output, other];
+                let status = fmi3GetOutputDerivatives(c, both.as_ptr(), 1, &1, &mut value, 1);
+                (status, status)
+            }
+            _ => (fmi3GetFloat64(c, &output, 1, &mut value, 1), Status::Ok),
+        }
+    };
+    assert_eq!(status, expected, "in an update at {time} s");
+    if random.once_in(4) {
+        let when = [time, time + 1e-3, random.hostile()];
+        // SAFETY: the FMU's places for the answer.
+        unsafe { (*requested, *at) = (random.bits() as u8, random.one(&when)) };
+    }
+    log.random.set(random.0);
+}
+
 fn instantiate(host: &mut Host, exchange: bool, wrong: bool) -> Component {
     let way = host.calls as usize % 5;
     let spoil = |at: usize| wrong && at == way;
@@ -98,6 +177,11 @@ fn instantiate(host: &mut Host, exchange: bool, wrong: bool) -> Component {
     let [logging, visible, early] = [0; 3].map(|_| host.random.bits() as u8);
     let event_mode = if spoil(2) { 7 } else { FALSE };
     let token = if spoil(3) { null() } else { token.as_ptr() };
+    let watches = host.random.once_in(2);
+    let announced = announced();
+    // Without a callback nobody looks at the variables.
+    let (variables, n, update) =
+        if watches { (announced.as_ptr(), announced.len(), Some(update as _)) } else { (null(), 9, None) };
     // SAFETY: NULL or what the standard asks for.
     unsafe {
         if exchange {
@@ -111,12 +195,11 @@ fn instantiate(host: &mut Host, exchange: bool, wrong: bool) -> Component {
             logging,
             event_mode,
             early,
-            null(),
-            // Nobody looks at the variables.
-            9,
+            variables,
+            n,
             environment,
             log,
-            null(),
+            update,
         )
     }
 }
@@ -158,8 +241,11 @@ fn step(host: &mut Host, component: Component) {
     });
     if status == Status::Ok || status == Status::Discard {
         assert_eq!([event, end], [FALSE; 2]);
-        let expected = if status == Status::Ok { from + step } else { time };
-        let as_expected = early == FALSE && reached == expected;
+        let as_expected = match (status, early) {
+            (Status::Ok, FALSE) => reached == from + step,
+            (Status::Ok, _) => (from..from + step).contains(&reached),
+            _ => early == FALSE && reached == time,
+        };
         assert!(as_expected || host.forged.contains(&component));
     }
 }
@@ -305,5 +391,25 @@ fn get_output_rates(host: &mut Host, component: Component) {
     get_rates(host, component, name, |c, from, n, orders, into| {
         // SAFETY: right, NULL, a count that no memory has, or counts that contradict each other.
         counted(n, &|m| unsafe { fmi3GetOutputDerivatives(c, from, n, orders, into, m) })
+    });
+}
+
+fn directional(host: &mut Host, component: Component) {
+    let (name, kinds): (_, (Fits, Fits)) = ("fmi3GetDirectionalDerivative", (input, real_output));
+    let counted = n_values(host);
+    derivative(host, component, name, kinds, |c, (known, seed), (unknown, n, into)| {
+        let (known, k, seed) = (known.as_ptr(), known.len(), seed.as_ptr());
+        // SAFETY: right, NULL, a count that no memory has, or counts that contradict each other.
+        counted(n, &|m| unsafe { fmi3GetDirectionalDerivative(c, unknown, n, known, k, seed, k, into, m) })
+    });
+}
+
+fn adjoint(host: &mut Host, component: Component) {
+    let (name, kinds): (_, (Fits, Fits)) = ("fmi3GetAdjointDerivative", (real_output, input));
+    let counted = n_values(host);
+    derivative(host, component, name, kinds, |c, (unknown, seed), (known, n, into)| {
+        let (unknown, u, seed) = (unknown.as_ptr(), unknown.len(), seed.as_ptr());
+        // SAFETY: right, NULL, a count that no memory has, or counts that contradict each other.
+        counted(n, &|m| unsafe { fmi3GetAdjointDerivative(c, unknown, u, known, n, seed, u, into, m) })
     });
 }

@@ -26,6 +26,7 @@ pub static INTERFACE: Interface = Interface {
         (3, set_string),
         (6, set_slopes),
         (4, get_output_rates),
+        (2, directional),
         (8, status),
         (2, logging),
         (20, exchange::act),
@@ -301,5 +302,14 @@ fn get_output_rates(host: &mut Host, component: Component) {
     get_rates(host, component, name, |c, from, n, orders, into| {
         // SAFETY: right, NULL, or a count that no memory has.
         unsafe { fmi2GetRealOutputDerivatives(c, from, n, orders, into) }
+    });
+}
+
+fn directional(host: &mut Host, component: Component) {
+    let (name, kinds): (_, (Fits, Fits)) = ("fmi2GetDirectionalDerivative", (input, real_output));
+    derivative(host, component, name, kinds, |c, (known, seed), (unknown, n, into)| {
+        let (known, m) = (known.as_ptr(), known.len());
+        // SAFETY: right, NULL, or a count that no memory has.
+        unsafe { fmi2GetDirectionalDerivative(c, unknown, n, known, m, seed.as_ptr(), into) }
     });
 }

@@ -199,12 +199,33 @@ pub fn get_rates(
     get(host, component, name, (outputs, before, holds), function);
 }
 
-/// Components of a direction, as many as references.
+/// Components of a direction or a seed, as many as references.
 pub fn direction(host: &mut Host, references: &[ValueReference]) -> Vec<f64> {
     let component = |host: &mut Host| {
         if host.random.once_in(20) { host.random.hostile() } else { host.random.unit() }
     };
     references.iter().map(|_| component(host)).collect()
+}
+
+/// Asks for a directional derivative, or, with the unknowns as what is seeded, for an adjoint one. The function takes what is
+/// seeded with its number and the seed, then what is asked for with its number and the places.
+pub fn derivative(
+    host: &mut Host,
+    component: Component,
+    name: &'static str,
+    (seeded, asked): (Fits, Fits),
+    function: impl Fn(Component, (&[ValueReference], &[f64]), (*const ValueReference, usize, *mut f64)) -> Status,
+) {
+    let seeded = references(host, seeded);
+    let seed = direction(host, &seeded);
+    let (_, before, holds) = REALS;
+    let function = |c, from, n, into| function(c, (&seeded, &seed), (from, n, into));
+    get(host, component, name, (asked, before, holds), function);
+}
+
+/// Whether a variable is a real output.
+pub fn real_output(variable: &Variable<Stand>) -> bool {
+    variable.role == Role::Output && matches!(variable.kind, Kind::Real(_))
 }
 
 /// Whether a variable is an input.

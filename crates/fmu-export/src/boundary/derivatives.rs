@@ -1,15 +1,31 @@
-//! Derivatives over time: of inputs, which the host gives, and of outputs.
+//! Derivatives: of inputs over time, which the host gives, of outputs over time, and directional ones of unknowns with
+//! respect to knowns.
 
 use super::{
     instance::Instance,
+    phase::Phase,
     refusal::{Outcome, Refusal},
     types::{Real, Status, ValueReference},
-    values::variable,
+    values::{check_settable, inside, variable},
 };
 use crate::model::{Kind, Model, Role, Variable};
 
+/// Step of the central difference, relative to a variable's magnitude: at the cube root of the rounding unit, truncation
+/// and rounding errors are of the same size (Press et al., Numerical Recipes, 2007, section 5.7).
+const RELATIVE_STEP: f64 = 6.055e-6;
+
 /// Step of the one-sided difference over time, relative to the suggested communication step.
 const TIME_STEP: f64 = 1e-3;
+
+/// A known of a directional derivative: a real variable that the host may set.
+struct Known<M: 'static> {
+    set: fn(&mut M, &f64),
+    value: f64,
+    direction: f64,
+    magnitude: f64,
+    min: Option<f64>,
+    max: Option<f64>,
+}
 
 impl<M: Model> Instance<M> {
     /// Sets the rates of inputs. The slopes hold for the next step.
@@ -58,6 +74,7 @@ impl<M: Model> Instance<M> {
         orders: &[i32],
         values: &mut [Real],
     ) -> Outcome {
+        self.check_intermediate(references, false)?;
         self.refresh()?;
         let mut ahead = None;
         for ((reference, order), value) in references.iter().zip(orders).zip(values.iter_mut()) {
@@ -95,9 +112,97 @@ impl<M: Model> Instance<M> {
         far.advance(time + step, step, &mut ()).map_err(Refusal::Step)?;
         Ok([near, far])
     }
+
+    /// The directional derivative: the central difference along the direction, on copies of the model. Near a bound
+    /// of a known it is one-sided, of second order.
+    pub fn get_directional_derivative(
+        &mut self,
+        unknowns: &[ValueReference],
+        knowns: &[ValueReference],
+        direction: &[Real],
+        values: &mut [Real],
+    ) -> Outcome {
+        if self.run.exchange && self.run.phase == Phase::Event {
+            return Err(Refusal::Phase(self.run.phase));
+        }
+        self.refresh()?;
+        let reads = unknowns.iter().map(|unknown| read(variable::<M>(*unknown)?)).collect::<Outcome<Vec<_>>>()?;
+        let knowns = knowns
+            .iter()
+            .zip(direction)
+            .map(|(known, direction)| self.known(variable::<M>(*known)?, *direction))
+            .collect::<Outcome<Vec<_>>>()?;
+        let rate = knowns.iter().fold(0.0_f64, |rate, known| rate.max((known.direction / known.magnitude).abs()));
+        if rate == 0.0 {
+            values.fill(0.0);
+            return Ok(Status::Ok);
+        }
+        let step = RELATIVE_STEP / rate;
+        values.fill(0.0);
+        for (offset, weight) in stencil(&knowns, step) {
+            let model = self.variant(|model| {
+                for known in &knowns {
+                    (known.set)(model, &known.at(offset * step));
+                }
+            })?;
+            for (value, read) in values.iter_mut().zip(&reads) {
+                *value += weight * read(&model) / step;
+            }
+        }
+        bounded(values)
+    }
+
+    /// The adjoint derivative: for each known, the sum of the unknowns' derivatives with respect to it, each times its
+    /// component of `seed`.
+    pub fn get_adjoint_derivative(
+        &mut self,
+        unknowns: &[ValueReference],
+        knowns: &[ValueReference],
+        seed: &[Real],
+        values: &mut [Real],
+    ) -> Outcome {
+        if let Some(seed) = seed.iter().find(|seed| !seed.is_finite()) {
+            return Err(Refusal::Argument { name: "seed", value: format!("{seed:?}"), why: "it must be finite" });
+        }
+        let mut column = vec![0.0; unknowns.len()];
+        for (known, value) in knowns.iter().zip(values.iter_mut()) {
+            self.get_directional_derivative(unknowns, &[*known], &[1.0], &mut column)?;
+            *value = column.iter().zip(seed).map(|(one, seed)| one * seed).sum();
+        }
+        bounded(values)
+    }
+
+    fn known(&self, variable: &'static Variable<M>, direction: f64) -> Outcome<Known<M>> {
+        // A known must be settable: in initialization as now, otherwise as at a communication point, also after the end.
+        let phase = match self.run.phase {
+            Phase::Initialization => Phase::Initialization,
+            _ => Phase::StepComplete,
+        };
+        check_settable(variable, phase)?;
+        let settable = match &variable.kind {
+            Kind::Real(real) => real.access.set.map(|set| (real, set)),
+            _ => None,
+        };
+        let Some((real, set)) = settable else {
+            return Err(unfit(
+                variable,
+                format!("only a Real that can be set can be a known, not a variable of type {}", variable.type_name()),
+            ));
+        };
+        if !direction.is_finite() {
+            return Err(unfit(variable, format!("its component of the direction, {direction}, must be finite")));
+        }
+        let value = (real.access.get)(self.run.seed.as_ref().unwrap_or(&self.run.model));
+        let magnitude = match (value.abs(), real.nominal) {
+            (value, Some(nominal)) => value.max(nominal.abs()),
+            (0.0, None) => 1.0,
+            (value, None) => value,
+        };
+        Ok(Known { set, value, direction, magnitude, min: real.min, max: real.max })
+    }
 }
 
-/// Refuses derivatives that overflow.
+/// Refuses derivatives that overflow, as they do along directions of 1e300.
 fn bounded(values: &[Real]) -> Outcome {
     if values.iter().all(|value| value.is_finite()) {
         return Ok(Status::Ok);
@@ -105,8 +210,32 @@ fn bounded(values: &[Real]) -> Outcome {
     Err(Refusal::Unsupported("a derivative overflows"))
 }
 
+impl<M> Known<M> {
+    fn at(&self, distance: f64) -> f64 {
+        self.value + distance * self.direction
+    }
+}
+
+/// Offsets, in steps, with their weights: a central difference if all knowns stay within their bounds, else one ahead or
+/// back.
+fn stencil<M>(knowns: &[Known<M>], step: f64) -> &'static [(f64, f64)] {
+    let fits = |offset: f64| knowns.iter().all(|known| inside(known.at(offset * step), known.min, known.max));
+    match (fits(-1.0), fits(1.0)) {
+        (false, true) if fits(2.0) => &[(0.0, -1.5), (1.0, 2.0), (2.0, -0.5)],
+        (true, false) if fits(-2.0) => &[(0.0, 1.5), (-1.0, -2.0), (-2.0, 0.5)],
+        _ => &[(1.0, 0.5), (-1.0, -0.5)],
+    }
+}
+
 type Read<M> = fn(&M) -> f64;
 type Slope<M> = fn(&mut M, f64);
+
+fn read<M>(variable: &'static Variable<M>) -> Outcome<Read<M>> {
+    match (&variable.kind, variable.role) {
+        (Kind::Real(real), Role::Output | Role::Local) => Ok(real.access.get),
+        _ => Err(unfit(variable, "only a Real that the model computes can be an unknown".to_owned())),
+    }
+}
 
 fn output<M>(variable: &'static Variable<M>, order: i32) -> Outcome<(Read<M>, Option<Read<M>>)> {
     check_order(variable, order)?;

@@ -9,6 +9,7 @@ use super::{
         units,
     },
     exchange::{RATE, STATE},
+    intermediate::is_intermediate,
     types::ValueReference,
     values::TIME,
     xml::{Number, Tag, Xml},
@@ -80,18 +81,23 @@ fn co_simulation_2<M: Model>() -> Tag {
         .with("canNotUseMemoryManagementFunctions", true)
         .with("canGetAndSetFMUstate", true)
         .with("canSerializeFMUstate", true)
+        .with("providesDirectionalDerivative", true)
 }
 
-/// All that can be done, and nothing that cannot: a model without events is stepped through without a stop.
+/// All that can be done, and nothing that cannot: a model without inner steps and events is stepped through without a stop.
 fn co_simulation_3<M: Model>() -> Tag {
-    let events = M::EVENTS.is_some();
+    let (inner, events) = (M::INNER_STEP.is_some(), M::EVENTS.is_some());
     Tag::new("CoSimulation")
         .with("modelIdentifier", M::INFO.identifier)
         .with("canGetAndSetFMUState", true)
         .with("canSerializeFMUState", true)
+        .with("providesDirectionalDerivatives", true)
+        .with("providesAdjointDerivatives", true)
         .with("canHandleVariableCommunicationStepSize", true)
         .with("maxOutputDerivativeOrder", 1)
-        .with("mightReturnEarlyFromDoStep", events)
+        .with("providesIntermediateUpdate", inner)
+        .with("mightReturnEarlyFromDoStep", inner || events)
+        .with("canReturnEarlyAfterIntermediateUpdate", inner)
         .with("hasEventMode", events)
 }
 
@@ -229,7 +235,7 @@ fn variables<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
             variability,
             initial: first.filter(|_| !matches!(variable.kind, Kind::Clock { .. })),
         };
-        describe(xml, version, &head, elements, &initial);
+        describe(xml, (version, interface), &head, elements, &initial);
     }
     let (real, states) = (version.real(), states::<M>(interface));
     for (reference, state) in (STATE..).zip(states) {
@@ -286,15 +292,22 @@ impl<M> fmt::Display for Starts<'_, M> {
 
 /// One variable of the table, or an array of several. It has start values if the host may set it, which are elements of their own
 /// for texts in FMI 3.0.
-fn describe<M: Model>(xml: &mut Xml, version: Version, head: &Head<'_>, elements: &[Variable<M>], initial: &M) {
+fn describe<M: Model>(
+    xml: &mut Xml,
+    (version, interface): (Version, Interface),
+    head: &Head<'_>,
+    elements: &[Variable<M>],
+    initial: &M,
+) {
     let (variable, three) = (&elements[0], version == Version::Three);
     let set = !matches!(variable.role, Role::Output | Role::Local);
     let of = version.type_name(variable);
     let texts = set && three && matches!(variable.kind, Kind::String { .. });
+    let intermediate = three && interface == Interface::CoSimulation && is_intermediate(variable);
     let clock =
         variable.clock.filter(|_| three).and_then(|clock| M::variables().iter().position(|other| other.name == clock));
     let typed = |tag: Tag| {
-        let tag = tag.with_some("clocks", clock);
+        let tag = tag.with_some("intermediateUpdate", intermediate.then_some(true)).with_some("clocks", clock);
         let tag = match &variable.kind {
             Kind::Real(real) => tag
                 .with("unit", real.unit.name)

@@ -19,6 +19,7 @@ use super::{
     refusal::{Outcome, Refusal},
     types::{Component, Status, Text},
     version::Version,
+    watch::Watch,
 };
 use crate::model::Model;
 
@@ -65,6 +66,12 @@ impl<M: Model> Handle<M> {
         if handle.busy.swap(true, Ordering::Acquire) {
             return;
         }
+        // SAFETY: the busy flag was clear, so this is the only reference.
+        if unsafe { &*handle.instance.get() }.run.phase == Phase::Intermediate {
+            // The host's callback tries to free the instance whose step has called it.
+            handle.busy.store(false, Ordering::Release);
+            return;
+        }
         handle.magic.store(0, Ordering::Relaxed);
         // SAFETY: made by `give`, and no longer found by anyone else.
         let handle = unsafe { Box::from_raw(component.cast::<Self>()) };
@@ -100,17 +107,19 @@ pub unsafe fn ours<'a, T>(pointer: *mut c_void, magic: u64, name: &'static str) 
 }
 
 /// What is known of an instance that a host asks for.
-pub struct Known {
+pub struct Known<M> {
     /// A hash of the description.
     pub fingerprint: u128,
+    /// How the host looks into communication steps.
+    pub watch: Option<Watch<M>>,
     /// Whether it uses the event mode of Co-Simulation, and whether steps may end early then.
     pub event_mode: Option<bool>,
 }
 
-impl Known {
+impl<M: Model> Known<M> {
     /// That of this description, for a host that wants no more.
-    pub fn of<M: Model>(version: Version, interface: Interface) -> Self {
-        Self { fingerprint: fingerprint::<M>(version, interface), event_mode: None }
+    pub fn of(version: Version, interface: Interface) -> Self {
+        Self { fingerprint: fingerprint::<M>(version, interface), watch: None, event_mode: None }
     }
 }
 
@@ -123,7 +132,7 @@ pub unsafe fn instantiate_by<M: Model>(
     (version, exchange): (Version, bool),
     texts: [Text; 3],
     logger: impl FnOnce(&str) -> Option<Logger>,
-    check: impl FnOnce() -> Outcome<Known>,
+    check: impl FnOnce() -> Outcome<Known<M>>,
 ) -> Component {
     let make = || {
         // SAFETY: as the caller promises. Some hosts write names and paths in their system's code page, not in UTF-8.
@@ -138,8 +147,8 @@ pub unsafe fn instantiate_by<M: Model>(
             .map_err(|refusal| logger.refuse(function, &refusal))
             .ok()?;
         let (form, resources) = ((version, exchange), resources.as_deref());
-        let mut instance = Instance::<M>::new(function, form, known.fingerprint, resources, logger);
-        instance.event_mode = known.event_mode;
+        let mut instance = Instance::new(function, form, known.fingerprint, resources, logger);
+        (instance.watch, instance.event_mode) = (known.watch, known.event_mode);
         Some(Handle::give(instance))
     };
     catch_unwind(AssertUnwindSafe(make)).ok().flatten().unwrap_or(std::ptr::null_mut())

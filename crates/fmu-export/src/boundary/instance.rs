@@ -11,6 +11,7 @@ use super::{
     run::Run,
     types::Status,
     version::Version,
+    watch::Watch,
 };
 use crate::model::{Fault, Model, events, offered};
 
@@ -26,6 +27,8 @@ pub struct Instance<M> {
     pub fingerprint: u128,
     /// The version of the standard that the host uses.
     pub version: Version,
+    /// The callback by which the host sees values within communication steps, if it asked for one.
+    pub watch: Option<Watch<M>>,
     /// Whether the host uses the event mode of Co-Simulation, and whether steps may end early at events then.
     pub event_mode: Option<bool>,
     /// Whether the last step has ended at an event that the host has to handle.
@@ -55,6 +58,7 @@ impl<M: Model> Instance<M> {
             texts: vec![None; M::variables().len()],
             fingerprint,
             version,
+            watch: None,
             event_mode: None,
             event_due: false,
             resources: folder,
@@ -118,10 +122,20 @@ impl<M: Model> Instance<M> {
 
     /// Takes a communication step.
     pub fn step(&mut self, from: f64, step: f64) -> Outcome {
+        self.check_step(from, step)?;
+        self.refresh()?;
+        self.advance(from, step, from + step)
+    }
+
+    /// Checks a communication step before anything is done.
+    pub fn check_step(&self, from: f64, step: f64) -> Outcome<()> {
         finite("currentCommunicationPoint", from)?;
         require(step > 0.0 && step.is_finite(), "communicationStepSize", step, "a step must be greater than 0")?;
-        self.check_times(from, step)?;
-        self.refresh()?;
+        self.check_times(from, step)
+    }
+
+    /// Lets `step` seconds pass in the model, to the time `to`.
+    pub fn advance(&mut self, from: f64, step: f64, to: f64) -> Outcome {
         self.run.differentiated = false;
         let (model, log) = (&mut self.run.model, &mut self.logger);
         // A host that does not see the events leaves them to the model.
@@ -133,7 +147,7 @@ impl<M: Model> Instance<M> {
             Ok(event) => {
                 self.event_due = event.is_some();
                 let passed = event.filter(|passed| *passed < step);
-                self.run.time = from + passed.unwrap_or(step);
+                self.run.time = passed.map_or(to, |passed| from + passed);
                 self.clear_slopes();
                 self.run.last_step = Status::Ok;
             }
@@ -188,7 +202,7 @@ impl<M: Model> Instance<M> {
                     self.run.model = self.initialised(seed)?;
                 }
             }
-            Phase::StepComplete => self.run.model.update()?,
+            Phase::StepComplete | Phase::Intermediate => self.run.model.update()?,
             Phase::Event | Phase::Continuous => self.run.model.update().map_err(Refusal::Step)?,
             // Before the initialization, which computes the outputs anyway, and after the end.
             _ => return Ok(()),
@@ -204,6 +218,18 @@ impl<M: Model> Instance<M> {
         model.initialise(&experiment, &mut self.logger)?;
         if let (true, Some(exchange)) = (self.run.exchange, offered::<M>()) {
             (exchange.allow)(&model)?;
+        }
+        Ok(model)
+    }
+
+    /// A copy of the model after `change`, with its outputs: initialised in initialization mode, updated later.
+    pub fn variant(&self, change: impl FnOnce(&mut M)) -> Outcome<M> {
+        let mut model = self.run.seed.as_ref().unwrap_or(&self.run.model).clone();
+        change(&mut model);
+        if self.run.seed.is_some() {
+            model.initialise(&self.run.experiment(self.resources.as_deref()), &mut ())?;
+        } else {
+            model.update()?;
         }
         Ok(model)
     }

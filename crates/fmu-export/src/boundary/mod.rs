@@ -1,7 +1,8 @@
 //! The part of an FMI boundary that does not depend on the standard's version: one instance, in safe Rust.
 //!
 //! - `guard`: the checks that every call passes (handle, state machine, panics), and `raw`, the checks of its pointers;
-//! - `instance`: one instance, with `values`, `snapshot`, `derivatives`, and for Model Exchange `exchange`;
+//! - `instance`: one instance, with `values`, `snapshot`, `derivatives`, for Model Exchange `exchange`, and
+//!   `intermediate` for hosts that look into communication steps;
 //! - `phase`: where an instance is in its life;
 //! - `calls`: makes C functions of a version's table of them;
 //! - `description`, with `describe` and `xml`: the model descriptions of all versions.
@@ -16,6 +17,7 @@ pub mod description;
 pub mod exchange;
 pub mod guard;
 pub mod instance;
+pub mod intermediate;
 pub mod logger;
 pub mod phase;
 pub mod raw;
@@ -26,4 +28,5 @@ pub mod snapshot;
 pub mod types;
 pub mod values;
 pub mod version;
+pub mod watch;
 pub mod xml;

@@ -29,6 +29,8 @@ pub enum Phase {
     Event,
     /// Model Exchange: the host integrates.
     Continuous,
+    /// FMI 3.0 Co-Simulation: between two inner steps of a communication step, while the host's callback runs.
+    Intermediate,
 }
 
 impl fmt::Display for Phase {
@@ -43,6 +45,7 @@ impl fmt::Display for Phase {
             Self::Fatal => "after a fatal error",
             Self::Event => "in event mode",
             Self::Continuous => "in continuous-time mode",
+            Self::Intermediate => "in intermediate update mode",
         })
     }
 }
@@ -70,14 +73,20 @@ pub struct Function {
     pub phases: Phases,
 }
 
-/// All phases but [`Phase::Fatal`]. In FMI 3.0 values can be read in all of them: they are start values at first.
-pub const ALIVE: Phases = !of(&[Phase::Fatal]);
+/// All phases but [`Phase::Fatal`], and [`Phase::Intermediate`], in which a call is still at work.
+pub const ALIVE: Phases = !of(&[Phase::Fatal, Phase::Intermediate]);
+
+/// The phases in which FMI 3.0 lets values be read: they are start values at first.
+pub const VISIBLE: Phases = ALIVE | of(&[Phase::Intermediate]);
 
 /// The phases in which computed values can be read.
 pub const READABLE: Phases = ALIVE & !of(&[Phase::Instantiated]);
+
+/// The phases in which partial derivatives can be asked for: not in Model Exchange, whose event mode refuses them itself.
+pub const DERIVABLE: Phases = READABLE & !of(&[Phase::Continuous]);
 
 /// The phases in which states can be read.
 pub const INTEGRABLE: Phases = READABLE & !of(&[Phase::StepComplete, Phase::StepFailed]);
 
 /// The phases in which values can be set.
-pub const SETTABLE: Phases = ALIVE & !of(&[Phase::StepFailed, Phase::Terminated, Phase::Error]);
+pub const SETTABLE: Phases = VISIBLE & !of(&[Phase::StepFailed, Phase::Terminated, Phase::Error]);

@@ -11,9 +11,6 @@ use crate::model::Fault;
 /// How a call ends.
 pub type Outcome<T = Status> = Result<T, Refusal>;
 
-/// Hosts take the differences that they want themselves.
-pub const NO_DIRECTIONS: Outcome = Err(Refusal::Absent("this FMU provides no directional derivatives"));
-
 /// Why a call is refused. The instance is as before the call, unless a computation failed.
 #[derive(Debug, Error)]
 pub enum Refusal {
@@ -37,6 +34,8 @@ pub enum Refusal {
     Type { name: &'static str, is: &'static str, asked: &'static str },
     #[error("{name} is {role}, which cannot be set {phase}")]
     NotSettable { name: &'static str, role: &'static str, phase: Phase },
+    #[error("{name} cannot be accessed in intermediate update mode: {why}")]
+    NotIntermediate { name: &'static str, why: &'static str },
     #[error("{name} cannot be set to {value}: it must be {allowed}")]
     Value { name: &'static str, value: String, allowed: String },
     #[error("{name}: {why}")]

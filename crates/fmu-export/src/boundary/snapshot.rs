@@ -204,7 +204,7 @@ fn decode<M: Model>(bytes: &[u8], fingerprint: u128) -> Outcome<Run<M>> {
         && (run.phase != Phase::Continuous || run.exchange)
         && (run.phase != Phase::Event || run.exchange || events::<M>().is_some())
         && (!stepped || !run.exchange)
-        && run.phase != Phase::Fatal
+        && !matches!(run.phase, Phase::Fatal | Phase::Intermediate)
         && run.seed.is_some() == (run.phase == Phase::Initialization);
     if plausible { Ok(run) } else { Err(broken("its parts contradict each other")) }
 }

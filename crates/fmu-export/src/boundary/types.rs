@@ -37,5 +37,10 @@ pub enum Status {
 /// `fmi2CallbackLogger`: a printf-like function of the host.
 pub type CallbackLogger = unsafe extern "C" fn(ComponentEnvironment, Text, Status, Text, Text, ...);
 
+/// `fmi3IntermediateUpdateCallback`: takes environment and time, whether inputs may be set, whether outputs may be read, whether
+/// they are final, whether the step can be ended, and the places for the answer: whether it shall end, and when.
+pub type IntermediateUpdateCallback =
+    unsafe extern "C" fn(ComponentEnvironment, Real, bool, bool, bool, bool, *mut u8, *mut Real);
+
 /// `fmi3LogMessageCallback`: takes environment, status, category and message.
 pub type LogMessageCallback = unsafe extern "C" fn(ComponentEnvironment, Status, Text, Text);

@@ -92,6 +92,7 @@ impl<M: Model> Instance<M> {
         values: &mut [T],
         read: impl Fn(&Kind<M>, &M) -> Option<T>,
     ) -> Outcome {
+        self.check_intermediate(references, false)?;
         self.refresh()?;
         for (reference, value) in references.iter().zip(values) {
             let variable = variable::<M>(*reference)?;
@@ -104,6 +105,7 @@ impl<M: Model> Instance<M> {
     /// Reads real values. In Model Exchange the states are the host's, and not every output exists at every state: the
     /// solver then tries a shorter step.
     pub fn get_real(&mut self, references: &[ValueReference], values: &mut [Real]) -> Outcome {
+        self.check_intermediate(references, false)?;
         self.refresh()?;
         let (version, exchange) = (self.version, self.run.exchange);
         for (reference, value) in references.iter().zip(values) {
@@ -194,6 +196,7 @@ impl<M: Model> Instance<M> {
         values: &[T],
         put: impl Fn(&Variable<M>, T, Option<&mut M>) -> Outcome<()>,
     ) -> Outcome {
+        self.check_intermediate(references, true)?;
         for (reference, value) in references.iter().zip(values) {
             let variable = variable::<M>(*reference).map_err(|unknown| match self.state_or_rate(*reference) {
                 Ok(Some(_)) => Refusal::Absent("a state is set by SetContinuousStates, and its derivative is computed"),

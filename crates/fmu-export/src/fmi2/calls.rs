@@ -16,12 +16,12 @@ use crate::{
         instance::Instance,
         logger::{Callback, Logger, c_string},
         phase::{
-            ALIVE, Function, INTEGRABLE,
+            ALIVE, DERIVABLE, Function, INTEGRABLE,
             Phase::{Continuous, Error, Event, Initialization, Instantiated, StepComplete, StepFailed, Terminated},
             Phases, READABLE, SETTABLE, of,
         },
         raw::{place, texts, values, values_mut},
-        refusal::{NO_DIRECTIONS, Outcome, Refusal},
+        refusal::{Outcome, Refusal},
         values::INTEGER,
         version::Version,
     },
@@ -84,8 +84,13 @@ c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
             |instance| instance.deserialize(values(bytes.cast(), size, "serializedState")?, place(state, "FMUstate")?);
 
         fmi2GetDirectionalDerivative = get_directional_derivative(unknowns: *const ValueReference, n_unknowns: usize,
-            knowns: *const ValueReference, n_knowns: usize, direction: *const Real, derivative: *mut Real) in ALIVE =>
-            |_| NO_DIRECTIONS;
+            knowns: *const ValueReference, n_knowns: usize, direction: *const Real, derivative: *mut Real) in DERIVABLE =>
+            |instance| instance.get_directional_derivative(
+                values(unknowns, n_unknowns, "vUnknown_ref")?,
+                values(knowns, n_knowns, "vKnown_ref")?,
+                values(direction, n_knowns, "dvKnown")?,
+                values_mut(derivative, n_unknowns, "dvUnknown")?,
+            );
         fmi2SetRealInputDerivatives = set_real_input_derivatives(vr: *const ValueReference, n: usize, order: *const Integer,
             value: *const Real) in SETTABLE => |instance| instance.set_input_derivatives(
                 values(vr, n, "vr")?, values(order, n, "order")?, values(value, n, "value")?,
@@ -166,8 +171,8 @@ unsafe fn make<M: Model>(
         Some(Logger::new(callback, callbacks.component_environment, logging))
     };
     let check = || match (kind, offered::<M>()) {
-        (CO_SIMULATION, _) => Ok(Known::of::<M>(Version::Two, Interface::CoSimulation)),
-        (MODEL_EXCHANGE, Some(_)) => Ok(Known::of::<M>(Version::Two, Interface::ModelExchange)),
+        (CO_SIMULATION, _) => Ok(Known::of(Version::Two, Interface::CoSimulation)),
+        (MODEL_EXCHANGE, Some(_)) => Ok(Known::of(Version::Two, Interface::ModelExchange)),
         (_, offered) => Err(Refusal::Argument {
             name: "fmuType",
             value: kind.to_string(),

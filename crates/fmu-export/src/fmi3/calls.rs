@@ -23,14 +23,18 @@ use crate::{
         instance::Instance,
         logger::{Callback, Logger},
         phase::{
-            ALIVE, Function, INTEGRABLE,
-            Phase::{Continuous, Error, Event, Initialization, Instantiated, StepComplete, StepFailed, Terminated},
-            SETTABLE, of,
+            ALIVE, DERIVABLE, Function, INTEGRABLE,
+            Phase::{
+                Continuous, Error, Event, Initialization, Instantiated, Intermediate, StepComplete, StepFailed,
+                Terminated,
+            },
+            SETTABLE, VISIBLE, of,
         },
         raw::{place, texts, values, values_mut},
-        refusal::{NO_DIRECTIONS, Outcome, Refusal},
+        refusal::{Outcome, Refusal},
         values::{INT32, INT64, all_elements, size},
         version::Version,
+        watch::Watch,
     },
     model::{Model, events, offered},
 };
@@ -52,7 +56,7 @@ macro_rules! with_absent_types {
             calls {
                 $($calls)*
                 $(
-                    $get = $getter(vr: *const ValueReference, n: usize, value: *mut $type, n_values: usize) in ALIVE =>
+                    $get = $getter(vr: *const ValueReference, n: usize, value: *mut $type, n_values: usize) in VISIBLE =>
                         |instance| instance.none_of(references(vr, n)?, $name);
                     $set = $setter(vr: *const ValueReference, n: usize, value: *const $type, n_values: usize) in SETTABLE =>
                         |instance| instance.none_of(references(vr, n)?, $name);
@@ -73,27 +77,28 @@ with_absent_types! {
         fmi3GetUInt64 = get_uint64, fmi3SetUInt64 = set_uint64: u64, "UInt64";
     }
     { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
-    types Binary Boolean Byte Component ComponentEnvironment FmuState LogMessageCallback Real Status Text
+    types Binary Boolean Byte Component ComponentEnvironment FmuState IntermediateUpdateCallback LogMessageCallback Real Status Text
         Unused ValueReference;
     texts { fmi3GetVersion = c"3.0"; }
     whole {
         fmi3InstantiateModelExchange = instantiate_model_exchange(name: Text, token: Text, resources: Text, visible: Boolean,
             logging: Boolean, environment: ComponentEnvironment, log: Option<LogMessageCallback>) -> Component => {
                 let check = || match offered::<M>() {
-                    Some(_) => Ok(Known::of::<M>(Version::Three, Interface::ModelExchange)),
+                    Some(_) => Ok(Known::of(Version::Three, Interface::ModelExchange)),
                     None => Err(Refusal::Absent("this FMU supports Co-Simulation only")),
                 };
                 let logger = Logger::new(log.map(Callback::Three), environment, logging != FALSE);
                 let form = (Version::Three, true);
                 instantiate_by::<M>("fmi3InstantiateModelExchange", form, [name, token, resources], |_| Some(logger), check)
             };
-        /// There are no intermediate updates, so that it does not matter which variables the host would want then.
+        /// Without a callback for intermediate updates, or for a model without inner steps, it does not matter which variables
+        /// the host would want then, nor whether it allows early returns.
         fmi3InstantiateCoSimulation = instantiate_co_simulation(name: Text, token: Text, resources: Text, visible: Boolean,
-            logging: Boolean, event_mode: Boolean, early_return: Boolean, intermediate: Unused,
+            logging: Boolean, event_mode: Boolean, early_return: Boolean, intermediate: *const ValueReference,
             n_intermediate: usize, environment: ComponentEnvironment, log: Option<LogMessageCallback>,
-            update: Unused) -> Component => {
+            update: Option<IntermediateUpdateCallback>) -> Component => {
                 let check = || {
-                    let mut known = Known::of::<M>(Version::Three, Interface::CoSimulation);
+                    let mut known = Known::of(Version::Three, Interface::CoSimulation);
                     if event_mode != FALSE {
                         known.event_mode = events::<M>().map(|_| early_return != FALSE);
                         return known.event_mode.map(|_| known).ok_or(Refusal::Argument {
@@ -101,6 +106,10 @@ with_absent_types! {
                             value: "fmi3True".to_owned(),
                             why: "this FMU has no event mode",
                         });
+                    }
+                    if let (Some(update), Some(inner_step)) = (update, M::INNER_STEP) {
+                        let variables = values(intermediate, n_intermediate, "requiredIntermediateVariables")?;
+                        known.watch = Some(Watch::new(update, environment, early_return != FALSE, variables, inner_step)?);
                     }
                     Ok(known)
                 };
@@ -118,6 +127,12 @@ with_absent_types! {
                 instantiate_by::<M>("fmi3InstantiateScheduledExecution", form, [name, token, resources], |_| Some(logger), check)
             };
         fmi3FreeInstance = free_instance(component: Component) => Handle::<M>::end(component, Version::Three);
+        /// After a discarded step the instance is where it was, in step mode: the host may try a shorter one. A host that
+        /// looks into the step is called while the instance is free for it.
+        fmi3DoStep = do_step(component: Component, from: Real, step: Real, no_set_state_prior: Boolean,
+            event_handling_needed: *mut Boolean, terminate_simulation: *mut Boolean, early_return: *mut Boolean,
+            last_successful_time: *mut Real) -> Status =>
+            take_step::<M>(component, from, step, [event_handling_needed, terminate_simulation, early_return], last_successful_time);
     }
     }
     calls {
@@ -130,44 +145,24 @@ with_absent_types! {
                 instance.enter_initialization()
             };
         fmi3ExitInitializationMode = exit_initialization_mode() in of(&[Initialization]) => |instance| instance.exit_initialization();
-        /// After a discarded step the instance is where it was, in step mode: the host may try a shorter one.
-        fmi3DoStep = do_step(from: Real, step: Real, no_set_state_prior: Boolean, event_handling_needed: *mut Boolean,
-            terminate_simulation: *mut Boolean, early_return: *mut Boolean, last_successful_time: *mut Real)
-            in of(&[StepComplete]) => |instance| {
-                let [event, terminate] = [
-                    place(event_handling_needed, "eventHandlingNeeded")?,
-                    place(terminate_simulation, "terminateSimulation")?,
-                ];
-                let early = place(early_return, "earlyReturn")?;
-                let reached = place(last_successful_time, "lastSuccessfulTime")?;
-                let outcome = instance.step(from, step);
-                *event = (outcome.is_ok() && instance.event_due).into();
-                *terminate = FALSE;
-                *early = (outcome.is_ok() && instance.run.time < from + step).into();
-                *reached = instance.run.time;
-                if instance.run.phase == StepFailed {
-                    instance.run.phase = StepComplete;
-                }
-                outcome
-            };
         fmi3EnterEventMode = enter_event_mode() in of(&[StepComplete, Continuous]) => |instance| instance.enter_event();
         fmi3Terminate = terminate() in of(&[StepComplete, Event, Continuous]) => |instance| instance.terminate();
         fmi3Reset = reset() in ALIVE => |instance| instance.reset();
 
-        fmi3GetFloat64 = get_float64(vr: *const ValueReference, n: usize, value: *mut Real, n_values: usize) in ALIVE =>
+        fmi3GetFloat64 = get_float64(vr: *const ValueReference, n: usize, value: *mut Real, n_values: usize) in VISIBLE =>
             |instance| instance.get_real(&for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
-        fmi3GetInt32 = get_int32(vr: *const ValueReference, n: usize, value: *mut i32, n_values: usize) in ALIVE =>
+        fmi3GetInt32 = get_int32(vr: *const ValueReference, n: usize, value: *mut i32, n_values: usize) in VISIBLE =>
             |instance| instance.get_whole(INT32, &for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
         /// For enumerations.
-        fmi3GetInt64 = get_int64(vr: *const ValueReference, n: usize, value: *mut i64, n_values: usize) in ALIVE =>
+        fmi3GetInt64 = get_int64(vr: *const ValueReference, n: usize, value: *mut i64, n_values: usize) in VISIBLE =>
             |instance| instance.get_whole(INT64, &for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
-        fmi3GetBoolean = get_boolean(vr: *const ValueReference, n: usize, value: *mut Boolean, n_values: usize) in ALIVE =>
+        fmi3GetBoolean = get_boolean(vr: *const ValueReference, n: usize, value: *mut Boolean, n_values: usize) in VISIBLE =>
             |instance| instance.get_boolean(&for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
-        fmi3GetString = get_string(vr: *const ValueReference, n: usize, value: *mut Text, n_values: usize) in ALIVE =>
+        fmi3GetString = get_string(vr: *const ValueReference, n: usize, value: *mut Text, n_values: usize) in VISIBLE =>
             |instance| instance.get_string(&for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
         fmi3GetBinary = get_binary(vr: *const ValueReference, n: usize, sizes: *mut usize, value: *mut Binary, n_values: usize)
-            in ALIVE => |instance| instance.none_of(references(vr, n)?, "Binary");
-        fmi3GetClock = get_clock(vr: *const ValueReference, n: usize, value: *mut Boolean) in ALIVE =>
+            in VISIBLE => |instance| instance.none_of(references(vr, n)?, "Binary");
+        fmi3GetClock = get_clock(vr: *const ValueReference, n: usize, value: *mut Boolean) in VISIBLE =>
             |instance| instance.get_clock(references(vr, n)?, values_mut(value, n, "values")?);
 
         fmi3SetFloat64 = set_float64(vr: *const ValueReference, n: usize, value: *const Real, n_values: usize) in SETTABLE =>
@@ -205,12 +200,22 @@ with_absent_types! {
 
         fmi3GetDirectionalDerivative = get_directional_derivative(unknowns: *const ValueReference, n_unknowns: usize,
             knowns: *const ValueReference, n_knowns: usize, seed: *const Real, n_seed: usize, sensitivity: *mut Real,
-            n_sensitivity: usize) in ALIVE => |_| NO_DIRECTIONS;
+            n_sensitivity: usize) in DERIVABLE => |instance| {
+                let knowns = elements::<M>(knowns, n_knowns, "knowns", ("nSeed", n_seed))?;
+                let unknowns = elements::<M>(unknowns, n_unknowns, "unknowns", ("nSensitivity", n_sensitivity))?;
+                let (seed, sensitivity) = (values(seed, n_seed, "seed")?, values_mut(sensitivity, n_sensitivity, "sensitivity")?);
+                instance.get_directional_derivative(&unknowns, &knowns, seed, sensitivity)
+            };
         fmi3GetAdjointDerivative = get_adjoint_derivative(unknowns: *const ValueReference, n_unknowns: usize,
             knowns: *const ValueReference, n_knowns: usize, seed: *const Real, n_seed: usize, sensitivity: *mut Real,
-            n_sensitivity: usize) in ALIVE => |_| NO_DIRECTIONS;
+            n_sensitivity: usize) in DERIVABLE => |instance| {
+                let unknowns = elements::<M>(unknowns, n_unknowns, "unknowns", ("nSeed", n_seed))?;
+                let knowns = elements::<M>(knowns, n_knowns, "knowns", ("nSensitivity", n_sensitivity))?;
+                let (seed, sensitivity) = (values(seed, n_seed, "seed")?, values_mut(sensitivity, n_sensitivity, "sensitivity")?);
+                instance.get_adjoint_derivative(&unknowns, &knowns, seed, sensitivity)
+            };
         fmi3GetOutputDerivatives = get_output_derivatives(vr: *const ValueReference, n: usize, orders: *const i32, value: *mut Real,
-            n_values: usize) in of(&[StepComplete, StepFailed, Terminated, Error]) => |instance| {
+            n_values: usize) in of(&[StepComplete, StepFailed, Terminated, Error, Intermediate]) => |instance| {
                 let all = for_values::<M>(vr, n, n_values)?;
                 let given = references(vr, n)?.iter().zip(values(orders, n, "orders")?);
                 let orders: Vec<i32> = given.flat_map(|(first, order)| repeat_n(*order, size::<M>(*first))).collect();
@@ -287,7 +292,7 @@ unsafe fn references<'a>(vr: *const ValueReference, n: usize) -> Outcome<&'a [Va
     unsafe { values(vr, n, "valueReferences") }
 }
 
-/// The value references of all elements, and a check that there is one value for each.
+/// The value references of all elements, for as many values.
 ///
 /// # Safety
 /// As for all functions.
@@ -297,13 +302,78 @@ unsafe fn for_values<'a, M: Model>(
     n_values: usize,
 ) -> Outcome<Cow<'a, [ValueReference]>> {
     // SAFETY: as the host vouches.
-    let elements = all_elements::<M>(unsafe { references(vr, n) }?);
-    if n_values == elements.len() {
+    unsafe { elements::<M>(vr, n, "valueReferences", ("nValues", n_values)) }
+}
+
+/// The value references of all elements, and a check that there is one value for each.
+///
+/// # Safety
+/// As for all functions.
+unsafe fn elements<'a, M: Model>(
+    vr: *const ValueReference,
+    n: usize,
+    name: &'static str,
+    (counted, given): (&'static str, usize),
+) -> Outcome<Cow<'a, [ValueReference]>> {
+    // SAFETY: as the host vouches.
+    let elements = all_elements::<M>(unsafe { values(vr, n, name) }?);
+    if given == elements.len() {
         return Ok(elements);
     }
     Err(Refusal::Argument {
-        name: "nValues",
-        value: n_values.to_string(),
+        name: counted,
+        value: given.to_string(),
         why: "there must be a value for each scalar, and for each element of an array",
     })
+}
+
+/// Takes a communication step, and asks the host within it if it wants to be asked.
+///
+/// # Safety
+/// As for all functions.
+unsafe fn take_step<M: Model>(
+    component: Component,
+    from: Real,
+    step: Real,
+    [event_handling_needed, terminate_simulation, early_return]: [*mut Boolean; 3],
+    last_successful_time: *mut Real,
+) -> Status {
+    let function = |phase| Function { name: "fmi3DoStep", version: Version::Three, phases: of(&[phase]) };
+    let (mut answer, mut pause) = (None, None);
+    loop {
+        let body = |instance: &mut Instance<M>| {
+            // SAFETY: as the host vouches.
+            let (flags, early, reached) = unsafe {
+                (
+                    [
+                        place(event_handling_needed, "eventHandlingNeeded")?,
+                        place(terminate_simulation, "terminateSimulation")?,
+                    ],
+                    place(early_return, "earlyReturn")?,
+                    place(last_successful_time, "lastSuccessfulTime")?,
+                )
+            };
+            let outcome = match answer {
+                None => instance.begin_step(from, step, &mut pause),
+                Some(answer) => instance.go_on(answer, &mut pause),
+            };
+            let [event, terminate] = flags;
+            *event = (outcome.is_ok() && instance.event_due).into();
+            *terminate = FALSE;
+            *early = (outcome.is_ok() && instance.run.time < from + step).into();
+            *reached = instance.run.time;
+            if instance.run.phase == StepFailed {
+                instance.run.phase = StepComplete;
+            }
+            outcome
+        };
+        let begins = answer.is_none();
+        let function = function(if begins { StepComplete } else { Intermediate });
+        // SAFETY: as the host vouches; it cannot free the instance in its callback.
+        let status = unsafe { enter(component, &function, body) };
+        match pause.take() {
+            None => return status,
+            Some(update) => answer = Some(update.ask()),
+        }
+    }
 }

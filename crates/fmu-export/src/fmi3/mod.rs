@@ -4,7 +4,8 @@
 //! end here, and [`export!`](crate::export) defines them for one model.
 //!
 //! Value references are those of FMI 2.0. Reals are `Float64`, integers `Int32`; an [array](crate::model::Variable::array) has one
-//! dimension of constant size. A host may use the event mode of Co-Simulation with one that has [events](crate::model::Model::EVENTS), which may let output clocks tick.
+//! dimension of constant size. A host may look into the steps of a model with [inner steps](crate::model::Model::INNER_STEP), and
+//! use the event mode of Co-Simulation with one that has [events](crate::model::Model::EVENTS), which may let output clocks tick.
 //! Everything else is the same for all versions: see `boundary`.
 
 pub mod calls;

@@ -3,7 +3,8 @@
 use std::ffi::c_void;
 
 pub use crate::boundary::types::{
-    Component, ComponentEnvironment, FmuState, LogMessageCallback, Real, Status, Text, ValueReference,
+    Component, ComponentEnvironment, FmuState, IntermediateUpdateCallback, LogMessageCallback, Real, Status, Text,
+    ValueReference,
 };
 
 /// `fmi3Boolean`, C's `bool`: a byte, as a host may pass any, and 0 is false.

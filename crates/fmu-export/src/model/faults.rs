@@ -120,6 +120,9 @@ fn check_events<M: Model>(faults: &mut Vec<String>) {
             faults.push(format!("{name}: the model must compute what ticks with a clock, and {clock:?} must be one"));
         }
     }
+    if M::EVENTS.is_some() && M::INNER_STEP.is_some() {
+        faults.push("a model with events has no INNER_STEP".to_owned());
+    }
     for name in indicators::<M>() {
         if !known(name).is_some_and(|variable| matches!(variable.kind, Kind::Real(_))) || without::<M>().contains(name)
         {

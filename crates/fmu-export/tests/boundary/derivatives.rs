@@ -1,4 +1,4 @@
-//! Derivatives over time.
+//! Derivatives over time and along directions.
 
 use fmu_export::fmi2::calls;
 use lag::Lag;
@@ -35,12 +35,37 @@ fn output_derivatives_known_and_by_difference() {
 }
 
 #[test]
-fn there_are_no_directional_derivatives() {
-    let host = Host::started();
-    let mut value = 7.0;
-    // SAFETY: one value each.
-    let status = unsafe {
-        calls::get_directional_derivative::<Lag>(host.component, &vr("feed"), 1, &vr("input"), 1, &1.0, &mut value)
+fn directional_derivatives() {
+    let host = Host::new();
+    assert_eq!(host.enter(), Ok);
+    assert!((host.derivative("output", "initialState") - 1.0).abs() < 1e-9);
+    assert_eq!([host.set("input", 3.0), host.exit()], [Ok; 2]);
+    assert!((host.derivative("feed", "input") - 2.0).abs() < 1e-9);
+    assert!((host.derivative("feed", "gain") - 3.0).abs() < 1e-9);
+    assert_eq!(host.derivative("output", "input"), 0.0);
+    // At a bound the difference is one-sided.
+    assert_eq!(host.set("input", 1e6), Ok);
+    assert!((host.derivative("feed", "input") - 2.0).abs() < 1e-8);
+    assert_eq!(host.get("input"), 1e6);
+    let mut value = 0.0;
+    let derivative = |unknown, known, direction| {
+        // SAFETY: one value each.
+        unsafe {
+            calls::get_directional_derivative::<Lag>(
+                host.component,
+                &vr(unknown),
+                1,
+                &vr(known),
+                1,
+                &direction,
+                &mut value,
+            )
+        }
     };
-    assert_eq!((status, value), (Error, 7.0));
+    let mut derivative = derivative;
+    assert_eq!(derivative("feed", "input", 0.0), Ok);
+    assert_eq!(derivative("feed", "input", f64::NAN), Error);
+    assert_eq!(derivative("input", "input", 1.0), Error);
+    assert_eq!(derivative("feed", "timeConstant", 1.0), Error);
+    assert_eq!(derivative("feed", "inverted", 1.0), Error);
 }

@@ -228,6 +228,15 @@ impl Host {
         value
     }
 
+    pub fn derivative(&self, unknown: &str, known: &str) -> f64 {
+        let mut value = f64::NAN;
+        let status = unsafe {
+            calls::get_directional_derivative::<Lag>(self.component, &vr(unknown), 1, &vr(known), 1, &1.0, &mut value)
+        };
+        assert_eq!(status, Ok);
+        value
+    }
+
     pub fn save(&self) -> FmuState {
         let mut state = null_mut();
         assert_eq!(unsafe { calls::get_fmu_state::<Lag>(self.component, &mut state) }, Ok);

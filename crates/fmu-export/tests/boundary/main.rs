@@ -10,6 +10,7 @@ mod arguments;
 mod derivatives;
 mod exchange;
 mod host;
+mod intermediate;
 mod life;
 mod states;
 mod three;

@@ -63,7 +63,7 @@ impl Host {
                 0,
                 environment,
                 log,
-                null(),
+                None,
             )
         };
         Self { component, messages }
@@ -269,6 +269,31 @@ fn an_instance_of_one_version_is_none_of_the_other() {
         assert_eq!(calls::set_fmu_state::<Lag>(three.component, state), Error);
         assert_eq!(two.free(state), Ok);
     }
+}
+
+#[test]
+fn adjoint_derivatives_are_the_transposed_directional_ones() {
+    let host = Host::started();
+    assert_eq!(host.set("input", 3.0), Ok);
+    let (unknowns, knowns) = ([vr("feed"), vr("output")], [vr("input"), vr("gain")]);
+    let mut adjoint = [f64::NAN; 2];
+    // SAFETY: two values each.
+    let status = unsafe {
+        calls::get_adjoint_derivative::<Lag>(
+            host.component,
+            unknowns.as_ptr(),
+            2,
+            knowns.as_ptr(),
+            2,
+            [10.0, 1.0].as_ptr(),
+            2,
+            adjoint.as_mut_ptr(),
+            2,
+        )
+    };
+    assert_eq!(status, Ok);
+    // feed = gain input; the output depends on neither at this instant.
+    assert!((adjoint[0] - 20.0).abs() < 1e-7 && (adjoint[1] - 30.0).abs() < 1e-7, "{adjoint:?}");
 }
 
 #[test]

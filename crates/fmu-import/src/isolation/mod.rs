@@ -1,5 +1,6 @@
 //! Points in processes of their own, so that whatever an FMU does costs its own point only.
 //!
+//! - [`ControlGroup`]: processes that end together, where the system allows such groups;
 //! - [`frame`]: bytes between processes, with length and checksum;
 //! - [`keeper`]: a process that starts children, watches them and outlives whatever they do;
 //! - `offspring`: what an FMU leaves running is found and ended (Unix);
@@ -12,6 +13,8 @@
 #[cfg(unix)]
 mod birth;
 mod child;
+#[cfg(unix)]
+mod control_group;
 pub mod frame;
 #[cfg(unix)]
 pub mod keeper;
@@ -30,12 +33,14 @@ pub mod words;
 #[cfg(unix)]
 pub use birth::Place;
 pub use child::Child;
+#[cfg(unix)]
+pub use control_group::ControlGroup;
 pub use frame::Broken;
 pub use keeper::Keeper;
 pub use loss::{Bounds, Loss, Parting};
 #[cfg(windows)]
 pub use windows::birth::Place;
 #[cfg(windows)]
-pub use windows::job::Job;
+pub use windows::job::ControlGroup;
 #[cfg(windows)]
 pub use windows::{keeper, pipe, process};

@@ -29,13 +29,8 @@ pub(crate) use fmu_import::isolation::offspring::{
     adopt_orphans, end_all, end_marked, is_stopped, kill_group as kill_worker,
 };
 
-/// A worker ends its children, and what they leave behind is found by its mark.
-#[derive(Debug)]
-pub(crate) struct Job;
-
-pub(crate) fn job_of(_: u32) -> Job {
-    Job
-}
+/// Whether a worker needs a control group to be ended with all that it has started; else a group only makes that surer.
+pub(crate) const GROUPS_ARE_NEEDED: bool = false;
 
 /// Lets a command, which is this program, run in a process group of its own, out of reach of Ctrl-C.
 pub(crate) fn detach(command: &mut Command) -> &mut Command {

@@ -15,12 +15,8 @@ use fmu_import::isolation::{Keeper, Loss};
 pub use fmu_import::isolation::process::memory_of_machine;
 pub(crate) use fmu_import::isolation::process::{detach, detach as set_apart};
 
-/// What ends a worker with all that it has started.
-pub(crate) type Job = Option<fmu_import::isolation::Job>;
-
-pub(crate) fn job_of(worker: u32) -> Job {
-    fmu_import::isolation::Job::new().filter(|job| job.take(worker))
-}
+/// Whether a worker needs a control group to be ended with all that it has started.
+pub(crate) const GROUPS_ARE_NEEDED: bool = true;
 
 /// A process that ends leaves its children to nobody.
 pub(crate) fn adopt_orphans() {}

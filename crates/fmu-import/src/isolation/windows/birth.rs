@@ -7,7 +7,7 @@ use std::process::{Command, Stdio};
 
 use windows_sys::Win32::System::Console::{STD_INPUT_HANDLE, STD_OUTPUT_HANDLE, SetStdHandle};
 
-use super::job::Job;
+use super::job::ControlGroup;
 use super::keeper::{Keeper, Process};
 use super::pipe::Arrivals;
 use super::process;
@@ -27,7 +27,7 @@ impl Keeper {
         let mut process =
             process::detach(command).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
         // It waits for its ticket, so whatever it starts will be in the job.
-        let group = Job::new().filter(|group| group.take(process.id()));
+        let group = ControlGroup::new().filter(|group| group.take(process.id()));
         let missing = || io::Error::other("a pipe to the process is missing");
         let mut orders = process.stdin.take().ok_or_else(missing)?;
         let answers = process.stdout.take().ok_or_else(missing)?;

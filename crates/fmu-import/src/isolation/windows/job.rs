@@ -17,9 +17,9 @@ use super::process::{KILLED, open};
 
 /// A group of processes, which end with it.
 #[derive(Debug)]
-pub struct Job(OwnedHandle);
+pub struct ControlGroup(OwnedHandle);
 
-impl Job {
+impl ControlGroup {
     /// A new group without processes; `None` where the system has no room for it.
     pub fn new() -> Option<Self> {
         // SAFETY: no attributes and no name: a new object that no other process gets.

@@ -7,7 +7,7 @@ use std::fs::File;
 use std::process::ChildStdin;
 use std::time::Duration;
 
-use super::job::Job;
+use super::job::ControlGroup;
 use super::pipe::Arrivals;
 use super::process::{self, loss};
 use super::words::Words;
@@ -63,7 +63,7 @@ const LOOK: Duration = Duration::from_millis(10);
 #[derive(Debug)]
 pub(in crate::isolation) struct Process {
     pub(super) process: std::process::Child,
-    pub(super) group: Option<Job>,
+    pub(super) group: Option<ControlGroup>,
 }
 
 impl Process {
