@@ -105,7 +105,7 @@ class Verdict:
     share: float
     """The share of verified points, from 0 to 1."""
     interval: Interval | None
-    """Its 95 % interval; none of a grid, whose points are no sample."""
+    """Its 95 % interval; none of points that depend on each other."""
     shares: Mapping[str, float]
     """The share of points that meet a criterion, by its name."""
     required: Requirement | None

@@ -208,7 +208,6 @@ class Study:
         starts: int | None = None,
         posterior: int | None = None,
         budget: int | None = None,
-        narrow: str | None = None,
         against: StrPath | None = None,
         seed: int | None = None,
         time_limit: float | None = None,
@@ -219,7 +218,7 @@ class Study:
 
         ``posterior`` draws so many sets of parameters from the posterior into ``posterior.csv``. ``budget`` is the most runs,
         of which a surrogate is made, with the points of a finished study where ``points_of`` names one: the result stands in its
-        folder then. ``narrow`` names the parameter for which the next measurement is chosen. ``against``
+        folder then. ``against``
         weighs the model against that of another result on the same data. ``time_limit``, s, ends the search and takes the
         best so far.
         """
@@ -229,7 +228,7 @@ class Study:
         if source is not None and folder != source:
             raise OrchestratorError("identify(points_of=...) writes into the folder of the points; leave output out")
         options: dict[str, Value] = {"starts": starts, "posterior": posterior, "budget": budget}
-        options |= {"narrow": narrow, "seed": seed, "time_limit": time_limit}
+        options |= {"seed": seed, "time_limit": time_limit}
         options["against"] = None if against is None else os.path.abspath(against)
         done = self._run("identify", folder, options, running, state="identify")
         found = Identification(folder, done.text)

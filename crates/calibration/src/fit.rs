@@ -3,7 +3,11 @@
 use serde::Serialize;
 
 use super::{
-    digits::rounded, influence::Farthest, next::Group, order::Order, outcome::IdentificationOutcome, problem::Estimate,
+    digits::rounded,
+    influence::{Farthest, Group},
+    order::Order,
+    outcome::IdentificationOutcome,
+    problem::Estimate,
     suspects::Suspect,
 };
 

@@ -13,10 +13,18 @@ use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 use super::{
     errors::Errors,
-    next::Group,
     optima::Optimum,
     problem::{Problem, SharedKind},
 };
+
+/// Values that are measured together: those of a curve, or of a quantity in all cases.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Group {
+    /// Its name.
+    pub name: String,
+    /// The case and the quantity of each value.
+    pub values: Vec<[usize; 2]>,
+}
 
 /// The value with the largest studentised residual.
 #[derive(Clone, Debug, Serialize)]

@@ -8,7 +8,6 @@ pub mod failures;
 pub mod fit;
 pub mod influence;
 pub mod local;
-pub mod next;
 pub mod numerical;
 pub mod objective;
 pub mod optima;

@@ -8,7 +8,6 @@ use super::{
     failures::{Edge, Excluded},
     influence::{Farthest, Influence},
     local::{End, Minimum},
-    next::NextOutcome,
     numerical::NumericalError,
     optima::{Approximation, Optimum},
     order::Order,
@@ -82,9 +81,6 @@ pub struct IdentificationOutcome {
     /// The model's numerical error at the first optimum, where half the steps were tried.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub numerical_error: Option<NumericalError>,
-    /// What would narrow the parameters most.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub next: Option<NextOutcome>,
     /// The surrogates in place of the model, where they were asked for.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub surrogate: Option<SurrogateOutcome>,
@@ -297,7 +293,6 @@ impl IdentificationOutcome {
             suspects: None,
             excluded: Excluded::new(problem, &progress.failures, progress.screened.iter().map(Option::is_some)),
             numerical_error: None,
-            next: None,
             surrogate: None,
             posterior: None,
             evidence: None,

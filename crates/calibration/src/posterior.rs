@@ -148,7 +148,7 @@ impl Posterior {
         const NEXT_TO_NOTHING: f64 = 1e-3;
         let precision = (variance.recip() - self.bounds[unknown]).max(NEXT_TO_NOTHING);
         let deviation = precision.powf(-0.5);
-        // The digits of the normal distribution end farther outside.
+        // Farther from the bounds, in standard deviations, the normal distribution's tail is 0 in floating-point numbers.
         const FAR: f64 = 30.0;
         // The variance that stands for the bounds is about the minimum's place.
         let place = self.places[unknown];

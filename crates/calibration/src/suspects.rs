@@ -15,8 +15,8 @@ use statrs::distribution::{ChiSquared, ContinuousCDF};
 use super::{
     errors::Errors,
     expected::Expected,
+    influence::Group,
     local::{Limits, Minimum, minimise},
-    next::Group,
     objective::{Differences, Objective},
     optima::Optimum,
     problem::{Effect, Free, NoPrediction, Problem, SharedKind, Simulate, Source, Spacing},

@@ -96,7 +96,7 @@ pub struct Risk {
     pub conformance_probability: f64,
     /// The probability that an accepted point does not conform; none where no point is accepted.
     pub not_conforming_given_accepted: Option<f64>,
-    /// Their intervals; none of points that are no sample, such as those of a grid.
+    /// Their intervals; none of points that depend on each other.
     pub intervals: Option<RiskIntervals>,
 }
 

@@ -1,20 +1,12 @@
 //! A component of a binary, and the functions whose signature is the same in both versions of FMI.
 
-use std::{
-    ffi::{CString, c_char, c_int},
-    ptr,
-};
+use std::ffi::{CString, c_char, c_int};
 
 use crate::{
     call::Called,
     caller::Caller,
-    symbols::{Component, Function, LibraryError, Plain, Saved, Symbols, Text},
-    version::Version,
+    symbols::{Component, Function, LibraryError, Plain, Symbols, Text},
 };
-
-/// The functions to get and to free a state.
-type TakeState = unsafe extern "C" fn(Component, *mut Saved) -> c_int;
-type PutState = unsafe extern "C" fn(Component, Saved) -> c_int;
 
 /// The functions that have the same signature in every version.
 #[derive(Clone, Copy, Debug)]
@@ -24,33 +16,17 @@ pub(crate) struct Common {
     exit_initialization_mode: Function<Plain>,
     terminate: Function<Plain>,
     reset: Function<Plain>,
-    get_state: Function<TakeState>,
-    set_state: Function<PutState>,
-    free_state: Function<TakeState>,
-    /// Whether it says that it can save states, and has the functions: some FMUs export what they cannot do.
-    saves: bool,
 }
 
 impl Common {
-    /// Finds them in a loaded binary. `states` says whether the FMU can save states.
-    pub(crate) fn find(symbols: &Symbols<'_>, states: bool) -> Result<Self, LibraryError> {
-        let state = match symbols.version {
-            Version::Two => "FMUstate",
-            Version::Three => "FMUState",
-        };
-        let get_state = symbols.find(&format!("Get{state}"));
-        let set_state = symbols.find(&format!("Set{state}"));
-        let free_state = symbols.find(&format!("Free{state}"));
+    /// Finds them in a loaded binary.
+    pub(crate) fn find(symbols: &Symbols<'_>) -> Result<Self, LibraryError> {
         Ok(Self {
             get_version: symbols.find("GetVersion"),
             free_instance: symbols.need("FreeInstance")?,
             exit_initialization_mode: symbols.need("ExitInitializationMode")?,
             terminate: symbols.find("Terminate"),
             reset: symbols.find("Reset"),
-            saves: states && get_state.is_there() && set_state.is_there() && free_state.is_there(),
-            get_state,
-            set_state,
-            free_state,
         })
     }
 }
@@ -109,24 +85,6 @@ impl Base {
             terminate if terminate.is_there() => self.plain(terminate),
             _ => Ok(()),
         }
-    }
-
-    pub(crate) fn save(&mut self) -> Option<Saved> {
-        let mut state = Saved(ptr::null_mut());
-        let get = Some(self.common.get_state).filter(|_| self.common.saves)?;
-        // SAFETY: the component is alive, and the state is a valid place to write to.
-        self.call(get, |get, of| unsafe { get(of, &raw mut state) }).ok().map(|()| state)
-    }
-
-    pub(crate) fn restore(&mut self, state: Saved) -> Called {
-        // SAFETY: the component is alive, and the state is one of its own.
-        self.call(self.common.set_state, |set, of| unsafe { set(of, state) })
-    }
-
-    pub(crate) fn forget(&mut self, mut state: Saved) -> Called {
-        let free = self.common.free_state;
-        // SAFETY: the component is alive, and the state is one of its own, used no more.
-        self.call(free, |free, of| unsafe { free(of, &raw mut state) })
     }
 
     pub(crate) fn free(&mut self) {

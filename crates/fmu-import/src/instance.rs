@@ -1,9 +1,6 @@
 //! One simulation of an FMU.
 
-use std::sync::{
-    Arc,
-    atomic::{AtomicU64, Ordering},
-};
+use std::sync::Arc;
 
 use crate::{
     call::{Called, Warnings},
@@ -15,10 +12,8 @@ use crate::{
 /// One instance. It may move between threads, but only one at a time may use it.
 #[derive(Debug)]
 pub struct Instance {
-    /// Unlike that of every other instance of this process: a state says with it whose it is.
-    pub(crate) number: u64,
     library: Arc<Library>,
-    pub(crate) simulation: Box<dyn Simulation>,
+    simulation: Box<dyn Simulation>,
     /// The first step of the present simulation, s, where all must have its size.
     first_step: Option<f64>,
 }
@@ -30,13 +25,7 @@ impl Instance {
     /// When the FMU refuses.
     pub fn new(library: &Arc<Library>, name: &str) -> Called<Self> {
         let simulation = library.instantiate(name)?;
-        static CREATED: AtomicU64 = AtomicU64::new(0);
-        Ok(Self {
-            number: CREATED.fetch_add(1, Ordering::Relaxed),
-            library: Arc::clone(library),
-            simulation,
-            first_step: None,
-        })
+        Ok(Self { library: Arc::clone(library), simulation, first_step: None })
     }
 
     /// Whether the FMU is unusable after `fmi2Fatal` or `fmi3Fatal`: nothing may be called any more.
@@ -129,7 +118,7 @@ impl Instance {
     /// Lets `step` seconds pass from `time`.
     ///
     /// # Errors
-    /// When the step is refused or fails, and when the FMU ends the simulation by itself: then [`Call::ended`] says
+    /// When the step is refused or fails, and when the FMU ends the simulation by itself: then `Call::ended` says
     /// when, and the instance holds its last values.
     #[inline(never)]
     pub fn step(&mut self, time: f64, step: f64) -> Called {

@@ -72,7 +72,6 @@ impl Library {
         let binary = archive::binary(folder, &description.model_identifier, version);
         let library = within(&mut mode, || loaded(&binary))?;
         let symbols = Symbols { library, version };
-        let states = description.capabilities.can_get_and_set_fmu_state;
         let interface = description.interface;
         let categories = description
             .log_categories
@@ -91,7 +90,7 @@ impl Library {
                     Functions::Three(Arc::new(fmi3::Functions::find(&symbols, interface)?), Element::all(description))
                 }
             },
-            common: Common::find(&symbols, states)?,
+            common: Common::find(&symbols)?,
             exchange: match interface {
                 Interface::CoSimulation if !description.capabilities.has_event_mode => None,
                 Interface::CoSimulation => exchange::Functions::find(&symbols, interface).ok(),

@@ -7,7 +7,7 @@ use crate::{
     caller::Caller,
     component::{Base, Common},
     description::Interface,
-    symbols::{Component, Saved},
+    symbols::Component,
     value::{Handle, Value},
 };
 
@@ -138,17 +138,5 @@ pub(crate) trait Simulation: Debug + Send {
     /// Goes back to the state after the creation.
     fn reset(&mut self) -> Called {
         self.base_mut().reset()
-    }
-    /// Keeps the present state; `None` where the FMU cannot.
-    fn save(&mut self) -> Option<Saved> {
-        self.base_mut().save()
-    }
-    /// Goes back to a state, which must be one of this component's own.
-    fn restore(&mut self, state: Saved) -> Called {
-        self.base_mut().restore(state)
-    }
-    /// Frees such a state, which is used no more.
-    fn forget(&mut self, state: Saved) -> Called {
-        self.base_mut().forget(state)
     }
 }

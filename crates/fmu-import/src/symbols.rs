@@ -50,14 +50,6 @@ pub(crate) struct Component(pub(crate) *mut c_void);
 // call and the missing `Sync` rule out.
 unsafe impl Send for Component {}
 
-/// The pointer by which a binary knows a state that it has saved.
-#[repr(transparent)]
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Saved(pub(crate) *mut c_void);
-
-// SAFETY: as for the component to which it belongs.
-unsafe impl Send for Saved {}
-
 /// A function without arguments that returns a text, such as `fmi2GetVersion`.
 pub(crate) type Text = unsafe extern "C" fn() -> *const c_char;
 /// A function of nothing but the component.

@@ -98,17 +98,12 @@ fn elements_are_set_without_reading_the_others() {
     };
     bench.set("weights[2]", Value::Real(20.0)).unwrap();
     bench.set("text[2]", Value::String("b".to_owned())).unwrap();
-    let state = bench.instance.save().unwrap();
     bench.set("weights[1]", Value::Real(10.0)).unwrap();
     assert_eq!(weights(&mut bench), [10.0, 20.0, 3.0]);
     assert_eq!(bench.get("text[2]"), Value::String("b".to_owned()));
     // An element that changes later leaves the others as they are then.
     bench.set("weights[1]", Value::Real(11.0)).unwrap();
     assert_eq!(bench.get("weights[2]"), Value::Real(20.0));
-    bench.instance.restore(&state).unwrap();
-    bench.set("weights[3]", Value::Real(30.0)).unwrap();
-    assert_eq!(weights(&mut bench), [1.0, 20.0, 30.0]);
-    bench.instance.forget(state).unwrap();
     bench.instance.reset().unwrap();
     bench.set("weights[1]", Value::Real(7.0)).unwrap();
     assert_eq!(weights(&mut bench), [7.0, 2.0, 3.0]);
@@ -266,19 +261,6 @@ fn failures_have_the_names_of_their_version() {
     bench.start();
     assert_eq!(bench.instance.step(0.0, 1.0).unwrap_err().status, Status::Fatal);
     assert!(bench.instance.is_dead());
-}
-
-#[test]
-fn a_state_is_kept_and_restored() {
-    let mut bench = Bench::new();
-    bench.start();
-    bench.instance.step(0.0, 0.5).unwrap();
-    let (state, y) = (bench.instance.save().unwrap(), bench.get("y"));
-    bench.instance.step(0.5, 0.5).unwrap();
-    assert_ne!(bench.get("y"), y);
-    bench.instance.restore(&state).unwrap();
-    assert_eq!(bench.get("y"), y);
-    bench.instance.forget(state).unwrap();
 }
 
 #[test]

@@ -99,19 +99,18 @@ impl Isolated {
     /// copy of the unpacked FMU.
     pub(crate) fn new(common: &Arc<Common>, here: bool, cases: &[Case], limits: Limits, again: bool) -> Self {
         let ground = &common.ground;
-        let worker = |lasting| {
+        let worker = || {
             let mut worker = Process::new(&ground.shared, &ground.name, cases, limits);
             worker.setup.fill = again.then_some(FILL);
-            worker.lasting = lasting;
             worker
         };
         Self {
             room: None,
             here,
             again,
-            forking: worker(true),
-            using: worker(true),
-            loading: worker(false),
+            forking: worker(),
+            using: worker(),
+            loading: worker(),
             count: 0,
             copy: None,
             common: Arc::clone(common),

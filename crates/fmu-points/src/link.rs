@@ -34,7 +34,8 @@ const PARTING: Duration = Duration::from_secs(2);
 /// How long it may take when it is asked to.
 const FAREWELL: Duration = Duration::from_millis(500);
 
-/// Said of bytes that are no frame. Only the worker's own code writes to its output, so they come from the way to it.
+/// The message for bytes that are no frame. Only the worker's own code writes to its output, so the connection has changed them or
+/// added some.
 const MIXED: &str = "what came is not what a worker sends: the launcher must start one worker, and pass on its input and \
                      output unchanged, without a terminal or labels";
 

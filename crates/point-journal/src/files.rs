@@ -59,22 +59,10 @@ pub fn write_table<T: AsRef<str>>(
 ) -> Result<(), FileError> {
     write_atomically(path, |out| {
         let mut table = csv::Writer::from_writer(out);
-        write_texts(&mut table, head)?;
+        table.write_record(head.into_iter().map(|text| csv_file::cell(text.as_ref()).into_owned()))?;
         rows(&mut table)?;
         table.flush()
     })
-}
-
-/// Adds a row of texts to a csv table.
-///
-/// # Errors
-/// When the system says no.
-pub fn write_texts<T: AsRef<str>>(
-    table: &mut csv::Writer<&mut dyn Write>,
-    texts: impl IntoIterator<Item = T>,
-) -> io::Result<()> {
-    let cells = texts.into_iter();
-    Ok(table.write_record(cells.map(|text| csv_file::cell(text.as_ref()).into_owned()))?)
 }
 
 /// Writes a value as JSON, all at once, with hidden characters as `\u202e`.

@@ -16,8 +16,6 @@ pub enum Purpose {
     Permutation = 1,
     /// The place within a slice of a Latin hypercube, or within the last digit of a net.
     Jitter = 2,
-    /// Exchanges that spread a Latin hypercube.
-    Swap = 3,
     /// The moves of a search.
     Search = 4,
     /// The errors that the rows of a recording share.
@@ -32,14 +30,10 @@ pub enum Purpose {
     Deal = 9,
     /// Trajectories of a screening.
     Trajectory = 10,
-    /// Resamples of a bootstrap.
-    Resample = 11,
     /// Points between those of a study.
     Between = 13,
     /// Numbers for whatever has no purpose of its own, such as an example.
     Unstated = 14,
-    /// Points that are computed twice.
-    Audit = 15,
     /// Fits and draws of a surrogate.
     Surrogate = 16,
 }

@@ -1,6 +1,8 @@
 //! Ten designs of 1,024 base points (5,120 runs) against the known indices of the Ishigami function.
 
-use sensitivity::functions::{ishigami, ishigami_indices};
+mod functions;
+
+use functions::{ishigami, ishigami_indices};
 use sensitivity::method::{FirstOrder, FromRuns, Settled, Space};
 use sensitivity::sobol::{Sobol, indices};
 

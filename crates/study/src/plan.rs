@@ -41,8 +41,6 @@ pub struct Plan {
     pub inputs: Vec<Input>,
     /// From the FMU's unit to the study's, a criterion each.
     pub outputs: Vec<Conversion>,
-    /// The levels of the parameters in a full factorial.
-    levels: Vec<Option<u64>>,
     /// How the parameters are correlated, if they are, by their places among the inputs.
     pub correlation: Option<Correlation>,
     /// The parameters that are drawn from samples, by file; those of one file together.
@@ -59,7 +57,6 @@ impl Plan {
     /// # Errors
     /// With line and column, when a name, a unit or a number of the study doesn't fit.
     pub fn new(study: &Study, fmu: &Description) -> Result<Self, FileError> {
-        points::check(study)?;
         let mut from_case_to_case = study.parameters.values().filter_map(|text| text.varies.as_ref());
         if let Some(varies) = from_case_to_case.next() {
             return Err(study.error_at(
@@ -96,18 +93,10 @@ impl Plan {
             cases.push(Case { name: case.map(|case| case.name.as_ref().clone()), task: bound.task });
         }
         let mut slots = varied;
-        let mut levels: Vec<Option<u64>> =
-            study.parameters.values().map(|p| p.levels.as_ref().map(|levels| *levels.as_ref())).collect();
         for error in &input_errors {
-            // A grid has no place between its levels.
-            if study.design.method.is_by_levels() {
-                of_inputs.push(taken_as_exact(&error.name, "the points of a grid"));
-                continue;
-            }
             for (number, case) in cases.iter_mut().enumerate() {
                 case.task.varied.push(error.slot_of(number));
             }
-            levels.push(None);
             slots.push(error.slot.clone());
             inputs.push(Input {
                 name: error.name.clone(),
@@ -123,7 +112,6 @@ impl Plan {
             slots,
             inputs,
             outputs,
-            levels,
             input_errors,
             joints,
             of_inputs,
@@ -145,7 +133,6 @@ impl Plan {
     pub fn design(&self, design: &Sampling) -> Result<Design, String> {
         let inputs = design::Inputs {
             distributions: self.distributions(),
-            levels: self.levels.clone(),
             correlation: self.correlation.clone(),
             joints: self.joints.clone(),
         };

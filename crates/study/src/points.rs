@@ -1,39 +1,11 @@
 //! Number of points of a study, and correlations between its parameters.
 
-use serde::Deserialize;
 use toml::Spanned;
 
 use super::{Name, Pair, Shape, Study};
 use fmu_points::names::{did_you_mean, nearest};
 use number_tables::files::FileError;
 use sampling::design::correlation::Correlation;
-
-/// Points or levels that the design would ignore are an error: they were meant to do something.
-pub(super) fn check(study: &Study) -> Result<(), FileError> {
-    #[derive(Deserialize)]
-    struct Text {
-        #[serde(default)]
-        design: Count,
-    }
-    #[derive(Default, Deserialize)]
-    struct Count {
-        points: Option<Spanned<u64>>,
-    }
-    if !study.design.method.is_by_levels()
-        && let Some(levels) = study.parameters.values().find_map(|p| p.levels.as_ref())
-    {
-        return Err(study.error_at(
-            levels,
-            "only a full factorial has levels; remove this, or set method = \"full-factorial\" in [design]",
-        ));
-    }
-    match study.section::<Text>()?.design.points {
-        Some(points) if study.design.method.is_by_levels() => {
-            Err(study.error_at(&points, "the design has as many points as the levels make; remove `points`"))
-        }
-        _ => Ok(()),
-    }
-}
 
 /// Refuses a study whose points are all the same, which would make a share of them look certain.
 ///
@@ -43,7 +15,7 @@ pub fn varies(study: &Study) -> Result<(), FileError> {
     let mut parameters = study.parameters.iter();
     let is_uncertain = |study: &Study| study.inputs.values().any(|recording| recording.uncertainty.is_some());
     if parameters.any(|(_, parameter)| parameter.distribution != Shape::Fixed)
-        || !study.design.method.is_by_levels() && study.by_case().iter().any(|(_, study)| is_uncertain(study))
+        || study.by_case().iter().any(|(_, study)| is_uncertain(study))
     {
         return Ok(());
     }

@@ -149,8 +149,6 @@ pub struct ParameterText {
     pub value: Option<Quantity>,
     /// The sample that it is drawn from, relative to the study file.
     pub file: Option<Spanned<PathBuf>>,
-    /// How many levels it has in a full factorial.
-    pub levels: Option<Spanned<u64>>,
     /// The unit of the numbers, and of the column in `points.csv`.
     pub unit: Option<String>,
     /// Its column in a table of points, and in the sample; its own name otherwise.

@@ -114,7 +114,7 @@ impl Strain {
     }
 }
 
-/// What of it is at hand in every stage of the time integration; [`JournalFilm::strain`] tells the rest.
+/// What of it is at hand in every stage of the time integration; the strain tells the rest.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Press {
     /// Logarithm of the largest film pressure over that of the film's force on the projected area.

@@ -175,7 +175,7 @@ impl<const Q: usize> Passage<Q> {
 /// The step control looks back at no smaller error than this.
 const LEAST_ERROR: f64 = 1e-4;
 
-/// The largest error over what is allowed, of those for which something is.
+/// The largest ratio of an error to what is allowed. States beyond the end of `allowed` have no limit.
 fn off<const M: usize>(slopes: &[[f64; M]; 7], h: f64, allowed: &[f64]) -> f64 {
     let differences = weighted(&E, slopes).into_iter().zip(allowed);
     worst(differences.map(|(difference, allowed)| h * difference / allowed))

@@ -1,9 +1,9 @@
 //! Root mean square errors of Sobol indices, against SALib's way: its estimators on a net in the order of its coordinates.
 //! The tests show that both programs come to the same numbers on the same runs.
 
+use crate::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
 use rayon::prelude::*;
 use sampling::design::cube;
-use sensitivity::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
 use sensitivity::method::FirstOrder;
 use sensitivity::pairs::pairs;
 use sensitivity::sobol::{design, indices};

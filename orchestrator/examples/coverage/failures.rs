@@ -1,7 +1,7 @@
 //! Sobol indices where runs fail: how often the conditional intervals hold the conditional indices.
 
+use crate::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
 use rayon::prelude::*;
-use sensitivity::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
 use sensitivity::method::FirstOrder;
 use sensitivity::pairs::pairs;
 use sensitivity::sobol::{design, indices};

@@ -4,16 +4,18 @@
 
 mod errors;
 mod failures;
+#[path = "../../../crates/sensitivity/examples/functions/mod.rs"]
+mod functions;
 mod regions;
 mod screening;
 mod shapley;
 
 use conformity::decision::randomised;
 use conformity::interval::clopper_pearson;
+use functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
 use rayon::prelude::*;
 use sampling::design::cube;
 use sensitivity::Estimate;
-use sensitivity::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
 use sensitivity::method::FirstOrder;
 use sensitivity::pairs::pairs;
 use sensitivity::sobol::{design, indices};

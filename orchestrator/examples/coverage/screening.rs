@@ -1,7 +1,7 @@
 //! Morris's mu*: how often its interval holds the mean over the whole grid.
 
+use crate::functions::{ishigami, sobol_g};
 use rayon::prelude::*;
-use sensitivity::functions::{ishigami, sobol_g};
 use sensitivity::morris::{design, effects};
 
 use crate::{Case, G, percent};

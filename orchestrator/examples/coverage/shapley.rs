@@ -1,9 +1,9 @@
 //! Shapley effects: how often their intervals hold the exact effects, and how large the error is.
 
+use crate::functions::{ishigami, ishigami_indices, sobol_g};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 use sampling::design::cube;
-use sensitivity::functions::{ishigami, ishigami_indices, sobol_g};
 use sensitivity::method::Settled;
 use sensitivity::pairs::pairs;
 use sensitivity::shapley::{design, effects};

@@ -35,7 +35,7 @@ pub struct Check {
     /// What a build server wants
     #[command(flatten)]
     pub gate: Gate,
-    /// Known findings, which do not count: a TOML file with [[ignore]] entries of `rule`, `reason` and, for one variable
+    /// Known findings, which do not count: a TOML file with `[[ignore]]` entries of `rule`, `reason` and, for one variable
     /// only, `variable`
     #[arg(long, value_name = "FILE.toml")]
     pub ignore: Option<PathBuf>,

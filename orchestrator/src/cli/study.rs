@@ -60,7 +60,7 @@ pub struct Verify {
     /// Show points, design and criteria and estimate the time from a few points; run nothing else
     #[arg(long)]
     pub dry_run: bool,
-    /// End early: "ci 0.01" when the 95 % interval of the share is 0.01 wide, "verdict" when the study's [verdict] is decided;
+    /// End early: "ci 0.01" when the 95 % interval of the share is 0.01 wide, "verdict" when the study's `[verdict]` is decided;
     /// at the latest at --points, --budget, or a million
     #[arg(long, value_name = "CONDITION", conflicts_with_all = ["shard", "shard_index"])]
     pub until: Option<Until>,

@@ -129,12 +129,8 @@ fn explain(options: &Verify, folder: &Path, summary: &mut Summary) {
         .unwrap_or_else(|error| left_out("the causes are in no summary", &error));
 }
 
-/// When the study may end before its last point. Refuses options that the study's design cannot follow.
+/// When the study may end before its last point.
 fn check(options: &Verify, verification: &Verification, looked: &Looked) -> Result<Option<Ending>> {
-    let method = verification.session.study.design.method;
-    if options.points.is_some() && method.is_by_levels() {
-        return Err(Error::option("points", "the design has as many points as the levels make; change `levels`"));
-    }
     options
         .until
         .map(|until| verification.ending(until, &looked.history))

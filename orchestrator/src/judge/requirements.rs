@@ -48,7 +48,6 @@ impl Judge {
     pub(super) fn add_requirements(&mut self, study: &Study) -> Result<(), FileError> {
         self.measurement = self.correlated(study)?;
         if let Some(required) = &study.verdict {
-            refuse_grid(study, required)?;
             self.rule = Some(rule(study, required.as_ref())?);
             self.guard = self.guard_band(study, required)?;
         }
@@ -314,19 +313,6 @@ impl Judge {
             }
         }
     }
-}
-
-/// Points of a grid are no sample: no interval tells how far their share is from that of the space.
-fn refuse_grid(study: &Study, required: &Spanned<Required>) -> Result<(), FileError> {
-    let method = study.design.method;
-    if !method.is_by_levels() {
-        return Ok(());
-    }
-    Err(study.error_at(required, format!(
-        "[verdict] needs points that are drawn at random: those of a {} grid are not, so that no share of the space can be \
-         stated with a confidence; use method = \"monte-carlo\" under [design], or remove [verdict]",
-        method.name()
-    )))
 }
 
 fn rule(study: &Study, required: &Required) -> Result<Rule, FileError> {

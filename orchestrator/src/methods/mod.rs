@@ -1,5 +1,5 @@
 //! The methods: each is a folder with its options, what it asks of a study, and the document of its result. To add one, add
-//! its folder and its line in [`methods!`] below; its command and the page follow from that.
+//! its folder and its line in `methods!` below; its command and the page follow from that.
 
 pub(crate) mod asking;
 pub(crate) mod known;

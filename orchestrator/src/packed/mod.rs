@@ -337,7 +337,7 @@ pub fn pack(package: &mut Package, study: &Study, results: &Path, summary: &Summ
             files.push(entry(&format!("{RESULT}{file}"), role, kind, &about, read(&path)?));
         }
     }
-    let counted = request.points_from.is_none() && !study.design.method.is_by_levels();
+    let counted = request.points_from.is_none();
     let ties = Ties {
         study: place,
         points: counted.then_some(summary.points),

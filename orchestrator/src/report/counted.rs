@@ -28,7 +28,7 @@ fn dash() -> String {
     "–".to_owned()
 }
 
-/// A share and its interval; of a grid, which has none, the column is left out.
+/// A share and its interval; where no point has one, the column is left out.
 fn share(count: &Count, with_interval: bool) -> Vec<String> {
     let share = percent(count.fraction);
     let interval = count.interval.map(range).unwrap_or_default();

@@ -168,9 +168,7 @@ fn fixed(summary: &Summary, study: Option<&Study>) -> Option<&'static str> {
         return Some("the points come from a table, whose distributions are not known");
     }
     if summary.verified_interval.is_none() || summary.provenance.replicates.is_some() {
-        return Some(
-            "the points of a grid or of nets depend on each other, so that nothing tells the error of a weighted share",
-        );
+        return Some("the points depend on each other, so that nothing tells the error of a weighted share");
     }
     match study {
         None => Some("the study's text cannot be read"),

@@ -31,7 +31,7 @@ pub struct Summary {
     pub verified: u64,
     /// The share of all points that meet all criteria.
     pub verified_fraction: f64,
-    /// 95 % interval of the share; none of a grid, whose points are no sample.
+    /// 95 % interval of the share; none of points that depend on each other.
     pub verified_interval: Option<[f64; 2]>,
     /// How all intervals were computed.
     #[serde(default)]
@@ -208,7 +208,7 @@ pub struct Count {
     pub passed: u64,
     /// Their share of all points.
     pub fraction: f64,
-    /// 95 % interval of the share; none of a grid.
+    /// 95 % interval of the share; none of points that depend on each other.
     pub interval: Option<[f64; 2]>,
 }
 

@@ -35,7 +35,7 @@ pub enum Sample {
     Independent,
     /// They belong to so many independent nets in turn; they must be added in their order.
     Nets(u64),
-    /// They depend on each other in a way that nobody knows: a grid, or too few nets. No interval tells how far the share of
+    /// They depend on each other in a way that nobody knows, as those of too few nets do. No interval tells how far the share of
     /// these points is from that of the space.
     Dependent,
 }

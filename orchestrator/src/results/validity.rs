@@ -131,7 +131,7 @@ impl Validity {
     }
 }
 
-/// Writes [`FILE`], where any point goes into it.
+/// Writes `FILE`, where any point goes into it.
 #[derive(Debug, Default)]
 pub struct Writer(Option<(csv::Writer<File>, NamedTempFile)>);
 

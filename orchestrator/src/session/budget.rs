@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{Session, Until};
 use crate::{
-    error::{Error, Result},
+    error::Result,
     judge::Judge,
     results::{
         Summary,
@@ -113,12 +113,9 @@ impl Budget {
 /// The net over the parameters of a study.
 ///
 /// # Errors
-/// When there is none of so many dimensions, and when the study's design stands for no sample.
+/// When there is none of so many dimensions.
 pub fn sample(session: &Session) -> Result<Design> {
     let design = &session.study.design;
-    if design.method.is_by_levels() {
-        return Err(Error::option("budget", "the points of a grid are no sample of the space; use another `method`"));
-    }
     let net = Sampling { method: Method::Sobol, points: SAMPLE, seed: design.seed, replicates: 1 };
     session.plan.design(&net).map_err(|message| session.study.error(format!("[design] {message}")).into())
 }

@@ -26,7 +26,7 @@ stop = 2
 step = 0.01
 warm-up = 0.5
 [design]
-method = "optimised-latin-hypercube"
+method = "latin-hypercube"
 points = 2
 seed = 3
 [parameters."lag.rate"]

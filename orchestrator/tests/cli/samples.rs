@@ -81,7 +81,6 @@ tolerance = 0.03
         ("column = \"a\"", "column = \"b\"", vec!["wrong.toml:10", "sample.csv", "column"]),
         ("file = \"sample.csv\"\ncolumn", "column", vec!["wrong.toml:8", "`file` is missing"]),
         ("sample.csv\"\n[crit", "none.csv\"\n[crit", vec!["wrong.toml:18", "none.csv"]),
-        ("method = \"sobol\"\npoints = 64", "method = \"full-factorial\"", vec!["levels do not say"]),
         ("column = \"a\"", "column = \"a\"\nmin = 0", vec!["wrong.toml:8", "does not use `min`"]),
     ];
     for (from, to, words) in mistakes {

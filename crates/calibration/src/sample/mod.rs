@@ -155,7 +155,7 @@ pub struct Sample {
     pub groups: Vec<(f64, Vec<Particle>)>,
     /// The distributions on the way.
     pub stages: Vec<Stage>,
-    /// The logarithms of the weights of fresh draws, whose mean is the evidence (see [`Walk::weights`]).
+    /// The logarithms of the weights of fresh draws, whose mean is the evidence (see `Walk::weights`).
     pub weights: Vec<f64>,
     /// At how many places the model was asked.
     pub evaluated: u64,

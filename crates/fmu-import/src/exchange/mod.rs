@@ -17,7 +17,6 @@ use crate::{
     call::Called,
     component::Base,
     simulation::{Experiment, Simulation, Within},
-    symbols::Saved,
     value::{Content, Handle, Value},
 };
 pub(crate) use clocks::Clocks;
@@ -136,10 +135,5 @@ impl Simulation for Exchange {
         self.clocks.reset();
         self.march = March::default();
         self.plant.model.reset()
-    }
-
-    /// The integrator has a state, too, which no state of the FMU holds: instances are made anew instead.
-    fn save(&mut self) -> Option<Saved> {
-        None
     }
 }

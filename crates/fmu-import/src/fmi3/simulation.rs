@@ -16,7 +16,6 @@ use crate::{
     description::Storage,
     logger::fmu_import_log,
     simulation::{Birth, Experiment, Simulation, Within},
-    symbols::Saved,
     value::{Handle, Value},
 };
 
@@ -33,8 +32,6 @@ pub(crate) struct Model {
     pub(super) elements: Arc<[Element]>,
     /// The values of the arrays that were written before the initialisation, by their references; none after it.
     pub(super) written: Option<Written>,
-    /// The same in each state that was saved.
-    saved: Vec<(Saved, Option<Written>)>,
     experiment: Experiment,
     /// Numbers of plain elements that were read together last, and their value references.
     together: Vec<u32>,
@@ -95,7 +92,6 @@ impl Model {
             functions,
             elements,
             written: Some(Written::new()),
-            saved: Vec::new(),
             experiment: Experiment::default(),
             together: Vec::new(),
             references: Vec::new(),
@@ -245,24 +241,5 @@ impl Simulation for Model {
     fn reset(&mut self) -> Called {
         self.written = Some(Written::new());
         self.base.reset()
-    }
-
-    fn save(&mut self) -> Option<Saved> {
-        let state = self.base.save()?;
-        // An FMU may give one address to several states.
-        self.saved.retain(|(saved, _)| *saved != state);
-        self.saved.push((state, self.written.clone()));
-        Some(state)
-    }
-
-    fn restore(&mut self, state: Saved) -> Called {
-        let saved = self.saved.iter().find(|(saved, _)| *saved == state);
-        self.written = saved.and_then(|(_, written)| written.clone());
-        self.base.restore(state)
-    }
-
-    fn forget(&mut self, state: Saved) -> Called {
-        self.saved.retain(|(saved, _)| *saved != state);
-        self.base.forget(state)
     }
 }

@@ -5,4 +5,4 @@
 mod front;
 pub mod study;
 
-pub use front::{dominates, front};
+pub use front::front;

@@ -59,11 +59,6 @@ impl Correlation {
         sum
     }
 
-    /// The matrix of the coefficients of some of the inputs.
-    pub(super) fn among(&self, inputs: &[usize]) -> DMatrix<f64> {
-        DMatrix::from_fn(inputs.len(), inputs.len(), |a, b| self.coefficient(inputs[a], inputs[b]))
-    }
-
     /// The inputs' values from independent standard normal scores, one for each input.
     pub fn at_scores(&self, scores: &[f64], inputs: &[Distribution]) -> Vec<f64> {
         self.rows.iter().zip(inputs).map(|(row, input)| input.at_score(mixed(row, scores))).collect()
@@ -90,14 +85,6 @@ fn mixed(row: &[f64], scores: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_coefficients_of_some_inputs_are_those_given() {
-        let mixed = Correlation::new(4, &[(0, 1, 0.6), (1, 3, -0.3), (0, 3, 0.2)]).unwrap();
-        let coefficients = mixed.among(&[0, 1, 3]);
-        let expected = DMatrix::from_row_slice(3, 3, &[1.0, 0.6, 0.2, 0.6, 1.0, -0.3, 0.2, -0.3, 1.0]);
-        assert!((coefficients - expected).amax() < 1e-12);
-    }
 
     #[test]
     fn contradictions_are_refused() {

@@ -23,33 +23,19 @@ macro_rules! methods {
                 }
             }
 
-            /// Whether the levels of the parameters say how many points there are, and not the study's number.
-            pub fn is_by_levels(self) -> bool {
-                match self {
-                    $(Self::$method => <$rule as rule::Registered>::BY_LEVELS,)*
-                }
-            }
-
             /// Whether any count of so many points scatters no more than that of independent ones, so that their intervals hold.
-            /// Slices that are paired to correlate, and to correlate by no more than that, may lie evenly where no others do.
+            /// Nothing is proven of a Latin hypercube whose inputs are mixed to correlate.
             pub fn is_independent(self, points: u64, correlated: bool) -> bool {
                 let from = match self {
                     $(Self::$method => <$rule as rule::Registered>::INDEPENDENT_FROM,)*
                 };
-                points >= from && !(correlated && self.is_stratified())
+                points >= from && !(correlated && self == Self::LatinHypercube)
             }
 
             /// Whether the points can belong in turn to independent randomisations.
             pub fn has_replicates(self) -> bool {
                 match self {
                     $(Self::$method => <$rule as rule::Registered>::REPLICATES,)*
-                }
-            }
-
-            /// Whether each of N equally probable slices of every input holds one of N points.
-            fn is_stratified(self) -> bool {
-                match self {
-                    $(Self::$method => <$rule as rule::Registered>::STRATIFIED,)*
                 }
             }
 

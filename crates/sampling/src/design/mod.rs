@@ -1,12 +1,10 @@
 //! Designs: the rules that place a study's points.
 //!
 //! Point `i` depends on the seed and on `i` alone: shards, workers, an interrupted run and an extension all
-//! see the same points. The points of a Latin hypercube depend on their number too, those of a full factorial
-//! on the levels: these are the same for shards, workers and interrupted runs, but cannot be extended.
+//! see the same points. The points of a Latin hypercube depend on their number too: they are the same for shards, workers and
+//! interrupted runs, but cannot be extended.
 
 pub mod correlation;
-mod discrepancy;
-mod factorial;
 mod halton;
 mod hypercube;
 mod joint;
@@ -15,12 +13,9 @@ mod lasting_tests;
 #[macro_use]
 mod methods;
 pub(crate) mod monte_carlo;
-mod optimised;
 pub mod rule;
 mod sampling;
-mod slices;
 mod sobol;
-mod stratified;
 
 use std::sync::Arc;
 
@@ -38,10 +33,8 @@ pub use sampling::Sampling;
 methods! {
     MonteCarlo = monte_carlo::Independent, "Independent random points.";
     LatinHypercube = hypercube::Hypercube, "One point in each of N equally probable slices of every parameter.";
-    OptimisedLatinHypercube = optimised::Spread, "The same, with slices paired so that the points are spread well.";
     Sobol = sobol::Nets, "A scrambled Sobol net.";
     Halton = halton::Sequence, "A scrambled Halton sequence.";
-    FullFactorial = factorial::Grid, "Every combination of the parameters' levels.";
 }
 
 /// A rule that gives every index its point.
@@ -71,18 +64,9 @@ impl Design {
             let with = Method::named(Method::has_replicates);
             return Err(format!("replicates need method = {with}; remove them"));
         }
-        if sampling.method.is_by_levels() && !inputs.joints.is_empty() {
-            let without = Method::named(|method| !method.is_by_levels());
-            return Err(format!("levels do not say which rows of a sample to take; use method = {without}"));
-        }
-        let mut rule = sampling.method.rule(&sampling.numbers(), &inputs)?;
-        let points = rule.points().unwrap_or(sampling.points);
-        let mut correlation = inputs.correlation.clone();
-        if let Some(wanted) = correlation.take_if(|_| sampling.method.is_stratified()) {
-            let numbers = (sampling.seed, points);
-            rule = Arc::new(stratified::correlated(&*rule, numbers, &wanted, &inputs)?);
-        }
-        Ok(Self { points, rule, inputs: inputs.distributions, correlation, joints: inputs.joints })
+        let rule = sampling.method.rule(&sampling.numbers(), &inputs)?;
+        let Inputs { distributions: inputs, correlation, joints } = inputs;
+        Ok(Self { points: sampling.points, rule, inputs, correlation, joints })
     }
 
     /// Independently scrambled Sobol nets in turn, in the unit cube.
@@ -162,18 +146,13 @@ mod tests {
         Design::new(&settings, vec![normal.clone(), fixed, normal.clone(), normal]).unwrap()
     }
 
-    const METHODS: [Method; 5] =
-        [Method::MonteCarlo, Method::LatinHypercube, Method::OptimisedLatinHypercube, Method::Sobol, Method::Halton];
-
-    /// As many points as a method has at once: pairing them optimally takes the square of their number.
-    fn many(method: Method) -> u64 {
-        if method == Method::OptimisedLatinHypercube { 512 } else { 4096 }
-    }
+    const METHODS: &[Method] = Method::ALL;
+    const MANY: u64 = 4096;
 
     #[test]
     fn means_deviations_and_correlations_are_right() {
-        for method in METHODS {
-            let n = many(method);
+        for &method in METHODS {
+            let n = MANY;
             let design = design(method, n, 7);
             let points: Vec<Vec<f64>> = (0..n).map(|index| design.point(index)).collect();
             let mean = |f: &dyn Fn(&Vec<f64>) -> f64| points.iter().map(f).sum::<f64>() / n as f64;
@@ -190,7 +169,7 @@ mod tests {
 
     #[test]
     fn seeds_differ_and_equal_seeds_agree() {
-        for method in METHODS {
+        for &method in METHODS {
             let [a, b, c] = [1, 1, 2].map(|seed| design(method, 20, seed));
             assert_eq!(a.point(17), b.point(17));
             assert_ne!(a.point(17), c.point(17));
@@ -212,15 +191,14 @@ mod tests {
             Distribution::Uniform { min: 0.0, max: 1.0 },
             Distribution::Lognormal { mean: 2.0, deviation: 0.5 },
         ];
-        for method in METHODS {
-            let n = many(method);
+        for &method in METHODS {
+            let n = MANY;
             let settings = Sampling { method, points: n, seed: 9, replicates: 1 };
             let pairs = [(0, 1, 0.8), (0, 3, -0.5), (1, 3, -0.2)];
             let fixed = Distribution::Fixed { value: 3.0 };
             let inputs = Inputs {
                 joints: Vec::new(),
                 distributions: vec![normal.clone(), normal.clone(), fixed, bounded.clone(), lognormal.clone()],
-                levels: Vec::new(),
                 correlation: Some(Correlation::new(5, &pairs).unwrap()),
             };
             let design = Design::new(&settings, inputs).unwrap();
@@ -277,7 +255,7 @@ mod tests {
 
     #[test]
     fn methods_are_named_as_in_a_study() {
-        assert_eq!(Method::OptimisedLatinHypercube.name(), "optimised-latin-hypercube");
+        assert_eq!(Method::LatinHypercube.name(), "latin-hypercube");
         assert_eq!(Method::named(Method::has_replicates), "sobol");
         let extensible = [Method::MonteCarlo, Method::Sobol, Method::Halton];
         assert!(extensible.into_iter().all(Method::is_extensible));
@@ -289,7 +267,7 @@ mod tests {
     #[test]
     fn inputs_that_do_not_vary_need_no_design() {
         let fixed = Distribution::Fixed { value: 3.0 };
-        for method in METHODS {
+        for &method in METHODS {
             let sampling = Sampling { method, points: 8, ..Sampling::default() };
             let design = Design::new(&sampling, vec![fixed.clone(); 2]).unwrap();
             assert_eq!(design.point(7), [3.0, 3.0], "{method:?}");
@@ -301,28 +279,6 @@ mod tests {
         let extensible = |method: Method| method.is_extensible();
         let random = [Method::MonteCarlo, Method::Sobol, Method::Halton];
         assert!(random.into_iter().all(extensible));
-        let whole = [Method::LatinHypercube, Method::OptimisedLatinHypercube, Method::FullFactorial];
-        assert!(!whole.into_iter().any(extensible));
-    }
-
-    #[test]
-    fn a_full_factorial_has_its_own_number_of_points() {
-        let settings = Sampling { method: Method::FullFactorial, ..Sampling::default() };
-        let inputs = |levels| Inputs {
-            joints: Vec::new(),
-            distributions: vec![
-                Distribution::Uniform { min: 0.0, max: 4.0 },
-                Distribution::Fixed { value: 7.0 },
-                Distribution::Uniform { min: 0.0, max: 1.0 },
-            ],
-            levels,
-            correlation: None,
-        };
-        let design = Design::new(&settings, inputs(vec![Some(4), None, Some(2)])).unwrap();
-        let points: Vec<Vec<f64>> = (0..design.len()).map(|index| design.point(index)).collect();
-        assert_eq!(points.len(), 8);
-        assert_eq!((&points[0], &points[7]), (&vec![0.5, 7.0, 0.25], &vec![3.5, 7.0, 0.75]));
-        let missing = Design::new(&settings, inputs(vec![Some(4), None, None])).unwrap_err();
-        assert!(missing.contains("`levels`"), "{missing}");
+        assert!(!extensible(Method::LatinHypercube));
     }
 }

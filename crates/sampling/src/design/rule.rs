@@ -9,11 +9,6 @@ use crate::distribution::Distribution;
 pub trait Rule: Debug + Send + Sync {
     /// The coordinate of a point in (0, 1).
     fn uniform(&self, index: u64, dimension: u32) -> f64;
-
-    /// How many points there are, where the rule itself says so.
-    fn points(&self) -> Option<u64> {
-        None
-    }
 }
 
 /// The numbers that a design is made from.
@@ -32,17 +27,11 @@ pub trait Registered: Rule + Sized + 'static {
     /// Whether the first points stay the same when there are more: then fewer may be enough.
     const EXTENSIBLE: bool = false;
 
-    /// Whether the levels of the parameters say how many points there are, and not the study's number.
-    const BY_LEVELS: bool = false;
-
     /// Whether the points can belong in turn to independent randomisations.
     const REPLICATES: bool = false;
 
     /// The fewest points of which any count scatters no more than that of independent ones, so that their intervals hold.
     const INDEPENDENT_FROM: u64 = u64::MAX;
-
-    /// Whether each of N equally probable slices of every input holds one of N points, which correlations must keep.
-    const STRATIFIED: bool = false;
 
     /// The rule for the points of a study.
     ///
@@ -51,13 +40,11 @@ pub trait Registered: Rule + Sized + 'static {
     fn new(numbers: &Numbers, inputs: &Inputs) -> Result<Self, String>;
 }
 
-/// The inputs of a design: distributions, levels, correlations.
+/// The inputs of a design: distributions, correlations.
 #[derive(Clone, Debug, Default)]
 pub struct Inputs {
     /// Their distributions.
     pub distributions: Vec<Distribution>,
-    /// Their levels in a full factorial; those of an input that does not vary do not count.
-    pub levels: Vec<Option<u64>>,
     /// How they are correlated, if they are.
     pub correlation: Option<Correlation>,
     /// Those that are drawn together from samples.

@@ -127,7 +127,7 @@ impl Distribution {
                 Self::Triangular { min: about(mode, min), mode, max: about(mode, max) }
             }
             Self::Lognormal { mean, deviation } => Self::Lognormal { mean, deviation: factor * deviation },
-            // A sample is as wide as it is.
+            // The rows of a sample are given: their spread has no factor.
             Self::Sample { .. } | Self::Fixed { .. } => self.clone(),
             Self::Whole(ref of) => of.scaled(factor).whole(),
         }

@@ -200,11 +200,6 @@ fn mistakes_have_their_place_and_remedy() {
             "s.toml:12:12:",
             "t is an input of the model",
         ),
-        (
-            vec![("[verdict]", "[design]\nmethod = \"full-factorial\"\n[verdict]".into())],
-            "s.toml:24:1:",
-            "those of a full-factorial grid are not",
-        ),
         (vec![("\"0.3 degC\"", "\"-1 degC\"".into())], "s.toml:13:15:", "the uncertainty -1"),
         (vec![("\"0.3 degC\"", "\"1 K\"".into())], "s.toml:13:15:", "without the FMU"),
         (vec![("uncertainty = \"2 %\"\n", String::new())], "s.toml:19:12:", "add"),

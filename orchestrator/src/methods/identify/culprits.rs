@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 
 use calibration::{
     fit::Fit,
+    influence::Group,
     local::End,
-    next::Group,
     outcome::{FreeOutcome, IdentificationOutcome},
     problem::{Free, NoPrediction, Prior, Problem, Query, SharedKind, Simulate, Spacing},
     remembered::Remembered,

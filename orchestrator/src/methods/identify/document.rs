@@ -1,13 +1,13 @@
-//! What an identification says, for the terminal and its page: parameters, sensors, fit and residuals, and what to measure next.
+//! What an identification says, for the terminal and its page: parameters, sensors, fit and residuals.
 
 use std::path::Path;
 
 use calibration::digits::{cleared, enough};
 use calibration::fit::Fit;
+use calibration::influence::Group;
 use calibration::local::End;
-use calibration::next::Group;
 use calibration::outcome::{FreeOutcome, IdentificationOutcome, OptimumOutcome, Residual};
-use calibration::problem::{Free, Problem, Spacing};
+use calibration::problem::{Free, Spacing};
 use calibration::sample::{self, Sample};
 use calibration::surrogate::text::sentences;
 use calibration::text;
@@ -19,7 +19,7 @@ use crate::plain;
 use result_document::bins::{axis_range, bins_for, histogram};
 use result_document::format::{count, number, with_unit as with_unit_in_brackets};
 use result_document::svg::{Frame, area, circle, envelope, path};
-use result_document::{Block, Column, Document, Figure, Key, Table, numbers, words};
+use result_document::{Block, Document, Figure, Key, Table, numbers, words};
 
 /// Most rows of the table of values, curves and pairs that are drawn, and points of a scatter.
 const MOST_ROWS: usize = 200;
@@ -69,7 +69,7 @@ impl Page<'_> {
     /// The result, in the order in which it is read.
     fn documents(&self) -> Vec<Document> {
         let causes = super::culprits::document(self.outcome);
-        let documents = [causes, Some(self.parameters()), self.sensors(), Some(self.fit()), self.next()];
+        let documents = [causes, Some(self.parameters()), self.sensors(), Some(self.fit())];
         documents.into_iter().flatten().collect()
     }
 
@@ -411,40 +411,6 @@ impl Page<'_> {
             ..Figure::default()
         })
     }
-
-    fn next(&self) -> Option<Document> {
-        let next = self.outcome.next.as_ref()?;
-        let mut told = Document::new("next", "Measure next", "What to measure next");
-        let small = if self.outcome.is_too_narrow() { ", too small" } else { "" };
-        let deviation = next.words(next.deviation);
-        told.say(format!("{} is known to {deviation} (one standard deviation{small}).", next.parameter));
-        let rows: Vec<Vec<String>> = next
-            .worthwhile()
-            .map(|measurement| {
-                let left = measurement.left.iter().map(|left| format!("{} %", number(100.0 * left, 2)));
-                [measurement.work.clone(), next.words(measurement.deviation)].into_iter().chain(left).collect()
-            })
-            .collect();
-        if rows.is_empty() {
-            told.say(calibration::next::NOTHING);
-        }
-        let left =
-            self.outcome.free.iter().map(|free| Column { unit: "left of its deviation".into(), ..numbers(&free.name) });
-        let columns = [words("Work"), numbers(format!("{} would be known to", next.parameter))];
-        told.table(Table {
-            name: "What to measure next".into(),
-            columns: columns.into_iter().chain(left).collect(),
-            rows,
-            ..Table::default()
-        });
-        told.hint(
-            "*Again*: the same values once more with the same sensors, whose shared errors stay. *Calibrate*: the shared error is known ten times \
-             better. Both from the sensitivities at the optimum, by the normal approximation: the result does not depend on what \
-             would be measured, as long as the model is right. Where there is a single optimum and a sample to rely on, what is known now \
-             is what the sample says.",
-        );
-        Some(told)
-    }
 }
 
 /// Adds a sentence, and what follows from it as a list.
@@ -631,12 +597,4 @@ fn note(free: &Free) -> String {
 
 fn with_unit(text: String, free: &FreeOutcome) -> String {
     format!("{text} {}", unit(&free.unit)).trim_end().to_owned()
-}
-
-/// The number of the parameter that is to be narrowed: the one that is named, or the one that the data leave most of.
-pub(super) fn to_narrow(problem: &Problem, outcome: &IdentificationOutcome, name: Option<&str>) -> Option<usize> {
-    match name {
-        Some(name) => problem.free.iter().position(|free| free.name == name),
-        None => (0..problem.free.len()).max_by(|a, b| outcome.free[*a].left.total_cmp(&outcome.free[*b].left)),
-    }
 }

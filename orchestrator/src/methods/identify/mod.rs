@@ -38,7 +38,6 @@ use calibration::{
     failures::Excluded,
     fit,
     local::End,
-    next::NextOutcome,
     numerical::NumericalError,
     objective::Objective,
     outcome::IdentificationOutcome,
@@ -49,7 +48,6 @@ use calibration::{
     search::{self, Progress, SearchError},
 };
 use fmu_import::Package;
-use fmu_points::names::{did_you_mean, nearest};
 use point_journal::{
     files::write_json,
     pipeline::{Pipeline, folder::Earlier},
@@ -136,9 +134,6 @@ pub struct Asked {
     /// Weigh the model against that of another result on the same data: its identification.json, or its folder
     #[arg(long, value_name = "FILE")]
     pub against: Option<PathBuf>,
-    /// Rank what to measure next by this parameter, instead of the one that the data determine least
-    #[arg(long, value_name = "PARAMETER")]
-    pub narrow: Option<String>,
     /// The seed of the starts, instead of the study's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,
@@ -212,16 +207,6 @@ impl Analysis for Asked {
 
     fn check(&self, fit: &Fit) -> Result {
         let Fit { study, settings, bound, .. } = fit;
-        if let Some(name) = &self.narrow {
-            let free = bound.problem.free.iter().map(|free| free.name.as_str());
-            if !free.clone().any(|free| free == name) {
-                let suggestion = did_you_mean(nearest(name, free));
-                return Err(Error::option(
-                    "narrow",
-                    format!("`{name}` is none of the parameters that are sought{suggestion}"),
-                ));
-            }
-        }
         posterior::check(study, settings, bound, self.posterior.is_some())?;
         self.other(settings, bound)?;
         surrogate::check(fit, self)
@@ -238,7 +223,7 @@ impl Analysis for Asked {
         }
         let others = fit.bound.others();
         let fmu = fit.request.fmu.clone().unwrap_or_else(|| fit.study.fmu_path());
-        files::write(folder, (&fit.study, &fmu), &fit.settings, &outcome, &others)?;
+        files::write(folder, (&fit.study, &fmu), &outcome, &others)?;
         posterior::write(folder, &fit.settings, &fit.bound, sample.as_ref())?;
         let code = match outcome.end {
             End::Time | End::Iterations | End::Budget => ExitCode::FAILURE,
@@ -376,16 +361,6 @@ fn find(options: &Asked, fit: &Fit, pipeline: &mut Pipeline<'_>) -> Result<(Iden
                 posterior::sampled(&objective, optima, settings, limits.deadline, &mut outcome, &say)?
             }
         };
-        let problem = &searched.problem;
-        let narrow = document::to_narrow(problem, &outcome, options.narrow.as_deref());
-        outcome.next = narrow.map(|parameter| {
-            // Of several optima, or of common means, the sample is about more than the first one.
-            let is_one = !outcome.has_several() && problem.populations.is_empty();
-            let trusted = outcome.posterior.as_ref().is_some_and(|told| told.trusted);
-            let sample = sample.as_ref().filter(|_| is_one && trusted);
-            let groups = document::groups(bound);
-            NextOutcome::new(problem, (&optima[0], sample), &groups, parameter)
-        });
         Ok((outcome, sample))
     };
     search().map_err(|error: SearchError| match model.halted() {

@@ -31,7 +31,7 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
         );
         return Err(Error::option("from", message));
     }
-    let (summary, table) = known::points_of(folder, study)?;
+    let (_, table) = known::points_of(folder, study)?;
     let varied = plan.varied();
     let inputs = plan.inputs.iter().map(|input| table.parameters.iter().find(|p| p.name == input.name));
     let columns: Vec<Option<&[f64]>> = inputs.map(|column| column.map(|column| &*column.values)).collect();
@@ -43,8 +43,7 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
         )
     };
     let run = |row: usize| Run { point: point(row), values: values(&table, row) };
-    let rows = rows(&summary.provenance.method, table.len());
-    let runs: Vec<Run> = rows.iter().map(|row| run(*row)).collect();
+    let runs: Vec<Run> = (0..MOST.min(table.len())).map(run).collect();
     let dimensions = varied.len();
     let net = design::cube(2 * dimensions, PAIRS, seed, 1).map_err(|message| study.error(message))?;
     let half = |half: usize| -> Vec<Vec<f64>> {
@@ -85,9 +84,9 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
         }
         outputs.push(from_indices(name, found.ok(), &parameters, seed));
     }
-    let of_all = match rows.len() < table.len() {
-        true => format!("{} of the {} points", rows.len(), grouped(table.len() as u64)),
-        false => format!("the {} points", rows.len()),
+    let of_all = match runs.len() < table.len() {
+        true => format!("{} of the {} points", runs.len(), grouped(table.len() as u64)),
+        false => format!("the {} points", runs.len()),
     };
     let inputs = varied.iter().map(|&k| (&plan.inputs[k].name, plan.inputs[k].unit.clone()));
     let criteria = judge.criteria.iter().map(|criterion| (&criterion.name, criterion.unit.clone()));
@@ -101,15 +100,6 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
         warnings,
         outputs,
     })
-}
-
-/// The first points, which are spread like all of them; those of a grid lie in a corner first.
-fn rows(method: &str, points: usize) -> Vec<usize> {
-    let most = MOST.min(points);
-    match method {
-        "full-factorial" => (0..most).map(|k| k * points / most).collect(),
-        _ => (0..most).collect(),
-    }
 }
 
 fn values(table: &PointTable, row: usize) -> Option<Vec<f64>> {

@@ -200,8 +200,7 @@ impl Asked {
             return Ok(None);
         }
         let (summary, table) = table::read(&self.from)?;
-        let drawn =
-            summary.surrogate.is_none() && !matches!(summary.provenance.method.as_str(), "table" | "full-factorial");
+        let drawn = summary.surrogate.is_none() && summary.provenance.method != "table";
         let same_files = session.study.digest() == summary.provenance.study_sha256;
         let same_files = same_files && summary.provenance.fmu_sha256 == Some(session.package.digest()?);
         Ok((drawn && same_files && !table.is_empty()).then_some(table))

@@ -1,4 +1,6 @@
-//! Test functions with known indices.
+//! Test functions with known indices; no program needs all.
+#![allow(dead_code)]
+
 use std::f64::consts::PI;
 
 /// Ishigami & Homma (1990), a = 7, b = 0.1; inputs in the unit cube.
@@ -28,32 +30,4 @@ pub fn sobol_g_indices(a: &[f64]) -> (Vec<f64>, Vec<f64>) {
     let all: f64 = parts.iter().map(|v| 1.0 + v).product();
     let v = all - 1.0;
     (parts.iter().map(|p| p / v).collect(), parts.iter().map(|p| p * (all / (1.0 + p)) / v).collect())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::testing::near;
-
-    /// `Ishigami.evaluate` of SALib 1.5. The indices are those that its documentation gives.
-    #[test]
-    fn ishigami_is_that_of_others() {
-        near([ishigami(&[0.6, 0.3, 0.9])], [9.264_535_220_628]);
-        let (first, total) = ishigami_indices();
-        let rounded = |indices: [f64; 3]| indices.map(|index| (1e4 * index).round() / 1e4);
-        assert_eq!(rounded(first), [0.3139, 0.4424, 0.0]);
-        assert_eq!(rounded(total), [0.5576, 0.4424, 0.2437]);
-    }
-
-    /// `Sobol_G` of SALib 1.5: `evaluate`, `sensitivity_index`, `total_sensitivity_index`.
-    #[test]
-    fn sobol_g_is_that_of_others() {
-        let a = [0.0, 1.0, 4.5, 9.0];
-        near([sobol_g(&[0.1, 0.3, 0.8, 0.6], &a)], [1.402_821_818_182]);
-        let (first, total) = sobol_g_indices(&a);
-        let exact = [0.716_492_934_858, 0.179_123_233_714, 0.023_685_716_855, 0.007_164_929_349];
-        near(first.try_into().unwrap(), exact);
-        let exact = [0.787_369_701_143, 0.242_267_600_352, 0.034_326_744_464, 0.010_463_384_733];
-        near(total.try_into().unwrap(), exact);
-    }
 }
