@@ -404,8 +404,7 @@ fn a_gain_does_not_pull_a_fit_to_zero() {
 /// gains a part differs by 0.013, with that of the measured values by 0.04.
 #[test]
 fn gain_errors_are_parts_of_what_the_fit_itself_predicts() {
-    use super::influence::of_values;
-    use super::next::Group;
+    use super::influence::{Group, of_values};
     use super::problem::Measured;
     use super::rounds::{Task, searched};
     let predicted = |p: &[f64]| -> Vec<f64> {

@@ -351,12 +351,11 @@ fn synchronise_takes_values_as_they_are_where_the_model_has_no_unit() {
     assert_eq!(bench.run(&run[..6]).code, 0);
     bench.write("settings.toml", settings);
     // Each minute late in the day; hours and minutes, from midnight; a clock beside a day.
-    let clocks: [(&str, fn(i32) -> String); 3] = [
-        ("time", |k| format!("{}", 131_500 + 100 * k)),
-        ("time", |k| format!("{}", k / 4 * 100 + k % 4 * 15)),
-        ("Date,time", |k| format!("20261103,{}", 5900 + k + k / 10 * 4090)),
-    ];
-    for (head, row) in clocks {
+    type Row = fn(i32) -> String;
+    let minutes: Row = |k| format!("{}", 131_500 + 100 * k);
+    let hours: Row = |k| format!("{}", k / 4 * 100 + k % 4 * 15);
+    let beside: Row = |k| format!("20261103,{}", 5900 + k + k / 10 * 4090);
+    for (head, row) in [("time", minutes), ("time", hours), ("Date,time", beside)] {
         let rows: String = (0..20).map(|k| format!("{},{}\n", row(k), 50.0 + noise(k))).collect();
         bench.write("measured.csv", &format!("{head},y [degC]\n{rows}"));
         bench.run(&run).is_mistake(&["or a clock such as 131507", "\"%H%M\""]);

@@ -10,7 +10,6 @@ use calibration::{
 };
 use fmu_import::{quantity::Quantity, units::known};
 use fmu_points::names::behind;
-use sampling::design::Method;
 use study::{
     Study,
     cases::SEPARATOR,
@@ -43,9 +42,6 @@ pub(super) fn study(
     };
     place_files(&mut table, &|path| seen(&study.path_of(path.as_ref())));
     table.insert("fmu".to_owned(), seen(fmu));
-    if study.design.method.is_by_levels() {
-        within(&mut table, "design").insert("method".to_owned(), Method::MonteCarlo.name().into());
-    }
     let all = &outcome.optima[place].free;
     let told: Vec<usize> = (0..all.len()).filter(|&k| is_told(&all[k], others)).collect();
     for free in told.iter().map(|&k| &all[k]) {
