@@ -13,7 +13,7 @@ use std::{
 use csv::StringRecord;
 
 use crate::{
-    files::{self, FileError},
+    files::{self, FileError, convert},
     rows::{How, Rows},
 };
 use fmu_points::tell::{is_hidden, visible};
@@ -360,7 +360,7 @@ fn reason(path: &Path, error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::Io(error) => files::reason(path, error),
         csv::ErrorKind::Utf8 { pos, .. } => {
-            format!("{} is no text in UTF-8; {}", line(pos), crate::convert(path))
+            format!("{} is no text in UTF-8; {}", line(pos), convert(path))
         }
         csv::ErrorKind::UnequalLengths { pos, expected_len, len } => format!(
             "{} has {len} cells instead of {expected_len} as the first line; a decimal comma needs semicolons between cells",

@@ -171,6 +171,11 @@ fn names_in(folder: &Path) -> Vec<String> {
         .collect()
 }
 
+/// The command that makes a plain table of any other file.
+pub fn convert(path: &Path) -> String {
+    format!("`python -m fmu_orchestrator convert \"{}\"` makes a plain table of it", path.display())
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {

@@ -6,7 +6,7 @@ pub mod parquet;
 pub mod recorded;
 mod rows;
 
-use crate::files::FileError;
+use crate::files::{FileError, convert};
 use std::{collections::HashSet, path::Path};
 
 use fmu_import::units::known;
@@ -102,11 +102,6 @@ pub fn agreed<'a>(column: &str, in_file: Option<&'a str>, stated: Option<&'a str
 
 fn empty(path: &Path) -> FileError {
     FileError::new(path, "the table has no rows")
-}
-
-/// The command that makes a plain table of any other file.
-pub fn convert(path: &Path) -> String {
-    format!("`python -m fmu_orchestrator convert \"{}\"` makes a plain table of it", path.display())
 }
 
 /// Refuses columns with numbers that have two readings.

@@ -7,8 +7,7 @@ use std::{
 };
 
 use crate::{
-    convert,
-    files::{self, FileError},
+    files::{self, FileError, convert},
     is_of_time, is_time_name, name_and_unit,
     rows::How,
     shown,

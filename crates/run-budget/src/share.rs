@@ -251,7 +251,8 @@ pub(crate) fn undecided(mut margins: DMatrix<f64>, count: usize) -> Vec<usize> {
     let mut chosen: Vec<usize> = Vec::new();
     while chosen.len() < count {
         let score = |i: usize| {
-            if before[i] > 0.0 { open[i] * square(&margins, i) / before[i] } else { 0.0 }
+            // Margins so wide that their squares are infinite leave nothing open.
+            if open[i] > 0.0 && before[i] > 0.0 { open[i] * square(&margins, i) / before[i] } else { 0.0 }
         };
         let free = (0..candidates).filter(|i| !chosen.contains(i));
         let Some((best, worth)) = free.map(|i| (i, score(i))).max_by(|a, b| a.1.total_cmp(&b.1)) else {

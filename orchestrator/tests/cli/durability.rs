@@ -239,10 +239,8 @@ fn shards_join_to_the_same_files() {
     let said = merge(&["part3", "part1", "part2"], "joined");
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(files(&bench, "joined") == reference);
-    merge(&["part1", "part3"], "short").is_mistake(&[
-        "200 of 600 points are in none of the shards 1/3, 3/3",
-        "`verify STUDY --output short --resume`",
-    ]);
+    merge(&["part1", "part3"], "short")
+        .is_mistake(&["200 of 600 points are in none of the shards 1/3, 3/3", "study.toml --output short --resume`"]);
     // Merged once more with all of them, or computed afterwards.
     merge(&["part1", "part3"], "again").is_mistake(&["200 of 600 points"]);
     assert_eq!(merge(&["part1", "part2", "part3"], "again").code, 0);

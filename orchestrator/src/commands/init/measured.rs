@@ -9,7 +9,7 @@ use crate::error::Error;
 use fmu_import::quantity::Scale;
 use fmu_import::{Causality, Description, Variable};
 use fmu_points::names::{did_you_mean, nearest};
-use number_tables::convert;
+use number_tables::files::convert;
 use number_tables::{How, Table, is_of_time, is_time_name};
 use study::inputs::in_seconds;
 
