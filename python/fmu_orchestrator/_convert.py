@@ -266,6 +266,13 @@ def _mdf(path: Path, _: object = None) -> Contents:
                 if not _is_series(signal.samples) or len(signal.samples) != len(signal.timestamps):
                     contents.left_out.append(signal.name)
                     continue
+                if not groups:
+                    # `select` gives as many samples as the file states, whatever the memory held where the data are lost.
+                    there = len(mdf.get(group=signal.group_index, index=signal.channel_index, samples_only=True, ignore_invalidation_bits=True)[0])
+                    if there < len(signal.samples):
+                        raise OrchestratorError(
+                            f"{path}: it states {len(signal.samples)} samples of `{signal.name}` and holds {there}: it is cut off or damaged; export it "
+                            "anew, or as csv")
                 values = _valid(signal, contents)
                 # Channels of one group have one clock, but for those that a file records without their invalid samples.
                 if not groups or len(groups[0].channels[0][2]) != len(values):

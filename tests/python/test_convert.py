@@ -184,6 +184,17 @@ def test_series_of_one_length_belong_together():
     assert contents.left_out == ["c"]
 
 
+def test_lost_samples_are_not_what_the_memory_held(tmp_path):
+    path = tmp_path / "m.mf4"
+    _mdf(path)
+    content = path.read_bytes()
+    # The group's address of its data: 24 + 8 * 2 bytes behind its sign.
+    place = content.index(b"##DG") + 24 + 8 * 2
+    path.write_bytes(content[:place] + bytes(8) + content[place + 8 :])
+    with pytest.raises(OrchestratorError, match="it states 40 samples of `x` and holds 0: it is cut off or damaged"):
+        convert_here(path, tmp_path / "out")
+
+
 def test_what_a_library_logs_is_a_note(tmp_path, capsys):
     path = tmp_path / "m.tdms"
     _tdms(path)
