@@ -13,8 +13,8 @@ ENVIRONMENT = {**os.environ, "PYTHONPATH": str(ROOT / "python")}
 sys.path.insert(0, str(ROOT / "python"))
 
 PAPER = ROOT / "studies" / "paper-table3.toml"
-# How a run went; all else is the same for every run.
-RUN = ["run", "isolation", "reproducibility"]
+# How a run went; all else is the same for every run. A busy machine has time for fewer re-runs, which tell whether values rest.
+RUN = ["run", "isolation", "reproducibility", "rest", "left_out", "concerns"]
 
 
 def command(*arguments, folder=ROOT):

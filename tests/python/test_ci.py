@@ -16,7 +16,7 @@ fmu = "model.fmu"
 stop = 1
 step = 0.1
 [design]
-points = 8
+points = 12
 seed = 1
 [fixed]
 "thermal.isothermal" = true
@@ -82,7 +82,7 @@ def test_the_commands_of_the_page_work(project):
     done = run([verify.replace("--strict", "--strict --force")], project)
     assert done.returncode == 0, done.stdout + done.stderr
     done = run([compare], project)
-    assert done.returncode == 1 and "load changed at 8 points" in done.stdout, done.stdout + done.stderr
+    assert done.returncode == 1 and "load changed at 12 points" in done.stdout, done.stdout + done.stderr
     assert counts(project / "results/compare.xml")[1] == 1
 
 
