@@ -376,7 +376,7 @@ impl Recorded<'_> {
                     "time `{name}` has no unit and begins at {}, which is too much for s, or a clock such as 131507; say time = {{ unit = \"ms\" \
                      }}, or s, us or ns; of stamps such as 20261103131507 {}, of clocks with --format \"%H%M%S\", or \"%H%M\"",
                     values[0],
-                    number_tables::files::convert(table.path())
+                    files::convert(table.path())
                 )));
             }
             (None, None) => "s".to_owned(),
