@@ -77,7 +77,7 @@ def test_the_commands_of_the_page_work(project):
         assert counts(project / f"results/{name}.xml")[1] == 0
     assert (project / "results/compare.html").is_file()
     # A model that changed: a study of another tolerance of time would do; here the load.
-    study = (project / "study.toml").read_text().replace("[fixed]", "[fixed]\n\"load.stiffness\" = 130")
+    study = (project / "study.toml").read_text().replace("[fixed]", "[fixed]\n\"load.stiffness\" = 105")
     (project / "study.toml").write_text(study)
     done = run([verify.replace("--strict", "--strict --force")], project)
     assert done.returncode == 0, done.stdout + done.stderr
