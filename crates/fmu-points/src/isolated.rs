@@ -99,18 +99,19 @@ impl Isolated {
     /// copy of the unpacked FMU.
     pub(crate) fn new(common: &Arc<Common>, here: bool, cases: &[Case], limits: Limits, again: bool) -> Self {
         let ground = &common.ground;
-        let worker = || {
+        let worker = |lasting| {
             let mut worker = Process::new(&ground.shared, &ground.name, cases, limits);
             worker.setup.fill = again.then_some(FILL);
+            worker.lasting = lasting;
             worker
         };
         Self {
             room: None,
             here,
             again,
-            forking: worker(),
-            using: worker(),
-            loading: worker(),
+            forking: worker(true),
+            using: worker(true),
+            loading: worker(false),
             count: 0,
             copy: None,
             common: Arc::clone(common),
