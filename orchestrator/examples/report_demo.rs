@@ -4,8 +4,8 @@ use conformity::uncertainty::Uncertainty;
 use orchestrator::judge::Criterion;
 use orchestrator::methods::{pareto, robustness as robust};
 use orchestrator::report::{Report, figures::Series, judgement::Judgement};
-use orchestrator::results::Summary;
 use orchestrator::results::summary::{Count, CriterionCount, Provenance};
+use orchestrator::results::{Summary, answer::Answer};
 use parameter_regions::pareto::study::trade_off;
 use parameter_regions::robustness::{region, robustness, rows};
 use parameter_regions::table::{CriterionColumn, ParameterColumn, PointTable};
@@ -23,6 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let summary = summary(&table);
     let report = Report {
         documents: documents(&table),
+        answer: Answer::new(&summary),
         judgement: Judgement::new(&summary)?,
         summary,
         table,
