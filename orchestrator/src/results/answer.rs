@@ -97,8 +97,11 @@ impl Answer {
             self.next.retain(|sentence| sentence != SENSITIVE);
         }
         if let Some(found) = found(documents, summary) {
-            let behind = usize::from(summary.surrogate.is_some()) + summary.causes.len();
-            self.decides.insert(behind.min(self.decides.len()), format!("{place}: {found}."));
+            // What doubts the verdict, and what explains it, stand before it.
+            let explained = usize::from(summary.surrogate.is_some()) + summary.causes.len();
+            let doubted = self.decides.iter().rposition(|sentence| sentence.starts_with("Warning: "));
+            let behind = explained.min(self.decides.len()).max(doubted.map_or(0, |last| last + 1));
+            self.decides.insert(behind, format!("{place}: {found}."));
         }
         let placed = |sentence: &mut String| {
             let Names { study, output, folder } = names;
