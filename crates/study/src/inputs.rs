@@ -76,7 +76,7 @@ pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> R
                 .map_err(|message| named(format!("{}: {message}", path.display())))?;
         }
         concerns.extend(doubts(&series, schedule, &scale));
-        errors.extend(InputError::all(name, recording, &series.slot, &scale).map_err(named)?);
+        errors.extend(InputError::all(name, (recording, [offset, gain]), &series.slot, &scale).map_err(named)?);
         Ok(series)
     };
     let series: Vec<Series> = study.inputs.iter().map(&mut bind).collect::<Result<_, _>>()?;
@@ -99,6 +99,8 @@ pub struct InputError {
     pub conversion: Conversion,
     /// Takes it off the recording.
     pub slot: Slot,
+    /// What was taken off before: the known offset, in the recording's unit, and the known gain, a share.
+    pub taken: [f64; 2],
     /// The numbers of the cases that have it: those in which the same is stated of the same input.
     pub cases: Vec<usize>,
 }
@@ -108,7 +110,12 @@ impl InputError {
     ///
     /// # Errors
     /// When one is no positive number in its unit, or the input has no real values.
-    fn all(key: &Name, recording: &RecordingText, slot: &Slot, scale: &Scale<'_>) -> Result<Vec<Self>, String> {
+    fn all(
+        key: &Name,
+        (recording, taken): (&RecordingText, [f64; 2]),
+        slot: &Slot,
+        scale: &Scale<'_>,
+    ) -> Result<Vec<Self>, String> {
         let in_unit = |what: &str, stated: &Quantity| {
             let number = match stated.unit.as_deref() {
                 Some("%") => None,
@@ -127,6 +134,7 @@ impl InputError {
                 spread,
                 conversion,
                 slot: Slot { error: Some(error), ..slot.clone() },
+                taken,
                 cases: Vec::new(),
             });
         };
@@ -164,12 +172,15 @@ impl InputError {
         matches!(self.slot.error, Some(SensorError::Noise { .. }))
     }
 
+    /// Whether it is the error of the same sensor with the same calibration.
+    fn is_of(&self, other: &Self) -> bool {
+        let stated = |error: &Self| (error.unit.clone(), error.spread, error.taken);
+        self.slot == other.slot && stated(self) == stated(other)
+    }
+
     /// Adds that of a case to those of the cases before.
     pub(super) fn join(mut self, all: &mut Vec<Self>, number: usize, case: Option<&CaseText>) {
-        if let Some(same) = all
-            .iter_mut()
-            .find(|known| (&known.slot, &known.unit, known.spread) == (&self.slot, &self.unit, self.spread))
-        {
+        if let Some(same) = all.iter_mut().find(|known| known.is_of(&self)) {
             return same.cases.push(number);
         }
         if let Some(case) = case

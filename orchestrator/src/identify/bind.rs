@@ -15,6 +15,7 @@ use fmu_points::{
     task::{Case as Simulation, Probe, Slot},
     tell,
 };
+use indexmap::IndexMap;
 use number_tables::files::FileError;
 use sampling::statistics::Statistic;
 use study::{
@@ -47,8 +48,8 @@ pub struct Bound {
     pub readings: Vec<Reading>,
     /// The free parameters that are lags of curves, and none of the FMU's.
     pub lags: Vec<String>,
-    /// The free parameters that are errors of recorded inputs.
-    pub offsets: Vec<String>,
+    /// The free parameters that are errors of recorded inputs, with the offset and the gain that were taken off before.
+    pub offsets: IndexMap<String, [f64; 2]>,
     /// What is assumed beyond what the study states, a sentence each.
     pub notes: Vec<String>,
 }
@@ -102,7 +103,7 @@ impl Bound {
 
     /// The free parameters that are none of the FMU's.
     pub fn others(&self) -> Vec<String> {
-        [&self.lags[..], &self.offsets].concat()
+        self.lags.iter().chain(self.offsets.keys()).cloned().collect()
     }
 
     fn observe(&mut self, probe: Probe) {

@@ -25,7 +25,7 @@ pub(super) fn add(study: &Study, plan: &Plan, bound: &mut Bound) -> Result<(), F
         ));
     }
     for error in unknown {
-        bound.offsets.push(error.name.clone());
+        bound.offsets.insert(error.name.clone(), error.taken);
         let free = Free {
             name: error.name.clone(),
             unit: error.unit.clone(),

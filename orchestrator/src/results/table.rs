@@ -72,7 +72,10 @@ pub fn summary(folder: &Path) -> Result<Summary> {
         }
         _ => Error::content(
             &path,
-            format!("damaged ({error}): `verify STUDY --resume` writes it again from the journal"),
+            format!(
+                "damaged ({error}): `verify` of the study with `--output {} --resume` writes it again from the journal",
+                folder.display()
+            ),
         ),
     })
 }

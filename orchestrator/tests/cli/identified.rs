@@ -389,6 +389,21 @@ max = 2
     bench.write("study.toml", &wrong);
     let said = bench.run(&["identify", "study.toml", "--output", "wrong"]);
     assert!(said.err.contains("must be a positive number in the input's unit"), "{}", said.err);
+    // Another calibration is another sensor: what is found adds to what each was known to read too high.
+    bench.write("second.csv", "time,u\n0,1.25\n2,1.25\n");
+    let second = "inputs.\"drive.u\" = { file = \"second.csv\", column = \"u\", offset = 0.2, uncertainty = 0.1 }";
+    let cases = [("one", recorded), ("two", second), ("three", second)];
+    let two = study.split("[[cases]]").next().unwrap().to_owned()
+        + &cases.map(|(name, drive)| case(name, drive, "y.csv")).concat()
+        + &case("set", "fixed = { \"drive.u\" = 0.5 }", "other.csv");
+    let (_, outcome) = identify(&bench, &two, &["--force"]);
+    assert_eq!(outcome["free"].as_array().unwrap().len(), 3, "{outcome}");
+    let optimum: toml::Table = bench.read("out/optimum.toml").parse().unwrap();
+    for (case, expected) in [0.05, 0.25, 0.25].into_iter().enumerate() {
+        let found = optimum["cases"][case]["inputs"]["drive.u"]["offset"].to_string();
+        let found: f64 = found.trim_matches('"').parse().unwrap();
+        assert!((found - expected).abs() < 0.01, "{case}: {found}");
+    }
 }
 
 /// A rate beyond its range, or a zero error, each from a curve with noise: the likeliest cause is the planted one, and without a

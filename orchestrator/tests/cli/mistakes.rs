@@ -482,7 +482,7 @@ fn what_a_folder_does_not_hold() {
     assert_eq!(bench.run(&["verify", "study.toml", "--output", "r"]).code, 0);
     bench.run(&["replay", "r", "99"]).is_mistake(&["r: the study has no point 99; points.csv lists its 8"]);
     bench.write("r/summary.json", "{\"title\":");
-    bench.run(&["report", "r"]).is_mistake(&["r/summary.json: damaged (", "`verify STUDY --resume` writes it again"]);
+    bench.run(&["report", "r"]).is_mistake(&["r/summary.json: damaged (", "`--output r --resume` writes it again"]);
     assert_eq!(bench.run(&["verify", "study.toml", "--output", "r", "--resume"]).code, 0);
     assert_eq!(bench.run(&["report", "r"]).code, 0);
 }

@@ -1,7 +1,10 @@
 //! The files of an identification.
 
 use super::optimum;
-use crate::error::{Error, Result};
+use crate::{
+    error::{Error, Result},
+    identify::bind::Bound,
+};
 use calibration::{outcome::IdentificationOutcome, text};
 use point_journal::files::write_text;
 use std::path::{Path, PathBuf};
@@ -12,16 +15,16 @@ pub(super) fn write(
     folder: &Path,
     (study, fmu): (&Study, &Path),
     outcome: &IdentificationOutcome,
-    others: &[String],
+    bound: &Bound,
 ) -> Result {
     let name = number_tables::files::name(study.path());
     let optima = outcome.optima.len();
     for place in 0..optima {
         let file = folder.join(numbered(place, optima));
         let text = if study.criteria.is_empty() {
-            text::fixed_section(&name, place, outcome, others)
+            text::fixed_section(&name, place, outcome, &bound.others())
         } else {
-            optimum::study((study, fmu), outcome, (place, others), &file)?
+            optimum::study((study, fmu), outcome, (place, bound), &file)?
         };
         write_text(&file, text)?;
     }

@@ -221,9 +221,8 @@ impl Analysis for Asked {
                 })
             });
         }
-        let others = fit.bound.others();
         let fmu = fit.request.fmu.clone().unwrap_or_else(|| fit.study.fmu_path());
-        files::write(folder, (&fit.study, &fmu), &outcome, &others)?;
+        files::write(folder, (&fit.study, &fmu), &outcome, &fit.bound)?;
         posterior::write(folder, &fit.settings, &fit.bound, sample.as_ref())?;
         let code = match outcome.end {
             End::Time | End::Iterations | End::Budget => ExitCode::FAILURE,

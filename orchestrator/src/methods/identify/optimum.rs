@@ -8,27 +8,26 @@ use calibration::{
     problem::Spacing,
     text::digits,
 };
-use fmu_import::{quantity::Quantity, units::known};
+use fmu_import::quantity::Quantity;
 use fmu_points::names::behind;
 use study::{
-    Study,
+    CaseText, Study,
     cases::SEPARATOR,
     inputs::{GAIN, OFFSET},
-    limit::part,
 };
 use toml::{Table, Value};
 
-use crate::{error::Result, options::relative};
+use crate::{error::Result, identify::bind::Bound, options::relative};
 
 /// The text of the study at an optimum, for a file. Each parameter that the data tell has what they leave of it, and recorded
-/// inputs have the errors of their sensors taken off. `others` are no parameters of the model.
+/// inputs have the errors of their sensors taken off.
 ///
 /// # Errors
 /// When the study's text cannot be read.
 pub(super) fn study(
     (study, fmu): (&Study, &Path),
     outcome: &IdentificationOutcome,
-    (place, others): (usize, &[String]),
+    (place, bound): (usize, &Bound),
     file: &Path,
 ) -> Result<String> {
     let mut table: Table = study.section()?;
@@ -43,7 +42,8 @@ pub(super) fn study(
     place_files(&mut table, &|path| seen(&study.path_of(path.as_ref())));
     table.insert("fmu".to_owned(), seen(fmu));
     let all = &outcome.optima[place].free;
-    let told: Vec<usize> = (0..all.len()).filter(|&k| is_told(&all[k], others)).collect();
+    let others = bound.others();
+    let told: Vec<usize> = (0..all.len()).filter(|&k| is_told(&all[k], &others)).collect();
     for free in told.iter().map(|&k| &all[k]) {
         within(&mut table, "parameters").insert(free.name.clone(), Value::Table(distribution(free)));
     }
@@ -66,7 +66,7 @@ pub(super) fn study(
             table.insert("correlations".to_owned(), Value::Array(pairs));
         }
     }
-    take_errors_off(&mut table, study, all);
+    take_errors_off(&mut table, study, all, bound);
     let name = number_tables::files::name(study.path());
     let which = match outcome.optima.len() {
         0 | 1 => "The optimum".to_owned(),
@@ -141,37 +141,37 @@ fn place_files(table: &mut Table, placed: &dyn Fn(&str) -> Value) {
     }
 }
 
+/// What a study states of the sensor of a recorded input.
+fn of_sensor(study: &Study, key: &str) -> Option<[Option<Quantity>; 4]> {
+    let (_, text) = study.inputs.iter().find(|(name, _)| name.as_ref().as_str() == key)?;
+    Some([&text.offset, &text.gain, &text.uncertainty, &text.gain_uncertainty].map(Clone::clone))
+}
+
 /// Takes the offsets and gains of recorded inputs off them, with what is left of their uncertainty.
-fn take_errors_off(table: &mut Table, study: &Study, all: &[FreeOutcome]) {
-    let cases = study.by_case();
+fn take_errors_off(table: &mut Table, study: &Study, all: &[FreeOutcome], bound: &Bound) {
+    let fitted = study.fitted();
+    let (fitted, cases) = (fitted.by_case(), study.by_case());
     for free in all {
+        let Some([offset, gain]) = bound.offsets.get(&free.name) else { continue };
         let Some((path, what)) = free.name.rsplit_once('/').filter(|(_, what)| [OFFSET, GAIN].contains(what)) else {
             continue;
         };
-        // The first case that has the input says what was taken off before the search.
-        let stated = cases.iter().find_map(|(case, of_case)| {
+        // The first case that was fitted with the input says which sensor it is.
+        let stated = fitted.iter().find_map(|(case, of_case)| {
             let own = case.and_then(|case| path.strip_prefix(case.name.as_ref().as_str())?.strip_prefix(SEPARATOR));
             let key = own.unwrap_or(path);
-            let (_, text) = of_case.inputs.iter().find(|(name, _)| name.as_ref().as_str() == key)?;
-            Some((key, own.is_some(), text))
+            Some((key, of_sensor(of_case, key)?))
         });
-        let Some((key, of_case, text)) = stated else { continue };
+        let Some((key, sensor)) = stated else { continue };
+        let is_its = |of: &Study| of_sensor(of, key).as_ref() == Some(&sensor);
         let unit = free.unit.as_deref().unwrap_or("1");
-        let in_unit = |stated: &Quantity| match &stated.unit {
-            Some(own) if own != unit => known::between(own, unit).map(|way| way.difference(stated.number)),
-            _ => Some(stated.number),
-        };
-        let gain = text.gain.as_ref().and_then(part).unwrap_or(0.0);
-        let Some(before) = text.offset.as_ref().map_or(Some(0.0), in_unit) else { continue };
         // One after the other they are taken off the recording.
         let (found, uncertainty) = match what {
             GAIN => (100.0 * gain + (1.0 + gain) * free.value, "gain-uncertainty"),
-            _ => (before + (1.0 + gain) * free.value, "uncertainty"),
+            _ => (offset + (1.0 + gain) * free.value, "uncertainty"),
         };
         let unit = behind(Some(unit).filter(|unit| *unit != "1"));
         let half = (free.interval[1] - free.interval[0]) / 2.0;
-        let own_case = path.strip_suffix(key).unwrap_or(path).trim_end_matches(SEPARATOR);
-        let of_another = |case: &str| all.iter().any(|other| other.name == format!("{case}{SEPARATOR}{key}/{what}"));
         let set = |of: &mut Table| {
             let input = of.get_mut("inputs").and_then(|inputs| inputs.get_mut(key)).and_then(Value::as_table_mut);
             if let Some(input) = input {
@@ -179,14 +179,14 @@ fn take_errors_off(table: &mut Table, study: &Study, all: &[FreeOutcome]) {
                 input.insert(uncertainty.to_owned(), format!("{}{unit}", digits(half)).into());
             }
         };
-        if !of_case {
+        if is_its(study) {
             set(table);
         }
         let of_cases = table.get_mut("cases").and_then(Value::as_array_mut);
         for case in of_cases.into_iter().flatten().filter_map(Value::as_table_mut) {
             let name = case.get("name").and_then(Value::as_str).unwrap_or_default();
-            let is_its = if of_case { name == own_case } else { !of_another(name) };
-            if is_its {
+            let is_named = |case: &&CaseText| case.name.as_ref().as_str() == name;
+            if cases.iter().any(|(case, of_case)| case.as_ref().is_some_and(is_named) && is_its(of_case)) {
                 set(case);
             }
         }
