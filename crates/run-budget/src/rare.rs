@@ -45,7 +45,7 @@ const ENOUGH: f64 = 0.01;
 const ENOUGH_INSIDE: usize = 8;
 /// The surrogate is never surer of a side than that.
 const SUREST: f64 = 0.03;
-/// A run that is off by so many root mean squares is beyond a jump: of normal errors, one in a million is.
+/// A run that is off by so many of its deviations is beyond a jump: of normal errors, one in a million is.
 const JUMP: f64 = 5.0;
 /// Runs of the event without which nothing is said.
 const LEAST_INSIDE: usize = 3;
@@ -210,7 +210,7 @@ impl Search<'_> {
         Ok(self.population(surrogate, OF_ANSWER, &mut random).share(widening))
     }
 
-    /// How unevenly the errors by leaving one run out are spread: the largest in root mean squares, and by how much more than its
+    /// How unevenly the errors by leaving one run out are spread: the largest in its own deviations, and by how much more than its
     /// functions say the surrogate is off. Those spread errors over all places; at a jump a few runs have them all, and the kurtosis,
     /// three where errors are normal, tells how few.
     fn unevenness(&self, surrogate: &Surrogate, runs: &[Run]) -> [f64; 2] {
@@ -220,7 +220,7 @@ impl Search<'_> {
             let squares: Vec<f64> = errors.map(|(value, [mean, off])| ((value - mean) / off).powi(2)).collect();
             let mean = squares.iter().sum::<f64>() / squares.len() as f64;
             let fourth = squares.iter().map(|square| square * square).sum::<f64>() / squares.len() as f64;
-            [squares.iter().copied().fold(0.0, f64::max) / mean, fourth / mean / mean / 3.0].map(f64::sqrt)
+            [squares.iter().copied().fold(0.0, f64::max), fourth / mean / mean / 3.0].map(f64::sqrt)
         };
         self.limits
             .iter()

@@ -103,6 +103,14 @@ fn both_sides_of_a_limit_are_found() {
     assert!(sides.clone().any(|right| right) && sides.clone().any(|right| !right));
 }
 
+/// Runs far from the edge are off by more than the many beside it, as their bands say: that is no jump. Product of three uniform
+/// numbers from 0.2 to 1.2 below 0.017.
+#[test]
+fn a_surrogate_that_is_coarse_far_from_the_edge_tells_the_share() {
+    let of = |u: &[f64]| u.iter().map(|u| 0.2 + u).product::<f64>() - 0.017;
+    told(&Rare { uniform: true, ..rare("product", 3, 1.015_341e-3, of) }, 6, 100);
+}
+
 #[test]
 fn an_event_without_a_run_in_it_is_not_told() {
     let never = rare("never", 2, 0.0, |x| 1.0 + x[0] * x[0]);
