@@ -6,7 +6,7 @@ use crate::{
     task::{Delay, Detail, MeasuredCurve, Probe},
 };
 use curves::{Curve, Pair, Sampler, delay};
-use sampling::statistics::{Accumulator, MeanOverPeriods, MeanOverTurns};
+use sampling::statistics::{Accumulator, MeanOverTurns};
 
 /// Gathers what a probe asks for, value by value.
 #[derive(Clone, Debug)]
@@ -16,8 +16,6 @@ pub(super) enum Collector {
     Event(Accumulator, Option<f64>),
     /// The mean over whole turns of an angle.
     Turns(MeanOverTurns),
-    /// The mean over whole periods of a signal.
-    Periods(MeanOverPeriods),
     Curve(Box<Comparison>),
     /// The value at a time between communication points.
     Value(Sampler),
@@ -37,7 +35,6 @@ impl Collector {
             (Some(curve), _) => Self::Curve(Box::new(Comparison::new(curve))),
             (None, Some(Detail::At(time))) => Self::Value(Sampler::new(vec![time])),
             (None, Some(Detail::Turns(_, turn))) => Self::Turns(MeanOverTurns::new(turn)),
-            (None, Some(Detail::Periods(_))) => Self::Periods(MeanOverPeriods::default()),
             (None, _) if probe.statistic.is_since_first() => Self::Event(probe.accumulator(), None),
             (None, _) => Self::Statistic(probe.accumulator()),
         }
@@ -49,7 +46,7 @@ impl Collector {
         match self {
             Self::Statistic(accumulator) => *accumulator = probe.accumulator(),
             Self::Event(accumulator, first) => (*accumulator, *first) = (probe.accumulator(), None),
-            Self::Turns(_) | Self::Periods(_) => *self = Self::new(probes),
+            Self::Turns(_) => *self = Self::new(probes),
             Self::Curve(comparison) => comparison.restart(),
             Self::Value(sampler) | Self::Rows(sampler, _) => sampler.restart(),
         }
@@ -63,20 +60,17 @@ impl Collector {
                 first.get_or_insert(time);
                 accumulator.add(elapsed, value);
             }
-            // What stands beside a value comes through `add_beside`.
+            // The angle beside a value comes through `add_beside`.
             Self::Turns(mean) => mean.add(elapsed, value, f64::NAN),
-            Self::Periods(mean) => mean.add(elapsed, value, f64::NAN),
             Self::Curve(comparison) => comparison.add(time, value),
             Self::Value(sampler) | Self::Rows(sampler, _) => sampler.add(time, value),
         }
     }
 
-    /// Takes a value with the angle, or the signal with periods, that stands beside it.
-    pub(super) fn add_beside(&mut self, elapsed: f64, value: f64, other: f64) {
-        match self {
-            Self::Turns(mean) => mean.add(elapsed, value, other),
-            Self::Periods(mean) => mean.add(elapsed, value, other),
-            _ => {}
+    /// Takes a value with the angle that stands beside it.
+    pub(super) fn add_beside(&mut self, elapsed: f64, value: f64, angle: f64) {
+        if let Self::Turns(mean) = self {
+            mean.add(elapsed, value, angle);
         }
     }
 
@@ -99,7 +93,6 @@ impl Collector {
             Self::Statistic(accumulator) => accumulator.result(span),
             Self::Event(accumulator, first) => first.unwrap_or(f64::NAN) + accumulator.result(span),
             Self::Turns(mean) => mean.result(),
-            Self::Periods(mean) => mean.result(),
             Self::Curve(comparison) => comparison.result(),
             Self::Value(sampler) | Self::Rows(sampler, _) => sampler.finish().map_or(f64::NAN, |values| values[0]),
         }
