@@ -6,7 +6,7 @@ mod inputs;
 mod schedule;
 mod slot;
 
-pub use curve::{CurveErrors, Delay, MeasuredCurve, Resampling};
+pub use curve::{CurveErrors, MeasuredCurve, Resampling};
 pub use inputs::{Series, Unseen, place};
 pub use schedule::{CommunicationPoints, Schedule};
 pub use slot::{SensorError, Slot};

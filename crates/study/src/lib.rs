@@ -36,7 +36,7 @@ pub use error::{BOTH_SIDES, OpenError, unusable};
 pub use file::Study;
 pub use identification::Identification;
 pub use name::{Name, Pair, exactly_two};
-pub use reference::{DelayText, EstimateText, Normalise, ReferenceText};
+pub use reference::{EstimateText, Normalise, ReferenceText};
 pub use sections::{RobustnessText, SensitivityText, TolerancesText};
 pub use text::{
     CaseText, CriterionText, DerivedText, Extrapolate, LagText, NominalFrom, ParameterText, RecordingText, Required,

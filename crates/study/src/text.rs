@@ -12,7 +12,7 @@ use toml::Spanned;
 
 use crate::{
     name::Name,
-    reference::{DelayText, Normalise, ReferenceText},
+    reference::{Normalise, ReferenceText},
     tolerance::ToleranceText,
     window::{self, Window},
 };
@@ -268,7 +268,7 @@ pub struct CriterionText {
     /// The least share inside the corridor, or the least rating.
     pub least: Option<Quantity>,
     /// By how much the measured curve is late.
-    pub delay: Option<DelayText>,
+    pub delay: Option<Quantity>,
     /// By how much it may be later than that: `identify` finds it.
     pub lag: Option<LagText>,
     /// The expanded uncertainty of the measured value, given like the tolerance.
