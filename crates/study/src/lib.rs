@@ -4,7 +4,6 @@ mod bind;
 pub mod cases;
 pub mod concern;
 mod detail;
-pub mod dossier;
 mod error;
 mod file;
 pub mod identification;
@@ -31,7 +30,6 @@ pub mod values;
 mod window;
 
 pub use detail::first_wrong;
-pub use dossier::Dossier;
 pub use error::{BOTH_SIDES, OpenError, unusable};
 pub use file::Study;
 pub use identification::Identification;
