@@ -341,7 +341,7 @@ impl Recorded<'_> {
         both.chain(signals).filter_map(|(name, signal)| {
             let name = signal.name.as_deref().unwrap_or(name);
             let channel = recorded.signals().find(|channel| channel.name == name)?;
-            let mut means = result.findings.iter().filter(|f| f.name == name && f.statistic == "mean");
+            let mut means = result.findings.iter().filter(|f| f.name == name);
             let row = means.next()?.noise?.row;
             let tolerance = of_zero(signal.tolerance.as_ref()?, &channel.unit).ok()??;
             (row > tolerance).then(|| format!(
