@@ -189,12 +189,7 @@ impl Settings {
         let line = |span: Range<usize>| text[..span.start].matches('\n').count() + 1;
         let settings: Self = toml::from_str(&text).map_err(|error| {
             let line = error.span().map_or(1, line);
-            let remedy = if error.message().contains("unknown field `format`") {
-                "; stamps become seconds before: `python -m fmu_orchestrator convert FILE --format ...`"
-            } else {
-                ""
-            };
-            FileError::new(path, format!("line {line}: {}{remedy}", error.message()))
+            FileError::new(path, format!("line {line}: {}", error.message()))
         })?;
         let start = settings.start.as_ref().map(Spanned::span);
         Ok(Self { path: path.to_owned(), start_line: start.map_or(1, line), ..settings })
@@ -341,7 +336,7 @@ impl Recorded<'_> {
         both.chain(signals).filter_map(|(name, signal)| {
             let name = signal.name.as_deref().unwrap_or(name);
             let channel = recorded.signals().find(|channel| channel.name == name)?;
-            let mut means = result.findings.iter().filter(|f| f.name == name && f.statistic == "mean");
+            let mut means = result.findings.iter().filter(|f| f.name == name);
             let row = means.next()?.noise?.row;
             let tolerance = of_zero(signal.tolerance.as_ref()?, &channel.unit).ok()??;
             (row > tolerance).then(|| format!(

@@ -86,15 +86,13 @@ def synchronise(
     *,
     case: str | None = None,
     held_out: bool = False,
-    amplitudes: bool = False,
     output: StrPath = MEASURED,
 ) -> Synchronised:
     """Turns measured signals into criteria with their uncertainty.
 
     ``tables`` is a file or a table of pandas, polars, pyarrow or a mapping, or a list of them; MDF4, TDMS, HDF5, MAT and xlsx
     files are converted to csv files in ``output``, one for each rate. ``settings`` are a TOML file, or its content: columns, units,
-    accuracies. ``case`` makes a case of the recording, ``held_out`` one that is never fitted;
-    ``amplitudes`` makes criteria of the amplitudes, too.
+    accuracies. ``case`` makes a case of the recording, ``held_out`` one that is never fitted.
     """
     folder = Path(output).absolute()
     several = list(tables) if isinstance(tables, list | tuple) else [tables]
@@ -105,7 +103,7 @@ def synchronise(
         file.write_text(_toml.text(settings), encoding="utf-8")
     else:
         file = Path(settings)
-    options: dict[str, Value] = {"settings": file, "case": case, "held_out": held_out, "amplitudes": amplitudes, "output": folder}
+    options: dict[str, Value] = {"settings": file, "case": case, "held_out": held_out, "output": folder}
     done = run("synchronise", *files, *flags(options))
     return Synchronised(folder, done.text)
 

@@ -210,7 +210,6 @@ class Study:
         budget: int | None = None,
         against: StrPath | None = None,
         seed: int | None = None,
-        time_limit: float | None = None,
         output: StrPath | None = None,
         **running: Unpack[Running],
     ) -> Identification:
@@ -219,8 +218,7 @@ class Study:
         ``posterior`` draws so many sets of parameters from the posterior into ``posterior.csv``. ``budget`` is the most runs,
         of which a surrogate is made, with the points of a finished study where ``points_of`` names one: the result stands in its
         folder then. ``against``
-        weighs the model against that of another result on the same data. ``time_limit``, s, ends the search and takes the
-        best so far.
+        weighs the model against that of another result on the same data.
         """
         if points_of is not None and budget is None:
             raise OrchestratorError("identify(points_of=...) needs budget=N, the most further runs; without one leave points_of out")
@@ -228,7 +226,7 @@ class Study:
         if source is not None and folder != source:
             raise OrchestratorError("identify(points_of=...) writes into the folder of the points; leave output out")
         options: dict[str, Value] = {"starts": starts, "posterior": posterior, "budget": budget}
-        options |= {"seed": seed, "time_limit": time_limit}
+        options["seed"] = seed
         options["against"] = None if against is None else os.path.abspath(against)
         done = self._run("identify", folder, options, running, state="identify")
         found = Identification(folder, done.text)

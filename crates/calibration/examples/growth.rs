@@ -35,7 +35,7 @@ fn main() -> Result<(), SearchError> {
     };
     let objective = Objective::new(&problem, &growth, 1e-4);
     let starts: Vec<Vec<f64>> = (1..16).map(|k| vec![f64::from(k) / 16.0, (f64::from(k) * 0.618).fract()]).collect();
-    let effort = Effort { descents: 4, iterations: 60, deadline: None };
+    let effort = Effort { descents: 4, iterations: 60 };
     let (optima, progress) = search(&objective, &starts, &effort, &|_| ())?;
     let outcome = IdentificationOutcome::new(&problem, &optima, &progress);
     for free in &outcome.free {

@@ -4,13 +4,11 @@
 //! 2004, Methods for Non-Linear Least Squares Problems, section 3.2). Bounds enter each step as an
 //! active set: an unknown that the step would push out stays on its bound, and the others are solved for again.
 
-use nalgebra::{Cholesky, DVector};
-use std::time::Instant;
-
 use super::{
     objective::{Differences, Linear, Misfit, Objective},
     problem::NoPrediction,
 };
+use nalgebra::{Cholesky, DVector};
 
 /// When to stop.
 #[derive(Clone, Copy, Debug)]
@@ -19,8 +17,6 @@ pub struct Limits {
     pub iterations: usize,
     /// The least relative decrease of the sum of squares that is worth another iteration.
     pub decrease: f64,
-    /// When time is up.
-    pub deadline: Option<Instant>,
 }
 
 /// Why the search for the minimum ended.
@@ -31,8 +27,6 @@ pub enum End {
     Converged,
     /// After the given number of iterations.
     Iterations,
-    /// When time was up.
-    Time,
     /// When the runs of a budget were spent.
     Budget,
 }
@@ -52,11 +46,6 @@ pub struct Minimum {
     pub surrounded: Vec<usize>,
 }
 
-/// Whether time is up.
-pub(crate) fn is_over(deadline: Option<Instant>) -> bool {
-    deadline.is_some_and(|deadline| Instant::now() >= deadline)
-}
-
 /// Looks for the minimum nearest to a start. Unknowns that are `held` stay where they are, as do those on both sides of
 /// which runs fail.
 ///
@@ -73,10 +62,6 @@ pub fn minimise(
     let mut at = Minimum { places: start, misfit, end: End::Iterations, blocked: false, surrounded: Vec::new() };
     let mut damping = Damping { value: 1e-3, growth: 2.0 };
     for _ in 0..limits.iterations {
-        if is_over(limits.deadline) {
-            at.end = End::Time;
-            break;
-        }
         let linear = objective.linear(&at.places, &at.misfit, differences)?;
         let before = at.misfit.cost();
         at.blocked |= !linear.surrounded.is_empty();
@@ -88,7 +73,7 @@ pub fn minimise(
             break;
         }
     }
-    at.blocked = at.blocked && at.end != End::Time && goes_on(objective, held, differences, &mut at)?;
+    at.blocked = at.blocked && goes_on(objective, held, differences, &mut at)?;
     Ok(at)
 }
 

@@ -271,7 +271,7 @@ impl<'a, 'b> Optima<'a, 'b> {
         if rise <= BARRIER || bends == 0 {
             return Ok(rise <= BARRIER || rise.is_finite() && rise <= SMOOTH * whole);
         }
-        let limits = Limits { iterations: STEPS_DOWN, decrease: 1e-4, ..self.limits };
+        let limits = Limits { iterations: STEPS_DOWN, decrease: 1e-4 };
         let middle = match minimise(self.objective, at(0.5), &[], Differences::Forward, &limits) {
             Ok(middle) => middle,
             Err(NoPrediction::Here(_)) => return Ok(false),

@@ -63,8 +63,7 @@ fn settled(task: &Task<'_>, model: &dyn Simulate, mut minimum: Minimum) -> Resul
     const ROUNDS: usize = 8;
     /// A part of what a gain error may do to a value that no result shows.
     const SETTLED: f64 = 1e-5;
-    let Effort { iterations, deadline, .. } = task.effort;
-    let limits = Limits { iterations, decrease: 1e-7, deadline };
+    let limits = Limits { iterations: task.effort.iterations, decrease: 1e-7 };
     let mut problem = task.problem.clone();
     for _ in 0..ROUNDS {
         let predicted = minimum.misfit.predicted;

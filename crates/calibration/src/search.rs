@@ -6,13 +6,11 @@
 //! that ends at the same minimum from many starts is evidence that nothing deeper was missed, and one that
 //! doesn't shows where the others are. Starts are first screened by their misfit alone.
 
-use std::time::Instant;
-
 use statrs::function::gamma::ln_gamma;
 
 use super::{
     failures::Failures,
-    local::{End, Limits, Minimum, is_over, minimise},
+    local::{End, Limits, Minimum, minimise},
     objective::{Differences, Objective},
     optima::{Optima, Optimum},
     problem::NoPrediction,
@@ -26,8 +24,6 @@ pub struct Effort {
     pub descents: usize,
     /// The most iterations of each.
     pub iterations: usize,
-    /// When time is up.
-    pub deadline: Option<Instant>,
 }
 
 /// How far a search has got.
@@ -54,9 +50,6 @@ pub enum SearchError {
     /// No start could be simulated.
     #[error("none of the {0} starts could be simulated; the last one failed with: {1}")]
     NoStart(usize, String),
-    /// Time was up before anything was found.
-    #[error("the time limit ended the search before the first start was simulated")]
-    NoTime,
     /// The posterior could not be sampled.
     #[error(transparent)]
     Sample(#[from] SampleError),
@@ -87,7 +80,7 @@ const TOGETHER: usize = 64;
 /// minima that could be the right one, that with the largest part of the posterior first.
 ///
 /// # Errors
-/// When nothing can be simulated, or time is up before anything was.
+/// When nothing can be simulated.
 pub fn search(
     objective: &Objective<'_>,
     starts: &[Vec<f64>],
@@ -97,9 +90,6 @@ pub fn search(
     let mut progress = Progress::default();
     let mut last_error = String::new();
     for starts in starts.chunks(TOGETHER.div_ceil(objective.problem.cases.len().max(1))) {
-        if is_over(settings.deadline) {
-            break;
-        }
         let sets = starts.iter().map(|start| unknowns(objective, start));
         for misfit in objective.misfits(&sets.collect::<Vec<_>>())? {
             let misfit = misfit.map_err(|error| last_error = error);
@@ -107,19 +97,16 @@ pub fn search(
         }
         observe(&progress);
     }
-    if progress.screened.is_empty() {
-        return Err(SearchError::NoTime);
-    }
     let order = order(starts, &progress.screened);
     let Some(&first) = order.first() else { return Err(SearchError::NoStart(progress.screened.len(), last_error)) };
-    let deepest = Limits { iterations: 2 * settings.iterations, decrease: 1e-7, deadline: settings.deadline };
+    let deepest = Limits { iterations: 2 * settings.iterations, decrease: 1e-7 };
     let mut optima = Optima::new(objective, deepest);
     let mut queue = order.into_iter();
     // As many descents for each minimum: where there are several, there may be more.
     while progress.descents.len() < settings.descents * optima.count().max(1) {
         let quota = settings.descents * optima.count().max(1) - progress.descents.len();
         let batch: Vec<usize> = queue.by_ref().take(quota).collect();
-        if batch.is_empty() || is_over(settings.deadline) {
+        if batch.is_empty() {
             break;
         }
         let ends = descend(objective, starts, &batch, settings, &mut progress, observe)?;
@@ -143,12 +130,6 @@ pub fn search(
         }
     }
     progress.failures = objective.failures();
-    if is_over(settings.deadline) {
-        // Further minima may have been missed.
-        for optimum in &mut ranked {
-            optimum.minimum.end = End::Time;
-        }
-    }
     Ok((ranked, progress))
 }
 
@@ -161,7 +142,7 @@ fn descend(
     progress: &mut Progress,
     observe: &dyn Fn(&Progress),
 ) -> Result<Vec<Minimum>, SearchError> {
-    let limits = Limits { iterations: settings.iterations, decrease: 1e-4, deadline: settings.deadline };
+    let limits = Limits { iterations: settings.iterations, decrease: 1e-4 };
     let mut ends: Vec<Minimum> = Vec::new();
     for &start in batch {
         let from = unknowns(objective, &starts[start]);
@@ -169,10 +150,6 @@ fn descend(
             Err(NoPrediction::Stopped) => return Err(SearchError::Stopped),
             other => other.ok(),
         };
-        // One that time cut short is no minimum.
-        if minimum.as_ref().is_some_and(|minimum| minimum.end == End::Time) && progress.best().is_some() {
-            break;
-        }
         ends.extend(minimum.clone());
         progress.descents.push(minimum);
         observe(progress);

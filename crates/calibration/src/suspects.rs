@@ -6,7 +6,7 @@
 //! Psychometrika 54, 371-384) says by how much the sum of squares would fall. The most promising ones are then fitted by runs:
 //! what is told has been simulated.
 
-use std::{collections::HashSet, mem::discriminant, time::Instant};
+use std::{collections::HashSet, mem::discriminant};
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::Serialize;
@@ -146,8 +146,6 @@ pub struct Inquiry<'a> {
     pub difference: f64,
     /// Where the search began.
     pub starts: &'a [Vec<f64>],
-    /// When time is up.
-    pub deadline: Option<Instant>,
     /// The optimum that misses.
     pub optimum: &'a Optimum,
     /// The model of that search.
@@ -402,7 +400,7 @@ impl Inquiry<'_> {
     }
 
     fn minimised(&self, problem: &Problem, model: &dyn Simulate, start: Vec<f64>) -> Result<Minimum, NoPrediction> {
-        let limits = Limits { iterations: 30, decrease: 1e-4, deadline: self.deadline };
+        let limits = Limits { iterations: 30, decrease: 1e-4 };
         let objective = Objective::new(problem, model, self.difference);
         minimise(&objective, start, &[], Differences::Forward, &limits)
     }

@@ -66,17 +66,17 @@ pub fn starts(dimensions: usize, count: usize) -> Vec<Vec<f64>> {
 
 /// A search without a time limit.
 pub fn effort(descents: usize, iterations: usize) -> Effort {
-    Effort { descents, iterations, deadline: None }
+    Effort { descents, iterations }
 }
 
 /// A local search without a time limit.
 pub fn limits(iterations: usize, decrease: f64) -> Limits {
-    Limits { iterations, decrease, deadline: None }
+    Limits { iterations, decrease }
 }
 
 /// A sample without a time limit.
 pub fn settings(particles: u64, seed: u64) -> Settings {
-    Settings { particles, seed, deadline: None }
+    Settings { particles, seed }
 }
 
 /// All sentences on a result.

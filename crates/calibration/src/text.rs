@@ -358,7 +358,6 @@ pub fn searches(outcome: &IdentificationOutcome) -> Vec<String> {
     let early = match outcome.end {
         End::Converged => None,
         End::Iterations => Some("The search ended before it converged: give it more `iterations` in [identify]."),
-        End::Time => Some("The search ended before it converged; --resume goes on."),
         End::Budget => Some("The search ended before it converged, as the runs were spent: give it more."),
     };
     [done].into_iter().chain(early.map(str::to_owned)).collect()

@@ -1,7 +1,6 @@
 #![doc = include_str!("../README.md")]
 
 mod curve;
-pub mod delay;
 mod metrics;
 mod sampler;
 

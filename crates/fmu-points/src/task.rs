@@ -6,7 +6,7 @@ mod inputs;
 mod schedule;
 mod slot;
 
-pub use curve::{CurveErrors, Delay, MeasuredCurve, Resampling};
+pub use curve::{CurveErrors, MeasuredCurve, Resampling};
 pub use inputs::{Series, Unseen, place};
 pub use schedule::{CommunicationPoints, Schedule};
 pub use slot::{SensorError, Slot};
@@ -133,8 +133,6 @@ pub enum Detail {
     Level(f64, Direction),
     /// The angle whose whole turns count, and how much it changes in a turn, in the FMU's unit.
     Turns(Handle, f64),
-    /// The signal whose whole periods count.
-    Periods(Handle),
 }
 
 impl Detail {
@@ -144,7 +142,6 @@ impl Detail {
             Self::Percent(percent) => format!("{percent} % percentile"),
             Self::At(time) => format!("value at {time} s"),
             Self::Turns(..) => "mean over whole turns".to_owned(),
-            Self::Periods(_) => "mean over whole periods".to_owned(),
             Self::Level(..) => Statistic::Crossing.label().to_owned(),
         }
     }
@@ -175,10 +172,10 @@ impl Probe {
         self.curve.is_some() || matches!(self.detail, Some(Detail::At(_)))
     }
 
-    /// The angle, or the signal with periods, that is read beside it.
+    /// The angle that is read beside it.
     pub fn companion(&self) -> Option<Handle> {
         match self.detail {
-            Some(Detail::Turns(other, _) | Detail::Periods(other)) => Some(other),
+            Some(Detail::Turns(angle, _)) => Some(angle),
             _ => None,
         }
     }

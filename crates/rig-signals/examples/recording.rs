@@ -45,6 +45,6 @@ fn main() -> Result<(), SignalError> {
     let recording =
         RigRecording { bearing: Some(bearing), others: Vec::new(), window: None, start: None, confidence: 0.99 };
     let answer = synchronise(&recording)?;
-    println!("{}", criteria::to_toml(&answer, true));
+    println!("{}", criteria::to_toml(&answer));
     Ok(())
 }

@@ -3,11 +3,11 @@
 use super::{
     delay::Delay,
     holes::Holes,
-    recording::{Accuracy, Bearing, Channel, DerivedCriterion, RigRecording, Synchronised},
+    recording::{Bearing, Channel, DerivedCriterion, RigRecording, Synchronised},
     signal::{Even, SignalError, Spline},
     spectrum::Noise,
     stationarity::{self, block_means, uncertainty_of_mean},
-    uncertainty::{MeasuredValue, from_bound, of_product},
+    uncertainty::{MeasuredValue, of_product},
 };
 use sampling::statistics::moments::{mean, variance};
 
@@ -68,7 +68,6 @@ impl Grid {
         DerivedCriterion {
             name: channel.name.clone(),
             variable: channel.variable.clone(),
-            statistic: "mean",
             unit: channel.unit.clone(),
             group: channel.group.clone(),
             measured: MeasuredValue { value, scatter: uncertainty_of_mean(&blocks), sensor: sensor(value) },
@@ -164,8 +163,6 @@ impl<'a> Aligned<'a> {
             findings.push(finding);
             lost.extend(concern);
         }
-        findings.push(self.amplitude(&bearing.load, &known.load));
-        findings.push(self.amplitude(&bearing.torque, &known.torque));
         let [friction_before, friction] = [&known.torque_before, &known.torque].map(|m| friction(m));
         let mean_friction =
             self.grid.mean(&bearing.torque, &of_both(&friction), |v| of_product(v, &[of_load, of_torque]));
@@ -182,34 +179,6 @@ impl<'a> Aligned<'a> {
             doubts: lost,
             ..self.result
         })
-    }
-
-    /// Half the distance between least and greatest value of a turn, over all turns.
-    fn amplitude(&self, channel: &Channel, values: &[f64]) -> DerivedCriterion {
-        let span = if self.grid.turn > 1 { self.grid.turn } else { values.len() };
-        let halves: Vec<f64> = values
-            .chunks_exact(span)
-            .map(|turn| {
-                let low = turn.iter().copied().fold(f64::INFINITY, f64::min);
-                let high = turn.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-                (high - low) / 2.0
-            })
-            .collect();
-        let value = mean(&halves);
-        // An offset of the sensor does not change an amplitude; a wrong gain does.
-        let gain = match channel.accuracy {
-            Accuracy::Relative(part) => part,
-            Accuracy::Absolute(bound) => bound / mean(values).abs(),
-        };
-        DerivedCriterion {
-            name: format!("{}_amplitude", channel.name),
-            variable: channel.variable.clone(),
-            statistic: "amplitude",
-            unit: channel.unit.clone(),
-            group: channel.group.clone(),
-            measured: MeasuredValue { value, scatter: uncertainty_of_mean(&halves), sensor: from_bound(gain * value) },
-            ..DerivedCriterion::default()
-        }
     }
 
     fn warnings(&self, findings: &[DerivedCriterion], [before, after]: [f64; 2]) -> Vec<String> {
@@ -235,9 +204,6 @@ impl<'a> Aligned<'a> {
 
 /// The concern about a mean of what is not steady.
 pub(crate) fn unsteady(finding: &DerivedCriterion) -> Option<String> {
-    if finding.statistic != "mean" {
-        return None;
-    }
     let name = &finding.name;
     Some(match &finding.stationarity {
         None => format!("{name}: the window is too short to test whether it is steady"),

@@ -379,7 +379,7 @@ impl<'a> Case<'a> {
     fn criterion(&self, curve: &Measured<'_>, frame: &Frame<'_>) -> String {
         let channel = curve.channel;
         let (name, unit) = (quoted(&channel.name), quoted(&channel.unit));
-        let criterion = self.result.findings.iter().find(|c| c.name == channel.name && c.statistic == "mean");
+        let criterion = self.result.findings.iter().find(|c| c.name == channel.name);
         let steady = criterion
             .and_then(|criterion| criterion.stationarity.as_ref())
             .map(|s| {

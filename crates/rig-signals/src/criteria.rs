@@ -4,15 +4,14 @@ use super::recording::{DerivedCriterion, Synchronised};
 
 /// The `[criteria]` of a study, with the uncertainty budget as comments. The uncertainty is expanded
 /// (coverage factor 2); a recording cannot know how far the model may be off, so the tolerance is left to the user.
-pub fn to_toml(result: &Synchronised, amplitudes: bool) -> String {
+pub fn to_toml(result: &Synchronised) -> String {
     let mut out = if result.friction.is_empty() { "# From measured signals.\n".to_owned() } else { friction(result) };
     out += "# Uncertainties are expanded (k = 2) after the GUM. Add the tolerances: how far the model may be from the true\n\
             # values.\n";
     out.extend(result.warnings.iter().map(|warning| format!("# Note: {warning}.\n")));
     out.extend(result.accounts.iter().map(|account| format!("# {account}.\n")));
     let findings = result.findings.iter();
-    let wanted = findings.clone().filter(|f| amplitudes || f.statistic != "amplitude");
-    out.extend(wanted.map(|finding| criterion(finding, result)));
+    out.extend(findings.clone().map(|finding| criterion(finding, result)));
     let products = findings.filter(|finding| derived(finding, result).is_none());
     out.extend(products.filter_map(|finding| shared(finding, result)));
     out
@@ -63,7 +62,7 @@ fn shared(product: &DerivedCriterion, result: &Synchronised) -> Option<String> {
 }
 
 fn criterion(finding: &DerivedCriterion, result: &Synchronised) -> String {
-    let DerivedCriterion { name, variable, statistic, unit, .. } = finding;
+    let DerivedCriterion { name, variable, unit, .. } = finding;
     let m = &finding.measured;
     let [value, uncertainty] = [m.value, m.expanded()].map(|number| rounded(number, m.expanded()));
     let steady = finding
@@ -82,7 +81,7 @@ fn criterion(finding: &DerivedCriterion, result: &Synchronised) -> String {
     let group = group.map(|group| format!("group = \"{group}\"\n")).unwrap_or_default();
     format!(
         "\n[criteria.{}]\n# standard uncertainties: scatter {:.2e}, sensor {:.2e} {unit}\n{steady}\
-         variable = \"{variable}\"\nstatistic = \"{statistic}\"\nnominal = {value}\n# tolerance = \n\
+         variable = \"{variable}\"\nstatistic = \"mean\"\nnominal = {value}\n# tolerance = \n\
          {uncertainty}unit = \"{unit}\"\n{group}",
         key(name),
         m.scatter,

@@ -209,21 +209,19 @@ pub struct DerivedCriterion {
     pub name: String,
     /// The FMU variable.
     pub variable: String,
-    /// The statistic: `mean` or `amplitude`.
-    pub statistic: &'static str,
     /// The unit of the numbers.
     pub unit: String,
     /// The group of criteria.
     pub group: Option<String>,
     /// The value with its uncertainty.
     pub measured: MeasuredValue,
-    /// The noise of the channel's rows as recorded; `None` of an amplitude, of what follows from several channels, and where
-    /// the record is too short to tell.
+    /// The noise of the channel's rows as recorded; `None` of what follows from several channels, and where the record is too short
+    /// to tell.
     pub noise: Option<Noise>,
     /// The criterion that it is the product of, whose error is in both, and the speed's variable in the FMU, empty where that is
     /// not named.
     pub from: Option<[String; 2]>,
-    /// Means of blocks of whole turns, evenly over the window; empty for an amplitude.
+    /// Means of blocks of whole turns, evenly over the window.
     pub blocks: Vec<f64>,
     /// The first block's begin and the duration of each, s.
     pub block: [f64; 2],
@@ -258,7 +256,7 @@ pub struct Synchronised {
     pub power: Vec<f64>,
     /// The friction coefficient as a measured quantity.
     pub mean_friction: MeasuredValue,
-    /// The criteria: means first, then amplitudes.
+    /// The criteria.
     pub findings: Vec<DerivedCriterion>,
     /// Caveats for the reader.
     pub warnings: Vec<String>,

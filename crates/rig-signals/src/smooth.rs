@@ -1,7 +1,6 @@
 //! Smoothing without delay.
 
 use super::signal::SignalError;
-use nalgebra::DMatrix;
 use serde::Deserialize;
 use std::{f64::consts::PI, fmt};
 
@@ -11,14 +10,6 @@ use std::{f64::consts::PI, fmt};
 pub enum Smoothing {
     /// Not at all.
     None,
-    /// Savitzky & Golay (1964), "Smoothing and differentiation of data by simplified least squares
-    /// procedures", Analytical Chemistry 36, 1627-1639: a polynomial fitted in a sliding window.
-    SavitzkyGolay {
-        /// Samples in the window, odd.
-        window: usize,
-        /// Degree of the polynomial.
-        order: usize,
-    },
     /// A Butterworth low pass run forwards and backwards: no phase, twice the damping.
     Butterworth {
         /// The frequency at which one run damps by 3 dB, Hz.
@@ -32,9 +23,6 @@ impl fmt::Display for Smoothing {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::None => write!(f, "none"),
-            Self::SavitzkyGolay { window, order } => {
-                write!(f, "Savitzky-Golay, order {order} over {window} samples")
-            }
             Self::Butterworth { cutoff, order } => {
                 write!(f, "Butterworth low pass, order {order} at {cutoff} Hz, forwards and backwards")
             }
@@ -47,36 +35,9 @@ impl Smoothing {
     pub fn apply(self, values: &[f64], step: f64) -> Result<Vec<f64>, SignalError> {
         match self {
             Self::None => Ok(values.to_vec()),
-            Self::SavitzkyGolay { window, order } => savitzky_golay(values, window, order),
             Self::Butterworth { cutoff, order } => butterworth(values, cutoff * step, order),
         }
     }
-}
-
-/// Fits a polynomial in every window; the first and last half windows take the values of the end
-/// windows' polynomials.
-fn savitzky_golay(values: &[f64], window: usize, order: usize) -> Result<Vec<f64>, SignalError> {
-    if window.is_multiple_of(2) || window <= order || window > values.len() {
-        return Err(SignalError::Setting(format!(
-            "Savitzky-Golay needs an odd window longer than its order {order} and not longer than the {} samples, not {window}",
-            values.len()
-        )));
-    }
-    let half = window / 2;
-    // Rows of the hat matrix: the fitted value at each place of a window as weights of its samples.
-    let place = |k: usize| (k as f64 - half as f64) / half.max(1) as f64;
-    let powers = DMatrix::from_fn(window, order + 1, |r, c| place(r).powi(c as i32));
-    let inverse = powers
-        .clone()
-        .pseudo_inverse(1e-14)
-        .map_err(|e| SignalError::Setting(format!("Savitzky-Golay of order {order} cannot be solved: {e}")))?;
-    let hat = powers * inverse;
-    let n = values.len();
-    let fitted = |i: usize| -> f64 {
-        let start = i.saturating_sub(half).min(n - window);
-        (0..window).map(|k| hat[(i - start, k)] * values[start + k]).sum()
-    };
-    Ok((0..n).map(fitted).collect())
 }
 
 /// A second-order section in direct form: b0 b1 b2 over 1 a1 a2.
@@ -150,7 +111,6 @@ impl Section {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::DVector;
 
     /// Amplitude ratio of [`Smoothing`] at a frequency; `step` in s, frequency in Hz.
     fn gain(smoothing: Smoothing, step: f64, frequency: f64) -> f64 {
@@ -160,17 +120,7 @@ mod tests {
                 let ratio = (PI * frequency * step).tan() / (PI * cutoff * step).tan();
                 1.0 / (1.0 + ratio.powi(2 * order as i32))
             }
-            Smoothing::SavitzkyGolay { window, order } => savitzky_golay_gain(window, order, frequency * step),
         }
-    }
-
-    fn savitzky_golay_gain(window: usize, order: usize, cycles: f64) -> f64 {
-        let half = window / 2;
-        let place = |k: usize| (k as f64 - half as f64) / half.max(1) as f64;
-        let powers = DMatrix::from_fn(window, order + 1, |r, c| place(r).powi(c as i32));
-        let wave = DVector::from_fn(window, |r, _| (2.0 * PI * cycles * (r as f64 - half as f64)).cos());
-        let inverse = powers.pseudo_inverse(1e-14).expect("the limit of singular values is not negative");
-        (inverse * wave)[0]
     }
 
     fn signal() -> Vec<f64> {
@@ -182,13 +132,6 @@ mod tests {
             assert!((values[p] - e).abs() < tolerance, "{p}: {} {e}", values[p]);
         }
     }
-
-    /// SciPy 1.x: `savgol_filter(x, 7, 3)`.
-    #[test]
-    fn savitzky_golay_equals_scipy() {
-        close(&savitzky_golay(&signal(), 7, 3).unwrap(), [0, 2, 20, 39], SAVGOL, 1e-10);
-    }
-    const SAVGOL: [f64; 4] = [0.17408515386742826, 0.9220469955168947, 1.1127388784709775, 1.4226553793500574];
 
     /// SciPy 1.x: `sosfiltfilt(butter(N, 0.3, output="sos"), x, padlen=...)` with the same padding.
     #[test]
@@ -203,20 +146,16 @@ mod tests {
     fn smoothing_moves_no_zero_crossing() {
         let step = 1e-3;
         let wave: Vec<f64> = (0..4000).map(|k| (2.0 * PI * 5.0 * f64::from(k) * step + 0.4).sin()).collect();
-        for s in [Smoothing::Butterworth { cutoff: 40.0, order: 4 }, Smoothing::SavitzkyGolay { window: 31, order: 3 }]
-        {
-            let smooth = s.apply(&wave, step).unwrap();
-            let g = gain(s, step, 5.0);
-            for k in 1000..3000 {
-                assert!((smooth[k] - g * wave[k]).abs() < 1e-6, "{s:?} {k}");
-            }
+        let filter = Smoothing::Butterworth { cutoff: 40.0, order: 4 };
+        let smooth = filter.apply(&wave, step).unwrap();
+        let g = gain(filter, step, 5.0);
+        for k in 1000..3000 {
+            assert!((smooth[k] - g * wave[k]).abs() < 1e-6, "{k}");
         }
     }
 
     #[test]
     fn unsuitable_settings_are_refused() {
-        assert!(savitzky_golay(&signal(), 8, 3).is_err());
-        assert!(savitzky_golay(&signal(), 41, 3).is_err());
         assert!(butterworth(&signal(), 0.5, 4).is_err());
     }
 }

@@ -1,4 +1,4 @@
-//! The uncertainty of a measured mean or amplitude, after the GUM (JCGM 100:2008): scatter
+//! The uncertainty of a measured mean, after the GUM (JCGM 100:2008): scatter
 //! (type A, section 4.2) and sensor accuracy (type B, section 4.3) combined (section 5.1).
 
 use serde::Serialize;

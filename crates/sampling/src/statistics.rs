@@ -12,7 +12,6 @@ mod mean;
 pub mod moments;
 mod oscillation;
 mod percentile;
-mod periods;
 mod rms;
 pub mod share;
 mod slope;
@@ -25,7 +24,6 @@ use collect::{Collect, Scaled};
 
 pub use collect::Trend;
 pub use crossing::Direction;
-pub use periods::MeanOverPeriods;
 pub use turns::MeanOverTurns;
 
 /// Makes the choice of the statistics from lines of name, type and meaning.

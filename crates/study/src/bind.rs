@@ -176,8 +176,8 @@ impl Binder<'_> {
     ) -> Result<Option<Detail>, FileError> {
         let named = |message| self.study.error_of(name, message);
         let detail = text.detail().map_err(named)?;
-        let is_whole = text.turns.is_some() || text.periods.is_some();
-        let needs_lines = detail.is_some() || is_whole || text.statistic.is_some_and(Statistic::needs_lines);
+        let needs_lines =
+            detail.is_some() || text.turns.is_some() || text.statistic.is_some_and(Statistic::needs_lines);
         if needs_lines && variable.handle().content != Content::Real {
             return Err(named(
                 "this statistic follows straight lines, and the variable is not real; take final, mean, min or max"
@@ -186,13 +186,6 @@ impl Binder<'_> {
         }
         if let Some(angle) = &text.turns {
             return self.turns(angle, variable).map(Some);
-        }
-        if let Some(signal) = &text.periods {
-            let handle = self.variable(signal)?.number_handle();
-            let handle = handle.filter(|handle| handle.content == Content::Real);
-            let message = "periods must name a real variable, the criterion's own or another";
-            let handle = handle.ok_or_else(|| self.study.error_at(signal, message.to_owned()))?;
-            return Ok(Some(Detail::Periods(handle)));
         }
         match detail {
             Some(Detail::Level(number, direction)) => {

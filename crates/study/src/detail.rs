@@ -31,14 +31,6 @@ impl CriterionText {
         first_wrong(&[
             (self.turns.is_some() && !is_mean, "`turns` belongs to statistic = \"mean\"; add that, or remove `turns`"),
             (
-                self.periods.is_some() && !is_mean,
-                "`periods` belongs to statistic = \"mean\"; add that, or remove `periods`",
-            ),
-            (
-                self.periods.is_some() && self.turns.is_some(),
-                "`turns` names an angle, `periods` a signal that swings; keep one of them",
-            ),
-            (
                 (level || self.direction.is_some()) && !is_crossing,
                 "`level` and `direction` belong to statistic = \"crossing\"; add that, or remove them",
             ),
@@ -143,8 +135,6 @@ mod tests {
             ("statistic = \"crossing\"\nlevel = nan", "give a finite number"),
             ("level = 5", "belong to statistic"),
             ("turns = \"drive.angle\"", "belongs to statistic = \"mean\""),
-            ("periods = \"v\"", "belongs to statistic = \"mean\""),
-            ("statistic = \"mean\"\nperiods = \"v\"\nturns = \"a\"", "keep one of them"),
             ("statistic = \"max\"\ndirection = \"rising\"", "belong to statistic"),
             ("statistic = \"crossing\"\nlevel = 5\nat = 1", "no place beside `level`"),
             ("window = 3\nat = 1", "remove `statistic`"),

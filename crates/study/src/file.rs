@@ -9,12 +9,11 @@ use fmu_import::{Package, digest, sha256};
 use indexmap::IndexMap;
 use number_tables::files::{self, FileError};
 use sampling::design::Sampling;
-use serde::Deserialize;
+use serde::{Deserialize, Deserializer, de::Error as _};
 use sha2::{Digest, Sha256};
 use toml::Spanned;
 
 use crate::{
-    dossier::Dossier,
     error::{OpenError, Place, unusable},
     identification::Identification,
     name::{Name, Pair},
@@ -66,8 +65,9 @@ pub struct Study {
     pub uncertainty_correlations: Vec<Spanned<Pair>>,
     /// The section `[verdict]`: the share that is required of the model; without it, one point that meets all criteria.
     pub verdict: Option<Spanned<Required>>,
-    /// Who answers for the verdict, and on which test it rests.
-    pub dossier: Option<Dossier>,
+    /// Who answers for the verdict, and on which test it rests: texts by names of the user's own.
+    #[serde(default, deserialize_with = "texts")]
+    pub dossier: Option<IndexMap<String, String>>,
     /// The section `[identify]`: unknowns, measurements, effort of the search.
     pub identify: Option<Identification>,
     /// The section `[sensitivity]`: defaults for the options of that command.
@@ -92,6 +92,19 @@ pub struct Study {
 
 fn no_fmu() -> Spanned<PathBuf> {
     Spanned::new(0..0, PathBuf::new())
+}
+
+/// Texts by names; a date stands without quotes, too.
+fn texts<'de, D: Deserializer<'de>>(from: D) -> Result<Option<IndexMap<String, String>>, D::Error> {
+    IndexMap::<String, toml::Value>::deserialize(from)?
+        .into_iter()
+        .map(|(name, value)| match value {
+            toml::Value::String(text) => Ok((name, text)),
+            toml::Value::Datetime(date) => Ok((name, date.to_string())),
+            _ => Err(D::Error::custom(format!("expected a text in quotes, or a date, as {name}"))),
+        })
+        .collect::<Result<_, _>>()
+        .map(Some)
 }
 
 impl Study {

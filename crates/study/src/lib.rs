@@ -4,7 +4,6 @@ mod bind;
 pub mod cases;
 pub mod concern;
 mod detail;
-pub mod dossier;
 mod error;
 mod file;
 pub mod identification;
@@ -31,12 +30,11 @@ pub mod values;
 mod window;
 
 pub use detail::first_wrong;
-pub use dossier::Dossier;
 pub use error::{BOTH_SIDES, OpenError, unusable};
 pub use file::Study;
 pub use identification::Identification;
 pub use name::{Name, Pair, exactly_two};
-pub use reference::{DelayText, EstimateText, Normalise, ReferenceText};
+pub use reference::{EstimateText, Normalise, ReferenceText};
 pub use sections::{RobustnessText, SensitivityText, TolerancesText};
 pub use text::{
     CaseText, CriterionText, DerivedText, Extrapolate, LagText, NominalFrom, ParameterText, RecordingText, Required,

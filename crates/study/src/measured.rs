@@ -6,7 +6,7 @@ use super::{
     CriterionText, Name, Study, first_wrong,
     inputs::in_seconds,
     limit::{gain, limit},
-    reference::{DelayRange, DelayText, Normalise, OwnNormaliser, ReferenceText},
+    reference::{Normalise, OwnNormaliser, ReferenceText},
     window::seconds,
 };
 use crate::concern::{ACCEPTS_ZERO, Code, Concern};
@@ -17,7 +17,7 @@ use fmu_import::{
     quantity::{Quantity, Scale, Sense},
     units::Conversion,
 };
-use fmu_points::task::{CurveErrors, Delay, MeasuredCurve, Resampling};
+use fmu_points::task::{CurveErrors, MeasuredCurve, Resampling};
 use number_tables::{Table, files::FileError};
 use toml::Spanned;
 
@@ -53,12 +53,7 @@ impl Binder<'_> {
     pub(super) fn bind(&self) -> Result<MeasuredCurve, FileError> {
         let named = |message| self.study.error_of(self.name, message);
         let Recorded { curve, expanded, first } = self.read()?;
-        let delay = self.delay().map_err(named)?;
-        if self.metric == Metric::Iso18571 && matches!(delay, Delay::Within(_)) {
-            return Err(named(
-                "iso18571 finds the shift between the curves itself; give a known delay or none".to_owned(),
-            ));
-        }
+        let delay = self.text.delay.as_ref().map_or(Ok(0.0), seconds).map_err(named)?;
         let band = self.band(&curve, expanded.as_deref()).map_err(named)?;
         let errors = self.errors(&curve, expanded.as_deref())?;
         // The noise is in the recording, and so in the metric: drawn again it would count twice.
@@ -330,21 +325,6 @@ impl Binder<'_> {
         }
     }
 
-    fn delay(&self) -> Result<Delay, String> {
-        match &self.text.delay {
-            None => Ok(Delay::Known(0.0)),
-            Some(DelayText::Known(delay)) => Ok(Delay::Known(seconds(delay)?)),
-            Some(DelayText::Within(DelayRange { from, to })) => {
-                let range = [seconds(from)?, seconds(to)?];
-                if range[0] < range[1] && range.iter().all(|end| end.is_finite()) {
-                    Ok(Delay::Within(range))
-                } else {
-                    Err(format!("the delays from {from} to {to} are no range"))
-                }
-            }
-        }
-    }
-
     /// Refuses a measurement that the run does not cover.
     fn check_span(&self, measured: &MeasuredCurve) -> Result<(), FileError> {
         let ([from, to], [start, stop]) = (measured.needs(), self.run);
@@ -353,9 +333,8 @@ impl Binder<'_> {
             return Ok(());
         }
         let after = match measured.delay {
-            Delay::Known(0.0) => String::new(),
-            Delay::Known(delay) => format!(" after the delay of {delay} s"),
-            Delay::Within([least, most]) => format!(" with delays from {least} s to {most} s"),
+            0.0 => String::new(),
+            delay => format!(" after the delay of {delay} s"),
         };
         let [from, to] = [from, to].map(|time| (time * 1e6).round() / 1e6);
         Err(self.error_in_file(format_args!(

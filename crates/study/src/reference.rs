@@ -106,26 +106,3 @@ pub enum OwnNormaliser {
     /// The magnitude of the mean.
     Mean,
 }
-
-/// By how much the measurement is late.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(
-    untagged,
-    expecting = "`delay` is a time such as \"20 ms\", or a range in which it is found: { from = \"-50 ms\", to = \"50 ms\" }"
-)]
-pub enum DelayText {
-    /// So much.
-    Known(Quantity),
-    /// The delay with the least rmse between two.
-    Within(DelayRange),
-}
-
-/// The delays among which one is found.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DelayRange {
-    /// The least one.
-    pub from: Quantity,
-    /// The largest one.
-    pub to: Quantity,
-}

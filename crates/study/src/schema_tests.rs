@@ -46,7 +46,6 @@ fn the_schema_has_exactly_the_keys_that_the_reader_takes() {
         ("criterion", "[criteria.x]\n"),
         ("case", "[[cases]]\n"),
         ("verdict", "[verdict]\n"),
-        ("dossier", "[dossier]\n"),
         ("identify", "[identify]\n"),
         ("free", "[identify.free.x]\n"),
         ("known", "[identify.known.x]\n"),

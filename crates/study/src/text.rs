@@ -12,7 +12,7 @@ use toml::Spanned;
 
 use crate::{
     name::Name,
-    reference::{DelayText, Normalise, ReferenceText},
+    reference::{Normalise, ReferenceText},
     tolerance::ToleranceText,
     window::{self, Window},
 };
@@ -238,8 +238,6 @@ pub struct CriterionText {
     pub at: Option<Spanned<Quantity>>,
     /// The angle over whose whole turns the mean is taken.
     pub turns: Option<Spanned<String>>,
-    /// The variable over whose whole periods the mean is taken.
-    pub periods: Option<Spanned<String>>,
     /// The level that a signal crosses.
     pub level: Option<Spanned<Quantity>>,
     /// The way in which it crosses the level; either one otherwise.
@@ -270,7 +268,7 @@ pub struct CriterionText {
     /// The least share inside the corridor, or the least rating.
     pub least: Option<Quantity>,
     /// By how much the measured curve is late.
-    pub delay: Option<DelayText>,
+    pub delay: Option<Quantity>,
     /// By how much it may be later than that: `identify` finds it.
     pub lag: Option<LagText>,
     /// The expanded uncertainty of the measured value, given like the tolerance.
@@ -311,7 +309,7 @@ impl CriterionText {
             && self.statistic.unwrap_or_default() == other.statistic.unwrap_or_default()
             && self.window == other.window
             && (&self.percent, &self.at, &self.level) == (&other.percent, &other.at, &other.level)
-            && (&self.direction, &self.turns, &self.periods) == (&other.direction, &other.turns, &other.periods)
+            && (&self.direction, &self.turns) == (&other.direction, &other.turns)
     }
 }
 

@@ -127,9 +127,6 @@ pub struct Synchronise {
     /// TOML file with the columns' names, units and accuracies
     #[arg(long, value_name = "SETTINGS.toml")]
     pub settings: PathBuf,
-    /// Also make criteria for the amplitudes of load and torque
-    #[arg(long)]
-    pub amplitudes: bool,
     /// Also write a case of this name for a study: case.toml, with csv files of the inputs and of the signals as curves
     #[arg(long, value_name = "NAME")]
     pub case: Option<String>,

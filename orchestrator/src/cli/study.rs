@@ -81,7 +81,8 @@ pub struct Verify {
         conflicts_with_all = ["points", "until", "validation", "points_from", "shard", "shard_index", "dry_run", "junit", "strict"]
     )]
     pub rare: Option<RareEvent>,
-    /// Rerun at most N points, finer and longer, to see whether their values have settled
+    /// Run at most N points again: the best one longer and finer, to see whether its values have settled; of many points some with half
+    /// the communication step, too
     #[arg(long, value_name = "N", default_value_t = MOST_EXTRA_RUNS, value_parser = extra_runs())]
     pub extra_runs: usize,
     /// The study to run, where STUDY is an FMU that carries several [default: the one packed last]

@@ -56,7 +56,7 @@ pub(super) fn run(options: &cli::Judge) -> Result<ExitCode> {
             ))),
         };
         let verdict = tally.add(label, &[], &outcome, None);
-        survey.add(label, &[], &outcome, false);
+        survey.add(&[], &outcome, false);
         if let Some(files) = &mut files {
             files.write(label, &[], &outcome, &verdict)?;
         }

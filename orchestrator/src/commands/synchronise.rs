@@ -36,7 +36,7 @@ pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode> {
     }
     let folder = &options.output;
     make_folder(folder)?;
-    let mut text = criteria::to_toml(&result, options.amplitudes);
+    let mut text = criteria::to_toml(&result);
     if recorded.bearing.as_ref().is_some_and(|bearing| bearing.power.is_none()) {
         text += NO_POWER;
     }
@@ -45,7 +45,7 @@ pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode> {
         write_text(&folder.join("synchronised.csv"), table(&result))?;
     }
     let title = number_tables::files::name(first);
-    recording::write(&recorded, &result, &title, options.amplitudes, folder)?;
+    recording::write(&recorded, &result, &title, folder)?;
     if let Some(name) = &options.case {
         text = case(name, options, (&settings, &files), &recorded, &result)?;
     }

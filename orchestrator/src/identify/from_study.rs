@@ -25,7 +25,7 @@ use conformity::uncertainty::{self, Law, Uncertainty};
 use fmu_import::{Description, units::Conversion};
 use fmu_points::{
     names::behind,
-    task::{Delay, MeasuredCurve, Probe, Schedule, Slot},
+    task::{MeasuredCurve, Probe, Schedule, Slot},
 };
 use number_tables::files::FileError;
 use rig_signals::scatter;
@@ -93,7 +93,7 @@ pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Resu
                 bound.problem.estimates.extend(curve.estimate(text));
                 shared.add(&curve, sensor);
                 let schedule = &bound.simulations[case].task.schedule.clone();
-                let lags = lags.of(&fitted, name, text, curve.curve, &mut bound)?;
+                let lags = lags.of(&fitted, name, text, &mut bound)?;
                 let data = own.and_then(|own| curve.samples((probe, schedule), &own, lags, bound.outputs.len()));
                 let (data, (probes, readings)) = data.map_err(|message| study.error_of(name, message))?;
                 bound.readings.extend(readings);
@@ -192,13 +192,12 @@ struct Lags {
 }
 
 impl Lags {
-    /// The lags of a curve: that of its case and its own, and its delay where a range is stated.
+    /// The lags of a curve: that of its case and its own.
     fn of(
         &mut self,
         study: &Study,
         name: &Name,
         text: &CriterionText,
-        curve: &MeasuredCurve,
         bound: &mut Bound,
     ) -> Result<(Vec<usize>, [f64; 2]), FileError> {
         let case = text.case.and_then(|case| study.cases.get(case));
@@ -208,9 +207,6 @@ impl Lags {
         for (name, lag) in of_case.into_iter().chain(own) {
             let ends = lag.ends().map_err(|message| study.error_of(name, message))?;
             lags.push((format!("{}/lag", name.as_ref()), ends));
-        }
-        if let Delay::Within(ends) = curve.delay {
-            lags.push((format!("{}/delay", name.as_ref()), ends));
         }
         let (mut numbers, mut range) = (Vec::new(), [0.0; 2]);
         for (lag, ends) in lags {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use fmu_points::task::{Delay, MeasuredCurve, Probe, Schedule};
+use fmu_points::task::{MeasuredCurve, Probe, Schedule};
 
 /// How the model's readings of a simulation become a predicted value.
 #[derive(Clone, Debug)]
@@ -67,11 +67,7 @@ pub(super) fn late(
 ) -> Result<Read, String> {
     /// More readings a curve take more time than they are worth.
     const MOST: f64 = 4000.0;
-    let known = match curve.delay {
-        Delay::Known(delay) => delay,
-        Delay::Within(_) => 0.0,
-    };
-    let times: Vec<f64> = curve.times.iter().map(|time| time - known).collect();
+    let times: Vec<f64> = curve.shown_times().collect();
     let least = times.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
     let (Some(begin), Some(end)) = (times.first(), times.last()) else {
         return Err("the curve has no rows".to_owned());

@@ -5,7 +5,7 @@ use conformity::measured::Limits;
 use curves::{Kind, Metric};
 use fmu_import::quantity::Scale;
 use number_tables::files::FileError;
-use study::{CriterionText, DelayText, Name, ReferenceText, Study, first_wrong, limit::limit};
+use study::{CriterionText, Name, ReferenceText, Study, first_wrong, limit::limit};
 
 /// Refuses keys of curves on a criterion that has no `reference`.
 pub(super) fn refuse_keys(text: &CriterionText) -> Result<(), String> {
@@ -38,9 +38,6 @@ pub(super) fn criterion(
     text.detail().map_err(at)?;
     if let Some(lag) = &text.lag {
         lag.ends().map_err(at)?;
-    }
-    if let (Some(_), Some(DelayText::Within(_))) = (&text.lag, &text.delay) {
-        return Err(at("`lag` adds to a known `delay`; this one is found itself: remove one of them".to_owned()));
     }
     let (nominal, tolerance, stated) = limit(text, metric, scale).map_err(at)?;
     let reference = text.reference.as_ref();

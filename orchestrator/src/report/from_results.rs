@@ -141,11 +141,5 @@ pub(super) fn provenance(summary: &Summary) -> Vec<(String, String)> {
     ]
     .into_iter()
     .filter_map(|(name, value)| Some((name.to_owned(), value?)));
-    summary
-        .dossier
-        .iter()
-        .flat_map(|dossier| dossier.stated())
-        .map(|(key, text)| (capitalised(key), text.to_owned()))
-        .chain(rows)
-        .collect()
+    summary.dossier.iter().flatten().map(|(key, text)| (capitalised(key), text.clone())).chain(rows).collect()
 }

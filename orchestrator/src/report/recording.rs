@@ -36,7 +36,7 @@ impl<'a> Trace<'a> {
 ///
 /// # Errors
 /// When a file cannot be written.
-pub fn write(recording: &RigRecording, result: &Synchronised, title: &str, amplitudes: bool, folder: &Path) -> Result {
+pub fn write(recording: &RigRecording, result: &Synchronised, title: &str, folder: &Path) -> Result {
     let bearing = recording.bearing.as_ref();
     let [start, end] = [result.time.first(), result.time.last()].map(|t| number(t.copied().unwrap_or(0.0), 5));
     let mut measured = Document::new("measured", "Measured values", "Measured values");
@@ -71,7 +71,7 @@ pub fn write(recording: &RigRecording, result: &Synchronised, title: &str, ampli
         ]
         .map(numbers)
         .into(),
-        rows: result.findings.iter().filter(|f| amplitudes || f.statistic != "amplitude").map(row).collect(),
+        rows: result.findings.iter().map(row).collect(),
         ..Table::default()
     });
     measured.hint(
@@ -92,8 +92,7 @@ pub fn write(recording: &RigRecording, result: &Synchronised, title: &str, ampli
         "Stationarity",
         format!("Was it steady? Tested with {} % confidence", number(100.0 * recording.confidence, 4)),
     );
-    let blocks = result.findings.iter().filter(|f| !f.blocks.is_empty());
-    steady.blocks.push(Block::Figures("planes".into(), blocks.filter_map(wander).collect()));
+    steady.blocks.push(Block::Figures("planes".into(), result.findings.iter().filter_map(wander).collect()));
     let documents = [measured, signals, steady];
     let plots = folder.join("plots");
     make_folder(&plots)?;
@@ -122,14 +121,13 @@ fn row(finding: &DerivedCriterion) -> Vec<String> {
         format!("{value} ({low} .. {high})")
     };
     let steady = match &finding.stationarity {
-        None if finding.statistic == "amplitude" => "–".to_owned(),
         None => "window too short".to_owned(),
         Some(s) if s.trend => format!("drifting, chance {:.0e}", s.trend_chance),
         Some(s) if s.drift => format!("wandering, chance {:.0e}", s.wander_chance),
         Some(_) => "steady".to_owned(),
     };
     vec![
-        format!("{}: {} of {}", finding.name, finding.statistic, finding.variable),
+        format!("{}: mean of {}", finding.name, finding.variable),
         format!("{} {unit}", number(m.value, 6)),
         format!("± {} {unit}", number(m.expanded(), 2)),
         number(m.scatter, 2),

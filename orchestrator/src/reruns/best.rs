@@ -90,7 +90,7 @@ fn write_case(
         table.write_record(head.iter().map(|name| name.as_bytes()))?;
         let mut number = zmij::Buffer::new();
         let mut place = 0;
-        let ended = reruns.record(None, task, values, &signals, budget, &mut |time, row| {
+        let ended = reruns.record(task, values, &signals, budget, &mut |time, row| {
             let kept = place % every == 0 || place == steps;
             place += 1;
             if !kept {

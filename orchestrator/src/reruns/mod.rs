@@ -1,5 +1,5 @@
-//! Points of a finished study that are run once more, longer or finer: the best one for its picture, some to see whether their
-//! results had settled, and some for the numerical error. None of them changes the verdict, and what fails costs itself alone.
+//! Points of a finished study that are run once more, longer or finer: the best one for its picture, and to see whether its
+//! values had settled, and some for the numerical error. None of them changes the verdict, and what fails costs itself alone.
 
 mod best;
 mod budget;
@@ -23,7 +23,7 @@ use fmu_points::{
     Answer, Limits, RunError,
     failure::Failure,
     scratch::Scratch,
-    single::{Recorder, Recording},
+    single::Recorder,
     stop,
     task::{Case, Task},
     working_directory,
@@ -34,7 +34,7 @@ use study::plan::Plan;
 /// The runs that are to be made once more.
 #[derive(Clone, Copy, Debug)]
 pub struct Wish {
-    /// So many points at the most, to see whether their results had settled.
+    /// So many points at the most.
     pub most: usize,
     /// Whether the numerical uncertainty is asked for.
     pub validation: bool,
@@ -210,17 +210,10 @@ impl<'a> Reruns<'a> {
         Signals { criteria, handles }
     }
 
-    /// Records trajectories of a task. Where the FMU changes its folder, each needs another one.
-    fn recording(&self, task: &Task) -> Option<Recording> {
-        // Without a folder for it the points fail one by one, each with the reason.
-        (!self.apart).then(|| self.recorder(&self.fmu).of(task).ok()).flatten()
-    }
-
     /// Runs a point, and hands over time and signals, in the FMU's units, at every communication point. Without a budget it takes
     /// its time.
     fn record(
         &self,
-        recording: Option<&mut Recording>,
         task: &Task,
         values: &[f64],
         signals: &Signals,
@@ -250,13 +243,7 @@ impl<'a> Reruns<'a> {
             row(time, &numbers)
         };
         let handles = &signals.handles;
-        let ended = match recording {
-            Some(recording) => recording.record(values, handles, until, &mut row),
-            None => self.with_fmu(|fmu| {
-                let mut recording = self.recorder(fmu).of(task)?;
-                recording.record(values, handles, until, &mut row)
-            }),
-        };
+        let ended = self.with_fmu(|fmu| self.recorder(fmu).of(task)?.record(values, handles, until, &mut row));
         // A point that has failed because its time was up has not failed.
         ended.map_err(|halt| if is_late() { Halt::Late } else { halt })
     }

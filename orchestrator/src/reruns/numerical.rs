@@ -16,8 +16,6 @@ const POINTS: u64 = 3;
 const AFFORDABLE: u64 = 50;
 /// Of so many points another one is tried: three simulations more.
 const AMONG: u64 = 100;
-/// More of them say little more.
-const MOST_OTHERS: u64 = 9;
 /// A larger part of an accuracy is notable.
 const PART: f64 = 1.0 / 3.0;
 
@@ -74,7 +72,7 @@ fn with_half_the_step(reruns: &Reruns<'_>, summary: &Summary) -> Result<Vec<Doub
             .collect();
         tried.push((best.point, coarse, run(&finer, &values)?));
     }
-    let others = if reruns.wish.dear { 0 } else { (summary.points / AMONG).min(MOST_OTHERS) };
+    let others = (summary.points / AMONG).min(reruns.wish.most.saturating_sub(1) as u64);
     for number in 0..others {
         let index = number * reruns.verification.source.len() / others;
         let job = reruns.verification.job(index);

@@ -1,13 +1,6 @@
-//! Whether the results of a study had settled: some points are run once more, longer and with finer communication steps.
+//! Whether the best point's values had settled: it is run once more, longer and with finer communication steps.
 
-use std::{
-    path::Path,
-    sync::{
-        Mutex,
-        atomic::{AtomicUsize, Ordering},
-    },
-    thread,
-};
+use std::path::Path;
 
 use super::{
     Halt, Reruns,
@@ -16,12 +9,12 @@ use super::{
 use crate::{
     judge::Criterion,
     report::history,
-    results::{Summary, settled::Moved},
+    results::{
+        Summary,
+        settled::{Moved, Settled},
+    },
 };
-use fmu_points::{
-    single::Recording,
-    task::{Probe, Schedule, Task},
-};
+use fmu_points::task::{Probe, Schedule, Task};
 use result_document::format::number;
 use rig_signals::motion::{Motion, motion};
 use sampling::statistics::{Accumulator, Statistic, Trend};
@@ -36,64 +29,42 @@ const MOST_NUMBERS: u64 = 1 << 24;
 /// How far the signals of a run move at the end of the study, by their criteria.
 type Moves = Vec<(usize, Motion)>;
 
-/// Adds to the summary whether the results had settled; says what is left out.
+/// Adds to the summary whether the best point's values had settled; says what is left out.
 pub(super) fn observe(reruns: &Reruns<'_>, folder: &Path, summary: &mut Summary) -> Option<String> {
     // Where every point failed, that is told already.
-    let mut settled = summary.settled.take().filter(|settled| !settled.points.is_empty())?;
-    let most = reruns.wish.most.min(settled.points.len());
-    let plan = reruns.plan();
-    let (mut step, mut until, mut late) = (0.0_f64, 0.0_f64, false);
-    let mut runs: Vec<(u64, Moves)> = Vec::new();
-    for (point, run) in again(reruns, &settled.points[..most]) {
-        match run {
-            Ok(run) => {
-                (step, until) = (step.max(run.step), until.max(run.until));
-                // Each case has a run of its own.
-                if settled.observed.last() != Some(&point) {
-                    settled.observed.push(point);
-                }
-                runs.push((point, run.moves));
-            }
-            Err(halt) => {
-                late |= matches!(halt, Halt::Late);
-                settled.reason.get_or_insert(halt.to_string());
+    let point = summary.best_point.as_ref()?.point;
+    let mut settled = Settled { point, ..Settled::default() };
+    let none = |reason: &str| Err(Halt::Failed(reason.to_owned()));
+    let runs: Result<Vec<Again>, Halt> = match (reruns.wish.most, reruns.wish.dear) {
+        (0, true) => none("the budget has no runs for it"),
+        (0, false) => none("--extra-runs 0 asked for none"),
+        _ => (0..reruns.plan().cases.len()).map(|case| again(reruns, point, case)).collect(),
+    };
+    let (mut moves, mut left_out) = (Moves::new(), None);
+    match runs {
+        Ok(runs) => {
+            for run in runs {
+                settled.step = Some(settled.step.unwrap_or(0.0).max(run.step));
+                settled.until = Some(settled.until.unwrap_or(0.0).max(run.until));
+                moves.extend(run.moves);
             }
         }
-    }
-    (settled.step, settled.until) = (step, until);
-    if most == 0 {
-        settled.reason = Some(if reruns.wish.dear {
-            "the budget has no runs for it".to_owned()
-        } else {
-            "--extra-runs 0 asked for none".to_owned()
-        });
-    }
-    if runs.is_empty() {
-        let reason = settled.reason.as_deref().unwrap_or("no run was made");
-        summary.concerns.push(Concern::new(
-            Code::NotReRun,
-            format!(
-                "no point was re-run longer and finer, so whether results swing or had settled is not known: {reason}"
-            ),
-        ));
-        let best = summary.best_point.as_ref().map(|best| best.point);
-        runs.extend(best.map(|best| (best, recorded(plan, folder, summary))));
+        Err(halt) => {
+            let text = "the best point was not re-run longer and finer";
+            left_out = matches!(halt, Halt::Late).then(|| format!("{text}: {halt}"));
+            summary.concerns.push(Concern::new(
+                Code::NotReRun,
+                format!("{text}, so whether results swing or had settled is not known: {halt}"),
+            ));
+            moves = recorded(reruns.plan(), folder, summary);
+        }
     }
     for (k, count) in summary.criteria.values().enumerate() {
-        let mut moved = Moved::default();
-        for (point, moves) in &runs {
-            moves
-                .iter()
-                .filter(|(criterion, _)| *criterion == k)
-                .for_each(|(_, Motion { swing, drift })| moved.add(*point, *swing, *drift));
-        }
-        summary.concerns.extend(concerns(&count.criterion, &moved, settled.observed.is_empty()));
+        let motion = moves.iter().find(|(criterion, _)| *criterion == k).map(|(_, motion)| *motion);
+        let moved = Moved::new(motion.unwrap_or_default());
+        summary.concerns.extend(concerns(&count.criterion, &moved, settled.until.is_none()));
         settled.criteria.insert(count.criterion.name.clone(), moved);
     }
-    let left_out = late.then(|| {
-        let (some, all) = (settled.observed.len(), most);
-        format!("{some} of {all} points were re-run to see whether their results had settled")
-    });
     summary.settled = Some(settled);
     left_out
 }
@@ -105,42 +76,8 @@ struct Again {
     moves: Moves,
 }
 
-/// Runs points once more in every case, in processes of their own, in the order in which they were chosen.
-fn again(reruns: &Reruns<'_>, points: &[u64]) -> Vec<(u64, Result<Again, Halt>)> {
-    let count = reruns.plan().cases.len().max(1);
-    let numbers = (0..count).map(|case| {
-        let schedule = reruns.plan().cases[case].task.schedule;
-        let signals = reruns.plan().criteria_of(case).len() as u64;
-        golden(&schedule).map_or(0, |finer| longer(&finer).steps() * (1 + signals))
-    });
-    let at_once = (MOST_NUMBERS / numbers.max().unwrap_or(0).max(1)).max(1);
-    let workers = (at_once as usize).min(reruns.wish.jobs).min(points.len() * count);
-    let (next, runs) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
-    let work = || {
-        // Points of one case have the same worker.
-        let mut recordings: Vec<Option<Recording>> = Vec::new();
-        recordings.resize_with(count, || None);
-        loop {
-            let number = next.fetch_add(1, Ordering::Relaxed);
-            let Some(&point) = points.get(number / count) else { return };
-            let case = number % count;
-            let run = one(reruns, point, case, &mut recordings[case]);
-            let mut runs = runs.lock().expect("no thread fails while it holds the list");
-            runs.push((number, (point, run)));
-        }
-    };
-    thread::scope(|scope| {
-        for _ in 0..workers {
-            scope.spawn(work);
-        }
-    });
-    let mut runs = runs.into_inner().expect("no thread fails while it holds the list");
-    runs.sort_by_key(|(number, _)| *number);
-    runs.into_iter().map(|(_, run)| run).collect()
-}
-
 /// Runs a point in one case with finer steps: on to a later end where the FMU allows it, else to its own.
-fn one(reruns: &Reruns<'_>, point: u64, case: usize, recording: &mut Option<Recording>) -> Result<Again, Halt> {
+fn again(reruns: &Reruns<'_>, point: u64, case: usize) -> Result<Again, Halt> {
     let failed = |reason: &str| Halt::Failed(reason.to_owned());
     let plan = reruns.plan();
     let values = reruns.values(point).ok_or_else(|| failed("the study has no such point any more"))?;
@@ -152,26 +89,17 @@ fn one(reruns: &Reruns<'_>, point: u64, case: usize, recording: &mut Option<Reco
     // After the end of a recording its last value would hold for ever.
     let ends = if task.inputs.is_empty() { vec![longer(&finer), finer] } else { vec![finer] };
     let mut failure = Halt::Late;
-    for (place, schedule) in ends.into_iter().enumerate() {
+    for schedule in ends {
         let task = Task { schedule, ..task.clone() };
-        let mut later = None;
-        let recording = match place {
-            0 => &mut *recording,
-            _ => &mut later,
-        };
-        if recording.is_none() {
-            *recording = reruns.recording(&task);
-        }
         let mut time = Vec::new();
         let mut columns = vec![Vec::new(); signals.criteria.len()];
-        let ended =
-            reruns.record(recording.as_mut(), &task, &values, &signals, Some(&reruns.budget), &mut |at, row| {
-                time.push(at);
-                for ((column, &value), &k) in columns.iter_mut().zip(row).zip(&signals.criteria) {
-                    column.push(plan.outputs[k].value(value));
-                }
-                Ok(())
-            });
+        let ended = reruns.record(&task, &values, &signals, Some(&reruns.budget), &mut |at, row| {
+            time.push(at);
+            for ((column, &value), &k) in columns.iter_mut().zip(row).zip(&signals.criteria) {
+                column.push(plan.outputs[k].value(value));
+            }
+            Ok(())
+        });
         let until = time.last().copied().unwrap_or(f64::NEG_INFINITY);
         // Further than the study is enough where the FMU goes no further. A run that the clock cuts counts as none: it would
         // tell another drift each time.
@@ -262,21 +190,18 @@ fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Con
     let Criterion { name, statistic, .. } = criterion;
     let (tolerance, stated) = (criterion.room(), criterion.allowed());
     let unit = criterion.unit_behind();
-    let at = |point: Option<u64>| point.map(|p| format!(" at point {p}")).unwrap_or_default();
     let mut doubts = Vec::new();
     if *statistic == Statistic::Final && moved.swing > 0.1 * tolerance {
         doubts.push(Concern::new(Code::Swings, format!(
-            "{name}: its signal swings by {}{unit} in its last period{}, and `final` takes one instant of it ({stated})",
-            number(moved.swing, 3),
-            at(moved.swing_at)
+            "{name}: its signal swings by {}{unit} in its last period, and `final` takes one instant of it ({stated})",
+            number(moved.swing, 3)
         )).remedied("Compare means where a signal swings (`statistic = \"mean\"` with a `window`)."));
     }
     if moved.drift.abs() > 0.5 * tolerance {
         doubts.push(Concern::new(Code::StillMoves, format!(
-            "{name}: its value still moves when the run ends: in a run twice as long it {} by another {}{unit}{} ({stated})",
+            "{name}: its value still moves when the run ends: in a run twice as long it {} by another {}{unit} ({stated})",
             if without_runs { "would change" } else { "changes" },
-            number(moved.drift, 3),
-            at(moved.drift_at)
+            number(moved.drift, 3)
         )).remedied("Simulate to the moment of the measurement, or until the values rest (`stop`)."));
     }
     doubts
@@ -300,18 +225,12 @@ mod tests {
 
     #[test]
     fn swing_and_drift_count_against_the_tolerance() {
-        let of = |statistic, swing, drift| {
-            let mut moved = Moved::default();
-            moved.add(7, swing, drift);
-            concerns(&criterion(statistic), &moved, false)
-        };
+        let of = |statistic, swing, drift| concerns(&criterion(statistic), &Moved { swing, drift }, false);
         assert!(of(Statistic::Final, 0.05, 0.2).is_empty());
         let doubts = of(Statistic::Final, 0.07, -0.4);
         assert!(doubts[0].text.starts_with("T: its signal swings by 0.07"), "{doubts:?}");
         assert!(
-            doubts[1]
-                .text
-                .contains("in a run twice as long it changes by another −0.4 degC at point 7 (tolerance 0.6 degC)"),
+            doubts[1].text.contains("in a run twice as long it changes by another −0.4 degC (tolerance 0.6 degC)"),
             "{doubts:?}"
         );
         assert_eq!(of(Statistic::Mean, 0.07, -0.4).len(), 1);

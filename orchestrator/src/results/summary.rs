@@ -12,7 +12,7 @@ use conformity::{
     conclusion::Conclusion, decision::Decision, measured::Measurement, risk::Risk, validation::Comparison,
 };
 use fmu_points::Conduct;
-use study::{Dossier, concern::Concern};
+use study::concern::Concern;
 
 /// The content of `summary.json`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -20,7 +20,7 @@ pub struct Summary {
     /// The study's title.
     pub title: Option<String>,
     /// Who answers for the verdict, and on which test it rests, where the study says it.
-    pub dossier: Option<Dossier>,
+    pub dossier: Option<IndexMap<String, String>>,
     /// Versions, seed and hashes: all that is needed to compute the same again.
     pub provenance: Provenance,
     /// How many points there are.

@@ -4,7 +4,6 @@
 use super::{
     concerns::{out_of_reach, unmoved},
     failed,
-    settled::{Edges, Settled},
     summary::Summary,
 };
 use crate::judge::Judge;
@@ -36,7 +35,6 @@ pub struct Survey<'a> {
     spreads: Vec<Spread>,
     /// Of the first points the parameters, whether it failed, and whether it went beyond what the model is valid for.
     first: Vec<(Vec<f64>, bool, bool)>,
-    edges: Edges<'a>,
 }
 
 impl<'a> Survey<'a> {
@@ -50,13 +48,11 @@ impl<'a> Survey<'a> {
             reached: vec![[f64::INFINITY, f64::NEG_INFINITY]; criteria],
             spreads: vec![Spread::default(); criteria],
             first: Vec::new(),
-            edges: Edges::new(judge),
         }
     }
 
     /// Looks at a point, which may have gone `beyond` what the model is valid for.
-    pub fn add(&mut self, label: u64, parameters: &[f64], outcome: &Outcome, beyond: bool) {
-        self.edges.add(label, outcome);
+    pub fn add(&mut self, parameters: &[f64], outcome: &Outcome, beyond: bool) {
         if self.first.len() < PLACED {
             self.first.push((parameters.to_vec(), outcome.is_err(), beyond));
         }
@@ -137,11 +133,5 @@ impl<'a> Survey<'a> {
                 }
             }
         }
-    }
-
-    /// The points that are to be run once more, to see whether their results had settled.
-    pub fn to_watch(&self, summary: &Summary) -> Settled {
-        let best = summary.best_point.as_ref().map(|best| best.point);
-        Settled { points: self.edges.chosen(best), ..Settled::default() }
     }
 }

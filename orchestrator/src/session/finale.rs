@@ -79,7 +79,7 @@ impl Verification {
             let (label, parameters) = (self.source.label(index), self.source.parameters(index));
             let verdict = tally.add(label, &parameters, &outcome, notices.as_ref());
             let notices = notices.unwrap_or_default();
-            survey.add(label, &parameters, &outcome, !notices.beyond.is_empty());
+            survey.add(&parameters, &outcome, !notices.beyond.is_empty());
             asides.add(label, verdict.verified(), &notices);
             files.write(label, &parameters, &outcome, &verdict)?;
             files.write_limits(label, &notices.beyond)?;
@@ -111,7 +111,6 @@ impl Verification {
         if let Some(told) = told {
             told.complete(session, &looked.history, &mut summary);
         }
-        summary.settled = Some(survey.to_watch(&summary));
         summary.concerns.extend(session.plan.concerns());
         if summary.provenance.method != "table" {
             summary.concerns.extend(session.plan.concerns_of_samples(summary.points));

@@ -260,7 +260,7 @@ fn one_net_states_no_interval_and_replicates_do() {
 
 const SETTINGS: &str = r#"
 diameter = "25 mm"
-smoothing = { method = "savitzky-golay", window = 21, order = 3 }
+smoothing = { method = "butterworth", cutoff = 40, order = 3 }
 time = { column = "t", unit = "ms" }
 load = { column = "F", variable = "sensor.loadForce", unit = "kN", accuracy = "1 %", group = "power" }
 torque = { column = "M", variable = "sensor.frictionTorque", unit = "N.m", accuracy = 0.01 }
@@ -301,7 +301,7 @@ fn synchronise_writes_criteria() {
     assert!(bench.path("m/plots/friction.svg").exists());
     let page = bench.read("m/report.html");
     assert!(page.contains("Torque later than the load by 12.3"));
-    assert!(page.contains("Savitzky-Golay, order 3 over 21 samples"));
+    assert!(page.contains("Butterworth low pass, order 3 at 40 Hz"));
     for text in ["criteria.toml", "F_N: means of blocks"] {
         assert!(page.contains(text), "{text}: {page}");
     }

@@ -143,25 +143,12 @@ fn replay_and_judge_say_the_same() {
 }
 
 #[test]
-fn an_aligned_curve_and_a_rating() {
-    let found = STUDY
-        .replace("delay = \"100 ms\"", "delay = { from = \"-100 ms\", to = \"50 ms\" }")
-        .replace("metric = \"max-error\"", "metric = \"rmse\"")
-        .replace("metric = \"corridor\"\nleast = \"80 %\"", "metric = \"iso18571\"\nleast = 0.8");
-    let bench = bench(&found);
+fn a_curve_has_a_rating() {
+    let rated = STUDY.replace("metric = \"corridor\"\nleast = \"80 %\"", "metric = \"iso18571\"\nleast = 0.8");
+    let bench = bench(&rated);
     verify(&bench);
-    for row in rows(&bench, &["Y", "T", "W"]) {
-        assert!(row[2] > 0.5 && row[2] <= 1.0, "{row:?}");
-        // The least rmse among 3001 delays.
-        let rmse = |delay: f64| {
-            let late = |time: f64| model(row[0], time - delay) - measured(time);
-            let squares: f64 = times().into_iter().map(|time| late(time).powi(2)).sum();
-            (squares / 40.0).sqrt()
-        };
-        let tried = (0..=3000).map(|k| rmse(-0.1 + 5e-5 * f64::from(k)));
-        let least = tried.fold(f64::INFINITY, f64::min);
-        assert!(row[3] <= least + 1e-12 && row[3] > least - 1e-6, "{row:?} {least}");
-        assert!(row[3] < row[1], "{row:?}");
+    for row in rows(&bench, &["T"]) {
+        assert!(row[1] > 0.5 && row[1] <= 1.0, "{row:?}");
     }
 }
 
@@ -352,17 +339,14 @@ fn a_percentile_without_percent_is_refused_with_its_line() {
 #[test]
 fn a_run_that_ends_before_the_reference_fails() {
     let early = STUDY.replace("[design]", "[fixed]\n\"lag.fault\" = \"End\"\n[design]");
-    let found = "[criteria.Y]\ndelay = { from = \"-20 ms\", to = \"20 ms\" }";
-    for study in [early.clone(), early.replace("[criteria.Y]", found)] {
-        let bench = bench(&study);
-        let said = bench.run(&["verify", "study.toml", "--output", "out"]);
-        // Of points that all fail nothing is known.
-        assert_eq!(said.code, 3, "{}", said.err);
-        let points = bench.read("out/points.csv");
-        for line in points.lines().skip(1) {
-            let why = "not finite: lag.y (the FMU ended the simulation at 1 s)";
-            assert!(line.ends_with(why), "{line}");
-            assert!(!line.contains("true"), "{line}");
-        }
+    let bench = bench(&early);
+    let said = bench.run(&["verify", "study.toml", "--output", "out"]);
+    // Of points that all fail nothing is known.
+    assert_eq!(said.code, 3, "{}", said.err);
+    let points = bench.read("out/points.csv");
+    for line in points.lines().skip(1) {
+        let why = "not finite: lag.y (the FMU ended the simulation at 1 s)";
+        assert!(line.ends_with(why), "{line}");
+        assert!(!line.contains("true"), "{line}");
     }
 }

@@ -160,7 +160,7 @@ share = "90 %"
     let narrow = study.replace("tolerance = 1.5", "tolerance = 0.5");
     bench.write("study.toml", &narrow);
     let said = bench.run(&["tolerances", "study.toml", "--output", "out"]);
-    assert!(said.out.contains("50 % of 128 rows of the sample conform"), "{}", said.out);
+    assert!(said.out.contains("50 % of 128 points conform as wanted"), "{}", said.out);
 }
 
 /// Points that follow the posterior of y = x1 x2 = 1 +- 0.1 on the square from 0.5 to 2: a curved valley. Shares are

@@ -46,7 +46,7 @@ fn table3(look: impl FnOnce(&Bound, &Objective<'_>, Minimum)) {
     let mut start = places(&bound, &stand(&task, description));
     start.resize(bound.problem.unknowns(), 0.5);
     let held: Vec<usize> = (0..bound.problem.free.len()).collect();
-    let limits = Limits { iterations: 30, decrease: 1e-6, deadline: None };
+    let limits = Limits { iterations: 30, decrease: 1e-6 };
     let minimum = minimise(&objective, start, &held, Differences::Forward, &limits).unwrap();
     look(&bound, &objective, minimum);
 }
@@ -101,7 +101,7 @@ fn the_verdicts_on_table_3_are_the_papers() {
 #[test]
 fn the_shipped_constants_are_the_calibrations_optimum() {
     table3(|_, objective, minimum| {
-        let limits = Limits { iterations: 4, decrease: 1e-6, deadline: None };
+        let limits = Limits { iterations: 4, decrease: 1e-6 };
         let before = minimum.misfit.cost();
         let after = minimise(objective, minimum.places, &[], Differences::Forward, &limits).unwrap();
         let gain = before - after.misfit.cost();

@@ -30,15 +30,13 @@ mod target;
 mod tests;
 pub mod text;
 
-use std::time::Instant;
-
 use nalgebra::DVector;
 use sampling::{
     distribution::ln_sum,
     random::{Purpose, Random},
 };
 
-use super::{failures::Failures, local::is_over, objective::Objective, optima::Optimum, problem::NoPrediction};
+use super::{failures::Failures, objective::Objective, optima::Optimum, problem::NoPrediction};
 use mixture::{Mixture, chosen};
 use moves::Mover;
 use target::Target;
@@ -78,8 +76,6 @@ pub struct Settings {
     pub particles: u64,
     /// Seed of all random numbers.
     pub seed: u64,
-    /// When time is up.
-    pub deadline: Option<Instant>,
 }
 
 /// Why there is no sample.
@@ -91,9 +87,6 @@ pub enum SampleError {
     /// The method does not get on.
     #[error("the posterior's sample came no further than an exponent of {0:.2e} in {MOST_STAGES} stages")]
     Stuck(f64),
-    /// Time was up.
-    #[error("the time limit ended the posterior's sample")]
-    Time,
     /// There are no further predictions.
     #[error(transparent)]
     Prediction(#[from] NoPrediction),
@@ -181,7 +174,7 @@ impl Sample {
 /// hears how far it is.
 ///
 /// # Errors
-/// When nothing can be simulated, when time is up, or when there are no further predictions.
+/// When nothing can be simulated, or when there are no further predictions.
 pub fn sample(
     objective: &Objective<'_>,
     optima: &[Optimum],
@@ -228,7 +221,6 @@ struct Walk<'a> {
     /// The start's normal distributions, with their part of each group; the prior has the rest.
     seeds: Option<(Mixture, f64)>,
     random: Random,
-    deadline: Option<Instant>,
     exponent: f64,
     /// Group by group.
     particles: Vec<Particle>,
@@ -263,7 +255,6 @@ impl<'a> Walk<'a> {
             target,
             seeds,
             random,
-            deadline: settings.deadline,
             exponent: 0.0,
             particles: Vec::new(),
             evidences: vec![0.0; GROUPS],
@@ -283,9 +274,6 @@ impl<'a> Walk<'a> {
 
     /// Particles at these places: one batch of runs.
     fn weighed(&self, places: Vec<Vec<f64>>) -> Result<Vec<Particle>, SampleError> {
-        if is_over(self.deadline) {
-            return Err(SampleError::Time);
-        }
         let likelihoods = self.target.likelihoods(&places)?;
         Ok(places
             .into_iter()

@@ -261,12 +261,3 @@ fn a_sample_without_a_known_optimum_says_so_and_one_that_starts_there_has_it() {
         assert!(!from_optima || (share - part).abs() < 0.1, "{share} {part}");
     }
 }
-
-#[test]
-fn time_ends_a_sample() {
-    let problem = one_case(&[(0.0, 1.0)], &[(0.5, 0.1)]);
-    let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0]]);
-    let objective = Objective::new(&problem, &model, 1e-5);
-    let settings = Settings { deadline: Some(std::time::Instant::now()), ..settings(200, 1) };
-    assert_eq!(sample_of(&objective, &settings), Err(SampleError::Time));
-}

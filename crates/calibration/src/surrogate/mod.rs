@@ -18,7 +18,6 @@ mod tests;
 pub mod text;
 
 use super::failures::Failures;
-use super::local::is_over;
 use super::objective::{Misfit, Objective};
 use super::problem::{NoPrediction, Problem, Simulate};
 use super::rounds::{self, searched};
@@ -95,7 +94,7 @@ fn first(problem: &Problem) -> usize {
 /// # Errors
 /// When so many runs failed that there is nothing to fit, or those of the search and of the sample.
 pub fn replaced(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(String)) -> Result<Replaced, SearchError> {
-    let rounds::Task { problem, difference, effort, .. } = task.search;
+    let rounds::Task { problem, difference, .. } = task.search;
     let mut work = Work {
         task,
         model: Objective::new(problem, model, difference),
@@ -135,7 +134,7 @@ pub fn replaced(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(String))
         let spent =
             fresh as f64 >= PATIENCE * task.places as f64 && fresh + 3 * (problem.unknowns() + 1) <= task.places;
         let is_enough = widening < SMALL && work.fresh.apart < ALIKE;
-        if is_enough || rough && spent || work.runs.len() >= most || is_over(effort.deadline) {
+        if is_enough || rough && spent || work.runs.len() >= most {
             let counts = (rounds, [work.runs.len(), task.known.len()], work.model.failures().failed);
             let told =
                 SurrogateOutcome::new(problem, &work.surrogates, counts, (&errors, &work.fresh), !(rough && spent));
@@ -266,11 +265,8 @@ impl Work<'_> {
         let search = rounds::Task { problem: &problem, ..self.task.search };
         let searched = searched(&search, &self.surrogates, &|_| ())?;
         let unknowns = problem.unknowns() as u64;
-        let settings = Settings {
-            particles: FEWEST.max(20 * unknowns),
-            seed: self.task.seed.wrapping_add(round as u64),
-            deadline: search.effort.deadline,
-        };
+        let settings =
+            Settings { particles: FEWEST.max(20 * unknowns), seed: self.task.seed.wrapping_add(round as u64) };
         let objective = Objective::new(&problem, &self.surrogates, search.difference);
         let sample = sample(&objective, &searched.optima, &settings, &|_, _| ())?;
         let mut places: Vec<Vec<f64>> = sample.particles.into_iter().map(|particle| particle.places).collect();

@@ -3,10 +3,10 @@
 use super::resampled::Draws;
 use crate::{
     notices::Replicates,
-    task::{Delay, Detail, MeasuredCurve, Probe},
+    task::{Detail, MeasuredCurve, Probe},
 };
-use curves::{Curve, Pair, Sampler, delay};
-use sampling::statistics::{Accumulator, MeanOverPeriods, MeanOverTurns};
+use curves::{Pair, Sampler};
+use sampling::statistics::{Accumulator, MeanOverTurns};
 
 /// Gathers what a probe asks for, value by value.
 #[derive(Clone, Debug)]
@@ -16,8 +16,6 @@ pub(super) enum Collector {
     Event(Accumulator, Option<f64>),
     /// The mean over whole turns of an angle.
     Turns(MeanOverTurns),
-    /// The mean over whole periods of a signal.
-    Periods(MeanOverPeriods),
     Curve(Box<Comparison>),
     /// The value at a time between communication points.
     Value(Sampler),
@@ -37,7 +35,6 @@ impl Collector {
             (Some(curve), _) => Self::Curve(Box::new(Comparison::new(curve))),
             (None, Some(Detail::At(time))) => Self::Value(Sampler::new(vec![time])),
             (None, Some(Detail::Turns(_, turn))) => Self::Turns(MeanOverTurns::new(turn)),
-            (None, Some(Detail::Periods(_))) => Self::Periods(MeanOverPeriods::default()),
             (None, _) if probe.statistic.is_since_first() => Self::Event(probe.accumulator(), None),
             (None, _) => Self::Statistic(probe.accumulator()),
         }
@@ -49,7 +46,7 @@ impl Collector {
         match self {
             Self::Statistic(accumulator) => *accumulator = probe.accumulator(),
             Self::Event(accumulator, first) => (*accumulator, *first) = (probe.accumulator(), None),
-            Self::Turns(_) | Self::Periods(_) => *self = Self::new(probes),
+            Self::Turns(_) => *self = Self::new(probes),
             Self::Curve(comparison) => comparison.restart(),
             Self::Value(sampler) | Self::Rows(sampler, _) => sampler.restart(),
         }
@@ -63,20 +60,17 @@ impl Collector {
                 first.get_or_insert(time);
                 accumulator.add(elapsed, value);
             }
-            // What stands beside a value comes through `add_beside`.
+            // The angle beside a value comes through `add_beside`.
             Self::Turns(mean) => mean.add(elapsed, value, f64::NAN),
-            Self::Periods(mean) => mean.add(elapsed, value, f64::NAN),
             Self::Curve(comparison) => comparison.add(time, value),
             Self::Value(sampler) | Self::Rows(sampler, _) => sampler.add(time, value),
         }
     }
 
-    /// Takes a value with the angle, or the signal with periods, that stands beside it.
-    pub(super) fn add_beside(&mut self, elapsed: f64, value: f64, other: f64) {
-        match self {
-            Self::Turns(mean) => mean.add(elapsed, value, other),
-            Self::Periods(mean) => mean.add(elapsed, value, other),
-            _ => {}
+    /// Takes a value with the angle that stands beside it.
+    pub(super) fn add_beside(&mut self, elapsed: f64, value: f64, angle: f64) {
+        if let Self::Turns(mean) = self {
+            mean.add(elapsed, value, angle);
         }
     }
 
@@ -99,7 +93,6 @@ impl Collector {
             Self::Statistic(accumulator) => accumulator.result(span),
             Self::Event(accumulator, first) => first.unwrap_or(f64::NAN) + accumulator.result(span),
             Self::Turns(mean) => mean.result(),
-            Self::Periods(mean) => mean.result(),
             Self::Curve(comparison) => comparison.result(),
             Self::Value(sampler) | Self::Rows(sampler, _) => sampler.finish().map_or(f64::NAN, |values| values[0]),
         }
@@ -126,42 +119,26 @@ impl Collector {
 #[derive(Clone, Debug)]
 pub(super) struct Comparison {
     measured: MeasuredCurve,
-    kept: Kept,
+    /// The variable's values at the measurement's times.
+    samples: Sampler,
     /// The curves that the measured one may truly have been.
     draws: Option<Draws>,
     conforming: Option<Replicates>,
 }
 
-/// The form in which the variable is kept.
-#[derive(Clone, Debug)]
-enum Kept {
-    /// Its values at the measurement's times.
-    Samples(Sampler),
-    /// All its values with their times: where the delay is to be found, it is not known before the end which count.
-    Everything(Vec<f64>, Vec<f64>),
-}
-
 impl Comparison {
     fn new(measured: &MeasuredCurve) -> Self {
-        let kept = match measured.delay {
-            Delay::Known(delay) => {
-                let times = measured.times.iter().map(|time| time - delay);
-                Kept::Samples(Sampler::new(times.collect()))
-            }
-            Delay::Within(_) => Kept::Everything(Vec::new(), Vec::new()),
-        };
-        Self { draws: measured.resampling.as_ref().map(Draws::new), conforming: None, measured: measured.clone(), kept }
+        Self {
+            draws: measured.resampling.as_ref().map(Draws::new),
+            conforming: None,
+            samples: Sampler::new(measured.shown_times().collect()),
+            measured: measured.clone(),
+        }
     }
 
     fn restart(&mut self) {
         self.conforming = None;
-        match &mut self.kept {
-            Kept::Samples(sampler) => sampler.restart(),
-            Kept::Everything(times, values) => {
-                times.clear();
-                values.clear();
-            }
-        }
+        self.samples.restart();
     }
 
     fn add(&mut self, time: f64, value: f64) {
@@ -170,46 +147,18 @@ impl Comparison {
 
     /// Takes the values at the ends of steps: every `stride`th one.
     pub(super) fn add_steps(&mut self, begins: &[f64], sizes: &[f64], values: &[f64], stride: usize) {
-        match &mut self.kept {
-            Kept::Samples(sampler) => sampler.add_steps(begins, sizes, values, stride),
-            Kept::Everything(times, kept) => {
-                times.extend(begins.iter().zip(sizes).map(|(begin, size)| begin + size));
-                kept.extend(values.iter().step_by(stride).take(begins.len()));
-            }
-        }
+        self.samples.add_steps(begins, sizes, values, stride);
     }
 
     fn result(&mut self) -> f64 {
         let measured = &self.measured;
-        let convert = |value: &f64| measured.factor * value + measured.offset;
-        let model: Vec<f64> = match &mut self.kept {
-            Kept::Samples(sampler) => match sampler.finish() {
-                Ok(samples) => samples.iter().map(convert).collect(),
-                Err(_) => return f64::NAN,
-            },
-            Kept::Everything(times, values) => {
-                let values = values.iter().map(convert).collect();
-                match aligned(measured, times, values) {
-                    Some(model) => model,
-                    None => return f64::NAN,
-                }
-            }
-        };
+        let Ok(samples) = self.samples.finish() else { return f64::NAN };
+        let model: Vec<f64> = samples.iter().map(|value| measured.factor * value + measured.offset).collect();
         let pair =
             Pair { band: &measured.band, normaliser: measured.normaliser, ..Pair::new(&measured.values, &model) };
         self.conforming = self.draws.as_mut().map(|draws| draws.conforming(measured.metric, &pair));
         measured.metric.compare(&pair)
     }
-}
-
-/// The model's values at the measurement's times after the delay was found; none where the model does not reach so far.
-fn aligned(measured: &MeasuredCurve, times: &[f64], values: Vec<f64>) -> Option<Vec<f64>> {
-    let Delay::Within(range) = measured.delay else { return None };
-    let model = Curve::new(times.to_vec(), values).ok()?;
-    let reference = Curve::new(measured.times.clone(), measured.values.clone()).ok()?;
-    let shift = delay::find(&reference, &model, range).ok()?;
-    let [first, last] = model.span();
-    measured.times.iter().map(|time| model.at((time - shift.delay).clamp(first, last))).collect()
 }
 
 #[cfg(test)]
@@ -222,7 +171,7 @@ mod tests {
     use fmu_import::{Content, Handle};
     use sampling::statistics::Statistic;
 
-    fn probe(delay: Delay) -> Probe {
+    fn probe(delay: f64) -> Probe {
         let curve = MeasuredCurve {
             metric: Metric::MaxError,
             times: vec![1.0, 2.5, 3.0],
@@ -263,16 +212,16 @@ mod tests {
 
     #[test]
     fn the_model_is_compared_at_the_measured_times() {
-        assert_eq!(error(&probe(Delay::Known(0.0)), 3), 1.0);
-        assert!(error(&probe(Delay::Known(0.0)), 2).is_nan());
-        assert_eq!(error(&probe(Delay::Known(0.5)), 3), 6.0);
+        assert_eq!(error(&probe(0.0), 3), 1.0);
+        assert!(error(&probe(0.0), 2).is_nan());
+        assert_eq!(error(&probe(0.5), 3), 6.0);
     }
 
     /// The model is t squared in uneven steps; between them it is a straight line.
     #[test]
     fn a_value_is_taken_between_communication_points() {
         let at = |time: f64| {
-            let probe = Probe { curve: None, detail: Some(Detail::At(time)), ..probe(Delay::Known(0.0)) };
+            let probe = Probe { curve: None, detail: Some(Detail::At(time)), ..probe(0.0) };
             let probes = [probe];
             let mut collector = Collector::new(&probes);
             for _ in 0..2 {
@@ -293,7 +242,7 @@ mod tests {
     /// Rows of one curve are read by one look, whose values are those of a look each.
     #[test]
     fn rows_are_read_together() {
-        let whole = probe(Delay::Known(0.0));
+        let whole = probe(0.0);
         let curve = whole.curve.as_ref().unwrap();
         let mut rows: Vec<Probe> = [0.5, 1.25, 3.0].map(|at| whole.at_row(curve, at)).into();
         rows.push(whole.at_row(curve, 2.0));
@@ -313,13 +262,5 @@ mod tests {
                 _ => assert!(results.iter().all(|value| value.is_nan())),
             }
         }
-    }
-
-    #[test]
-    fn a_delay_is_found() {
-        // The deviations 0, 0, -1 have the mean -1/3: the model is a 30th of a second late.
-        let deviation = error(&probe(Delay::Within([-0.5, 0.5])), 4);
-        assert!((deviation - 2.0 / 3.0).abs() < 1e-6, "{deviation}");
-        assert!(error(&probe(Delay::Within([-0.5, 0.5])), 3).is_nan());
     }
 }

@@ -78,7 +78,7 @@ fn take_columns(collectors: &mut [Collector], begins: &[f64], sizes: &[f64], val
                 accumulator.add_all(sizes.iter().copied().zip(values[number..].iter().step_by(count).copied()));
             }
             // They need another variable, which a gauge reads, too.
-            Collector::Turns(_) | Collector::Periods(_) => {}
+            Collector::Turns(_) => {}
             Collector::Curve(comparison) => {
                 comparison.add_steps(begins, sizes, &values[number..], count);
             }

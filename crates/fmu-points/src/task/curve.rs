@@ -23,8 +23,8 @@ pub struct MeasuredCurve {
     pub resampling: Option<Resampling>,
     /// By what a normalised metric divides.
     pub normaliser: f64,
-    /// By how much the measurement is late.
-    pub delay: Delay,
+    /// By how much the measurement is late, s: its value at `t` belongs to the model's at `t - delay`.
+    pub delay: f64,
     /// From the FMU's unit to the criterion's: `factor * value + offset`.
     pub factor: f64,
     /// See `factor`.
@@ -66,15 +66,6 @@ pub struct Resampling {
     pub tolerance: f64,
 }
 
-/// By how much a measurement is late: its value at `t` belongs to the model's at `t - delay`.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Delay {
-    /// So many seconds.
-    Known(f64),
-    /// The delay with the least rmse between two, s.
-    Within([f64; 2]),
-}
-
 impl MeasuredCurve {
     /// What reads the model at a time of its own clock, s.
     pub(super) fn read_at(&self, time: f64) -> Self {
@@ -84,19 +75,15 @@ impl MeasuredCurve {
             band: Vec::new(),
             errors: None,
             resampling: None,
-            delay: Delay::Known(0.0),
+            delay: 0.0,
             reads: true,
             ..*self
         }
     }
 
-    /// The times on the model's clock, as pictures have them; those of the measurement where the delay is to be found.
+    /// The times on the model's clock.
     pub fn shown_times(&self) -> impl Iterator<Item = f64> + '_ {
-        let delay = match self.delay {
-            Delay::Known(delay) => delay,
-            Delay::Within(_) => 0.0,
-        };
-        self.times.iter().map(move |time| time - delay)
+        self.times.iter().map(|time| time - self.delay)
     }
 
     /// The expanded uncertainty of a row, all parts of its error together; none where no uncertainty is stated.
@@ -109,12 +96,6 @@ impl MeasuredCurve {
 
     /// The first and the last time at which the model's value is needed, s.
     pub fn needs(&self) -> [f64; 2] {
-        let [least, most] = match self.delay {
-            Delay::Known(delay) => [delay; 2],
-            Delay::Within(range) => range,
-        };
-        let [first, last] =
-            [self.times.first(), self.times.last()].map(|time| *time.expect("a measured curve has samples"));
-        [first - most, last - least]
+        [self.times.first(), self.times.last()].map(|time| *time.expect("a measured curve has samples") - self.delay)
     }
 }

@@ -3,8 +3,6 @@
 
 use std::sync::Arc;
 
-use nalgebra::DMatrix;
-
 /// Inputs that are drawn together from a sample.
 #[derive(Clone, Debug)]
 pub struct Joint {
@@ -15,13 +13,13 @@ pub struct Joint {
 }
 
 impl Joint {
-    /// The inputs at these places, and a sample with a column for each. The rows are sorted along the first principal
-    /// component of the standardised columns: a number from 0 to 1 that changes little goes to a row that is near, as far
-    /// as one direction tells, and a design that spreads its numbers evenly spreads the rows.
+    /// The inputs at these places, and a sample with a column for each. The rows are sorted by the first column: a number from
+    /// 0 to 1 that changes little goes to a row that is near, as far as this one tells, and a design that spreads its numbers
+    /// evenly spreads the rows.
     ///
     /// # Errors
     /// When there is no row, or one has another length.
-    pub fn new(inputs: Vec<usize>, rows: Vec<Vec<f64>>) -> Result<Self, String> {
+    pub fn new(inputs: Vec<usize>, mut rows: Vec<Vec<f64>>) -> Result<Self, String> {
         if inputs.is_empty() || rows.is_empty() {
             return Err("a sample needs a column and a row".to_owned());
         }
@@ -29,8 +27,8 @@ impl Joint {
             let (count, wanted) = (row.len(), inputs.len());
             return Err(format!("a row of the sample has {count} numbers, not {wanted}"));
         }
-        let rows = Arc::new(sorted(rows));
-        Ok(Self { inputs, rows })
+        rows.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        Ok(Self { inputs, rows: Arc::new(rows) })
     }
 
     /// The inputs' places among all.
@@ -69,36 +67,12 @@ impl Joint {
     }
 }
 
-/// The rows along the first principal component of the standardised columns.
-fn sorted(mut rows: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
-    let (count, columns) = (rows.len() as f64, rows[0].len());
-    let means: Vec<f64> = (0..columns).map(|k| rows.iter().map(|row| row[k]).sum::<f64>() / count).collect();
-    let squares = |k: usize| rows.iter().map(|row| (row[k] - means[k]).powi(2)).sum::<f64>();
-    // A column that does not vary gives no direction.
-    let units: Vec<f64> = (0..columns)
-        .map(|k| match squares(k) {
-            squares if squares > 0.0 => (count / squares).sqrt(),
-            _ => 0.0,
-        })
-        .collect();
-    let standard = |row: &[f64], k: usize| (row[k] - means[k]) * units[k];
-    // The directions are those of the correlations, which these are but for a factor.
-    let product = |a: usize, b: usize| -> f64 { rows.iter().map(|row| standard(row, a) * standard(row, b)).sum() };
-    let eigen = DMatrix::from_fn(columns, columns, product).symmetric_eigen();
-    let first = eigen.eigenvectors.column(eigen.eigenvalues.imax());
-    let sign = first[first.icamax()].signum();
-    let score = |row: &[f64]| -> f64 { (0..columns).map(|k| sign * first[k] * standard(row, k)).sum() };
-    let mut scored: Vec<(f64, Vec<f64>)> = rows.drain(..).map(|row| (score(&row), row)).collect();
-    scored.sort_by(|a, b| a.0.total_cmp(&b.0));
-    scored.into_iter().map(|(_, row)| row).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
-    fn rows_stay_whole_and_follow_the_main_direction() {
+    fn rows_stay_whole_and_follow_the_first_column() {
         // Along a line, in a random order, with a third column that does not vary.
         let rows: Vec<Vec<f64>> =
             [7, 2, 9, 0, 5, 1, 8, 3, 6, 4].map(|k| vec![f64::from(k), 100.0 - 10.0 * f64::from(k), 3.0]).to_vec();
@@ -112,62 +86,12 @@ mod tests {
             assert!(point[3].is_nan());
             first.push(point[2]);
         }
-        assert!(first.is_sorted() || first.iter().rev().is_sorted(), "{first:?}");
+        assert!(first.is_sorted(), "{first:?}");
         // Every row has its tenth of the interval, the ends too.
-        first.sort_by(f64::total_cmp);
         assert_eq!(first, (0..10).map(f64::from).collect::<Vec<_>>());
         assert_eq!(joint.row(1.0), joint.row(0.999));
         assert_eq!((joint.inputs(), joint.lead(), joint.count()), (&[2, 0, 1][..], 2, 10));
         assert!(joint.binds() && !Joint::new(vec![0], vec![vec![1.0]]).unwrap().binds());
-    }
-
-    /// Two columns rise together, each with its own zigzag, and a third, in a small unit, with neither. Far from 0, the
-    /// direction is still that of what varies, not of the means; and a column's unit does not matter.
-    #[test]
-    fn the_main_direction_is_that_of_the_standardised_columns() {
-        let zigzag = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0];
-        let apart = [1.0, -1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0];
-        let row = |k: usize| {
-            let rise = f64::from(u32::try_from(k).unwrap());
-            let [x, y] = [rise + 0.6 * zigzag[k], rise - 0.6 * zigzag[k]];
-            vec![1003.0 + x, 5.0 + 0.01 * y, 7000.0 + 1000.0 * apart[k]]
-        };
-        let mixed = [5, 0, 3, 7, 1, 6, 2, 4].map(row).to_vec();
-        let rows = sorted(mixed);
-        let expected: Vec<Vec<f64>> = (0..8).map(row).collect();
-        let reversed: Vec<Vec<f64>> = expected.iter().rev().cloned().collect();
-        assert!(rows == expected || rows == reversed, "{rows:?}");
-    }
-
-    /// Where one column rises and the other falls, the rows go along the difference. The means, both positive, would
-    /// point along the sum.
-    #[test]
-    fn the_main_direction_is_not_that_of_the_means() {
-        let zigzag = [0.3, -0.3, 0.3, -0.3, 0.3, -0.3, 0.3, -0.3];
-        let row = |k: u8| vec![f64::from(k), 7.0 - f64::from(k) + zigzag[usize::from(k)]];
-        let rows = sorted([5, 0, 3, 7, 1, 6, 2, 4].map(row).to_vec());
-        let firsts: Vec<f64> = rows.iter().map(|row| row[0]).collect();
-        assert!(firsts.is_sorted() || firsts.is_sorted_by(|a, b| a >= b), "{firsts:?}");
-    }
-
-    /// The column with the largest part in the direction rises, whichever it is and however the others go with it.
-    #[test]
-    fn the_leading_column_rises() {
-        let zigzag = [1.0, -1.0, 1.0, -1.0, 1.0, -1.0, 1.0, -1.0];
-        let apart = [1.0, -1.0, -1.0, 1.0, 1.0, -1.0, -1.0, 1.0];
-        for leading in 0..3 {
-            for signs in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
-                let row = |k: u8| {
-                    let (rise, k) = (f64::from(k), usize::from(k));
-                    let mut row = vec![rise, signs[0] * (rise + zigzag[k]), signs[1] * (rise + apart[k])];
-                    row.rotate_right(leading);
-                    row
-                };
-                let rows = sorted([5, 0, 3, 7, 1, 6, 2, 4].map(row).to_vec());
-                let (first, last) = (rows[0][leading], rows[7][leading]);
-                assert!(first < last, "{leading} {signs:?}: {rows:?}");
-            }
-        }
     }
 
     #[test]

@@ -1,7 +1,7 @@
 //! The mean over whole turns of an angle.
 
 /// Values are added up by so much smaller, so that no sum of finite ones is infinite. A power of two rounds nothing.
-pub(super) const SCALE: f64 = 1.0 / (1_u64 << 40) as f64;
+const SCALE: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// A signal and an angle on straight lines, until the last turn that is complete. An angle may grow or shrink, but must not
 /// jump back after a turn: a way back of more than half a turn between two values is taken for such a jump.

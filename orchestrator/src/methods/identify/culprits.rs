@@ -48,7 +48,6 @@ pub(super) fn ask(
         problem,
         difference: task.difference,
         starts: task.starts,
-        deadline: task.effort.deadline,
         optimum: &optima[0],
         model: remembered,
         sensors: &sensors(bound),

@@ -18,14 +18,12 @@ use crate::identify::bind::Bound;
 use crate::plain;
 use result_document::bins::{axis_range, bins_for, histogram};
 use result_document::format::{count, number, with_unit as with_unit_in_brackets};
-use result_document::svg::{Frame, area, circle, envelope, path};
+use result_document::svg::{Frame, area, envelope, path};
 use result_document::{Block, Document, Figure, Key, Table, numbers, words};
 
-/// Most rows of the table of values, curves and pairs that are drawn, and points of a scatter.
+/// Most rows of the table of values, and curves that are drawn.
 const MOST_ROWS: usize = 200;
 const MOST_CURVES: usize = 24;
-const MOST_PAIRS: usize = 6;
-const MOST_POINTS: usize = 600;
 /// The values of so many cases are folded.
 const MANY_CASES: usize = 6;
 
@@ -306,17 +304,6 @@ impl Page<'_> {
             .push(Block::Legend(vec![Key::new("line before", "M0,7h14", "prior: what was known before"), posterior]));
         let all = 0..self.bound.problem.free.len();
         told.blocks.push(Block::Figures("thirds".into(), all.filter_map(|k| self.density(k)).collect()));
-        let pairs = self.pairs();
-        if !pairs.is_empty() {
-            told.hint(match self.sample {
-                Some(_) => "Each point is a set of parameters from the posterior. A narrow, slanted cloud: the data tell the combination, not each one.",
-                None => {
-                    "The ellipse holds both with 95 % probability, by the normal approximation. A narrow, slanted one: the data tell the combination, \
-                     not each one."
-                }
-            });
-            told.blocks.push(Block::Figures("thirds".into(), pairs));
-        }
         told
     }
 
@@ -354,60 +341,6 @@ impl Page<'_> {
             caption: free.name.clone(),
             svg: densities(&free.name, &axis(free), x, &before, &shape),
             note: note(free),
-            ..Figure::default()
-        })
-    }
-
-    /// Which parameters the data tell only together, those first.
-    fn pairs(&self) -> Vec<Figure> {
-        let n = self.bound.problem.free.len();
-        let correlation = |a: usize, b: usize| match &self.outcome.posterior {
-            Some(sample) => sample.correlations[a][b],
-            None => self.outcome.correlations[a][b],
-        };
-        let mut pairs: Vec<(usize, usize)> = (0..n).flat_map(|a| (a + 1..n).map(move |b| (a, b))).collect();
-        pairs.sort_by(|p, q| correlation(q.0, q.1).abs().total_cmp(&correlation(p.0, p.1).abs()));
-        pairs.iter().take(MOST_PAIRS).filter_map(|&(a, b)| self.pair([a, b], correlation(a, b))).collect()
-    }
-
-    fn pair(&self, [a, b]: [usize; 2], correlation: f64) -> Option<Figure> {
-        let free = [a, b].map(|k| &self.bound.problem.free[k]);
-        let points: Vec<[f64; 2]> = match (self.sampled(a), self.sampled(b)) {
-            (Some(x), Some(y)) => {
-                let every = x.len().div_ceil(MOST_POINTS);
-                x.into_iter().zip(y).step_by(every).map(|(x, y)| [x, y]).collect()
-            }
-            _ => {
-                let of = [a, b].map(|k| &self.outcome.free[k]);
-                let [x, y] = [0, 1].map(|k| [drawn(free[k], of[k].value), drawn(free[k], of[k].deviation)]);
-                // Of two normal numbers 95 % lie within 2.448 deviations (chi-square with two degrees of freedom).
-                let at = |k: u32| {
-                    let (sin, cos) = (std::f64::consts::TAU * f64::from(k) / 90.0).sin_cos();
-                    let other = correlation * cos + (1.0 - correlation * correlation).max(0.0).sqrt() * sin;
-                    [x[0] + 2.448 * x[1] * cos, y[0] + 2.448 * y[1] * other]
-                };
-                (0..=90).map(at).collect()
-            }
-        };
-        let range = |k: usize| range(points.iter().map(|p| p[k]));
-        let frame = Frame::new(360.0, 300.0, range(0)?, range(1)?);
-        let mut out = frame.axes(&axis(free[0]), Some(&axis(free[1])));
-        let place = |p: &[f64; 2]| [frame.x.at(p[0]), frame.y.at(p[1])];
-        out += &match self.sample {
-            Some(_) => path("pt in", points.iter().map(|p| circle(place(p), 1.6)).collect::<String>()),
-            None => {
-                let [x, y] = place(&points[0]);
-                let around = points[1..].iter().map(place).map(|[x, y]| format!("L{x:.1},{y:.1}"));
-                path("accept", format!("M{x:.1},{y:.1}{}z", around.collect::<String>()))
-            }
-        };
-        let [x, y] = [a, b].map(|k| self.outcome.free[k].value);
-        let best = place(&[drawn(free[0], x), drawn(free[1], y)]);
-        out += &path("chosen", circle(best, 4.0));
-        Some(Figure {
-            file: format!("pair-{a}-{b}"),
-            caption: format!("correlation {}", number(correlation, 2)),
-            svg: frame.wrap(&format!("{} and {}", free[0].name, free[1].name), &out).replacen("plot", "plot crowd", 1),
             ..Figure::default()
         })
     }

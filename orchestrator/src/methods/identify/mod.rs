@@ -10,7 +10,6 @@ mod surrogate;
 use std::{
     path::{Path, PathBuf},
     process::ExitCode,
-    time::{Duration, Instant},
 };
 
 use clap::Args;
@@ -137,9 +136,6 @@ pub struct Asked {
     /// The seed of the starts, instead of the study's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,
-    /// End the search after this long and report the best so far
-    #[arg(long, value_name = "SECONDS")]
-    pub time_limit: Option<f64>,
 }
 
 /// A study with its unknowns, tied to its FMU.
@@ -225,7 +221,7 @@ impl Analysis for Asked {
         files::write(folder, (&fit.study, &fmu), &outcome, &fit.bound)?;
         posterior::write(folder, &fit.settings, &fit.bound, sample.as_ref())?;
         let code = match outcome.end {
-            End::Time | End::Iterations | End::Budget => ExitCode::FAILURE,
+            End::Iterations | End::Budget => ExitCode::FAILURE,
             End::Converged => ExitCode::SUCCESS,
         };
         let title = fit.study.title.as_deref();
@@ -287,11 +283,7 @@ impl Asked {
 fn find(options: &Asked, fit: &Fit, pipeline: &mut Pipeline<'_>) -> Result<(IdentificationOutcome, Option<Sample>)> {
     let Fit { study, settings, package, bound, .. } = fit;
     let starts = starts(study, settings, bound.problem.free.len())?;
-    let limits = search::Effort {
-        descents: settings.descents,
-        iterations: settings.iterations,
-        deadline: options.time_limit.map(|seconds| Instant::now() + Duration::from_secs_f64(seconds.clamp(0.0, 1e9))),
-    };
+    let limits = search::Effort { descents: settings.descents, iterations: settings.iterations };
     if options.budget.is_some() {
         pipeline.repeat_at_most(1);
     }
@@ -332,17 +324,14 @@ fn find(options: &Asked, fit: &Fit, pipeline: &mut Pipeline<'_>) -> Result<(Iden
         if rough.is_some() && capped.has_refused() {
             outcome.end = End::Budget;
         }
-        // A search that was cut short has no time for it, and its end is told.
-        if outcome.end != End::Time {
-            look_closer(&mut outcome, &searched, &model)?;
-        }
+        look_closer(&mut outcome, &searched, &model)?;
         (outcome.farthest, outcome.influence) =
             calibration::influence::of_values(&searched.problem, &optima[0], &document::groups(bound));
         outcome.look_along(&document::curves(bound), &bound.problem.estimates);
         if outcome.fit() == fit::Fit::Misses {
             outcome.notes.extend(offsets::held(bound));
             // On surrogates one would look for what their error explains.
-            if replaced.is_none() && outcome.end != End::Time {
+            if replaced.is_none() {
                 let fmu = (bound, package.description());
                 outcome.suspects = Some(culprits::ask(fmu, &task, &searched, (&remembered, &model))?);
             }
@@ -357,7 +346,7 @@ fn find(options: &Asked, fit: &Fit, pipeline: &mut Pipeline<'_>) -> Result<(Iden
             Some(_) => None,
             None => {
                 let say = |text| model.say(text);
-                posterior::sampled(&objective, optima, settings, limits.deadline, &mut outcome, &say)?
+                posterior::sampled(&objective, optima, settings, &mut outcome, &say)?
             }
         };
         Ok((outcome, sample))

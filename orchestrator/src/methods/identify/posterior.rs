@@ -1,6 +1,6 @@
 //! `identify --posterior`: a sample of the posterior, and its file.
 
-use std::{path::Path, time::Instant};
+use std::path::Path;
 
 use serde::Deserialize;
 
@@ -10,13 +10,12 @@ use crate::{
     identify::bind::Bound,
 };
 use calibration::{
-    local::End,
     objective::Objective,
     optima::Optimum,
     outcome::IdentificationOutcome,
     problem::Problem,
     sample::{
-        FEWEST, Sample, SampleError, Settings,
+        FEWEST, Sample, Settings,
         outcome::{Evidence, PosteriorOutcome},
         sample, text,
     },
@@ -64,13 +63,11 @@ pub(super) fn other(path: &Path, problem: &Problem) -> Result<Evidence> {
     Ok(evidence)
 }
 
-/// Samples the posterior where that is asked for. Where time is up before that is done there is no sample, and the outcome
-/// says so.
+/// Samples the posterior where that is asked for.
 pub(super) fn sampled(
     objective: &Objective<'_>,
     optima: &[Optimum],
     settings: &Identification,
-    deadline: Option<Instant>,
     outcome: &mut IdentificationOutcome,
     say: &dyn Fn(String),
 ) -> Result<Option<Sample>, SearchError> {
@@ -79,7 +76,7 @@ pub(super) fn sampled(
         PosteriorStart::Optima => optima,
         PosteriorStart::Prior => &[],
     };
-    let settings = Settings { particles: *particles.as_ref(), seed: settings.seed, deadline };
+    let settings = Settings { particles: *particles.as_ref(), seed: settings.seed };
     let observe = |exponent: f64, step: usize| {
         say(format!("posterior with exponent {exponent:.2e}, step {step}"));
     };
@@ -89,10 +86,6 @@ pub(super) fn sampled(
             outcome.evidence = Some(Evidence::new(objective, optima, &sample, posterior.trusted));
             outcome.posterior = Some(posterior);
             Ok(Some(sample))
-        }
-        Err(SampleError::Time) => {
-            outcome.end = End::Time;
-            Ok(None)
         }
         Err(error) => Err(error.into()),
     }

@@ -179,12 +179,11 @@ impl Analysis for Asked {
                 })?);
             }
             Some(answer) => {
-                told.reasons = reasons::off(&session.judge, &goal, &centre);
                 told.reasons.push(reasons::not_shown(&problem));
                 told.reasons.extend(most(session, &problem, &sample, &answer.scales));
             }
             None => {
-                told.reasons = reasons::of(&session.judge, &goal, &centre);
+                told.reasons.push(reasons::at_nothing(at_centre, centre.len()));
                 let ones = vec![1.0; problem.distributions.len()];
                 told.reasons.extend(most(session, &problem, &sample, &ones));
             }
