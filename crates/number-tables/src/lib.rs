@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod clocks;
 pub mod csv_file;
 pub mod files;
 pub mod parquet;
@@ -9,7 +10,7 @@ mod rows;
 use crate::files::{FileError, convert};
 use std::{collections::HashSet, path::Path};
 
-use fmu_import::units::known;
+use fmu_import::units::{Conversion, known};
 use fmu_points::names::{did_you_mean, nearest};
 pub use rows::{How, Rows};
 
@@ -148,11 +149,6 @@ pub fn column(name: &str, purpose: impl Into<String>) -> Column {
     (vec![name.to_owned()], purpose.into())
 }
 
-/// The column of the time: of this name, or where none is stated the one that its unit or name tells.
-pub fn time_column(stated: Option<&str>) -> Column {
-    (stated.map(str::to_owned).into_iter().collect(), "the time".to_owned())
-}
-
 /// The column `time`, else the only one that has a unit of time or is called time.
 fn place_of_time(path: &Path, header: &[String]) -> Result<usize, FileError> {
     let is_time = |(bare, unit): (&str, Option<String>)| unit.map_or(is_time_name(bare), |unit| is_of_time(&unit));
@@ -189,11 +185,35 @@ impl Table {
     /// # Errors
     /// When the table cannot be read, a column is missing, or a cell is not a number.
     pub fn read(path: &Path, columns: &[Column]) -> Result<Self, FileError> {
-        Self::load(path, columns, false)
+        Ok(Self::load(path, columns, false)?.table)
+    }
+
+    /// Reads columns behind that of the times, which become seconds: the column of this name, or where none is stated the one that its
+    /// unit or name tells.
+    ///
+    /// # Errors
+    /// As [`Table::read`], and when the times have no unit of time, or may be days or clocks.
+    pub fn read_over_time(path: &Path, time: Option<&str>, columns: Vec<Column>) -> Result<Self, FileError> {
+        let time = (time.map(str::to_owned).into_iter().collect(), "the time".to_owned());
+        let columns: Vec<Column> = std::iter::once(time).chain(columns).collect();
+        let Reading { mut table, header, places, has_days, .. } = Self::load(path, &columns, false)?;
+        let name = shown(&header[places[0]]);
+        let way = match table.units[0].as_deref() {
+            Some(unit) => known::between(unit, "s")
+                .ok_or_else(|| format!("column `{name}` is in `{unit}`, which is no unit of time")),
+            None => {
+                let times: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
+                let units = format!("write `{name} [ms]` in its first line");
+                clocks::doubt(path, &name, &times, has_days, &units).map_or(Ok(Conversion::IDENTITY), Err)
+            }
+        };
+        let way = way.map_err(|message| FileError::new(path, message))?;
+        table.rows.iter_mut().for_each(|row| row[0] = way.value(row[0]));
+        Ok(table)
     }
 
     /// With `gaps`, an empty cell is not a number instead of an error.
-    fn load(path: &Path, columns: &[Column], gaps: bool) -> Result<Self, FileError> {
+    fn load<'a>(path: &'a Path, columns: &[Column], gaps: bool) -> Result<Reading<'a>, FileError> {
         let mut rows = open(path, How { comments: true, gaps })?;
         if rows.names().is_empty() {
             return Err(empty(path));
@@ -206,7 +226,7 @@ impl Table {
             return Err(empty(path));
         }
         check_marks(path, &*rows, reading.places.iter().copied())?;
-        Ok(reading.table)
+        Ok(reading)
     }
 
     /// Reads a table of points, whose rows are told apart by their numbers.
@@ -214,7 +234,7 @@ impl Table {
     /// # Errors
     /// As [`Table::read`], and when two points have the same number.
     pub fn read_points(path: &Path, columns: &[Column]) -> Result<Self, FileError> {
-        Self::load(path, columns, false)?.distinct(path)
+        Self::load(path, columns, false)?.table.distinct(path)
     }
 
     /// Reads a table of results: an empty cell, as of a failed point, becomes NaN.
@@ -222,7 +242,7 @@ impl Table {
     /// # Errors
     /// As [`Table::read_points`].
     pub fn read_results(path: &Path, columns: &[Column]) -> Result<Self, FileError> {
-        Self::load(path, columns, true)?.distinct(path)
+        Self::load(path, columns, true)?.table.distinct(path)
     }
 
     fn distinct(self, path: &Path) -> Result<Self, FileError> {
@@ -241,6 +261,8 @@ struct Reading<'a> {
     /// Where the columns are that were asked for, and that of the labels.
     places: Vec<usize>,
     label: Option<usize>,
+    /// Whether another column has a day in the first row.
+    has_days: bool,
     table: Table,
 }
 
@@ -254,6 +276,7 @@ impl<'a> Reading<'a> {
             places,
             label: header.iter().position(|name| name.eq_ignore_ascii_case("point")),
             header,
+            has_days: false,
             table: Table { rows: Vec::new(), labels: Vec::new(), units },
         })
     }
@@ -275,6 +298,10 @@ impl<'a> Reading<'a> {
             })
             .collect::<Result<_, _>>()?;
         let Table { rows, labels, .. } = &mut self.table;
+        if rows.is_empty() {
+            let is_day = |(place, name): (usize, &String)| clocks::is_day(name_and_unit(name).0, &row.text(place));
+            self.has_days = self.header.iter().enumerate().any(is_day);
+        }
         if rows.len() == MOST_ROWS {
             return Err(FileError::new(
                 self.path,
