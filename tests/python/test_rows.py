@@ -249,7 +249,7 @@ def test_a_clock_that_falls_and_short_rows_are_told(tmp_path, capsys):
     assert "-43199 .. 0 s; it falls 1 times" in told and "1 rows have fewer than 3 cells, line 3 first" in told
     # Cells of remarks that separate better than those of the recording.
     remarks = [*(f"span {k} = {k}.5, {k}.75" for k in range(4)), "interval = 5", *(f"  {k}.5   {k}.25  {k}.75" for k in range(9))]
-    with pytest.raises(OrchestratorError, match="9 lines below line 1 .* are no rows like it, line 5 first"):
+    with pytest.raises(OrchestratorError, match="10 lines below line 1 .* are no rows like it, line 5 first"):
         converted(tmp_path, rows(*remarks), header=0, delimiter=",")
     assert len(converted(tmp_path, rows(*remarks), header=0)[1]) == 9
     # A column of states beside a time that comes again is none of signals' names; `T` is no time; frames are no parts of a second.

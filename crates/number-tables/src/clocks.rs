@@ -20,31 +20,25 @@ pub fn doubt(path: &Path, name: &str, times: &[f64], beside_days: bool, units: &
     })
 }
 
-/// Whether a cell of a column is a day: by the column's name, or by its figures.
+/// Whether a cell of a column is a day: by the column's name, by two marks, or by eight figures.
 pub(crate) fn is_day(column: &str, cell: &str) -> bool {
+    const MARKS: [char; 3] = ['-', '.', '/'];
     let is_named = ["date", "datum", "day", "tag"].iter().any(|word| column.eq_ignore_ascii_case(word));
-    let parts: Vec<&str> = cell.split(['-', '.', '/']).collect();
-    let are_figures = parts.iter().all(|part| !part.is_empty() && part.bytes().all(|c| c.is_ascii_digit()));
-    let within = |from: usize, range: std::ops::RangeInclusive<u32>| {
-        cell.get(from..from + 2).and_then(|part| part.parse().ok()).is_some_and(|number| range.contains(&number))
-    };
-    let is_compact = || cell.len() == 8 && within(0, 19..=20) && within(4, 1..=12) && within(6, 1..=31);
-    is_named || are_figures && (parts.len() == 3 || parts.len() == 1 && is_compact())
+    let marks = cell.trim_start_matches('-').matches(MARKS).count();
+    let is_so = |figures| marks == 2 || marks == 0 && (19_000_000..21_000_000).contains(&figures);
+    is_named || cell.replace(MARKS, "").parse::<u32>().is_ok_and(is_so)
 }
 
 /// Whether numbers are clocks such as 131507 or 1315: never 60 to 99 seconds or minutes, though they pass them; late in the day or
 /// for long, beside days, or in steps that are regular only so.
 fn are_clocks(times: &[f64], beside_days: bool) -> bool {
-    let is_clock = |time: &f64| time % 100.0 < 60.0 && time / 100.0 % 100.0 < 60.0;
+    let part = |time: f64, of: f64| (time / of).floor() % 100.0;
+    let is_clock = |time: &f64| part(*time, 1.0) < 60.0 && part(*time, 100.0) < 60.0;
     let passes = times.windows(2).any(|pair| (pair[0] / 100.0).floor() != (pair[1] / 100.0).floor());
-    let is_regular = |way: fn(f64) -> f64| {
-        let mut steps = times.windows(2).map(|pair| way(pair[1]) - way(pair[0]));
-        let first = steps.next();
-        steps.all(|step| Some(step) == first)
-    };
-    let seconds = |time: f64| (time / 1e4).floor() * 3600.0 + (time / 100.0).floor() % 100.0 * 60.0 + time % 100.0;
-    let has_steps = times.len() > 4 && is_regular(seconds) && !is_regular(|time| time);
-    let mut late = times.iter().map(|time| *time >= 1e4);
-    let is_late = if times.len() > 9 { late.any(|late| late) } else { late.all(|late| late) };
+    let seconds = |time: &f64| (time / 1e4).floor() * 3600.0 + part(*time, 100.0) * 60.0 + time % 100.0;
+    let is_regular = |row: &[f64]| row.windows(3).all(|three| three[2] - three[1] == three[1] - three[0]);
+    let has_steps = times.len() > 4 && is_regular(&times.iter().map(seconds).collect::<Vec<_>>()) && !is_regular(times);
+    let late = times.iter().filter(|time| **time >= 1e4).count();
+    let is_late = late == times.len() || times.len() > 9 && late > 0;
     times.iter().all(is_clock) && passes && (is_late || beside_days || has_steps)
 }

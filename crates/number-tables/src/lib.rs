@@ -164,8 +164,7 @@ fn place_of_time(path: &Path, header: &[String]) -> Result<usize, FileError> {
         [] => "no column has a unit of time or is called `time`",
         _ => "several columns may be the time",
     };
-    let names: Vec<String> = header.iter().map(|name| shown(name)).collect();
-    Err(FileError::new(path, format!("{why}: say time = \"...\"; it has {}", names.join(", "))))
+    Err(FileError::new(path, format!("{why}: say time = \"...\"; it has {}", listed(header))))
 }
 
 /// Columns of numbers from a csv or Parquet file, with the rows' own numbers where it has a column `point`.
@@ -299,8 +298,8 @@ impl<'a> Reading<'a> {
             .collect::<Result<_, _>>()?;
         let Table { rows, labels, .. } = &mut self.table;
         if rows.is_empty() {
-            let is_day = |(place, name): (usize, &String)| clocks::is_day(name_and_unit(name).0, &row.text(place));
-            self.has_days = self.header.iter().enumerate().any(is_day);
+            let is_day = |place: usize| clocks::is_day(name_and_unit(&self.header[place]).0, &row.text(place));
+            self.has_days = (0..self.header.len()).any(is_day);
         }
         if rows.len() == MOST_ROWS {
             return Err(FileError::new(
@@ -337,34 +336,36 @@ fn find(path: &Path, header: &[String], names: &[String], purpose: &str) -> Resu
     if names.is_empty() {
         return place_of_time(path, header);
     }
-    let bare = |column: &String, name: &String| column == name || name_and_unit(column).0 == name;
-    let exact = names.iter().find_map(|name| header.iter().position(|column| column == name));
-    let place = exact.or_else(|| names.iter().find_map(|name| header.iter().position(|column| bare(column, name))));
-    if let Some(place) = place
-        && header[place + 1..].iter().any(|other| match exact {
-            Some(_) => *other == header[place],
-            None => name_and_unit(other).0 == name_and_unit(&header[place]).0,
-        })
-    {
-        let column = format!("column `{}`", shown(&header[place]));
-        return Err(twice(path, &column));
+    let bare = |place: usize| name_and_unit(&header[place]).0;
+    let found = |name: &String| places(header.len(), |place| header[place] == *name, |place| bare(place) == name);
+    let is_there = |name: &&String| header.contains(name);
+    let named = names.iter().find(is_there).or_else(|| names.iter().find(|name| !found(name).is_empty()));
+    match named.map(found).unwrap_or_default()[..] {
+        [place] => return Ok(place),
+        [place, ..] => return Err(twice(path, &format!("column `{}`", shown(&header[place])))),
+        [] => {}
     }
-    let is_number = |name: &String| name.parse::<f64>().is_ok();
-    place.ok_or_else(|| {
-        let column = names.first().map_or("", String::as_str);
-        let near = nearest(column, header.iter().map(String::as_str)).map(shown);
-        let suggestion = did_you_mean(near.as_deref());
-        const MANY: usize = 20;
-        let known = header.iter().take(MANY).map(|name| shown(name));
-        let further = header.len().saturating_sub(MANY);
-        let further = (further > 0).then(|| format!("{further} more"));
-        let known: Vec<String> = known.chain(further).collect();
-        let known = known.join(", ");
-        let rest = if header.iter().all(is_number) {
-            format!(": the first line must name the columns, and it has {known}")
-        } else {
-            format!("{suggestion}; it has {known}")
-        };
-        FileError::new(path, format!("no column `{column}` for {purpose}{rest}"))
-    })
+    let column = &names[0];
+    let near = nearest(column, header.iter().map(String::as_str)).map(shown);
+    let rest = if header.iter().all(|name| name.parse::<f64>().is_ok()) {
+        ": the first line must name the columns, and".to_owned()
+    } else {
+        did_you_mean(near.as_deref()) + ";"
+    };
+    Err(FileError::new(path, format!("no column `{column}` for {purpose}{rest} it has {}", listed(header))))
+}
+
+/// The places of the columns that have a name, or else of those that have it without their units.
+fn places(count: usize, has: impl Fn(usize) -> bool, has_bare: impl Fn(usize) -> bool) -> Vec<usize> {
+    let exact: Vec<usize> = (0..count).filter(|&place| has(place)).collect();
+    if exact.is_empty() { (0..count).filter(|&place| has_bare(place)).collect() } else { exact }
+}
+
+/// Names of columns as a message shows them.
+fn listed<'a>(names: impl IntoIterator<Item = &'a String, IntoIter: ExactSizeIterator>) -> String {
+    const MANY: usize = 20;
+    let names = names.into_iter();
+    let further = names.len().saturating_sub(MANY);
+    let further = (further > 0).then(|| format!("{further} more"));
+    names.take(MANY).map(|name| shown(name)).chain(further).collect::<Vec<_>>().join(", ")
 }

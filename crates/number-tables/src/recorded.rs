@@ -201,17 +201,20 @@ impl RecordedTable {
         self.columns.len()
     }
 
+    /// The places of the columns of a name, with or without the unit in it.
+    fn places(&self, name: &str) -> Vec<usize> {
+        let columns = &self.columns;
+        crate::places(columns.len(), |place| columns[place].name == name, |place| columns[place].bare == name)
+    }
+
     /// The place of a column, 0 where there is none.
     pub fn place(&self, name: &str) -> usize {
-        self.columns.iter().position(|column| column.name == name || column.bare == name).unwrap_or(0)
+        self.places(name).first().copied().unwrap_or(0)
     }
 
     /// A column by its name, with or without the unit in it; none where there is none.
     pub fn get(&self, name: &str) -> Option<&Column> {
-        self.columns
-            .iter()
-            .find(|column| column.name == name)
-            .or_else(|| self.columns.iter().find(|column| column.bare == name))
+        self.places(name).first().map(|&place| &self.columns[place])
     }
 
     /// A column by its name, with or without the unit in it.
@@ -219,18 +222,15 @@ impl RecordedTable {
     /// # Errors
     /// When there is none, or there are two.
     pub fn column(&self, name: &str) -> Result<&Column, FileError> {
-        let named = self.columns.iter().filter(|column| column.name == name || column.bare == name);
-        let exact = self.columns.iter().filter(|column| column.name == name).count();
-        match (exact, named.count()) {
-            (1, _) | (0, 0 | 1) => {}
-            _ => return Err(crate::twice(&self.path, &format!("column `{name}`"))),
+        match self.places(name)[..] {
+            [place] => Ok(&self.columns[place]),
+            [] => Err(Self::none_has(&[self], name)),
+            _ => Err(crate::twice(&self.path, &format!("column `{name}`"))),
         }
-        self.get(name).ok_or_else(|| Self::none_has(&[self], name))
     }
 
     fn names(&self) -> String {
-        const MANY: usize = 20;
-        self.columns.iter().map(|column| shown(&column.name)).take(MANY).collect::<Vec<_>>().join(", ")
+        crate::listed(self.columns.iter().map(|column| &column.name))
     }
 
     /// That none of some tables, of which there is at least one, has a column, with the names that they have.

@@ -14,7 +14,7 @@ use fmu_import::{
     Causality, Content, Description, Variability, Variable,
     description::Interface,
     quantity::{Quantity, Scale, Sense},
-    units::{Conversion, known},
+    units::Conversion,
 };
 use fmu_points::task::{Probe, Schedule, SensorError, Series, Slot, place};
 use number_tables::{Table, files::FileError};
