@@ -36,7 +36,7 @@ GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+")
 BLANKS = re.compile(r"[+-]?[1-9]\d{0,2}(['\u2019\u00a0\u202f\u2009 ])\d{3}(?:\1\d{3})*(?!\d)")
 DAY = re.compile(r"(?:[A-Za-z]{2,3}[.,]* )?(\d{1,4})([-./ ]) ?(\d{1,2}|[^\W\d_]{3,9}(?=[-. ]))(?:(?<=\D)\.)?([-./ ]) ?(\d{1,4})(?!\d)")
 MONTH_FIRST = re.compile(r"(?:[A-Za-z]{2,3}[.,]* )?([^\W\d_]{3,9})\.? (\d{1,2}),? (\d{4})(?!\d)")
-LIKE_STAMP = re.compile(r"\d{1,4}\D+\d{1,3}\D+\d")
+LIKE_STAMP = re.compile(r"\d{1,4}\D+\d{1,4}\D+\d")
 COMPACT = re.compile(r"((?:19|20)\d\d)([01]\d)([0-3]\d)[T :_]?(\d\d)(\d\d)(\d\d(?:[.,]\d+)?)?(Z|[+-]\d\d:?\d\d)?")
 HOURS = re.compile(
     r"(?:(\d+) ?d(?:ays?)?,? ?)?(\d{1,6}):(\d\d)(?::(\d\d))?(?:[.,](\d{1,12})|(?<=:\d\d:\d\d):(\d{3}))?(?: ?([AaPp])\.?(?:[Mm]\.?)?)?(?: ?(Z|UTC|GMT|[+-]\d\d:?\d\d))?")
@@ -303,17 +303,16 @@ def table(rows: list[list[str]], options: Options, decimal: str | None = None, e
         refuse("no rows of numbers of one width; say --delimiter or --header")
     while first - 1 in good:
         first -= 1
-    known_rows = {k for k in good if k >= first}
-    begin, end = min(known_rows), max(known_rows)
+    sure, end = {k for k in good if k >= first}, good[-1]
     heads = {split_name(cell)[0] for row in rows[:first] for cell in row}
 
     def is_head(row: list[str]) -> bool:
         return all(split_name(cell)[0] in heads or _is_unit(cell) for cell in row if cell)
 
     # A row of marks alone is one, too, and among the others one of cells that are no numbers: the times of a constant rate would shift.
-    good = [k for k in range(begin, len(rows)) if k in known_rows or any(rows[k]) and len(rows[k]) == width and (
+    good = [k for k in range(first, len(rows)) if k in sure or any(rows[k]) and len(rows[k]) == width and (
         all(cell.lower() in NOTHING for cell in rows[k]) or (k < end or width > 1) and all(rows[k][j] for j in typed) and not is_head(rows[k]))]
-    if long := next((k + 1 for k in body if filled[k] > width and (k > begin or 1 < counts[k][0] == counts[k][1])), 0):
+    if long := next((k + 1 for k in body if filled[k] > width and (k > first or 1 < counts[k][0] == counts[k][1])), 0):
         refuse(f"line {long} has {filled[long - 1]} cells and most rows have {width}; a decimal comma needs another letter between cells: say --delimiter, "
                "or correct the line")
     names, units, header = _header(rows, first, width, options)

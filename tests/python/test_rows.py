@@ -208,6 +208,7 @@ def test_thousands_and_signs(tmp_path):
     (["when;P", "12:00;1.5", "12:01;2.5"], ["%H:%M", "%M:%S"], {"format": "%M:%S"}),
     (["von;bis;P", "02.06.2025 13:45;02.06.2025 14:45;1,5", "02.06.2025 14:45;02.06.2025 15:45;2,5"], ["--time", "von"], {"time": "von"}),
     (["when;P", *(f"2026-{30 + k} 13:15:00;{k}.5" for k in range(4))], ["`2026-30 13:15:00` is no known stamp", "--format", "--time"], {"format": "%Y-%j %H:%M:%S"}),
+    (["quand;P", *(f"{k} nov. 2026 13h15;{k}.5" for k in range(1, 5))], ["`1 nov. 2026 13h15` is no known stamp"], {"time": "none"}),
     (["Period;P", *(f"2026-11-03T1{k}:00/2026-11-03T1{k + 1}:00;{k}.5" for k in range(4))], ["no known stamp"], {"time": "none"}),
     (["a;b", "foo;baz", "0;1.5", "1;2.5"], ["--header"], {"header": 1}),
     (["Albuquerque", "35.04 -106.6 1617 m version 1", "2019 56 2 25 0.5 79.9 102.6 1.5", "2019 56 2 25 1.5 79.8 102.5 1.5"], ["--header 0", "--header 3"], {"header": 0}),
