@@ -11,10 +11,8 @@ import csv
 import datetime
 import decimal
 import filecmp
-import functools
 import importlib
 import json
-import operator
 import os
 import signal
 import subprocess
@@ -388,14 +386,13 @@ def _unpacked(name: str, node: Any, contents: Contents) -> Any:
         known = {key: node.attrs[key] for key in keys if key in node.attrs}
         return {key: float(value.item()) for key, value in known.items() if getattr(value, "size", 0) == 1 and value.dtype.kind in "iuf"}
 
-    values, packing = node[()], stated("scale_factor", "add_offset")
-    gaps = [values == mark for mark in stated("_FillValue", "missing_value").values()]
-    invalid = functools.reduce(operator.or_, gaps) if gaps else None
-    if packing:
+    values = node[()]
+    invalid = importlib.import_module("numpy").isin(values, list(stated("_FillValue", "missing_value").values()))
+    if packing := stated("scale_factor", "add_offset"):
         factor, offset = packing.get("scale_factor", 1.0), packing.get("add_offset", 0.0)
         contents.told.append(f"{name}: its numbers times {factor} plus {offset}, as the file says")
         values = values * factor + offset
-    if invalid is not None and invalid.any():
+    if invalid.any():
         contents.invalid[name] += int(invalid.sum())
         values = values.astype(float)
         values[invalid] = float("nan")

@@ -161,8 +161,10 @@ def test_what_other_peoples_loggers_wrote(tmp_path):
 
 
 def test_rows_above_the_names_are_told(tmp_path, capsys):
-    assert converted(tmp_path, rows("Serial;12345", "", "t [s];F", "0;1,5", "1;2,5"))[1] == [[0.0, 1.5], [1.0, 2.5]]
-    assert "1 lines with numbers above the recording were left out, line 1 first: `Serial 12345`" in capsys.readouterr().out
+    assert converted(tmp_path, rows("Serial;12345", "", "t [s];F", "0;1,5", "1;2,5", "End"))[1] == [[0.0, 1.5], [1.0, 2.5]]
+    told = capsys.readouterr().out
+    assert "1 lines with numbers above the recording were left out, line 1 first: `Serial 12345`" in told
+    assert "1 lines hold no row of the recording and were left out, line 6 first: `End`" in told
 
 
 def test_thousands_and_signs(tmp_path):
