@@ -14,6 +14,7 @@ use fmu_import::{
 };
 use fmu_points::names::behind;
 use number_tables::{
+    clocks,
     files::{self, FileError},
     recorded::RecordedTable,
 };
@@ -365,16 +366,11 @@ impl Recorded<'_> {
         let name = self.time_name(file, Some(signal))?;
         let (values, _) = table.values(name, &[])?;
         let unit = match (&time.unit, &table.column(name)?.unit) {
-            // Seconds since 1970 have ten digits.
-            (None, None) if values.iter().any(|time| time.abs() > 1e11) || is_of_clock(&values, table.has_days()) => {
-                return Err(settings.wrong(format!(
-                    "time `{name}` has no unit and begins at {}, which is too much for s, or a clock such as 131507; say time = {{ unit = \"ms\" \
-                     }}, or s, us or ns; of stamps such as 20261103131507 {}, of clocks with --format \"%H%M%S\", or \"%H%M\"",
-                    values[0],
-                    files::convert(table.path())
-                )));
+            (None, None) => {
+                let units = "say time = { unit = \"ms\" }";
+                let doubt = clocks::doubt(table.path(), name, &values, table.has_days(), units);
+                doubt.map_or(Ok("s".to_owned()), |message| Err(settings.wrong(message)))?
             }
-            (None, None) => "s".to_owned(),
             (unit, _) => table.unit(name, unit.as_deref())?,
         };
         let way = conversion(&unit, "s").map_err(|message| settings.wrong(format!("time: {message}")))?;
@@ -634,23 +630,6 @@ impl Recorded<'_> {
             },
         })
     }
-}
-
-/// Whether numbers are clocks such as 131507 or 1315: never 60 to 99 seconds or minutes, though they pass them; late in the day or
-/// for long, beside days, or in steps that are regular only so.
-fn is_of_clock(times: &[f64], beside_days: bool) -> bool {
-    let is_clock = |time: &f64| time % 100.0 < 60.0 && time / 100.0 % 100.0 < 60.0;
-    let passes = times.windows(2).any(|pair| (pair[0] / 100.0).floor() != (pair[1] / 100.0).floor());
-    let is_regular = |way: fn(f64) -> f64| {
-        let mut steps = times.windows(2).map(|pair| way(pair[1]) - way(pair[0]));
-        let first = steps.next();
-        steps.all(|step| Some(step) == first)
-    };
-    let seconds = |time: f64| (time / 1e4).floor() * 3600.0 + (time / 100.0).floor() % 100.0 * 60.0 + time % 100.0;
-    let has_steps = times.len() > 4 && is_regular(seconds) && !is_regular(|time| time);
-    let mut late = times.iter().map(|time| *time >= 1e4);
-    let is_late = if times.len() > 9 { late.any(|late| late) } else { late.all(|late| late) };
-    times.iter().all(is_clock) && passes && (is_late || beside_days || has_steps)
 }
 
 /// The way from one unit to another one.

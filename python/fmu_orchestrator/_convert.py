@@ -11,10 +11,8 @@ import csv
 import datetime
 import decimal
 import filecmp
-import functools
 import importlib
 import json
-import operator
 import os
 import signal
 import subprocess
@@ -37,6 +35,14 @@ class Group:
     time: Any  # seconds; None: the file has no times, or one of the channels is the time
     channels: list[tuple[str, str, Any]] = field(default_factory=list)  # name, unit, values
 
+    def shift(self, late: float) -> None:
+        """Adds to all that counts from the start of the file."""
+        def later(times: Iterable[float | None]) -> list[float | None]:
+            return [None if time is None else round(time + late, 9) for time in times]
+
+        self.time = None if self.time is None else later(self.time)
+        self.channels = [(name, unit, later(values) if isinstance(values, Clock) else values) for name, unit, values in self.channels]
+
 
 class Clock(list[Any]):
     """A channel of moments: seconds since the start of the file."""
@@ -49,8 +55,17 @@ class Contents:
     groups: list[Group] = field(default_factory=list)
     left_out: list[str] = field(default_factory=list)  # names of what is no series of numbers
     invalid: Counter[str] = field(default_factory=Counter)  # samples that the file calls invalid, by channels
-    start: Any = None  # the time stamp at time 0
+    zero: int | None = None  # the moment of time 0, in nanoseconds since 1970
+    start: Any = None  # the same as a time stamp
     told: list[str] = field(default_factory=list)  # how the file was understood
+
+    def clock(self, ticks: Sequence[int | None], zone: datetime.tzinfo | None) -> Clock:
+        """Moments in nanoseconds since 1970 as seconds since the first of the file."""
+        first = next((tick for tick in ticks if tick is not None), None)
+        if self.zero is None and first is not None:
+            self.zero = first
+            self.start = datetime.datetime(1970, 1, 1, tzinfo=zone) + datetime.timedelta(microseconds=first // 1000)
+        return Clock(None if tick is None else (tick - (self.zero or 0)) / 1e9 for tick in ticks)
 
 
 def convert(path: str | Path, folder: str | Path | None = None, zero: str | None = None, **said: Any) -> list[Path]:
@@ -65,8 +80,7 @@ def convert(path: str | Path, folder: str | Path | None = None, zero: str | None
     task = {"path": str(path.absolute()), "shown": str(path), "folder": str(into), "zero": zero, "said": asdict(_rows.Options(**said))}
     size = path.stat().st_size
     allowed = SECONDS + size // SPEED
-    here = Path(__file__).parent.parent
-    paths = os.pathsep.join([str(here), *filter(None, [os.environ.get("PYTHONPATH")])])
+    paths = os.pathsep.join([str(Path(__file__).parent.parent), *filter(None, [os.environ.get("PYTHONPATH")])])
     # One thread: each thread of a library of linear algebra reserves memory of its own.
     surroundings = {**os.environ, "PYTHONPATH": paths, "PYTHONIOENCODING": "utf-8", **dict.fromkeys(THREADS, "1")}
     command = [sys.executable, "-m", "fmu_orchestrator", "convert", "--one", json.dumps({**task, "memory": MEMORY + 40 * size, "seconds": allowed})]
@@ -80,14 +94,13 @@ def convert(path: str | Path, folder: str | Path | None = None, zero: str | None
     told = done.stderr.splitlines()
     if done.returncode == 0:
         *lines, last = done.stdout.splitlines()
-        print("\n".join(lines))
+        notes = [line for line in told if line.startswith("note: ")]
         # What a library logs of a file that is cut off.
-        logged = [line for line in told if not line.startswith("note: ")]
-        for line in [*(line for line in told if line not in logged), *(f"note: its library says: {line}" for line in logged[:1])]:
-            print(line, file=sys.stderr)
+        notes += [f"note: its library says: {line}" for line in told if line not in notes][:1]
+        print("\n".join(lines))
+        print("".join(f"{line}\n" for line in notes), end="", file=sys.stderr)
         return [Path(name) for name in json.loads(last)]
-    errors = [line.removeprefix("error: ") for line in told if line.startswith("error: ")]
-    if done.returncode == 2 and errors:
+    if done.returncode == 2 and (errors := [line.removeprefix("error: ") for line in told if line.startswith("error: ")]):
         raise OrchestratorError(errors[-1])
     why = "the memory that is allowed is not enough" if any("MemoryError" in line for line in told) else "its library crashed"
     raise OrchestratorError(f"{path}: {why}; it is damaged, or no {path.suffix}; export it as csv")
@@ -120,7 +133,7 @@ def convert_here(path: Path, folder: Path, zero: str | None = None, options: _ro
     try:
         contents = reader(path, options)
     except OrchestratorError as error:
-        raise OrchestratorError(str(error).replace(str(path), name)) from error
+        raise OrchestratorError(f"{name}: {error}") from error
     except MemoryError:
         raise OrchestratorError(f"{name}: the memory that is allowed is not enough; it is damaged, or no {path.suffix}; export it as csv") from None
     except Exception as error:
@@ -137,30 +150,26 @@ def convert_here(path: Path, folder: Path, zero: str | None = None, options: _ro
         print(f"note: {len(contents.left_out)} left out, as they are no series of numbers: {shown}", file=sys.stderr)
     for channel, count in contents.invalid.items():
         print(f"note: {channel}: {count} samples are invalid, as the file says, and become empty cells", file=sys.stderr)
-    if contents.start is not None:
-        if zero is not None:
-            if (contents.start.tzinfo is None) != (_stamp(zero).tzinfo is None):
-                raise OrchestratorError(
-                    f"{name}: its stamps have {'no' if contents.start.tzinfo is None else 'a'} zone, unlike --zero {zero}; its time 0 is "
-                    f"{contents.start.isoformat()}: say --zero in the same way")
-            late = (contents.start - _stamp(zero)).total_seconds()
-            for group in groups:
-                group.time = None if group.time is None else _later(group.time, late)
-                group.channels = [(channel, unit, _later(values, late) if isinstance(values, Clock) else values) for channel, unit, values in group.channels]
-            contents.start = _stamp(zero)
-        print(f"{name}: its time 0 is {contents.start.isoformat()}; other files of the run: --zero {contents.start.isoformat()}")
-    elif zero is not None:
-        raise OrchestratorError(f"{name}: it has no time stamps, so --zero says nothing; use time = {{ offset = ... }} in the settings")
+    start = contents.start
+    if zero is not None:
+        begin = _stamp(zero)
+        if start is None:
+            raise OrchestratorError(f"{name}: it has no time stamps, so --zero says nothing; use time = {{ offset = ... }} in the settings")
+        if (start.tzinfo is None) != (begin.tzinfo is None):
+            raise OrchestratorError(
+                f"{name}: its stamps have {'no' if start.tzinfo is None else 'a'} zone, unlike --zero {zero}; its time 0 is {start.isoformat()}: say --zero in "
+                "the same way")
+        for group in groups:
+            group.shift((start - begin).total_seconds())
+        start = begin
+    if start is not None:
+        print(f"{name}: its time 0 is {start.isoformat()}; other files of the run: --zero {start.isoformat()}")
     if not groups:
         frames = any("DataFrame" in left for left in contents.left_out)
         remedy = "decode the frames of its bus by their DBC file first, as asammdf does" if frames else "export the recording as csv"
         raise OrchestratorError(f"{name}: it holds no series of numbers; {remedy}")
     folder.mkdir(parents=True, exist_ok=True)
     return [_write(group, folder / f"{path.stem}{f'-{k}' if len(groups) > 1 else ''}.csv", path) for k, group in enumerate(groups, 1)]
-
-
-def _later(times: Iterable[float | None], late: float) -> list[float | None]:
-    return [None if time is None else round(time + late, 9) for time in times]
 
 
 def _say_units(groups: Sequence[Group], options: _rows.Options, name: str) -> None:
@@ -196,25 +205,20 @@ def is_text(path: Path) -> bool:
 
 
 def _write(group: Group, path: Path, source: Path) -> Path:
-    names: list[str] = []
-    columns = []
     channels = [*([("time", "s", group.time)] if group.time is not None else []), *group.channels]
-    for name, unit, values in channels:
-        unit = _rows.unit(unit)
-        full = f"{name} [{unit}]" if unit and unit != "-" else name
+    names: list[str] = []
+    for name, unit, _ in channels:
+        unit = "" if (unit := _rows.unit(unit)) == "-" else f" [{unit}]" if unit else ""
         # The same name may come again within a group.
-        again = sum(known == full for known in names)
-        bare = f"{name} ({again + 1})"
-        names.append(full if not again else f"{bare} [{unit}]" if unit else bare)
-        columns.append(values)
+        again = names.count(name + unit)
+        names.append(name + (f" ({again + 1})" if again else "") + unit)
     if path.absolute() == source.absolute():
         path = path.with_name(f"{path.stem}-plain.csv")
     part = path.with_suffix(".csv.part")
     with part.open("w", newline="", encoding="utf-8") as file:
         table = csv.writer(file)
         table.writerow(_cells(names))
-        rows = zip(*(_cells(column) for column in columns), strict=True)
-        table.writerows(rows)
+        table.writerows(zip(*(_cells(values) for _, _, values in channels), strict=True))
     if path.exists() and not filecmp.cmp(part, path, shallow=False):
         part.unlink()
         # Two loggers of a run often write files of one name.
@@ -222,7 +226,7 @@ def _write(group: Group, path: Path, source: Path) -> Path:
     part.replace(path)
     timed = any(unit in _rows.OF_TIME or not unit and _rows.is_time_name(name.rpartition("/")[2]) for name, unit in map(_rows.split_name, names))
     timeless = "" if timed else "; without a column of times: time = { rate = ... }"
-    print(f"{path}: {len(columns[0])} rows of {', '.join(names[:6])}{' ...' if len(names) > 6 else ''}{timeless}")
+    print(f"{path}: {len(channels[0][2])} rows of {', '.join(names[:6])}{' ...' if len(names) > 6 else ''}{timeless}")
     return path
 
 
@@ -237,13 +241,11 @@ def _cells(column: Any) -> Iterator[object]:
         yield "" if value is None or value != value else f" {value}" if isinstance(value, str) and value[:1] == "#" else value
 
 
-def _library(name: str, path: Path) -> Any:
+def _library(name: str) -> Any:
     try:
         return importlib.import_module(name)
     except ImportError:
-        extra = EXTRAS[name.partition(".")[0]]
-        message = f'{path}: {name} is missing; pip install "fmu-orchestrator[{extra}]"'
-        raise OrchestratorError(message) from None
+        _rows.refuse(f'{name} is missing; pip install "fmu-orchestrator[{EXTRAS[name.partition(".")[0]]}]"')
 
 
 def _is_series(values: Any) -> bool:
@@ -256,7 +258,7 @@ AXES = {2: "an angle", 3: "a distance", 4: "an index"}
 
 def _mdf(path: Path, _: object = None) -> Contents:
     contents = Contents()
-    with _library("asammdf", path).MDF(path) as mdf:
+    with _library("asammdf").MDF(path) as mdf:
         contents.start = _stamp(mdf.header.start_time.isoformat())
         for number in mdf.virtual_groups:
             groups: list[Group] = []
@@ -270,21 +272,18 @@ def _mdf(path: Path, _: object = None) -> Contents:
                     # `select` gives as many samples as the file states, whatever the memory held where the data are lost.
                     there = len(mdf.get(group=signal.group_index, index=signal.channel_index, samples_only=True, ignore_invalidation_bits=True)[0])
                     if there < len(signal.samples):
-                        raise OrchestratorError(
-                            f"{path}: it states {len(signal.samples)} samples of `{signal.name}` and holds {there}: it is cut off or damaged; export it "
-                            "anew, or as csv")
+                        _rows.refuse(f"it states {len(signal.samples)} samples of `{signal.name}` and holds {there}: it is cut off or damaged; export it anew, or as csv")
                 values = _valid(signal, contents)
                 # Channels of one group have one clock, but for those that a file records without their invalid samples.
-                if not groups or len(groups[0].channels[0][2]) != len(values):
+                is_new = not groups or len(groups[0].channels[0][2]) != len(values)
+                if is_new:
                     groups.append(Group(signal.name, signal.timestamps))
                     master, kind = signal.master_metadata or ("", 1)
                     if kind in AXES:
                         unit = mdf.groups[number].channels[mdf.masters_db[number]].unit
                         groups[-1] = Group(signal.name, None, [(master, unit, signal.timestamps)])
                         contents.told.append(f"`{master}` is {AXES[kind]} and no time: it is a channel beside `{signal.name}`")
-                    groups[-1].channels.append((signal.name, signal.unit, values))
-                    continue
-                groups[0].channels.append((signal.name, signal.unit, values))
+                groups[-1 if is_new else 0].channels.append((signal.name, signal.unit, values))
             contents.groups.extend(groups)
     return contents
 
@@ -299,39 +298,34 @@ def _valid(signal: Any, contents: Contents) -> Any:
 
 
 def _tdms(path: Path, _: object = None) -> Contents:
-    contents = Contents()
-    file = _library("nptdms", path).TdmsFile.read(path)
+    contents, file, numpy = Contents(), _library("nptdms").TdmsFile.read(path), importlib.import_module("numpy")
+
+    def clock(moments: Any) -> Clock:
+        known = numpy.asarray(moments, "datetime64[us]")
+        ticks = zip(known.astype("int64").tolist(), numpy.isnat(known).tolist(), strict=True)
+        return contents.clock([None if is_none else 1000 * tick for tick, is_none in ticks], datetime.UTC)
+
+    # Times count from the first start, or from the first stamp.
     starts = [c.properties["wf_start_time"] for g in file.groups() for c in g.channels() if "wf_start_time" in c.properties]
-    first = min(starts, default=None)
-    if first is not None:
-        contents.start = _stamp(f"{str(first)[:26]}Z")
+    clock(sorted(starts)[:1])
     for part in file.groups():
         rates: dict[tuple[object, ...], Group] = {}
         for channel in part.channels():
-            values, stamped = channel[:], ""
+            values, known = channel[:], channel.properties
+            unit = str(known.get("unit_string", known.get("NI_UnitDescription", "")))
             if getattr(getattr(values, "dtype", None), "kind", "") == "M" and len(values) > 1:
-                # Stamps of their own count from the first start, or from the first of them.
-                first = values[0] if first is None else first
-                contents.start = contents.start or _stamp(f"{str(first)[:26]}Z")
-                values, stamped = Clock(((values - first) / _second(first)).tolist()), "s"
-            if not stamped and not _is_series(values):
+                values, unit = clock(values), "s"
+            elif not _is_series(values):
                 contents.left_out.append(f"{part.name}/{channel.name}")
                 continue
-            known = channel.properties
-            step, start = known.get("wf_increment"), known.get("wf_start_time")
-            key = (len(values), step, start, known.get("wf_start_offset"))
+            step, start, offset = (known.get(f"wf_{key}") for key in ("increment", "start_time", "start_offset"))
+            key = (len(values), step, start, offset)
             if key not in rates:
-                late = (start - first) / _second(start) if start is not None else 0.0
-                begin = float(known.get("wf_start_offset", 0.0)) + float(late)
+                begin = float(offset or 0.0) + (clock([start])[0] if start is not None else 0.0)
                 rates[key] = Group(part.name, [begin + k * step for k in range(len(values))] if step else None)
-            rates[key].channels.append((channel.name, stamped or str(known.get("unit_string", known.get("NI_UnitDescription", ""))), values))
+            rates[key].channels.append((channel.name, unit, values))
         contents.groups.extend(rates.values())
     return contents
-
-
-def _second(start: Any) -> Any:
-    numpy = importlib.import_module("numpy")
-    return numpy.timedelta64(1, "s") if isinstance(start, numpy.datetime64) else type(start - start)(seconds=1)
 
 
 def _by_length(items: Iterable[tuple[str, str, Any]], contents: Contents) -> Contents:
@@ -360,12 +354,12 @@ def _by_length(items: Iterable[tuple[str, str, Any]], contents: Contents) -> Con
 
 def _hdf5(path: Path, _: object = None) -> Contents:
     contents = Contents()
-    h5py = _library("h5py", path)
+    h5py = _library("h5py")
     items: list[tuple[str, str, Any]] = []
 
     def visit(name: str, node: Any) -> None:
         if "pandas_type" in node.attrs:
-            raise OrchestratorError(f"{path}: pandas keeps names and times apart from the numbers; pandas.read_hdf(FILE).to_parquet(...) joins them")
+            _rows.refuse("pandas keeps names and times apart from the numbers; pandas.read_hdf(FILE).to_parquet(...) joins them")
         if not isinstance(node, h5py.Dataset) or node.shape is None:
             return
         if node.external or node.is_virtual:
@@ -392,14 +386,13 @@ def _unpacked(name: str, node: Any, contents: Contents) -> Any:
         known = {key: node.attrs[key] for key in keys if key in node.attrs}
         return {key: float(value.item()) for key, value in known.items() if getattr(value, "size", 0) == 1 and value.dtype.kind in "iuf"}
 
-    values, packing = node[()], stated("scale_factor", "add_offset")
-    gaps = [values == mark for mark in stated("_FillValue", "missing_value").values()]
-    invalid = functools.reduce(operator.or_, gaps) if gaps else None
-    if packing:
+    values = node[()]
+    invalid = importlib.import_module("numpy").isin(values, list(stated("_FillValue", "missing_value").values()))
+    if packing := stated("scale_factor", "add_offset"):
         factor, offset = packing.get("scale_factor", 1.0), packing.get("add_offset", 0.0)
         contents.told.append(f"{name}: its numbers times {factor} plus {offset}, as the file says")
         values = values * factor + offset
-    if invalid is not None and invalid.any():
+    if invalid.any():
         contents.invalid[name] += int(invalid.sum())
         values = values.astype(float)
         values[invalid] = float("nan")
@@ -411,7 +404,7 @@ def _mat(path: Path, _: object = None) -> Contents:
         # MATLAB 7.3 writes HDF5 behind its own header.
         if file.read(10) == b"MATLAB 7.3" or b"\x89HDF" in file.read(600):
             return _hdf5(path)
-    known = _library("scipy.io", path).loadmat(path, squeeze_me=True, struct_as_record=True)
+    known = _library("scipy.io").loadmat(path, squeeze_me=True, struct_as_record=True)
     contents = Contents()
     items = [item for name, value in known.items() if not name.startswith("__") for item in _flat(name, value, contents)]
     contents = _by_length(items, contents)
@@ -440,26 +433,20 @@ def _flat(name: str, value: Any, contents: Contents) -> Iterator[tuple[str, str,
 
 def _parquet(path: Path, _: object = None) -> Contents:
     """Moments and durations become seconds."""
-    table = _library("pyarrow.parquet", path).read_table(path)
-    types = _library("pyarrow", path).types
-    group, contents, zero = Group(path.stem, None), Contents(), None
+    table, types = _library("pyarrow.parquet").read_table(path), _library("pyarrow").types
+    group, contents = Group(path.stem, None), Contents()
     for name, column in zip(table.column_names, table.columns, strict=True):
-        unit = (table.schema.field(name).metadata or {}).get(b"unit", b"").decode("utf-8", "replace")
-        kind = column.type
-        if types.is_timestamp(kind) or types.is_date(kind) or types.is_duration(kind):
-            is_moment = not types.is_duration(kind)
-            ticks = column.cast("timestamp[ns]" if is_moment else "duration[ns]").cast("int64").to_pylist()
-            if is_moment and zero is None:
-                zero = next((tick for tick in ticks if tick is not None), 0)
-                zone = datetime.UTC if getattr(kind, "tz", None) else None
-                contents.start = datetime.datetime(1970, 1, 1, tzinfo=zone) + datetime.timedelta(microseconds=zero // 1000)
-            origin = zero or 0 if is_moment else 0
-            values, unit = (Clock if is_moment else list)(None if tick is None else (tick - origin) / 1e9 for tick in ticks), "s"
-            if is_moment:
-                contents.told.append(f"time: `{name}`, {values[0]} .. {values[-1]} s")
+        unit, kind = (table.schema.field(name).metadata or {}).get(b"unit", b"").decode("utf-8", "replace"), column.type
+        values: Any = None
+        if types.is_timestamp(kind) or types.is_date(kind):
+            zone = datetime.UTC if getattr(kind, "tz", None) else None
+            values, unit = contents.clock(column.cast("timestamp[ns]").cast("int64").to_pylist(), zone), "s"
+            contents.told.append(f"time: `{name}`, {values[0]} .. {values[-1]} s")
+        elif types.is_duration(kind):
+            values, unit = [None if tick is None else tick / 1e9 for tick in column.cast("duration[ns]").cast("int64").to_pylist()], "s"
         elif types.is_integer(kind) or types.is_floating(kind) or types.is_decimal(kind):
             values = (column.cast("float64") if types.is_decimal(kind) else column).to_pylist()
-        else:
+        if values is None:
             contents.left_out.append(name)
             continue
         bare, own = _rows.split_name(name)
@@ -469,14 +456,14 @@ def _parquet(path: Path, _: object = None) -> Contents:
 
 
 def _xlsx(path: Path, options: _rows.Options) -> Contents:
-    book = _library("openpyxl", path).load_workbook(path, read_only=True, data_only=True)
+    book = _library("openpyxl").load_workbook(path, read_only=True, data_only=True)
     contents, starts = Contents(), []
     for sheet in book.worksheets:
         rows = [[_cell(cell) for cell in row] for row in sheet.iter_rows()]
         if sum(any(_rows._is_value(cell) for cell in row) for row in rows) < 2:
             contents.left_out.append(sheet.title)
             continue
-        columns = _rows.table(path, rows, options)
+        columns = _rows.table(rows, options)
         contents.told.extend(columns.told)
         contents.groups.append(Group(sheet.title, columns.time, columns.channels))
         if columns.start:
@@ -484,7 +471,7 @@ def _xlsx(path: Path, options: _rows.Options) -> Contents:
     book.close()
     contents.start = min((start for start, _ in starts), default=None)
     for start, group in starts:
-        group.time = _later(group.time, (start - contents.start).total_seconds())
+        group.shift((start - contents.start).total_seconds())
     return contents
 
 

@@ -14,7 +14,7 @@ import math
 import re
 import unicodedata
 from collections import Counter
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import islice, pairwise
 from pathlib import Path
@@ -29,12 +29,14 @@ DAY_NS = 86400 * 10**9
 NOTHING = {"", "-", "--", "---", "nan", "n/a", "#n/a", "na", "null", "none", "<na>", "#n/v"}
 NUMBER = re.compile(r"[+-]?(\d+([.,]\d*)*|[.,]\d+)([eE][+-]?\d+|[dD][+-]\d+)?")
 OTHER = {".": ",", ",": "."}
+# Numbers with the other mark between thousands, by their decimal mark.
+THOUSANDS = {mark: re.compile(rf"[+-]?[1-9]\d{{0,2}}(\{other}\d{{3}})+(\{mark}\d*)?([eEdD][+-]?\d+)?") for mark, other in OTHER.items()}
 # One to three digits, then groups of three: thousands, or a number with three decimals.
 GROUPED = re.compile(r"[+-]?[1-9]\d{0,2}([.,]\d{3})+")
 BLANKS = re.compile(r"[+-]?[1-9]\d{0,2}(['\u2019\u00a0\u202f\u2009 ])\d{3}(?:\1\d{3})*(?!\d)")
 DAY = re.compile(r"(?:[A-Za-z]{2,3}[.,]* )?(\d{1,4})([-./ ]) ?(\d{1,2}|[^\W\d_]{3,9}(?=[-. ]))(?:(?<=\D)\.)?([-./ ]) ?(\d{1,4})(?!\d)")
 MONTH_FIRST = re.compile(r"(?:[A-Za-z]{2,3}[.,]* )?([^\W\d_]{3,9})\.? (\d{1,2}),? (\d{4})(?!\d)")
-LIKE_STAMP = re.compile(r"\d{1,4}\D+\d{1,3}\D+\d")
+LIKE_STAMP = re.compile(r"\d{1,4}\D+\d{1,4}\D+\d")
 COMPACT = re.compile(r"((?:19|20)\d\d)([01]\d)([0-3]\d)[T :_]?(\d\d)(\d\d)(\d\d(?:[.,]\d+)?)?(Z|[+-]\d\d:?\d\d)?")
 HOURS = re.compile(
     r"(?:(\d+) ?d(?:ays?)?,? ?)?(\d{1,6}):(\d\d)(?::(\d\d))?(?:[.,](\d{1,12})|(?<=:\d\d:\d\d):(\d{3}))?(?: ?([AaPp])\.?(?:[Mm]\.?)?)?(?: ?(Z|UTC|GMT|[+-]\d\d:?\d\d))?")
@@ -83,13 +85,41 @@ class Options:
 
 
 @dataclass
-class Columns:
+class Table:
     """A table as it was understood."""
 
     time: list[float | None] | None
     channels: list[tuple[str, str, Sequence[Any]]]
     start: datetime.datetime | None = None
     told: list[str] = field(default_factory=list)
+
+
+@dataclass(eq=False)
+class Column:
+    """A column of texts, and what they are."""
+
+    name: str
+    label: str  # the name without its unit
+    unit: str
+    kind: str  # number, stamp or text
+    cells: list[str]
+    decimal: str = "."
+    is_taken: bool = False  # it belongs to the time
+
+    def number(self, cell: str) -> float | None:
+        plain, between = _plain(cell), OTHER[self.decimal]
+        if not NUMBER.fullmatch(plain) or between in plain and not THOUSANDS[self.decimal].fullmatch(plain):
+            return None
+        value = float(plain.replace(between, "").replace(",", ".").lower().replace("d", "e"))
+        return value if math.isfinite(value) else None
+
+    def there(self) -> list[str]:
+        return [cell for cell in self.cells if cell.lower() not in NOTHING]
+
+
+def refuse(message: str) -> NoReturn:
+    """Whoever knows the file puts its name before."""
+    raise OrchestratorError(message)
 
 
 def unit(text: str) -> str:
@@ -122,48 +152,56 @@ def split_name(name: str) -> tuple[str, str]:
     return name, ""
 
 
+def _find(columns: Sequence[Column], name: str | None) -> Column | None:
+    """A column by its name without its unit, or with it."""
+    return next((column for way in ("label", "name") for column in columns if getattr(column, way) == name), None)
+
+
+def _listed(columns: Iterable[Column]) -> str:
+    return ", ".join(column.label for column in columns)
+
+
+def _quoted(columns: Iterable[Column], between: str) -> str:
+    return between.join(f"`{column.label}`" for column in columns)
+
+
 def text(path: Path, encoding: str | None) -> tuple[str, str]:
     """The text of a file and its encoding."""
     content = path.read_bytes()
-    marks = [(b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16")]
-    known = encoding or next((name for mark, name in marks if content.startswith(mark)), None)
+    known = encoding or ("utf-16" if content.startswith((b"\xff\xfe", b"\xfe\xff")) else None)
     if known is None and content[1:8:2] == bytes(len(content[1:8:2])) and len(content) > 8 and 0 not in content[:8:2]:
         known = "utf-16-le"
     for name in [known] if known else ["utf-8", "cp1252"]:
-        try:
+        with contextlib.suppress(UnicodeDecodeError, LookupError):
             decoded = content.decode(name)
-        except (UnicodeDecodeError, LookupError):
-            continue
-        if "\0" in decoded[:100_000]:
-            break
-        # Some loggers begin each line with the mark of the encoding.
-        return decoded.replace("\ufeff", ""), name
-    raise OrchestratorError(f"{path}: no text in {known or 'UTF-8 or Windows-1252'}; say --encoding, or export it as csv")
+            if "\0" in decoded[:100_000]:
+                break
+            # Some loggers begin each line with the mark of the encoding.
+            return decoded.replace("\ufeff", ""), name
+    refuse(f"no text in {known or 'UTF-8 or Windows-1252'}; say --encoding, or export it as csv")
 
 
-def read(path: Path, options: Options) -> Columns:
+def read(path: Path, options: Options) -> Table:
     """A file of text."""
     content, encoding = text(path, options.encoding)
-    told = [] if encoding.startswith("utf-8") else [f"encoding: {encoding}"]
     lines = content.replace("\r\n", "\n").replace("\r", "\n").split("\n")
     if lines[0].startswith("LabVIEW Measurement"):
-        return _labview(path, lines, options)
+        return _labview(lines, options)
     if lines[0].startswith("* Sea-Bird") and any(line.startswith("# name 0 = ") for line in lines):
-        return _seabird(path, lines, options)
+        return _seabird(lines, options)
     delimiter = SEPARATORS.get(options.delimiter or "", options.delimiter)
     if lines[0].lower().startswith("sep=") and len(lines[0].strip()) == 5:
         delimiter, lines[0] = delimiter or lines[0][4], ""
-    if delimiter is None:
-        delimiter = _separator(path, lines)
-    rows = _split(path, lines, delimiter)
+    delimiter = delimiter or _separator(lines)
+    rows = _split(lines, delimiter)
     shown = next((name for name, letter in SEPARATORS.items() if letter == delimiter), delimiter)
     point = delimiter == "," and not any("," in cell and _is_number(cell) for row in rows for cell in row)
-    columns = table(path, rows, options, "." if point else None, delimiter == " ")
-    columns.told = [*told, f"between cells: {shown}", *columns.told]
+    columns = table(rows, options, "." if point else None, delimiter == " ")
+    columns.told[:0] = [*([] if encoding.startswith("utf-8") else [f"encoding: {encoding}"]), f"between cells: {shown}"]
     return columns
 
 
-def _split(path: Path, lines: Sequence[str], delimiter: str) -> list[list[str]]:
+def _split(lines: Sequence[str], delimiter: str) -> list[list[str]]:
     """The cells of all lines; a blank line has none."""
     if delimiter == " ":
         return [_words(line) for line in lines]
@@ -171,7 +209,7 @@ def _split(path: Path, lines: Sequence[str], delimiter: str) -> list[list[str]]:
         # A quote that nobody closes would swallow the rest: each line is read alone.
         return [[cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])] if line.strip() else [] for line in lines]
     except (csv.Error, TypeError) as error:
-        raise OrchestratorError(f"{path}: {error}; say --delimiter") from error
+        refuse(f"{error}; say --delimiter")
 
 
 def _words(line: str) -> list[str]:
@@ -186,9 +224,7 @@ def _words(line: str) -> list[str]:
 
 
 def _is_number(cell: str) -> bool:
-    if cell.isdigit():
-        return True
-    return NUMBER.fullmatch(_plain(cell)) is not None
+    return cell.isdigit() or NUMBER.fullmatch(_plain(cell)) is not None
 
 
 def _plain(cell: str) -> str:
@@ -199,156 +235,11 @@ def _plain(cell: str) -> str:
 
 def _is_stamp(cell: str) -> bool:
     cell = cell.strip()
-    return bool(cell) and cell[0].isalnum() and (_moment(cell, None) is not None)
+    return cell[:1].isalnum() and _moment(cell) is not None
 
 
 def _is_value(cell: str) -> bool:
     return _is_number(cell) or _is_stamp(cell)
-
-
-def _separator(path: Path, lines: Sequence[str]) -> str:
-    """The one with which most lines have the same number of cells and these are values."""
-    sample = [line for line in lines if line.strip()]
-    # What remarks have between their words says nothing of the rows.
-    sample = ([line for line in sample if line[0] not in "#*"] or sample)[:SAMPLE]
-    best: list[tuple[float, str, float]] = []
-    for letter in SEPARATORS.values():
-        rows = [row for row in _split(path, sample, letter) if len(row) > 1 and any(_is_value(cell) or _suffix(cell) for cell in row)]
-        widths = Counter(map(len, rows))
-        if not widths:
-            continue
-        width, count = widths.most_common(1)[0]
-        cells = [cell for row in rows if len(row) == width for cell in row if cell]
-        sound = sum(_is_value(cell) or bool(_suffix(cell)) for cell in cells) / max(len(cells), 1)
-        best.append((count / len(sample) * (0.5 + sound), letter, sound))
-    # Blanks stand within cells, too: they separate where nothing else does, and beside decimal commas, between which is no number.
-    others = [one for one in best if one[1] != " "]
-    best = others if others and (best[-1][2] <= 0.7 or any(one[2] > 0.5 for one in others)) else best
-    if not best:
-        return ","
-    best.sort(key=lambda one: -one[0])
-    return best[0][1]
-
-
-def table(path: Path, rows: list[list[str]], options: Options, decimal: str | None = None, exact: bool = False) -> Columns:
-    """The columns of a table of texts; with ``exact``, an empty cell is none."""
-    told: list[str] = []
-    while rows and not any(rows[-1]):
-        rows.pop()
-    body = [k for k, row in enumerate(rows) if any(map(_is_value, row))]
-    if options.header:
-        body = [k for k in body if k >= options.header]
-    if len(body) < 2:
-        raise OrchestratorError(f"{path}: fewer than two rows of numbers; say --delimiter or --header, or export it as csv")
-    # Rows of the recording have one width, or lack empty cells at their ends.
-    filled = {k: max(j for j, cell in enumerate(row) if cell) + 1 for k, row in enumerate(rows) if any(row)}
-    width, most = Counter(len(rows[k]) for k in body).most_common(1)[0][0], max(filled[k] for k in body)
-    # Names that are stated are those of the longest rows, too.
-    if options.header and filled.get(options.header - 1) == most and any(filled[k] == most and all(map(_is_value, rows[k][:width])) for k in body):
-        width = most
-    like = [rows[k] for k in body if len(rows[k]) == width or options.header]
-    kinds, marks = zip(*(_kind([row[j] for row in like if j < len(row)]) for j in range(width)), strict=True)
-    typed = [j for j, kind in enumerate(kinds) if kind != "text"]
-    if not typed:
-        raise OrchestratorError(f"{path}: no column of numbers; say --delimiter")
-
-    def known(k: int) -> tuple[int, int]:
-        """How many cells of a row are what their columns are, and how many there are."""
-        row = rows[k]
-        there = [j for j in typed if j < len(row) and row[j].lower() not in NOTHING and row[j] != marks[j]]
-        return sum(_is_number(row[j]) or bool(_suffix(row[j])) if kinds[j] == "number" else _is_value(row[j]) for j in there), len(there)
-
-    def fits(k: int) -> bool:
-        row = rows[k]
-        sound, there = known(k)
-        fitting = len(row) == width if exact else filled[k] <= width
-        return fitting and sound > 0 and 2 * sound >= there
-
-    good = [k for k in body if fits(k)]
-    # The recording begins with a row that has no doubt, and with rows with marks right above it.
-    first = next((k for k in good if known(k)[0] == known(k)[1]), None)
-    while first is not None and first - 1 in good[: good.index(first)]:
-        first -= 1
-    good = [k for k in good if first is not None and k >= first]
-    if first is None or not good:
-        raise OrchestratorError(f"{path}: no rows of numbers of one width; say --delimiter or --header")
-    heads = {split_name(cell)[0] for row in rows[:first] for cell in row}
-
-    def is_head(row: list[str]) -> bool:
-        return all(split_name(cell)[0] in heads or _is_unit(cell) for cell in row if cell)
-
-    # A row of marks alone is one, too, and among the others one of cells that are no numbers: the times of a constant rate would shift.
-    good = sorted({*good, *(k for k in {*range(good[0], len(rows))}.difference(good) if any(rows[k]) and len(rows[k]) == width and (
-        all(cell.lower() in NOTHING for cell in rows[k]) or (k < good[-1] or width > 1) and all(rows[k][j] for j in typed) and not is_head(rows[k])))})
-    long = next((k for k in body if filled[k] > width and (k > good[0] or 1 < known(k)[0] == known(k)[1])), None)
-    if long is not None:
-        raise OrchestratorError(
-            f"{path}: line {long + 1} has {filled[long]} cells and most rows have {width}; a decimal comma needs another letter between "
-            "cells: say --delimiter, or correct the line")
-    names, units, header = _header(path, rows, first, width, options)
-    over = [k for k in body if k < header - 1 or header <= k < first and 2 * known(k)[0] > known(k)[1]]
-    for k, after in pairwise(over):
-        if k + 1 == after < header and len(rows[k]) == len(rows[after]) > 2 and min(sum(map(_is_value, rows[line])) for line in (k, after)) > 1:
-            raise OrchestratorError(
-                f"{path}: line {k + 1} (`{' '.join(rows[k])[:40]}`) belongs to another table, which stands above that of line {header}; save it as a "
-                f"file of its own, and say --header {header} for the other")
-    if over:
-        told.append(f"{len(over)} lines with numbers above the recording were left out, line {over[0] + 1} first: `{' '.join(rows[over[0]])[:60]}`")
-    columns_named = max((j + 1 for j, name in enumerate(names) if name), default=0)
-    if columns_named > width:
-        if not options.header:
-            raise OrchestratorError(
-                f"{path}: {columns_named} names on line {header} and {width} cells in most rows; say --delimiter, or --header {header} where the last "
-                "names have no cells")
-        told.append(f"no cells below `{'`, `'.join(filter(None, names[width:]))}`")
-        names, units = names[:width], units[:width]
-    if not header and options.header is None:
-        # Codes and channel numbers may stand where names do: as values they would be a row that nobody measured.
-        raise OrchestratorError(
-            f"{path}: line {first + 1} (`{' '.join(rows[first])[:40]}`) is all numbers, and no names stand above: they may be values or names; say "
-            f"--header 0 where they are values, or --header {first + 1}")
-    if not header:
-        told.append("no row of names: the columns are numbered")
-    most = max(filled[k] for k in good)
-    if header and len(names) < most:
-        raise OrchestratorError(
-            f"{path}: {len(names)} names on line {header} and {most} cells below; a decimal comma needs another letter between cells: say "
-            "--delimiter or --header, or correct the names")
-    last = len(rows) - 1
-    if len(rows[last]) < width and last == good[-1] and len(good) > 2 and len(rows[good[-2]]) == width:
-        good.pop()
-        told.append(f"line {last + 1}, the last one, is cut off and was left out")
-    others = [k for k in sorted({*range(first, len(rows))}.difference(good)) if any(rows[k]) and not (told and k == last)]
-    if others:
-        again = next((k for k in others if rows[k] not in rows[:first] and (width == 1 or sum(map(bool, rows[k])) > 1) and is_head(rows[k])), None)
-        if again is not None:
-            raise OrchestratorError(f"{path}: another table begins on line {again + 1} (`{' '.join(rows[again])[:60]}`); save each as a file of its own")
-        shown = " ".join(rows[others[0]])[:60]
-        if len(others) > len(good):
-            raise OrchestratorError(
-                f"{path}: {len(others)} lines below line {first + 1} (`{' '.join(rows[first])[:40]}`) are no rows like it, line {others[0] + 1} first: `{shown}`; "
-                "say --delimiter or --header")
-        told.append(f"{len(others)} lines hold no row of the recording and were left out, line {others[0] + 1} first: `{shown}`")
-    blank = [k for k in range(good[0], good[-1]) if not any(rows[k])]
-    if blank:
-        told.append(f"{len(blank)} blank lines between the values were left out, line {blank[0] + 1} first: if values are missing there, write nan")
-    short = [k for k in good if len(rows[k]) < width]
-    if short:
-        told.append(f"{len(short)} rows have fewer than {width} cells, line {short[0] + 1} first: their last columns are taken as empty; where other cells are missing, correct them")
-    cells = [[rows[k][j] if j < len(rows[k]) else "" for k in good] for j in range(width)]
-    return _columns(path, names, units, list(kinds), cells, decimal, options, told)
-
-
-def _kind(cells: Sequence[str]) -> tuple[str, str]:
-    """What a column holds, and the only text among its numbers, which is a mark."""
-    there = list(islice((cell for cell in cells if cell.lower() not in NOTHING), SAMPLE))
-    numbers, stamps = sum(map(_is_number, there)), sum(map(_is_stamp, there))
-    if stamps > len(there) / 2:
-        return "stamp", ""
-    others = [cell for cell in there if not _is_number(cell)]
-    with_unit, texts = sum(bool(_suffix(cell)) for cell in others), set(others)
-    mark = others[0] if len(texts) == 1 < len(others) and numbers and not with_unit else ""
-    return "number" if mark or max(numbers, with_unit) >= len(there) / 2 and numbers + with_unit else "text", mark
 
 
 def _suffix(cell: str) -> str:
@@ -361,122 +252,201 @@ def _suffix(cell: str) -> str:
     return found[found.re.groups] if found and _is_unit(found[found.re.groups]) and not re.search(r"[\d.,]m$", cell) else ""
 
 
-def _header(path: Path, rows: list[list[str]], first: int, width: int, options: Options) -> tuple[list[str], list[str], int]:
+def _separator(lines: Sequence[str]) -> str:
+    """The one with which most lines have the same number of cells and these are values."""
+    sample = [line for line in lines if line.strip()]
+    # What remarks have between their words says nothing of the rows.
+    sample = ([line for line in sample if line[0] not in "#*"] or sample)[:SAMPLE]
+    best: list[tuple[float, str, float]] = []
+    for letter in SEPARATORS.values():
+        rows = [row for row in _split(sample, letter) if len(row) > 1 and any(_is_value(cell) or _suffix(cell) for cell in row)]
+        for width, count in Counter(map(len, rows)).most_common(1):
+            cells = [cell for row in rows if len(row) == width for cell in row if cell]
+            sound = sum(_is_value(cell) or bool(_suffix(cell)) for cell in cells) / max(len(cells), 1)
+            best.append((count / len(sample) * (0.5 + sound), letter, sound))
+    # Blanks stand within cells, too: they separate where nothing else does, and beside decimal commas, between which is no number.
+    others = [one for one in best if one[1] != " "]
+    best = others if others and (best[-1][2] <= 0.7 or any(one[2] > 0.5 for one in others)) else best
+    return max(best, key=lambda one: one[0])[1] if best else ","
+
+
+def table(rows: list[list[str]], options: Options, decimal: str | None = None, exact: bool = False) -> Table:
+    """The columns of a table of texts; with ``exact``, an empty cell is none."""
+    told: list[str] = []
+    while rows and not any(rows[-1]):
+        rows.pop()
+    filled = {k: max(j for j, cell in enumerate(row) if cell) + 1 for k, row in enumerate(rows) if any(row)}
+    body = [k for k in filled if k >= (options.header or 0) and any(map(_is_value, rows[k]))]
+    if len(body) < 2:
+        refuse("fewer than two rows of numbers; say --delimiter or --header, or export it as csv")
+    # Rows of the recording have one width, or lack empty cells at their ends.
+    width, most = Counter(len(rows[k]) for k in body).most_common(1)[0][0], max(filled[k] for k in body)
+    # Names that are stated are those of the longest rows, too.
+    if options.header and filled.get(options.header - 1) == most and any(filled[k] == most and all(map(_is_value, rows[k][:width])) for k in body):
+        width = most
+    like = [rows[k] for k in body if len(rows[k]) == width or options.header]
+    kinds, marks = zip(*(_kind([row[j] for row in like if j < len(row)]) for j in range(width)), strict=True)
+    typed = [j for j, kind in enumerate(kinds) if kind != "text"]
+    if not typed:
+        refuse("no column of numbers; say --delimiter")
+
+    def known(row: list[str]) -> tuple[int, int]:
+        """How many cells of a row are what their columns are, and how many there are."""
+        there = [(kinds[j], row[j]) for j in typed if j < len(row) and row[j].lower() not in NOTHING and row[j] != marks[j]]
+        return sum(_is_number(cell) or bool(_suffix(cell)) if kind == "number" else _is_value(cell) for kind, cell in there), len(there)
+
+    counts = {k: known(rows[k]) for k in body}
+    good = [k for k in body if (len(rows[k]) == width if exact else filled[k] <= width) and counts[k][0] > 0 and 2 * counts[k][0] >= counts[k][1]]
+    # The recording begins with a row that has no doubt, and with rows with marks right above it.
+    first = next((k for k in good if counts[k][0] == counts[k][1]), None)
+    if first is None:
+        refuse("no rows of numbers of one width; say --delimiter or --header")
+    while first - 1 in good:
+        first -= 1
+    sure, end = {k for k in good if k >= first}, good[-1]
+    heads = {split_name(cell)[0] for row in rows[:first] for cell in row}
+
+    def is_head(row: list[str]) -> bool:
+        return all(split_name(cell)[0] in heads or _is_unit(cell) for cell in row if cell)
+
+    # A row of marks alone is one, too, and among the others one of cells that are no numbers: the times of a constant rate would shift.
+    good = [k for k in range(first, len(rows)) if k in sure or any(rows[k]) and len(rows[k]) == width and (
+        all(cell.lower() in NOTHING for cell in rows[k]) or (k < end or width > 1) and all(rows[k][j] for j in typed) and not is_head(rows[k]))]
+    if long := next((k + 1 for k in body if filled[k] > width and (k > first or 1 < counts[k][0] == counts[k][1])), 0):
+        refuse(f"line {long} has {filled[long - 1]} cells and most rows have {width}; a decimal comma needs another letter between cells: say --delimiter, "
+               "or correct the line")
+    names, units, header = _header(rows, first, width, options)
+    over = [k for k in body if k < header - 1 or header <= k < first and 2 * counts[k][0] > counts[k][1]]
+    for k, after in pairwise(over):
+        if k + 1 == after < header and len(rows[k]) == len(rows[after]) > 2 and min(sum(map(_is_value, rows[line])) for line in (k, after)) > 1:
+            refuse(f"line {k + 1} (`{' '.join(rows[k])[:40]}`) belongs to another table, which stands above that of line {header}; save it as a file of "
+                   f"its own, and say --header {header} for the other")
+    if over:
+        told.append(f"{len(over)} lines with numbers above the recording were left out, line {over[0] + 1} first: `{' '.join(rows[over[0]])[:60]}`")
+    named = max((j + 1 for j, name in enumerate(names) if name), default=0)
+    if named > width and not options.header:
+        refuse(f"{named} names on line {header} and {width} cells in most rows; say --delimiter, or --header {header} where the last names have no cells")
+    if named > width:
+        told.append(f"no cells below `{'`, `'.join(filter(None, names[width:]))}`")
+    if not header and options.header is None:
+        # Codes and channel numbers may stand where names do: as values they would be a row that nobody measured.
+        refuse(f"line {first + 1} (`{' '.join(rows[first])[:40]}`) is all numbers, and no names stand above: they may be values or names; say --header 0 where "
+               f"they are values, or --header {first + 1}")
+    if not header:
+        told.append("no row of names: the columns are numbered")
+    most = max(filled[k] for k in good)
+    if header and len(names) < most:
+        refuse(f"{len(names)} names on line {header} and {most} cells below; a decimal comma needs another letter between cells: say --delimiter or --header, "
+               "or correct the names")
+    after = len(rows)
+    if len(rows[-1]) < width and after - 1 == good[-1] and len(good) > 2 and len(rows[good[-2]]) == width:
+        after = good.pop()
+        told.append(f"line {after + 1}, the last one, is cut off and was left out")
+    others = [k for k in sorted({*range(first, after)}.difference(good)) if any(rows[k])]
+    if others:
+        again = next((k for k in others if rows[k] not in rows[:first] and (width == 1 or sum(map(bool, rows[k])) > 1) and is_head(rows[k])), None)
+        if again is not None:
+            refuse(f"another table begins on line {again + 1} (`{' '.join(rows[again])[:60]}`); save each as a file of its own")
+        shown = " ".join(rows[others[0]])[:60]
+        if len(others) > len(good):
+            refuse(f"{len(others)} lines below line {first + 1} (`{' '.join(rows[first])[:40]}`) are no rows like it, line {others[0] + 1} first: `{shown}`; "
+                   "say --delimiter or --header")
+        told.append(f"{len(others)} lines hold no row of the recording and were left out, line {others[0] + 1} first: `{shown}`")
+    if blank := [k + 1 for k in range(good[0], good[-1]) if not any(rows[k])]:
+        told.append(f"{len(blank)} blank lines between the values were left out, line {blank[0]} first: if values are missing there, write nan")
+    if short := [k + 1 for k in good if len(rows[k]) < width]:
+        told.append(f"{len(short)} rows have fewer than {width} cells, line {short[0]} first: their last columns are taken as empty; where other cells are missing, correct them")
+    columns = []
+    for j, kind in enumerate(kinds):
+        name = names[j] if j < len(names) and names[j] else str(j + 1)
+        label, own = split_name(name)
+        stated = units[j] if j < len(units) and units[j] not in ("", "-") else own
+        columns.append(Column(name, label, stated, kind, [rows[k][j] if j < len(rows[k]) else "" for k in good]))
+    return _understood(columns, decimal, options, told)
+
+
+def _kind(cells: Sequence[str]) -> tuple[str, str]:
+    """What a column holds, and the only text among its numbers, which is a mark."""
+    there = list(islice((cell for cell in cells if cell.lower() not in NOTHING), SAMPLE))
+    if sum(map(_is_stamp, there)) > len(there) / 2:
+        return "stamp", ""
+    others = [cell for cell in there if not _is_number(cell)]
+    numbers, with_unit = len(there) - len(others), sum(bool(_suffix(cell)) for cell in others)
+    mark = others[0] if len(set(others)) == 1 < len(others) and numbers and not with_unit else ""
+    return "number" if mark or max(numbers, with_unit) >= len(there) / 2 and numbers + with_unit else "text", mark
+
+
+def _header(rows: list[list[str]], first: int, width: int, options: Options) -> tuple[list[str], list[str], int]:
     """Names and units above the first row, and the line of the names."""
-    def cleaned(k: int) -> list[str]:
-        row = list(rows[k])
-        row[0] = row[0].lstrip("#%!~ ")
-        if not row[0] and len(row) > width:
-            row = row[1:]
-        return [cell.strip("\"' ") for cell in row]
+    def cleaned(row: list[str]) -> list[str]:
+        row = [row[0].lstrip("#%!~ "), *row[1:]]
+        return [cell.strip("\"' ") for cell in (row[1:] if not row[0] and len(row) > width else row)]
 
     if rows[0][:1] == ["TOA5"] and first >= 4:
         # Campbell Scientific: a line about the station, names, units, how each was processed.
-        return rows[1], [unit(cell) if cell else "" for cell in rows[2]], 2
-    if options.header:
-        above = [k for k in range(options.header - 1, first) if any(rows[k])]
-    else:
-        above = []
-        for k in range(first - 1, -1, -1) if options.header is None else ():
-            # A spreadsheet fills up a title with empty cells.
-            if above and not any(rows[k][width > 2 :]):
-                break
-            if any(rows[k]):
-                if len(rows[k]) < max(width - 1, 2) and width > 1:
-                    break
-                above.insert(0, k)
+        return rows[1], [unit(cell) for cell in rows[2]], 2
+    above = [k for k in range(options.header - 1, first) if any(rows[k])] if options.header else []
+    for k in range(first - 1, -1, -1) if options.header is None else ():
+        # A spreadsheet fills up a title with empty cells.
+        if above and not any(rows[k][width > 2 :]) or any(rows[k]) and len(rows[k]) < max(width - 1, 2) and width > 1:
+            break
+        if any(rows[k]):
+            above.insert(0, k)
     if not above:
         return [str(j + 1) for j in range(width)], [""] * width, 0
-    heads = [cleaned(k) for k in above]
-
-    def are_units(row: list[str]) -> bool:
-        said = [cell for cell in row if cell]
-        return 2 * sum(map(_is_unit, said)) > len(said)
-
+    heads = [cleaned(rows[k]) for k in above]
     # Units stand right below the names, with at most two rows of remarks behind them.
-    below = [j for j in range(max(1, len(heads) - 3), len(heads)) if are_units(heads[j])][-1:]
-    if options.header:
-        place, units = 0, heads[below[0]] if below else []
-    elif below:
-        place, units = below[0] - 1, heads[below[0]]
-    elif len(heads) == 1:
-        place, units = 0, []
-    else:
+    below = [j for j in range(max(1, len(heads) - 3), len(heads)) if 2 * sum(map(_is_unit, filter(None, heads[j]))) > sum(map(bool, heads[j]))][-1:]
+    if not (options.header or below or len(heads) == 1):
         lines = " or ".join(f"line {k + 1} (`{' '.join(rows[k])[:30]}`)" for k in above[-3:])
-        raise OrchestratorError(f"{path}: the names may be {lines}; say --header LINE")
-    names = heads[place][:]
-    units = [unit(cell) if cell else "" for cell in units]
-    return names, units, above[place] + 1
+        refuse(f"the names may be {lines}; say --header LINE")
+    place = 0 if options.header or not below else below[0] - 1
+    return heads[place], [unit(cell) for cell in (heads[below[0]] if below else [])], above[place] + 1
 
 
-def _numbers(
-    path: Path, labels: Sequence[str], kinds: Sequence[str], cells: Sequence[Sequence[str]], said: Mapping[str, str], told: list[str]
-) -> dict[int, Callable[[str], float | None]]:
-    """How cells become numbers. Each column tells for itself: a point for decimals in one says nothing of another, in which it may
-    stand between thousands."""
-    numbers: dict[int, Callable[[str], float | None]] = {}
-    groups: dict[str, list[str]] = {}
-    for j, label in enumerate(labels):
-        if kinds[j] == "number":
-            decimal, has_marks, has_groups = _decimal(path, label, cells[j], said)
-            between = OTHER[decimal]
-            group = re.compile(rf"[+-]?[1-9]\d{{0,2}}(\{between}\d{{3}})+(\{decimal}\d*)?([eEdD][+-]?\d+)?")
-            numbers[j] = functools.partial(_number, between, group)
-            if has_marks:
-                groups.setdefault(f"decimal mark: {decimal}" + (f"; `{between}` stands between thousands" if has_groups else ""), []).append(label)
-    for words, names in groups.items():
+def _decide_marks(columns: Sequence[Column], said: Mapping[str, str], told: list[str]) -> None:
+    """Which of point and comma is the decimal mark of each column, which tells for itself: a point for decimals in one says nothing of
+    another, in which it may stand between thousands."""
+    groups: dict[str, list[Column]] = {}
+    for column in columns:
+        # The first cell in which a mark has a role.
+        seen: dict[str, dict[str, str]] = {"decimal": {}, "thousands": {}, "unclear": {}}
+        for cell in column.cells if column.kind == "number" else ():
+            if not cell or cell.isdecimal() or not NUMBER.fullmatch(cell := _plain(cell).removesuffix(_suffix(cell)).rstrip()):
+                continue
+            marks = re.findall("[.,]", cell)
+            if len(set(marks)) == 2:
+                seen["decimal"].setdefault(marks[-1], cell)
+            if marks:
+                seen["thousands" if len(marks) > 1 else "unclear" if GROUPED.fullmatch(cell) else "decimal"].setdefault(marks[0], cell)
+        decimals, thousands = seen["decimal"], seen["thousands"]
+        doubtful = [(mark, seen["unclear"][mark]) for mark in ".," if mark in seen["unclear"] and mark not in thousands and mark not in decimals]
+        if column.label in said:
+            column.decimal = said[column.label]
+        elif len(decimals) == 1 and not doubtful:
+            [column.decimal] = decimals
+        elif len(thousands) == 1 and not decimals:
+            column.decimal = OTHER[next(iter(thousands))]
+        elif "" in said or not any(seen.values()):
+            column.decimal = said.get("", ".")
+        elif doubtful:
+            mark, cell = doubtful[0]
+            beside = "".join(f" beside `{decimals[other]}`" for other in ".," if other in decimals)
+            refuse(f"`{cell}` in column `{column.label}` may be {cell.replace(mark, '')} or {cell.replace(mark, '.')}{beside}; say --decimal \"{mark}\" where "
+                   f"`{mark}` is the decimal mark, or --decimal \"{OTHER[mark]}\" where it stands between thousands; of this column alone, --decimal "
+                   f"\"{column.label}={mark}\"")
+        else:
+            refuse(f"column `{column.label}`: `{decimals['.']}` has a decimal point and `{decimals[',']}` a decimal comma; say --decimal \"{column.label}=.\" or "
+                   f"--decimal \"{column.label}=,\", and the cells of the other kind stay as they are, or correct one")
+        decimal, other = column.decimal, OTHER[column.decimal]
+        if decimal in thousands:
+            refuse(f"column `{column.label}`: `{thousands[decimal]}` has several `{decimal}`, which is its decimal mark; correct one of its cells")
+        if any(seen.values()):
+            has_groups = other in thousands or other in seen["unclear"]
+            groups.setdefault(f"decimal mark: {decimal}" + (f"; `{other}` stands between thousands" if has_groups else ""), []).append(column)
+    for words, alike in groups.items():
         if words != "decimal mark: .":
-            told.append(words + (f" in `{'`, `'.join(names)}`" if len(groups) > 1 else ""))
-    return numbers
-
-
-def _number(between: str, group: re.Pattern[str], cell: str) -> float | None:
-    plain = _plain(cell)
-    if not NUMBER.fullmatch(plain):
-        return None
-    if between in plain:
-        if not group.fullmatch(plain):
-            return None
-        plain = plain.replace(between, "")
-    value = float(plain.replace(",", ".").lower().replace("d", "e"))
-    return value if math.isfinite(value) else None
-
-
-def _decimal(path: Path, label: str, column: Sequence[str], said: Mapping[str, str]) -> tuple[str, bool, bool]:
-    """Which of point and comma is the decimal mark of a column, whether it has marks, and whether one stands between thousands."""
-    seen: dict[tuple[str, str], str] = {}  # the first cell in which a mark has a role
-    for cell in column:
-        if not cell or cell.isdecimal() or not NUMBER.fullmatch(cell := _plain(cell).removesuffix(_suffix(cell)).rstrip()):
-            continue
-        marks = re.findall("[.,]", cell)
-        if len(set(marks)) == 2:
-            seen.setdefault(("decimal", marks[-1]), cell)
-        if marks:
-            role = "thousands" if len(marks) > 1 else "unclear" if GROUPED.fullmatch(cell) else "decimal"
-            seen.setdefault((role, marks[0]), cell)
-    evidence, thousands, unclear = ({mark: seen[role, mark] for mark in ".," if (role, mark) in seen} for role in ("decimal", "thousands", "unclear"))
-    doubtful = {mark: cell for mark, cell in unclear.items() if mark not in thousands and mark not in evidence}
-    if label in said:
-        decimal = said[label]
-    elif len(evidence) == 1 and not doubtful:
-        [decimal] = evidence
-    elif len(thousands) == 1 and not evidence:
-        decimal = OTHER[next(iter(thousands))]
-    elif "" in said or not seen:
-        decimal = said.get("", ".")
-    elif doubtful:
-        mark, cell = next(iter(doubtful.items()))
-        beside = "".join(f" beside `{other}`" for other in evidence.values())
-        raise OrchestratorError(
-            f"{path}: `{cell}` in column `{label}` may be {cell.replace(mark, '')} or {cell.replace(mark, '.')}{beside}; say --decimal \"{mark}\" where "
-            f"`{mark}` is the decimal mark, or --decimal \"{OTHER[mark]}\" where it stands between thousands; of this column alone, --decimal \"{label}={mark}\"")
-    else:
-        raise OrchestratorError(
-            f"{path}: column `{label}`: `{evidence['.']}` has a decimal point and `{evidence[',']}` a decimal comma; say --decimal \"{label}=.\" or "
-            f"--decimal \"{label}=,\", and the cells of the other kind stay as they are, or correct one")
-    if decimal in thousands:
-        raise OrchestratorError(f"{path}: column `{label}`: `{thousands[decimal]}` has several `{decimal}`, which is its decimal mark; correct one of its cells")
-    return decimal, bool(seen), OTHER[decimal] in thousands or OTHER[decimal] in unclear
+            told.append(words + (f" in {_quoted(alike, ', ')}" if len(groups) > 1 else ""))
 
 
 @dataclass
@@ -508,22 +478,10 @@ def _days(one: str, mark: str, two: str, behind: str, three: str) -> Mapping[str
     return days
 
 
-def _moment(cell: str, form: str | None) -> Moment | None:
+def _moment(cell: str, form: str | None = None) -> Moment | None:
+    """What a cell says of the time."""
     if form:
-        if cell.isdecimal() and FORM_OF_FIGURES.fullmatch(form):
-            # Where leading zeros are missing, 10505 would be 10:50:05.
-            cell = cell.zfill(_width(form.replace(" ", "")))
-        # The form of a date leaves the clock in a column beside it as it is.
-        dated = not any(letter in form for letter in ("%H", "%I", "%M", "%S", "%X", "%c"))
-        with contextlib.suppress(ValueError):
-            at = datetime.datetime.strptime(cell, form)
-            day = {"": at.date()} if any(letter in form for letter in ("%d", "%j", "%x", "%c")) else None
-            if dated:
-                return Moment(day, None)
-            seconds = (at.replace(tzinfo=None) - datetime.datetime.combine(at.date(), datetime.time())).total_seconds()
-            return Moment(day, seconds - (at.utcoffset() or datetime.timedelta()).total_seconds(), False, at.tzinfo is not None)
-        beside = _moment(cell, None) if dated else None
-        return beside if beside and beside.days is None else None
+        return _stated(cell, form)
     if found := COMPACT.fullmatch(cell):
         cell = f"{found[1]}-{found[2]}-{found[3]} {found[4]}:{found[5]}{f':{found[6]}' if found[6] else ''}{found[7] or ''}"
     if found := MONTH_FIRST.match(cell):
@@ -531,10 +489,8 @@ def _moment(cell: str, form: str | None) -> Moment | None:
     days, rest = None, cell
     if not HOURS.fullmatch(cell) and (found := DAY.match(cell)):
         days, rest = _days(*found.groups()), cell[found.end():].lstrip(" T,")
-        if not days:
-            return None
-        if not rest:
-            return Moment(days, None)
+        if not (days and rest):
+            return Moment(days, None) if days else None
     clock = HOURS.fullmatch(rest)
     if clock is None:
         return None
@@ -552,164 +508,161 @@ def _moment(cell: str, form: str | None) -> Moment | None:
     return Moment(days, seconds, not (third or days or half), bool(zone))
 
 
-def _columns(
-    path: Path, names: list[str], units: list[str], kinds: list[str], cells: list[list[str]], decimal: str | None, options: Options, told: list[str]
-) -> Columns:
-    width = len(cells)
-    names = [names[j] if j < len(names) and names[j] else str(j + 1) for j in range(width)]
-    parts = [split_name(name) for name in names]
-    labels = [bare for bare, _ in parts]
-    said = [units[j] if j < len(units) and units[j] not in ("", "-") else parts[j][1] for j in range(width)]
-    for column, given in options.units.items():
-        if column not in labels and column not in names:
-            raise OrchestratorError(f"{path}: --unit {column}: there is no such column; it has {', '.join(labels)}")
-        said[labels.index(column) if column in labels else names.index(column)] = given
-    said_marks = {"": options.decimal} if isinstance(options.decimal, str) else dict(options.decimal or {})
-    said_marks |= {} if "" in said_marks or decimal is None else {"": decimal}
-    for column, mark in said_marks.items():
-        if column and column not in labels or mark not in OTHER:
-            raise OrchestratorError(f"{path}: --decimal {column}{'=' * bool(column)}{mark}: say . or , or NAME=MARK; the columns are {', '.join(labels)}")
-    numbers = _numbers(path, labels, kinds, cells, said_marks, told)
-    taken: set[int] = set()
-    options = _of_figures(path, labels, said, kinds, cells, numbers, options, taken)
-    time, start = _time(path, labels, names, kinds, cells, numbers, options, told, taken)
-    _refuse_signals_in_rows(path, labels, kinds, cells, time, taken)
+def _stated(cell: str, form: str) -> Moment | None:
+    """The same by the form that the user states; that of a date leaves the clock in a column beside it as it is."""
+    if cell.isdecimal() and FORM_OF_FIGURES.fullmatch(form):
+        # Where leading zeros are missing, 10505 would be 10:50:05.
+        cell = cell.zfill(_width(form.replace(" ", "")))
+    is_day = not re.search("%[HIMSXc]", form)
+    with contextlib.suppress(ValueError):
+        at = datetime.datetime.strptime(cell, form)
+        clock = at.replace(tzinfo=None) - datetime.datetime.combine(at.date(), datetime.time()) - (at.utcoffset() or datetime.timedelta())
+        return Moment({"": at.date()} if re.search("%[djxc]", form) else None, None if is_day else clock.total_seconds(), False, at.tzinfo is not None)
+    beside = _moment(cell) if is_day else None
+    return beside if beside and beside.days is None else None
+
+
+def _understood(columns: list[Column], decimal: str | None, options: Options, told: list[str]) -> Table:
+    """Columns of texts as times and numbers."""
+    for name, given in options.units.items():
+        column = _find(columns, name) or refuse(f"--unit {name}: there is no such column; it has {_listed(columns)}")
+        column.unit = given
+    marks = {"": options.decimal} if isinstance(options.decimal, str) else dict(options.decimal or {})
+    for name, mark in marks.items():
+        if name and not any(column.label == name for column in columns) or mark not in OTHER:
+            refuse(f"--decimal {name}{'=' * bool(name)}{mark}: say . or , or NAME=MARK; the columns are {_listed(columns)}")
+    _decide_marks(columns, {**({"": decimal} if decimal else {}), **marks}, told)
+    options = _of_figures(columns, options)
+    time, start = _time(columns, options, told)
+    _refuse_signals_in_rows(columns, time)
+    is_timed = options.time or time or any(column.kind == "number" and (column.unit in OF_TIME or is_time_name(column.label)) for column in columns)
     channels: list[tuple[str, str, Sequence[Any]]] = []
-    timed = options.time or any(kinds[j] == "number" and (said[j] in OF_TIME or is_time_name(labels[j])) for j in range(width))
-    for j in range(width):
-        if j in taken:
-            continue
-        if not any(cells[j]):
-            told.append(f"column `{labels[j]}` is empty and was left out")
-            continue
-        if kinds[j] != "number":
-            sample = next((cell for cell in cells[j] if cell and not _is_number(cell)), "")
-            held = "moments" if kinds[j] == "stamp" else "text"
-            if time is None and not timed and sum(map(bool, map(LIKE_STAMP.match, cells[j]))) > len(cells[j]) / 2 < len(set(cells[j])):
-                raise OrchestratorError(f"{path}: column `{labels[j]}` may be the time, but `{sample[:40]}` is no known stamp; say --format, or --time none")
-            told.append(f"column `{labels[j]}` holds {held} (`{sample[:40]}`) and was left out")
-            continue
-        suffixes = {_suffix(cell) for cell in cells[j] if cell.lower() not in NOTHING}
-        # Where only some have one, the others may be of any unit.
-        plain = not said[j] and any(map(_is_number, cells[j]))
-        suffix = next(iter(suffixes - {""})) if len(suffixes - {""}) == 1 and not plain else ""
-        if suffix and said[j] and said[j] != unit(suffix):
-            raise OrchestratorError(f"{path}: column `{labels[j]}` is in `{said[j]}` and its cells in `{unit(suffix)}`; say --unit \"{labels[j]}={unit(suffix)}\" or correct one")
-        said[j] = unit(suffix) if suffix else said[j]
-        values: list[Any] = []
-        marks = 0
-        for cell in cells[j]:
-            if cell.lower() in NOTHING:
-                marks += bool(cell)
-                values.append(None)
-            else:
-                value = numbers[j](cell.removesuffix(suffix).strip())
-                # What is no number stays for the reader to ask.
-                values.append(cell if value is None else value)
-        if marks:
-            told.append(f"column `{labels[j]}`: {marks} cells such as `{next(c for c in cells[j] if c and c.lower() in NOTHING)}` became empty")
-        texts = [value for value in values if isinstance(value, str)]
-        if texts:
-            told.append(f"column `{labels[j]}`: {len(texts)} cells are no numbers, such as `{texts[0][:40]}`, and stay as they are")
-        channels.append((labels[j], said[j], values))
+    for column in (column for column in columns if not column.is_taken):
+        if not any(column.cells):
+            told.append(f"column `{column.label}` is empty and was left out")
+        elif column.kind == "number":
+            channels.append((column.label, *_channel(column, told)))
+        else:
+            sample = next((cell for cell in column.cells if cell and not _is_number(cell)), "")
+            if not is_timed and sum(map(bool, map(LIKE_STAMP.match, column.cells))) > len(column.cells) / 2 < len(set(column.cells)):
+                refuse(f"column `{column.label}` may be the time, but `{sample[:40]}` is no known stamp; say --format, or --time none")
+            told.append(f"column `{column.label}` holds {'moments' if column.kind == 'stamp' else 'text'} (`{sample[:40]}`) and was left out")
     if not channels:
-        raise OrchestratorError(f"{path}: no column of numbers beside the time; say --delimiter or --header")
-    return Columns(time, channels, start, told)
+        refuse("no column of numbers beside the time; say --delimiter or --header")
+    return Table(time, channels, start, told)
 
 
-def _refuse_signals_in_rows(
-    path: Path, labels: list[str], kinds: Sequence[str], cells: list[list[str]], time: Sequence[Any] | None, taken: set[int]
-) -> None:
+def _channel(column: Column, told: list[str]) -> tuple[str, list[Any]]:
+    """The unit and the values of a column. What is no number stays for the reader to ask."""
+    suffixes = {_suffix(cell) for cell in column.there()} - {""}
+    # Where only some have one, the others may be of any unit.
+    suffix = suffixes.pop() if len(suffixes) == 1 and (column.unit or not any(map(_is_number, column.cells))) else ""
+    if suffix and column.unit not in ("", unit(suffix)):
+        refuse(f"column `{column.label}` is in `{column.unit}` and its cells in `{unit(suffix)}`; say --unit \"{column.label}={unit(suffix)}\" or correct one")
+    values: list[Any] = []
+    for cell in column.cells:
+        value = column.number(cell.removesuffix(suffix).strip())
+        values.append(None if cell.lower() in NOTHING else cell if value is None else value)
+    if marks := [cell for cell in column.cells if cell and cell.lower() in NOTHING]:
+        told.append(f"column `{column.label}`: {len(marks)} cells such as `{marks[0]}` became empty")
+    if texts := [value for value in values if isinstance(value, str)]:
+        told.append(f"column `{column.label}`: {len(texts)} cells are no numbers, such as `{texts[0][:40]}`, and stay as they are")
+    return unit(suffix) if suffix else column.unit, values
+
+
+def _refuse_signals_in_rows(columns: Sequence[Column], time: Sequence[Any] | None) -> None:
     """A table with a row for each value of each signal would become one column of all of them."""
-    times = time or next((cells[j] for j, label in enumerate(labels) if is_time_name(label) and kinds[j] == "number"), [])
-    for j, label in enumerate(labels):
-        found = list(dict.fromkeys(cells[j]))
-        named = label.lower() in SIGNALS and any(other.lower() in VALUES for other in labels) or kinds[j] == "text" and all(map(_is_unit, found))
+    times = time or next((column.cells for column in columns if is_time_name(column.label) and column.kind == "number"), [])
+    for column in columns:
+        found, is_text = list(dict.fromkeys(column.cells)), column.kind == "text"
+        is_named = column.label.lower() in SIGNALS and any(other.label.lower() in VALUES for other in columns) or is_text and all(map(_is_unit, found))
         # Several rows of one time, each with another text.
-        several = kinds[j] == "text" and 0 < 2 * len(set(times)) <= len(times) == len(set(zip(times, cells[j], strict=True)))
-        if j not in taken and 1 < len(found) <= len(cells[j]) / 2 and (named or several):
+        has_several = is_text and 0 < 2 * len(set(times)) <= len(times) == len(set(zip(times, column.cells, strict=True)))
+        if not column.is_taken and 1 < len(found) <= len(column.cells) / 2 and (is_named or has_several):
             shown = "`, `".join(found[:3])
-            raise OrchestratorError(f"{path}: column `{label}` says in each row whose value it is (`{shown}`); save a column for each, or a file for each")
+            refuse(f"column `{column.label}` says in each row whose value it is (`{shown}`); save a column for each, or a file for each")
 
 
-def _time(
-    path: Path, labels: list[str], names: list[str], kinds: Sequence[str], cells: list[list[str]],
-    numbers: Mapping[int, Callable[[str], float | None]], options: Options, told: list[str], taken: set[int],
-) -> tuple[list[float | None] | None, datetime.datetime | None]:
+def _time(columns: Sequence[Column], options: Options, told: list[str]) -> tuple[list[float | None] | None, datetime.datetime | None]:
     """Seconds since the first stamp, and that, where there are stamps."""
     if options.time == "none":
         return None, None
-    if options.time and options.time not in [*labels, *names]:
-        raise OrchestratorError(f"{path}: --time {options.time}: there is no such column; it has {', '.join(labels)}")
-    wanted = None if options.time is None else labels.index(options.time) if options.time in labels else names.index(options.time)
-    stamps = [j for j, kind in enumerate(kinds) if kind == "stamp" or (options.format and wanted == j)]
+    wanted = _find(columns, options.time)
+    if options.time and not wanted:
+        refuse(f"--time {options.time}: there is no such column; it has {_listed(columns)}")
+    stamps = [column for column in columns if column.kind == "stamp" or options.format and column is wanted]
     if options.format and not stamps:
-        stamps = [j for j in range(len(kinds)) if any(_moment(cell, options.format) for cell in cells[j][:20])]
-    moments = {j: [_moment(cell.strip(), options.format) if cell else None for cell in cells[j]] for j in stamps}
-    heads = {j: next((moment for moment in moments[j] if moment), None) for j in stamps}
-    days = [j for j, head in heads.items() if head and head.days and head.seconds is None]
-    clocks = [j for j, head in heads.items() if head and head.days is None]
-    whole = [j for j, head in heads.items() if head and head.days and head.seconds is not None]
-    if wanted is not None:
+        stamps = [column for column in columns if any(_moment(cell, options.format) for cell in column.cells[:20])]
+    moments = {column: [_moment(cell.strip(), options.format) if cell else None for cell in column.cells] for column in stamps}
+    heads = {column: next(filter(None, row), None) for column, row in moments.items()}
+    days = [column for column, head in heads.items() if head and head.days and head.seconds is None]
+    clocks = [column for column, head in heads.items() if head and head.days is None]
+    whole = [column for column, head in heads.items() if head and head.days and head.seconds is not None]
+    if wanted:
         if wanted not in stamps:
             return None, None
-        days, clocks, whole = ([j for j in group if j == wanted or (group is not whole and wanted in days + clocks)] for group in (days, clocks, whole))
+        whole, days, clocks = ([column for column in group if column is wanted or group is not whole and wanted in days + clocks] for group in (whole, days, clocks))
     if not stamps:
-        row = _calendar(path, labels, kinds, cells, numbers, taken)
-        if row and "hour" not in _places(labels, kinds) and len(set(row)) < len(row):
-            raise OrchestratorError(f"{path}: its columns of year, month and day have several rows of one day and no hour; say --time none, or --time NAME of another column")
-        return (None, None) if row is None else _seconds(row, ", ".join(f"`{labels[j]}`" for j in sorted(taken)), told)
-    if len(whole) == 1 and not (days and clocks):
-        chosen = whole
-    elif not whole and len(days) == 1 and len(clocks) == 1:
-        chosen = [days[0], clocks[0]]
-    elif not whole and len(clocks) + len(days) == 1:
-        chosen = clocks or days
+        joined = _calendar(columns)
+        chosen, between = [column for column in columns if column.is_taken], ", "
+        if not joined:
+            return None, None
+    elif len(whole) == 1 and not (days and clocks) or not whole and max(len(days), len(clocks)) == 1:
+        chosen, between = whole or days + clocks, " and "
+        joined = [_join([moments[column][k] for column in chosen]) for k in range(len(columns[0].cells))]
     else:
-        several = " or ".join(f"`{labels[j]}`" for j in stamps)
-        raise OrchestratorError(f"{path}: the time may be {several}; say --time NAME")
-    taken.update(chosen)
-    name = " and ".join(f"`{labels[j]}`" for j in chosen)
-    joined = [_join([moments[j][k] for j in chosen]) for k in range(len(cells[0]))]
-    head = next(moment for moment in joined if moment)
+        refuse(f"the time may be {_quoted(stamps, ' or ')}; say --time NAME")
+    for column in chosen:
+        column.is_taken = True
+    name, cells = _quoted(chosen, between), [" ".join(row) for row in zip(*(column.cells for column in chosen), strict=True)]
+    head = next(filter(None, joined))
     if head.is_short and len(chosen) == 1:
-        raise OrchestratorError(f"{path}: times such as `{cells[chosen[0]][0]}` may be hours and minutes or minutes and seconds; say --format \"%H:%M\" or \"%M:%S\"")
-    def differs(moment: Moment | None) -> bool:
-        return moment is None or (moment.days is None) != (head.days is None)
-
-    bad = next((k for k, moment in enumerate(joined) if differs(moment) and any(cells[j][k] for j in chosen)), None)
-    if bad is not None:
-        raise OrchestratorError(f"{path}: `{' '.join(cells[j][bad] for j in chosen)}` of the time {name} (row {bad + 1}) is no time like the others; say --format, or correct the row")
+        refuse(f"times such as `{cells[0]}` may be hours and minutes or minutes and seconds; say --format \"%H:%M\" or \"%M:%S\"")
+    if stamps and (bad := next((k + 1 for k, moment in enumerate(joined) if cells[k].strip() and (moment is None or (moment.days is None) != (head.days is None))), 0)):
+        refuse(f"`{cells[bad - 1]}` of the time {name} (row {bad}) is no time like the others; say --format, or correct the row")
     if head.days is None:
         return _of_day(joined, name, told), None
-    readings: dict[str, list[int | None]] = {}
-    for order in ("", *FORMS):
-        if all(moment is None or moment.days and order in moment.days for moment in joined):
-            readings[order] = [_at(moment, order) if moment else None for moment in joined]
-    if not readings:
-        raise OrchestratorError(f"{path}: the dates of {name} are none; say --format")
-    sample = next(filter(None, cells[chosen[0]]))
-    if len(readings) > 1:
-        differences = [[at and at - min(filter(None, row)) for at in row] for row in readings.values()]
-        rising = [order for order, row in readings.items() if _rises(row)]
-        possible = " or the ".join(order.removesuffix(" first") for order in readings)
-        if all(one == differences[0] for one in differences):
-            told.append(f"`{sample}` may have the {possible} first: the same seconds either way, so time 0 is known but for its date")
-        elif len(rising) == 1:
-            readings = {rising[0]: readings[rising[0]]}
-        else:
-            mark, year = next(letter for letter in sample if not letter.isdigit()), "%Y" if re.search(r"\d{4}", sample) else "%y"
-            rest = _form(sample)
-            forms = " or ".join(f'"{FORMS[order].format(mark, year)}{rest}"' for order in readings)
-            raise OrchestratorError(f"{path}: dates such as `{sample}` may have the {possible} first; say --format {forms}")
-    order, row = next(iter(readings.items()))
+    order, row = _read_days(joined, name, next(filter(None, chosen[0].cells)), told)
     again = sum(before == after is not None for before, after in pairwise(row))
     if again and all(moment is None or moment.seconds is None for moment in joined):
-        raise OrchestratorError(
-            f"{path}: {name} holds days, and {again} rows have the day of the row before; write the clock beside it in one column, or say --time none, or "
-            "--time NAME of another column")
-    seconds, start = _seconds(row, name + (f" ({order})" if order and len(readings) == 1 else ""), told)
+        refuse(f"{name} holds days, and {again} rows have the day of the row before: several rows of one day want the clock beside it in one column; say --time none, "
+               "or --time NAME of another column")
+    zero = next(at for at in row if at is not None)
+    seconds = [None if at is None else (at - zero) / 1e9 for at in row]
+    _tell_time(seconds, name + (f" ({order})" if order else ""), told)
+    start = datetime.datetime.fromordinal(zero // DAY_NS) + datetime.timedelta(microseconds=zero % DAY_NS // 1000)
     return seconds, start.replace(tzinfo=datetime.UTC) if head.has_zone else start
+
+
+def _join(parts: list[Moment | None]) -> Moment | None:
+    """A moment in one column, or its day and its time in two."""
+    day, clock = parts[0], parts[-1]
+    return day and clock and Moment(day.days, clock.seconds, day.is_short, clock.has_zone)
+
+
+def _read_days(joined: Sequence[Moment | None], name: str, sample: str, told: list[str]) -> tuple[str, list[int | None]]:
+    """The order of day and month that all rows allow, and nanoseconds since the day 0: loggers write more figures than a ``datetime``
+    has."""
+    def at(moment: Moment, order: str) -> int:
+        return (moment.days or {})[order].toordinal() * DAY_NS + round((moment.seconds or 0.0) * 1e9)
+
+    readings = {order: [at(moment, order) if moment else None for moment in joined]
+                for order in ("", *FORMS) if all(moment is None or order in (moment.days or {}) for moment in joined)}
+    if not readings:
+        refuse(f"the dates of {name} are none; say --format")
+    if len(readings) == 1:
+        return next(iter(readings.items()))
+    rising = [order for order, row in readings.items() if _rises(row)]
+    differences = [[tick and tick - min(filter(None, row)) for tick in row] for row in readings.values()]
+    possible = " or the ".join(order.removesuffix(" first") for order in readings)
+    if all(one == differences[0] for one in differences):
+        told.append(f"`{sample}` may have the {possible} first: the same seconds either way, so time 0 is known but for its date")
+        return "", next(iter(readings.values()))
+    if len(rising) == 1:
+        return rising[0], readings[rising[0]]
+    mark, year = next(letter for letter in sample if not letter.isdigit()), "%Y" if re.search(r"\d{4}", sample) else "%y"
+    forms = " or ".join(f'"{FORMS[order].format(mark, year)}{_form(sample)}"' for order in readings)
+    refuse(f"dates such as `{sample}` may have the {possible} first; say --format {forms}")
 
 
 def _form(stamp: str) -> str:
@@ -727,27 +680,15 @@ def _rises(row: Sequence[Any]) -> bool:
     return all(after >= before for before, after in pairwise(there))
 
 
-def _join(parts: list[Moment | None]) -> Moment | None:
-    """A moment in one column, or its day and its time in two."""
-    day, clock = parts[0], parts[-1]
-    return day and clock and Moment(day.days, clock.seconds, day.is_short, clock.has_zone)
-
-
-def _at(moment: Moment, order: str) -> int:
-    """Nanoseconds since the day 0: loggers write more figures than a ``datetime`` has."""
-    assert moment.days
-    return moment.days[order].toordinal() * DAY_NS + round((moment.seconds or 0.0) * 1e9)
-
-
 def _of_day(moments: Sequence[Moment | None], name: str, told: list[str]) -> list[float | None]:
     """Times of day; after midnight they begin anew."""
-    there = [moment.seconds for moment in moments if moment and moment.seconds is not None]
-    days, last, seconds = 0, there[0], []
-    for moment in moments:
-        value = moment.seconds if moment else None
+    values = [moment.seconds if moment else None for moment in moments]
+    first = last = next(value for value in values if value is not None)
+    days, seconds = 0, []
+    for value in values:
         if value is not None:
             days, last = days + (value < last - 43200), value
-        seconds.append(None if value is None else round(value + 86400 * days - there[0], 9))
+        seconds.append(None if value is None else round(value + 86400 * days - first, 9))
     _tell_time(seconds, name + (f", over midnight {days} times" if days else ""), told)
     return seconds
 
@@ -758,86 +699,72 @@ def _tell_time(seconds: Sequence[float | None], name: str, told: list[str]) -> N
     told.append(f"time: {name}, {min(there):.12g} .. {max(there):.12g} s" + (f"; it falls {falls} times (a clock that was set back?)" if falls else ""))
 
 
-def _seconds(row: Sequence[int | None], name: str, told: list[str]) -> tuple[list[float | None], datetime.datetime]:
-    zero = next(at for at in row if at is not None)
-    seconds = [None if at is None else (at - zero) / 1e9 for at in row]
-    _tell_time(seconds, name, told)
-    return seconds, datetime.datetime.fromordinal(zero // DAY_NS) + datetime.timedelta(microseconds=zero % DAY_NS // 1000)
-
-
-def _places(labels: list[str], kinds: Sequence[str]) -> dict[str, int]:
+def _places(columns: Sequence[Column]) -> dict[str, Column]:
     """The columns that are called as parts of a calendar."""
+    has_months = any(column.label == "MM" for column in columns)
     places = {}
     for part, words in PARTS.items():
         # Beside a month `MM`, `mm` is a minute.
-        found = [j for j, label in enumerate(labels) if ("mi" if label == "mm" and "MM" in labels else label.lower()) in words.split() and kinds[j] == "number"]
+        found = [column for column in columns if column.kind == "number" and ("mi" if column.label == "mm" and has_months else column.label.lower()) in words.split()]
         if len(found) == 1:
             places[part] = found[0]
     return places
 
 
-def _of_figures(
-    path: Path, labels: list[str], said: list[str], kinds: list[str], cells: list[list[str]],
-    numbers: Mapping[int, Callable[[str], float | None]], options: Options, taken: set[int],
-) -> Options:
+def _of_figures(columns: Sequence[Column], options: Options) -> Options:
     """Makes stamps of days and clocks that are figures alone, such as 20240131 and 93015; gives the options that are left to obey."""
     form = FORM_OF_FIGURES.fullmatch(options.format or "")
     if options.time == "none" or form and form[1] and form[2] and " " not in form[0]:
         return options
-    there = [[cell for cell in column if cell.lower() not in NOTHING] for column in cells]
-    heads = [_moment(column[0], None if form else options.format) if kind == "stamp" and column else None for kind, column in zip(kinds, there, strict=True)]
-    plain = [j for j, kind in enumerate(kinds) if kind == "number" and there[j] and said[j].lower() in ("", "hhmm", "hhmmss")]
-
-    def fitting(j: int, forms: Sequence[str]) -> list[str]:
-        return [form for form in forms if all(_figures(cell, form) for cell in there[j])]
-
-    days = {j: found for j in plain if CALLED_DAY.search(labels[j]) and (found := fitting(j, [form[1]] if form and form[1] else DAYS))}
-    clocks = {j: found for j in plain if j not in days and CALLED_CLOCK.search(labels[j]) and (found := fitting(j, [form[2]] if form and form[2] else CLOCKS))}
-    timed = any(kinds[j] == "number" and j not in clocks and (said[j] in OF_TIME or not said[j] and is_time_name(labels[j]))
-                and _rises([numbers[j](cell) for cell in there[j]]) for j in range(len(labels)))
-    parts = _places(labels, kinds)
+    heads = {column: _moment(there[0], None if form else options.format) for column in columns if column.kind == "stamp" and (there := column.there())}
+    days: dict[Column, list[str]] = {}
+    clocks: dict[Column, list[str]] = {}
+    for column in columns:
+        there = column.there()
+        for called, kept, stated, usual in ((CALLED_DAY, days, form and form[1], DAYS), (CALLED_CLOCK, clocks, form and form[2], CLOCKS)):
+            if column.kind == "number" and there and column.unit.lower() in ("", "hhmm", "hhmmss") and column not in days and called.search(column.label):
+                fitting = [one for one in ([stated] if stated else usual) if all(_figures(cell, one) for cell in there)]
+                kept.update({column: fitting} if fitting else {})
+    is_timed = any(column.kind == "number" and column not in clocks and (column.unit in OF_TIME or not column.unit and is_time_name(column.label))
+                   and _rises([column.number(cell) for cell in column.there()]) for column in columns)
+    parts = _places(columns)
     has_parts = {"year", "month", "day"} <= parts.keys() and "hour" not in parts
-    known_days = [head for head in heads if head and head.days]
-    if timed or len(days) > 1 or any(head.seconds is not None for head in known_days):
+    known_days = [head for head in heads.values() if head and head.days]
+    if is_timed or len(days) > 1 or any(head.seconds is not None for head in known_days):
         return options
-    clocks = {j: found for j, found in clocks.items() if options.time not in labels or options.time == labels[j] or labels.index(options.time) in days} if options.time else clocks
-    if len(clocks) + sum(head is not None and not head.days for head in heads) > 1:
-        several = "` or `".join(labels[j] for j, head in enumerate(heads) if j in clocks or head and not head.days)
-        raise OrchestratorError(f"{path}: the clock may be `{several}`; say --time NAME")
+    if wanted := next((column for column in columns if column.label == options.time), None):
+        clocks = {column: found for column, found in clocks.items() if column is wanted or wanted in days}
+    several = [column for column in columns if column in clocks or (head := heads.get(column)) and not head.days]
+    if len(several) > 1:
+        refuse(f"the clock may be {_quoted(several, ' or ')}; say --time NAME")
 
-    def become(j: int, form: str) -> None:
-        cells[j], kinds[j] = [_figures(cell, form) or cell for cell in cells[j]], "stamp"
+    def become(column: Column, form: str) -> None:
+        column.cells, column.kind = [_figures(cell, form) or cell for cell in column.cells], "stamp"
 
-    for j, found in days.items():
-        rising = [form for form in found if _rises([_figures(cell, form) for cell in there[j]])]
-        days[j] = found = rising if len(rising) == 1 else found
+    for column, found in days.items():
+        rising = [form for form in found if _rises([_figures(cell, form) for cell in column.there()])]
+        days[column] = found = rising if len(rising) == 1 else found
         if len(found) > 1:
-            raise OrchestratorError(f"{path}: dates such as `{there[j][0]}` in column `{labels[j]}` have several readings; say --format \"" + '" or "'.join(found) + '"')
-    for j, found in clocks.items():
-        has_day = bool(days or known_days or has_parts)
+            forms = '" or "'.join(found)
+            refuse(f"dates such as `{column.there()[0]}` in column `{column.label}` have several readings; say --format \"{forms}\"")
+    for column, found in clocks.items():
+        there, has_day = column.there(), bool(days or known_days or has_parts)
         # What all rows have of leading zeros, or the name, tells how much there is.
-        is_padded = len({len(cell) for cell in there[j]}) == 1 and any(cell[0] == "0" for cell in there[j])
-        named = re.sub("[^hms]", "", (said[j] or labels[j]).lower())
-        told = [one for one in found if one == (form and form[2]) or named.endswith("hhmmss"[: len(one)]) or is_padded and len(there[j][0]) == len(one)]
-        values = [numbers[j](cell) or 0.0 for cell in there[j]]
-        # Numbers of seconds would seldom all be clocks that pass a minute: late in the day, for long, or in steps that are regular only so.
-        is_like = len({value // 100 for value in values}) > 1 and (
-            min(values) >= 10_000 or max(values) >= 10_000 and (len(values) > 9 or not _rises(values)) or _is_regular(values))
-        if not told and (len(found) > 1 if has_day else is_like):
-            before = next((f"{day[0]} " for day in days.values()), "")
-            forms = '" or "'.join(before + one for one in found)
-            raise OrchestratorError(
-                f"{path}: column `{labels[j]}`: `{there[j][0]}` may be a clock, or a number of seconds; say --format \"{forms}\", or --unit \"{labels[j]}=s\"")
-        if told or has_day:
-            become(j, (told or found)[0])
-            heads[j] = _moment(_figures(there[j][0], found[0]) or "", None)
-    for j, found in days.items():
-        become(j, found[0])
-    if has_parts and any(head and not head.days for head in heads):
-        dates = [[numbers[parts[part]](cell) for cell in cells[parts[part]]] for part in ("year", "month", "day")]
-        cells[parts["day"]] = ["-".join(f"{value:02.0f}" for value in row) if None not in row else "" for row in zip(*dates, strict=True)]
-        kinds[parts["day"]] = "stamp"
-        taken.update((parts["year"], parts["month"]))
+        is_padded = len({len(cell) for cell in there}) == 1 and any(cell[0] == "0" for cell in there)
+        named = re.sub("[^hms]", "", (column.unit or column.label).lower())
+        known = [one for one in found if one == (form and form[2]) or named.endswith("hhmmss"[: len(one)]) or is_padded and len(there[0]) == len(one)]
+        if not known and (len(found) > 1 if has_day else _are_clocks([column.number(cell) or 0.0 for cell in there])):
+            forms = '" or "'.join(next((f"{form[0]} " for form in days.values()), "") + one for one in found)
+            refuse(f"column `{column.label}`: `{there[0]}` may be a clock, or a number of seconds; say --format \"{forms}\", or --unit \"{column.label}=s\"")
+        if known or has_day:
+            become(column, (known or found)[0])
+            heads[column] = _moment(column.there()[0])
+    for column, found in days.items():
+        become(column, found[0])
+    if has_parts and any(head and not head.days for head in heads.values()):
+        dates = zip(*([place.number(cell) for cell in place.cells] for place in (parts["year"], parts["month"], parts["day"])), strict=True)
+        parts["day"].cells = ["" if None in row else "-".join(f"{value:02.0f}" for value in row) for row in dates]
+        parts["day"].kind, parts["year"].is_taken, parts["month"].is_taken = "stamp", True, True
     return dataclasses.replace(options, format=None if form and (days or clocks) else options.format)
 
 
@@ -861,64 +788,63 @@ def _figures(cell: str, form: str) -> str | None:
     return None
 
 
-def _is_regular(values: Sequence[float]) -> bool:
-    """Whether clocks of figures have one step where seconds would have several."""
+def _are_clocks(values: Sequence[float]) -> bool:
+    """Whether numbers that could be clocks are hardly seconds: they pass a minute late in the day, for long, or in steps that are regular
+    only so."""
     clocks = [value // 10_000 * 3600 + value // 100 % 100 * 60 + value % 100 for value in values]
     steps = [{round(after - before, 6) for before, after in pairwise(row)} for row in (values, clocks)]
-    return len(values) > 4 and len(steps[0]) > 1 == len(steps[1])
+    return len({value // 100 for value in values}) > 1 and (
+        min(values) >= 10_000 or max(values) >= 10_000 and (len(values) > 9 or not _rises(values)) or len(values) > 4 and len(steps[0]) > 1 == len(steps[1]))
 
 
-def _calendar(
-    path: Path, labels: list[str], kinds: Sequence[str], cells: list[list[str]], numbers: Mapping[int, Callable[[str], float | None]], taken: set[int]
-) -> list[int | None] | None:
+def _calendar(columns: Sequence[Column]) -> list[Moment | None] | None:
     """Year, month, day, hour and minute in columns."""
-    places = _places(labels, kinds)
+    places = _places(columns)
     if not {"year", "month", "day"} <= places.keys():
         return None
 
-    def refuse(part: str, why: str) -> NoReturn:
-        raise OrchestratorError(
-            f"{path}: column `{labels[places[part]]}` is called as the {part} of the time and {why}; rename it where it is something else, or say --time none")
+    def wrong(part: str, why: str) -> NoReturn:
+        refuse(f"column `{places[part].label}` is called as the {part} of the time and {why}; rename it where it is something else, or say --time none")
 
     for above, part in pairwise(["day", "hour", "minute", "second"]):
         if part in places and above not in places:
-            refuse(part, f"no column is the {above}")
-    if "minute" in places and labels[places["minute"]].lower() == "min" and any(label.lower() in ("max", "mean", "avg") for label in labels):
-        refuse("minute", "stands beside a largest or a mean value")
-    row: list[int | None] = []
-    for k in range(len(cells[0])):
-        values = {part: numbers[j](cells[j][k]) for part, j in places.items()}
-        if any(value is None for value in values.values()):
-            row.append(None)
+            wrong(part, f"no column is the {above}")
+    if "minute" in places and places["minute"].label.lower() == "min" and any(column.label.lower() in ("max", "mean", "avg") for column in columns):
+        wrong("minute", "stands beside a largest or a mean value")
+    moments: list[Moment | None] = []
+    for cells in zip(*(column.cells for column in places.values()), strict=True):
+        values = {part: value for (part, column), cell in zip(places.items(), cells, strict=True) if (value := column.number(cell)) is not None}
+        if len(values) < len(places):
+            moments.append(None)
             continue
-        for part, most in MOST.items():
-            value = values.get(part) or 0.0
-            if not 0 <= value <= most or value % 1 and part != "second":
-                refuse(part, f"holds {value:g}")
+        for part, value in values.items():
+            if not 0 <= value <= MOST[part] or value % 1 and part != "second":
+                wrong(part, f"holds {value:g}")
         try:
-            day = datetime.date(*(int(values[part] or 0) for part in ("year", "month", "day")))
+            day = datetime.date(*(int(values[part]) for part in ("year", "month", "day")))
         except ValueError:
-            refuse("day", f"holds {values['day']:g} in month {values['month']:g} of year {values['year']:g}")
+            wrong("day", f"holds {values['day']:g} in month {values['month']:g} of year {values['year']:g}")
         if day.year < 100:
             return None
         # Weather data count the hours from 1 to 24 and write the end of each.
-        seconds = sum(of * (values.get(part) or 0) for part, of in (("hour", 3600), ("minute", 60), ("second", 1)))
-        row.append(_at(Moment({"": day}, seconds), ""))
-    taken.update(places.values())
-    return row
+        clock = sum(of * values.get(part, 0) for part, of in (("hour", 3600), ("minute", 60), ("second", 1)))
+        moments.append(Moment({"": day}, clock if "hour" in places else None))
+    for column in places.values():
+        column.is_taken = any(moments)
+    return moments if any(moments) else None
 
 
-def _labview(path: Path, lines: Sequence[str], options: Options) -> Columns:
+def _labview(lines: Sequence[str], options: Options) -> Table:
     """LabVIEW's measurement files say how they are written."""
     marks = [k for k, line in enumerate(lines) if line.startswith("***End_of_Header***")]
     if len(marks) != 2:
-        why = "LabVIEW's header has no end; export it as csv" if len(marks) < 2 else f"{len(marks) - 1} segments, each a recording of its own; save them as files of their own"
-        raise OrchestratorError(f"{path}: {why}")
+        refuse("LabVIEW's header has no end; export it as csv" if len(marks) < 2 else
+               f"{len(marks) - 1} segments, each a recording of its own; save them as files of their own")
     known = {parts[0]: parts[1] for line in lines[: marks[0]] if len(parts := line.split("\t" if "\t" in line else ",")) > 1}
     delimiter = "," if known.get("Separator") == "Comma" else "\t"
     decimal, way = known.get("Decimal_Separator", "."), known.get("X_Columns", "One")
-    about = {row[0]: row[1:] for row in _split(path, lines[marks[0] + 1 : marks[1]], delimiter) if row}
-    names, *body = _split(path, lines[marks[1] + 1 :], delimiter)
+    about = {row[0]: row[1:] for row in _split(lines[marks[0] + 1 : marks[1]], delimiter) if row}
+    names, *body = _split(lines[marks[1] + 1 :], delimiter)
     count, units = len([name for name in about.get("Samples", names) if name]), about.get("Y_Unit_Label", [])
     places = [2 * c + 1 if way == "Multi" else c + 1 for c in range(count)]
     for c, place in enumerate(places):
@@ -928,39 +854,35 @@ def _labview(path: Path, lines: Sequence[str], options: Options) -> Columns:
             names[place] += f" [{units[c]}]"
     last = places[-1] + 1
     body = [row[:last] + [""] * (last - len(row)) for row in body if any(row[:last])]
-    columns = table(path, [names[:last], *body], dataclasses.replace(options, header=1, decimal=decimal))
+    columns = table([names[:last], *body], dataclasses.replace(options, header=1, decimal=decimal))
     if way == "One":
         columns.time = list(columns.channels.pop(0)[2])
     elif way == "No":
         begins, steps = ({cell.replace(decimal, ".") for cell in about.get(key, [])[:count]} for key in ("X0", "Delta_X"))
         if len(begins) != 1 or len(steps) != 1 or "" in begins | steps:
-            raise OrchestratorError(f"{path}: its channels have clocks of their own (X0, Delta_X); save it with X columns")
+            refuse("its channels have clocks of their own (X0, Delta_X); save it with X columns")
         columns.time = [round(float(*begins) + k * float(*steps), 12) for k in range(len(body))]
     if columns.time:
         columns.told.append(f"time: by LabVIEW's header, {columns.time[0]} .. {columns.time[-1]} s")
     return columns
 
 
-def _seabird(path: Path, lines: Sequence[str], options: Options) -> Columns:
+def _seabird(lines: Sequence[str], options: Options) -> Table:
     """Sea-Bird's files name their columns above `*END*`; without blanks between them, each has eleven letters."""
     end = next((k for k, line in enumerate(lines) if line.startswith("*END*")), len(lines))
     known = dict(pair for line in lines[:end] if len(pair := line.removeprefix("# ").rstrip().split(" = ", 1)) == 2)
     if known.get("file_type") == "binary":
-        raise OrchestratorError(f"{path}: its values are binary; save it as ASCII, as SBE Data Processing does")
-    names, units = [], []
-    for name in (known[f"name {k}"] for k in range(len(known)) if f"name {k}" in known):
-        found = re.search(r"\[(?:.*, )?([^]]+)\]", name)
-        names.append(name.partition(":")[0])
-        units.append(f"[{found[1]}]" if found else "")
-    rows = [line.split() for line in lines[end + 1 :]]
-    wide = [[line[k : k + 11].strip() for k in range(0, 11 * len(names), 11)] if len(line.rstrip()) == 11 * len(names) else [] for line in lines[end + 1 :]]
-    rows = [cut if len(row) != len(names) == len(cut) else row for row, cut in zip(rows, wide, strict=True)]
-    bad, gaps = known.get("bad_flag"), 0
-    for row in rows:
-        for j, cell in enumerate(row):
-            if bad and cell == bad:
-                row[j], gaps = "", gaps + 1
-    columns = table(path, [names, units, *rows], dataclasses.replace(options, header=1), ".")
+        refuse("its values are binary; save it as ASCII, as SBE Data Processing does")
+    names = [known[f"name {k}"] for k in range(len(known)) if f"name {k}" in known]
+    units = [f"[{found[1]}]" if (found := re.search(r"\[(?:.*, )?([^]]+)\]", name)) else "" for name in names]
+    bad, gaps, rows = known.get("bad_flag"), 0, []
+    for line in lines[end + 1 :]:
+        row = line.split()
+        if len(row) != len(names) and len(line.rstrip()) == 11 * len(names):
+            row = [line[k : k + 11].strip() for k in range(0, 11 * len(names), 11)]
+        gaps += row.count(bad) if bad else 0
+        rows.append(["" if cell == bad else cell for cell in row])
+    columns = table([[name.partition(":")[0] for name in names], units, *rows], dataclasses.replace(options, header=1), ".")
     if gaps:
         columns.told.append(f"{gaps} cells are `{bad}`, the header's mark of bad values, and became empty")
     if columns.time is None and (interval := known.get("interval", "")).startswith("seconds"):

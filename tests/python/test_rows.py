@@ -161,8 +161,10 @@ def test_what_other_peoples_loggers_wrote(tmp_path):
 
 
 def test_rows_above_the_names_are_told(tmp_path, capsys):
-    assert converted(tmp_path, rows("Serial;12345", "", "t [s];F", "0;1,5", "1;2,5"))[1] == [[0.0, 1.5], [1.0, 2.5]]
-    assert "1 lines with numbers above the recording were left out, line 1 first: `Serial 12345`" in capsys.readouterr().out
+    assert converted(tmp_path, rows("Serial;12345", "", "t [s];F", "0;1,5", "1;2,5", "End"))[1] == [[0.0, 1.5], [1.0, 2.5]]
+    told = capsys.readouterr().out
+    assert "1 lines with numbers above the recording were left out, line 1 first: `Serial 12345`" in told
+    assert "1 lines hold no row of the recording and were left out, line 6 first: `End`" in told
 
 
 def test_thousands_and_signs(tmp_path):
@@ -208,6 +210,7 @@ def test_thousands_and_signs(tmp_path):
     (["when;P", "12:00;1.5", "12:01;2.5"], ["%H:%M", "%M:%S"], {"format": "%M:%S"}),
     (["von;bis;P", "02.06.2025 13:45;02.06.2025 14:45;1,5", "02.06.2025 14:45;02.06.2025 15:45;2,5"], ["--time", "von"], {"time": "von"}),
     (["when;P", *(f"2026-{30 + k} 13:15:00;{k}.5" for k in range(4))], ["`2026-30 13:15:00` is no known stamp", "--format", "--time"], {"format": "%Y-%j %H:%M:%S"}),
+    (["quand;P", *(f"{k} nov. 2026 13h15;{k}.5" for k in range(1, 5))], ["`1 nov. 2026 13h15` is no known stamp"], {"time": "none"}),
     (["Period;P", *(f"2026-11-03T1{k}:00/2026-11-03T1{k + 1}:00;{k}.5" for k in range(4))], ["no known stamp"], {"time": "none"}),
     (["a;b", "foo;baz", "0;1.5", "1;2.5"], ["--header"], {"header": 1}),
     (["Albuquerque", "35.04 -106.6 1617 m version 1", "2019 56 2 25 0.5 79.9 102.6 1.5", "2019 56 2 25 1.5 79.8 102.5 1.5"], ["--header 0", "--header 3"], {"header": 0}),
@@ -249,7 +252,7 @@ def test_a_clock_that_falls_and_short_rows_are_told(tmp_path, capsys):
     assert "-43199 .. 0 s; it falls 1 times" in told and "1 rows have fewer than 3 cells, line 3 first" in told
     # Cells of remarks that separate better than those of the recording.
     remarks = [*(f"span {k} = {k}.5, {k}.75" for k in range(4)), "interval = 5", *(f"  {k}.5   {k}.25  {k}.75" for k in range(9))]
-    with pytest.raises(OrchestratorError, match="9 lines below line 1 .* are no rows like it, line 5 first"):
+    with pytest.raises(OrchestratorError, match="10 lines below line 1 .* are no rows like it, line 5 first"):
         converted(tmp_path, rows(*remarks), header=0, delimiter=",")
     assert len(converted(tmp_path, rows(*remarks), header=0)[1]) == 9
     # A column of states beside a time that comes again is none of signals' names; `T` is no time; frames are no parts of a second.

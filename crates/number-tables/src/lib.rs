@@ -1,5 +1,6 @@
 #![doc = include_str!("../README.md")]
 
+pub mod clocks;
 pub mod csv_file;
 pub mod files;
 pub mod parquet;
@@ -9,7 +10,7 @@ mod rows;
 use crate::files::{FileError, convert};
 use std::{collections::HashSet, path::Path};
 
-use fmu_import::units::known;
+use fmu_import::units::{Conversion, known};
 use fmu_points::names::{did_you_mean, nearest};
 pub use rows::{How, Rows};
 
@@ -148,11 +149,6 @@ pub fn column(name: &str, purpose: impl Into<String>) -> Column {
     (vec![name.to_owned()], purpose.into())
 }
 
-/// The column of the time: of this name, or where none is stated the one that its unit or name tells.
-pub fn time_column(stated: Option<&str>) -> Column {
-    (stated.map(str::to_owned).into_iter().collect(), "the time".to_owned())
-}
-
 /// The column `time`, else the only one that has a unit of time or is called time.
 fn place_of_time(path: &Path, header: &[String]) -> Result<usize, FileError> {
     let is_time = |(bare, unit): (&str, Option<String>)| unit.map_or(is_time_name(bare), |unit| is_of_time(&unit));
@@ -168,8 +164,7 @@ fn place_of_time(path: &Path, header: &[String]) -> Result<usize, FileError> {
         [] => "no column has a unit of time or is called `time`",
         _ => "several columns may be the time",
     };
-    let names: Vec<String> = header.iter().map(|name| shown(name)).collect();
-    Err(FileError::new(path, format!("{why}: say time = \"...\"; it has {}", names.join(", "))))
+    Err(FileError::new(path, format!("{why}: say time = \"...\"; it has {}", listed(header))))
 }
 
 /// Columns of numbers from a csv or Parquet file, with the rows' own numbers where it has a column `point`.
@@ -189,11 +184,35 @@ impl Table {
     /// # Errors
     /// When the table cannot be read, a column is missing, or a cell is not a number.
     pub fn read(path: &Path, columns: &[Column]) -> Result<Self, FileError> {
-        Self::load(path, columns, false)
+        Ok(Self::load(path, columns, false)?.table)
+    }
+
+    /// Reads columns behind that of the times, which become seconds: the column of this name, or where none is stated the one that its
+    /// unit or name tells.
+    ///
+    /// # Errors
+    /// As [`Table::read`], and when the times have no unit of time, or may be days or clocks.
+    pub fn read_over_time(path: &Path, time: Option<&str>, columns: Vec<Column>) -> Result<Self, FileError> {
+        let time = (time.map(str::to_owned).into_iter().collect(), "the time".to_owned());
+        let columns: Vec<Column> = std::iter::once(time).chain(columns).collect();
+        let Reading { mut table, header, places, has_days, .. } = Self::load(path, &columns, false)?;
+        let name = shown(&header[places[0]]);
+        let way = match table.units[0].as_deref() {
+            Some(unit) => known::between(unit, "s")
+                .ok_or_else(|| format!("column `{name}` is in `{unit}`, which is no unit of time")),
+            None => {
+                let times: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
+                let units = format!("write `{name} [ms]` in its first line");
+                clocks::doubt(path, &name, &times, has_days, &units).map_or(Ok(Conversion::IDENTITY), Err)
+            }
+        };
+        let way = way.map_err(|message| FileError::new(path, message))?;
+        table.rows.iter_mut().for_each(|row| row[0] = way.value(row[0]));
+        Ok(table)
     }
 
     /// With `gaps`, an empty cell is not a number instead of an error.
-    fn load(path: &Path, columns: &[Column], gaps: bool) -> Result<Self, FileError> {
+    fn load<'a>(path: &'a Path, columns: &[Column], gaps: bool) -> Result<Reading<'a>, FileError> {
         let mut rows = open(path, How { comments: true, gaps })?;
         if rows.names().is_empty() {
             return Err(empty(path));
@@ -206,7 +225,7 @@ impl Table {
             return Err(empty(path));
         }
         check_marks(path, &*rows, reading.places.iter().copied())?;
-        Ok(reading.table)
+        Ok(reading)
     }
 
     /// Reads a table of points, whose rows are told apart by their numbers.
@@ -214,7 +233,7 @@ impl Table {
     /// # Errors
     /// As [`Table::read`], and when two points have the same number.
     pub fn read_points(path: &Path, columns: &[Column]) -> Result<Self, FileError> {
-        Self::load(path, columns, false)?.distinct(path)
+        Self::load(path, columns, false)?.table.distinct(path)
     }
 
     /// Reads a table of results: an empty cell, as of a failed point, becomes NaN.
@@ -222,7 +241,7 @@ impl Table {
     /// # Errors
     /// As [`Table::read_points`].
     pub fn read_results(path: &Path, columns: &[Column]) -> Result<Self, FileError> {
-        Self::load(path, columns, true)?.distinct(path)
+        Self::load(path, columns, true)?.table.distinct(path)
     }
 
     fn distinct(self, path: &Path) -> Result<Self, FileError> {
@@ -241,6 +260,8 @@ struct Reading<'a> {
     /// Where the columns are that were asked for, and that of the labels.
     places: Vec<usize>,
     label: Option<usize>,
+    /// Whether another column has a day in the first row.
+    has_days: bool,
     table: Table,
 }
 
@@ -254,6 +275,7 @@ impl<'a> Reading<'a> {
             places,
             label: header.iter().position(|name| name.eq_ignore_ascii_case("point")),
             header,
+            has_days: false,
             table: Table { rows: Vec::new(), labels: Vec::new(), units },
         })
     }
@@ -275,6 +297,10 @@ impl<'a> Reading<'a> {
             })
             .collect::<Result<_, _>>()?;
         let Table { rows, labels, .. } = &mut self.table;
+        if rows.is_empty() {
+            let is_day = |place: usize| clocks::is_day(name_and_unit(&self.header[place]).0, &row.text(place));
+            self.has_days = (0..self.header.len()).any(is_day);
+        }
         if rows.len() == MOST_ROWS {
             return Err(FileError::new(
                 self.path,
@@ -310,34 +336,36 @@ fn find(path: &Path, header: &[String], names: &[String], purpose: &str) -> Resu
     if names.is_empty() {
         return place_of_time(path, header);
     }
-    let bare = |column: &String, name: &String| column == name || name_and_unit(column).0 == name;
-    let exact = names.iter().find_map(|name| header.iter().position(|column| column == name));
-    let place = exact.or_else(|| names.iter().find_map(|name| header.iter().position(|column| bare(column, name))));
-    if let Some(place) = place
-        && header[place + 1..].iter().any(|other| match exact {
-            Some(_) => *other == header[place],
-            None => name_and_unit(other).0 == name_and_unit(&header[place]).0,
-        })
-    {
-        let column = format!("column `{}`", shown(&header[place]));
-        return Err(twice(path, &column));
+    let bare = |place: usize| name_and_unit(&header[place]).0;
+    let found = |name: &String| places(header.len(), |place| header[place] == *name, |place| bare(place) == name);
+    let is_there = |name: &&String| header.contains(name);
+    let named = names.iter().find(is_there).or_else(|| names.iter().find(|name| !found(name).is_empty()));
+    match named.map(found).unwrap_or_default()[..] {
+        [place] => return Ok(place),
+        [place, ..] => return Err(twice(path, &format!("column `{}`", shown(&header[place])))),
+        [] => {}
     }
-    let is_number = |name: &String| name.parse::<f64>().is_ok();
-    place.ok_or_else(|| {
-        let column = names.first().map_or("", String::as_str);
-        let near = nearest(column, header.iter().map(String::as_str)).map(shown);
-        let suggestion = did_you_mean(near.as_deref());
-        const MANY: usize = 20;
-        let known = header.iter().take(MANY).map(|name| shown(name));
-        let further = header.len().saturating_sub(MANY);
-        let further = (further > 0).then(|| format!("{further} more"));
-        let known: Vec<String> = known.chain(further).collect();
-        let known = known.join(", ");
-        let rest = if header.iter().all(is_number) {
-            format!(": the first line must name the columns, and it has {known}")
-        } else {
-            format!("{suggestion}; it has {known}")
-        };
-        FileError::new(path, format!("no column `{column}` for {purpose}{rest}"))
-    })
+    let column = &names[0];
+    let near = nearest(column, header.iter().map(String::as_str)).map(shown);
+    let rest = if header.iter().all(|name| name.parse::<f64>().is_ok()) {
+        ": the first line must name the columns, and".to_owned()
+    } else {
+        did_you_mean(near.as_deref()) + ";"
+    };
+    Err(FileError::new(path, format!("no column `{column}` for {purpose}{rest} it has {}", listed(header))))
+}
+
+/// The places of the columns that have a name, or else of those that have it without their units.
+fn places(count: usize, has: impl Fn(usize) -> bool, has_bare: impl Fn(usize) -> bool) -> Vec<usize> {
+    let exact: Vec<usize> = (0..count).filter(|&place| has(place)).collect();
+    if exact.is_empty() { (0..count).filter(|&place| has_bare(place)).collect() } else { exact }
+}
+
+/// Names of columns as a message shows them.
+fn listed<'a>(names: impl IntoIterator<Item = &'a String, IntoIter: ExactSizeIterator>) -> String {
+    const MANY: usize = 20;
+    let names = names.into_iter();
+    let further = names.len().saturating_sub(MANY);
+    let further = (further > 0).then(|| format!("{further} more"));
+    names.take(MANY).map(|name| shown(name)).chain(further).collect::<Vec<_>>().join(", ")
 }

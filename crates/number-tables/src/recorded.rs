@@ -7,6 +7,7 @@ use std::{
 };
 
 use crate::{
+    clocks::is_day,
     files::{self, FileError, convert},
     is_of_time, is_time_name, name_and_unit,
     rows::How,
@@ -186,13 +187,13 @@ impl RecordedTable {
         }
     }
 
-    /// Whether a column has days in figures, such as 20261103.
+    /// Whether a column has days.
     pub fn has_days(&self) -> bool {
-        let is_day = |value: &f64| {
-            let (month, day) = ((value / 100.0).floor() % 100.0, value % 100.0);
-            (19e6..21e6).contains(value) && (1.0..=12.0).contains(&month) && (1.0..=31.0).contains(&day)
-        };
-        self.columns.iter().any(|column| column.values.iter().all(|value| is_day(value) && value.fract() == 0.0))
+        self.columns.iter().any(|column| {
+            let text = column.texts.first().map(|(_, _, text)| text.clone());
+            let first = text.or_else(|| column.values.first().map(f64::to_string));
+            first.is_some_and(|cell| is_day(&column.bare, &cell))
+        })
     }
 
     /// How many columns there are.
@@ -200,17 +201,20 @@ impl RecordedTable {
         self.columns.len()
     }
 
+    /// The places of the columns of a name, with or without the unit in it.
+    fn places(&self, name: &str) -> Vec<usize> {
+        let columns = &self.columns;
+        crate::places(columns.len(), |place| columns[place].name == name, |place| columns[place].bare == name)
+    }
+
     /// The place of a column, 0 where there is none.
     pub fn place(&self, name: &str) -> usize {
-        self.columns.iter().position(|column| column.name == name || column.bare == name).unwrap_or(0)
+        self.places(name).first().copied().unwrap_or(0)
     }
 
     /// A column by its name, with or without the unit in it; none where there is none.
     pub fn get(&self, name: &str) -> Option<&Column> {
-        self.columns
-            .iter()
-            .find(|column| column.name == name)
-            .or_else(|| self.columns.iter().find(|column| column.bare == name))
+        self.places(name).first().map(|&place| &self.columns[place])
     }
 
     /// A column by its name, with or without the unit in it.
@@ -218,18 +222,15 @@ impl RecordedTable {
     /// # Errors
     /// When there is none, or there are two.
     pub fn column(&self, name: &str) -> Result<&Column, FileError> {
-        let named = self.columns.iter().filter(|column| column.name == name || column.bare == name);
-        let exact = self.columns.iter().filter(|column| column.name == name).count();
-        match (exact, named.count()) {
-            (1, _) | (0, 0 | 1) => {}
-            _ => return Err(crate::twice(&self.path, &format!("column `{name}`"))),
+        match self.places(name)[..] {
+            [place] => Ok(&self.columns[place]),
+            [] => Err(Self::none_has(&[self], name)),
+            _ => Err(crate::twice(&self.path, &format!("column `{name}`"))),
         }
-        self.get(name).ok_or_else(|| Self::none_has(&[self], name))
     }
 
     fn names(&self) -> String {
-        const MANY: usize = 20;
-        self.columns.iter().map(|column| shown(&column.name)).take(MANY).collect::<Vec<_>>().join(", ")
+        crate::listed(self.columns.iter().map(|column| &column.name))
     }
 
     /// That none of some tables, of which there is at least one, has a column, with the names that they have.
@@ -348,19 +349,49 @@ mod tests {
         let path = folder.path().join("m.csv");
         for (names, times) in [
             ("u,t [s]", Some([1.0, 3.0])),
-            ("u,Time(ms)", Some([1.0, 3.0])),
+            ("u,Time(ms)", Some([0.001, 0.003])),
             ("wait [s],time", Some([1.0, 3.0])),
             ("wait [s],t", None),
             ("u,v", None),
         ] {
             std::fs::write(&path, format!("{names}\n0,1\n2,3\n")).unwrap();
-            let read = crate::Table::read(&path, &[crate::time_column(None)]);
+            let read = crate::Table::read_over_time(&path, None, Vec::new());
             let found = read.map(|table| [table.rows[0][0], table.rows[1][0]]);
             match times {
                 Some(times) => assert_eq!(found.unwrap(), times, "{names}"),
                 None => assert!(found.unwrap_err().to_string().contains("say time = "), "{names}"),
             }
         }
+    }
+
+    /// 09:15:00 is no second 91,500; neither is a day, or a clock beside one, in whichever way the day is written.
+    #[test]
+    fn clocks_and_days_of_figures_are_no_seconds() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.csv");
+        for (text, is_asked) in [
+            ("time,u\n91500,1\n91600,2\n91700,3\n", true),
+            ("time,u\n20260311,1\n20260312,2\n", true),
+            ("time,u\n1.7e12,1\n1.8e12,2\n", true),
+            ("Date,time,u\n20260311,915,1\n20260311,1000,2\n", true),
+            ("Date,time,u\n260311,915,1\n260311,1000,2\n", true),
+            ("a,time,u\n2026-03-11,915,1\n2026-03-11,1000,2\n", true),
+            ("time,a,u\n915,11.03.2026,1\n1000,11.03.2026,2\n", true),
+            ("time [s],u\n91500,1\n91600,2\n91700,3\n", false),
+            ("time,u\n0,1\n30,2\n60,3\n90,4\n", false),
+            ("Date,time,u\n20260311,30,1\n20260311,75.5,2\n", false),
+        ] {
+            std::fs::write(&path, text).unwrap();
+            match crate::Table::read_over_time(&path, None, Vec::new()).map_err(|error| error.to_string()) {
+                Ok(_) => assert!(!is_asked, "{text}"),
+                Err(error) => {
+                    assert!(is_asked && error.contains("write `time [ms]`") && error.contains("%H%M%S"), "{error}")
+                }
+            }
+        }
+        // A missing cell does not make seconds of clocks.
+        let times = [91_500.0, f64::NAN, 91_600.0, 91_700.0];
+        assert!(crate::clocks::doubt(&path, "t", &times, false, "").is_some());
     }
 
     #[test]

@@ -14,7 +14,7 @@ use fmu_import::{
     Causality, Content, Description, Variability, Variable,
     description::Interface,
     quantity::{Quantity, Scale, Sense},
-    units::{Conversion, known},
+    units::Conversion,
 };
 use fmu_points::task::{Probe, Schedule, SensorError, Series, Slot, place};
 use number_tables::{Table, files::FileError};
@@ -53,14 +53,10 @@ pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> R
         let path = study.path_of(recording.file.as_ref());
         let time = recording.time.as_deref().unwrap_or("time");
         let column = recording.column.as_deref().unwrap_or(key);
-        let columns = [
-            number_tables::time_column(recording.time.as_deref()),
-            number_tables::column(column, format!("the input {key}")),
-        ];
-        let mut table =
-            Table::read(&path, &columns).map_err(|error| study.error_at(&recording.file, error.to_string()))?;
+        let columns = vec![number_tables::column(column, format!("the input {key}"))];
+        let mut table = Table::read_over_time(&path, recording.time.as_deref(), columns)
+            .map_err(|error| study.error_at(&recording.file, error.to_string()))?;
         let in_file = |message| named(format!("{}: {message}", path.display()));
-        in_seconds(&mut table, time).map_err(in_file)?;
         let unit = number_tables::agreed(column, table.units[1].as_deref(), recording.unit.as_deref());
         let scale = Scale::new(unit.map_err(in_file)?, fmu, variable).map_err(named)?;
         let [offset, gain] = known_errors(recording, &slot, &scale).map_err(named)?;
@@ -335,20 +331,6 @@ pub fn many_steps(inputs: &[Series], schedule: &Schedule) -> Option<Concern> {
 fn short(number: f64) -> String {
     let rounded: f64 = format!("{number:.3e}").parse().unwrap_or(number);
     rounded.to_string()
-}
-
-/// Turns the first column of a table, its times, into seconds by the unit in its name.
-///
-/// # Errors
-/// When that is none of time.
-pub fn in_seconds(table: &mut Table, column: &str) -> Result<(), String> {
-    let Some(unit) = table.units[0].as_deref().filter(|unit| *unit != "s") else {
-        return Ok(());
-    };
-    let way = known::between(unit, "s")
-        .ok_or_else(|| format!("column `{column}` is in `{unit}`, which is no unit of time"))?;
-    table.rows.iter_mut().for_each(|row| row[0] = way.value(row[0]));
-    Ok(())
 }
 
 /// How a variable takes numbers between the steps of a simulation.

@@ -4,7 +4,6 @@ use std::fmt::Display;
 
 use super::{
     CriterionText, Name, Study, first_wrong,
-    inputs::in_seconds,
     limit::{gain, limit},
     reference::{Normalise, OwnNormaliser, ReferenceText},
     window::seconds,
@@ -192,16 +191,13 @@ impl Binder<'_> {
         let path = self.study.path_of(reference.file.as_ref());
         let time = reference.time.as_deref().unwrap_or("time");
         let column = self.column();
-        let mut columns = vec![
-            number_tables::time_column(reference.time.as_deref()),
-            number_tables::column(column, format!("the criterion {}", self.name.as_ref())),
-        ];
+        let mut columns = vec![number_tables::column(column, format!("the criterion {}", self.name.as_ref()))];
         if let Some(column) = &reference.uncertainty_column {
             columns.push(number_tables::column(column, "the uncertainty"));
         }
-        let mut table = Table::read(&path, &columns).map_err(|error| at_file(error.to_string()))?;
+        let table = Table::read_over_time(&path, reference.time.as_deref(), columns)
+            .map_err(|error| at_file(error.to_string()))?;
         let in_file = |message| at_file(format!("{}: {message}", path.display()));
-        in_seconds(&mut table, time).map_err(in_file)?;
         let unit = number_tables::agreed(column, table.units[1].as_deref(), reference.unit.as_deref());
         let conversion =
             unit.map_err(in_file)?.map_or(Ok(Conversion::IDENTITY), |unit| self.scale.from(unit)).map_err(named)?;

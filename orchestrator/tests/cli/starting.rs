@@ -220,6 +220,31 @@ fn rows_without_a_time_are_repeats() {
     bench.run(&measured).is_mistake(&["a row of words", "python -m fmu_orchestrator convert"]);
 }
 
+/// 09:15 is neither 915 s nor a day of 20,260,311 s, whoever reads the table.
+#[test]
+fn clocks_of_figures_are_asked_about() {
+    let bench = Bench::new();
+    let asked = ["`time`", "a clock such as 131507", "write `time [ms]`", "python -m fmu_orchestrator convert"];
+    let begin = "fmu = \"lag.fmu\"\n[simulation]\nstop = 2\n[design]\npoints = 8\n[parameters.\"lag.rate\"]\nmin = 1\nmax = 2\n";
+    let recorded = [
+        ("inputs.toml", "[inputs.\"drive.u\"]\nfile = \"m.csv\"\n[criteria.\"lag.y\"]\nnominal = 1\ntolerance = 1\n"),
+        ("reference.toml", "[criteria.\"lag.y\"]\nreference = { file = \"m.csv\" }\ntolerance = 1\n"),
+    ];
+    for table in [
+        "Date,time,drive.u,lag.y\n20260311,915,1,1\n20260311,1000,1,2\n",
+        "time,drive.u,lag.y\n20260311,1,1\n20260312,1,2\n",
+    ] {
+        bench.write("m.csv", table);
+        bench.run(&["init", "lag.fmu", "--measured", "m.csv"]).is_mistake(&asked);
+        for (study, rest) in recorded {
+            bench.write(study, &format!("{begin}{rest}"));
+            bench.run(&["verify", study]).is_mistake(&asked);
+        }
+    }
+    bench.write("m.csv", "time,drive.u\n91500,1\n91600,1\n91700,2\n");
+    bench.run(&["simulate", "lag.fmu", "--input", "m.csv"]).is_mistake(&asked);
+}
+
 #[test]
 fn a_nominal_value_of_the_model_has_no_uncertainty() {
     let (bench, study) = started(&model("Lag", "Lag"), &[]);

@@ -11,7 +11,6 @@ use fmu_import::{Causality, Description, Variable};
 use fmu_points::names::{did_you_mean, nearest};
 use number_tables::files::convert;
 use number_tables::{How, Table, is_of_time, is_time_name};
-use study::inputs::in_seconds;
 
 /// The columns of a table of measured values that are outputs of the FMU.
 #[derive(Debug)]
@@ -192,10 +191,7 @@ fn variable<'a>(name: &str, fmu: &'a Description) -> Result<&'a Variable, String
 /// The first and the last time of a table.
 fn span(path: &Path, time: &str) -> Result<[f64; 2], Error> {
     let wrong = |message: &str| Err(Error::content(path, format!("column `{time}`: {message}")));
-    let mut table = Table::read(path, &[number_tables::column(time, "the time")])?;
-    if let Err(message) = in_seconds(&mut table, time) {
-        return wrong(&message);
-    }
+    let table = Table::read_over_time(path, Some(time), Vec::new())?;
     let times: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
     match times[..] {
         [first, .., last] if times.is_sorted_by(|a, b| a < b) => Ok([first, last]),

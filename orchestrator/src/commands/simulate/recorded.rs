@@ -70,9 +70,8 @@ pub(super) fn inputs(path: &Path, ends_hold: bool, fmu: &Description, schedule: 
             let variable = find(fmu, name).map_err(wrong)?;
             let slot = slot_while_running(variable).map_err(wrong)?;
             let scale = Scale::new(unit.as_deref(), fmu, variable).map_err(wrong)?;
-            let columns =
-                [number_tables::column(TIME, "the time"), number_tables::column(column, format!("the input {name}"))];
-            let table = Table::read(path, &columns)?;
+            let columns = vec![number_tables::column(column, format!("the input {name}"))];
+            let table = Table::read_over_time(path, Some(TIME), columns)?;
             let mut series = follow(&table, "time", slot, scale.conversion).map_err(wrong)?;
             series.hold = is_discrete(variable, &series.slot);
             series.ramp = !series.hold && is_integrated(variable, fmu);
