@@ -30,13 +30,15 @@ debian() {
     $sudo env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "$@"
 }
 
-# python_packages FILE: a private virtual environment in .venv with the packages of a requirements file.
+# python_packages FILE: a private virtual environment in .venv with the packages of a requirements file. pip compiles none of their
+# 10,000 modules, of which few are ever imported: Python compiles these, once.
+unset PYTHONDONTWRITEBYTECODE
 python_packages() {
     local stamp=.venv/.$(sha256sum "$1" | cut -c1-16)
     [ -e "$stamp" ] && return
     say "Python packages of $1 into .venv"
     [ -x .venv/bin/python ] || python3 -m venv .venv
-    .venv/bin/python -m pip install --quiet --requirement "$1"
+    .venv/bin/python -m pip install --quiet --no-compile --requirement "$1"
     touch "$stamp"
 }
 

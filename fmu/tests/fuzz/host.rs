@@ -13,9 +13,6 @@ use plain_bearing_stand::stand::Stand;
 use crate::random::Random;
 use crate::{exchange, states};
 
-/// A call that takes so long is told of as it comes, and its instance is reset.
-const LONG: Duration = Duration::from_secs(1);
-
 /// The most instances and saved states at once.
 pub const MOST: usize = 4;
 
@@ -121,13 +118,15 @@ pub struct Host {
     kinds: Kinds,
     tally: Tally,
     slowest: (Duration, &'static str),
+    /// A call that takes longer is told of as it comes, and its instance is reset.
+    patience: Duration,
     log: Box<Log>,
     seed: u64,
 }
 
 impl Host {
-    /// A host without instances.
-    pub fn new(interface: &'static Interface, kinds: Kinds, seed: u64) -> Self {
+    /// A host without instances, which gives up an instance that takes longer over a call.
+    pub fn new(interface: &'static Interface, kinds: Kinds, seed: u64, patience: Duration) -> Self {
         Self {
             random: Random(seed),
             instances: Vec::new(),
@@ -139,6 +138,7 @@ impl Host {
             kinds,
             tally: Tally::new(),
             slowest: (Duration::ZERO, ""),
+            patience,
             log: Box::new(Log {
                 messages: Cell::default(),
                 busy: Cell::default(),
@@ -218,7 +218,7 @@ impl Host {
         if took > self.slowest.0 {
             self.slowest = (took, name);
         }
-        if took > LONG && ours.is_some() {
+        if took > self.patience && ours.is_some() {
             // No host would go on with that either.
             eprintln!("call {calls} of seed {seed}: {name} took {took:?}; {status:?}");
             // SAFETY: alive.

@@ -39,12 +39,10 @@ fn friction(film: FilmModel, [roughness, clearance]: [f64; 2], load: f64) -> f64
 }
 
 /// Friction falls with the load in a full film, then rises to the dry limit, and does not fall again, also where the asperities
-/// cannot carry the load before the mean planes meet. The film of the mobility map is within 2.5 % of the one with flow factors;
+/// cannot carry the load before the mean planes meet, for pairs of roughness and clearance, m. The film of the mobility map is within 2.5 % of the one with flow factors;
 /// the finest surfaces differ most, where friction is least.
-#[test]
-fn friction_rises_with_the_load_to_the_dry_limit() {
-    let pairs = [0.5e-6, 1e-6, 3e-6].map(|roughness| [20e-6, 40e-6].map(|clearance| [roughness, clearance]));
-    for surfaces in pairs.concat() {
+fn rises_to_the_dry_limit(pairs: &[[f64; 2]]) {
+    for &surfaces in pairs {
         let mut curve = Vec::new();
         for load in [5.0, 20.0, 50.0, 100.0, 1000.0, 5000.0, 15_000.0, 20_000.0] {
             let [mobility, reynolds] = FILMS.map(|film| friction(film, surfaces, load));
@@ -59,6 +57,17 @@ fn friction_rises_with_the_load_to_the_dry_limit() {
         let last = curve[curve.len() - 1];
         assert!((0.049..0.054).contains(&last), "{surfaces:?}: {last}");
     }
+}
+
+#[test]
+fn friction_rises_with_the_load_to_the_dry_limit() {
+    rises_to_the_dry_limit(&[[0.5e-6, 40e-6], [3e-6, 20e-6]]);
+}
+
+#[test]
+#[ignore = "takes a while: scripts/test --long"]
+fn friction_rises_to_the_dry_limit_between_other_surfaces() {
+    rises_to_the_dry_limit(&[[0.5e-6, 20e-6], [1e-6, 20e-6], [1e-6, 40e-6], [3e-6, 40e-6]]);
 }
 
 /// Neither a load nor a tilt of nothing makes friction jump.
@@ -121,12 +130,12 @@ fn high_boundary_friction_settles() {
             stand.oil.viscosity_scale = oil;
             stand.initialise(&Experiment::default(), &mut ()).unwrap();
             let mut angles = Vec::new();
-            for second in 0..30 {
+            for second in 0..15 {
                 stand.advance(f64::from(second), 1.0, &mut ()).unwrap();
                 angles.push(stand.readings().attitude_angle.to_degrees());
             }
             let [least, most] = [f64::min, f64::max].map(|of| {
-                let last = angles[20..].iter().copied();
+                let last = angles[10..].iter().copied();
                 last.reduce(of).unwrap_or(f64::NAN)
             });
             assert!(most - least < 0.01, "{film:?} {oil}: {angles:?}");

@@ -462,7 +462,7 @@ share = "95 %"
 fn tolerances_of_a_linear_model_are_found_and_confirmed() {
     let bench = Bench::new();
     bench.write("study.toml", LINEAR);
-    let said = bench.run(&["tolerances", "study.toml", "--points", "4096", "--output", "out"]);
+    let said = bench.run(&["tolerances", "study.toml", "--points", "1024", "--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
     let found: Value = serde_json::from_str(&bench.read("out/tolerances.json")).unwrap();
     let known = 2.4 / (1.959_964 * 2.0);
@@ -508,7 +508,7 @@ tolerance = 0.5495
     // x1 is from 0.857 to 1.956 in at most 37.8 % of the points, at 1.53 times the deviation.
     for (share, refused) in [("35 %", true), ("25 %", false)] {
         bench.write("study.toml", &format!("{study}[tolerances]\nshare = \"{share}\"\n"));
-        let said = bench.run(&["tolerances", "study.toml", "--points", "4096", "--output", share]);
+        let said = bench.run(&["tolerances", "study.toml", "--points", "512", "--output", share]);
         assert_eq!(said.code, 0, "{}", said.err);
         let text = bench.read(&format!("{share}/tolerances.json"));
         let found: Value = serde_json::from_str(&text).unwrap();

@@ -123,7 +123,8 @@ impl Bench {
         let source = format!("{folder}/{fixture}.c");
         let binary = self.path(&format!("{fixture}.so"));
         let status = Command::new("cc")
-            .args(["-shared", "-fPIC", "-O2", "-o"])
+            // Not optimised: they run for moments.
+            .args(["-shared", "-fPIC", "-o"])
             .arg(&binary)
             .args(macros.iter().map(|name| format!("-D{name}")))
             .args([&source, "-lm"])

@@ -54,10 +54,14 @@ impl Acceptance {
     /// The least step that keeps the probability of accepted points not to conform at or below a limit, over these points.
     #[cfg(test)]
     pub fn least_step(&self, limit: f64) -> Option<usize> {
-        (0..self.within.len()).find(|from| {
-            let accepted = Moments::total(&self.split(*from)[0]);
-            accepted.count > 0 && accepted.mean() <= limit
-        })
+        let (mut accepted, mut least) = (Moments::default(), None);
+        for (step, moments) in self.within.iter().enumerate().rev() {
+            moments.iter().for_each(|more| accepted.merge(*more));
+            if accepted.count > 0 && accepted.mean() <= limit {
+                least = Some(step);
+            }
+        }
+        least
     }
 
     /// The accepted and the rejected points of each sample, with the guard band of a step.
