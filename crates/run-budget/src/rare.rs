@@ -45,8 +45,8 @@ const ENOUGH: f64 = 0.01;
 const ENOUGH_INSIDE: usize = 8;
 /// The surrogate is never surer of a side than that.
 const SUREST: f64 = 0.03;
-/// A run that is off by so many of its deviations is beyond a jump: of normal errors, one in a million is.
-const JUMP: f64 = 5.0;
+/// A run that is off by so many of its deviations is beyond a jump: of normal errors, one in 150,000 is.
+const JUMP: f64 = 4.5;
 /// Runs of the event without which nothing is said.
 const LEAST_INSIDE: usize = 3;
 
