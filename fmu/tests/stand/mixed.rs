@@ -39,8 +39,8 @@ fn friction(film: FilmModel, [roughness, clearance]: [f64; 2], load: f64) -> f64
 }
 
 /// Friction falls with the load in a full film, then rises to the dry limit, and does not fall again, also where the asperities
-/// cannot carry the load before the mean planes meet, for pairs of roughness and clearance, m. The film of the mobility map is within 2.5 % of the one with flow factors;
-/// the finest surfaces differ most, where friction is least.
+/// cannot carry the load before the mean planes meet, for pairs of roughness and clearance, m. The film of the mobility map is within
+/// 2.5 % of the one with flow factors; the finest surfaces differ most, where friction is least.
 fn rises_to_the_dry_limit(pairs: &[[f64; 2]]) {
     for &surfaces in pairs {
         let mut curve = Vec::new();
