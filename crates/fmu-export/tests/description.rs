@@ -120,7 +120,7 @@ fn the_listing_changes_the_order_but_no_reference() {
 }
 
 /// A model with mistakes.
-#[derive(Clone, Default, Serialize, Deserialize)]
+#[derive(Clone, Serialize, Deserialize)]
 struct Odd {
     value: f64,
     /// Serde skips it: fine, as the default stands in.
@@ -128,18 +128,26 @@ struct Odd {
     other: f64,
 }
 
+impl Default for Odd {
+    fn default() -> Self {
+        Self { value: 7.0, other: f64::NAN }
+    }
+}
+
 const ODD_SECOND: Unit = Unit { base: Base::ONE, ..units::SECOND };
 
 static ODD: [Variable<Odd>; 5] = [
-    parameter("value", &units::SECOND, field!(Odd: value), "A time"),
-    parameter("again", &ODD_SECOND, field!(Odd: value), "Another unit of the same name"),
-    parameter("other", &units::ONE, field!(Odd: other), "No input"),
-    output("shown", &units::ONE, |odd: &Odd| odd.value, "Depends on no input").depends_on(&["other"]),
-    input("slope", &units::ONE, field!(Odd: value), "No output").derivative(|odd| odd.value),
+    parameter("value", &units::SECOND, field!(Odd: value), "Out of range").within(0.0, 1.0),
+    parameter("value", &ODD_SECOND, field!(Odd: value), "The same name, another unit"),
+    parameter("other", &units::ONE, field!(Odd: other), "Not a number").about(-1.0),
+    output("shown", &units::ONE, |odd: &Odd| odd.value, "No such display unit")
+        .shown_in("furlong")
+        .depends_on(&["other"]),
+    input("slope", &units::ONE, field!(Odd: value), "An empty range").within(9.0, 5.0).derivative(|odd| odd.value),
 ];
 
 impl Model for Odd {
-    const INFO: Info = fmu_export::info!();
+    const INFO: Info = Info { identifier: "1st", default_step: 0.0, ..fmu_export::info!() };
 
     fn variables() -> &'static [Variable<Self>] {
         &ODD
@@ -168,9 +176,18 @@ fn mistakes_in_a_declaration_are_found() {
     assert_eq!(
         faults::<Odd>(),
         [
+            "the identifier \"1st\" is not a C identifier",
+            "default_step = 0: it must be a number above 0",
             "the listing does not name every variable once",
+            "value: two variables have this name",
             "shown: it depends on \"other\", which is not an input",
             "there are two units s",
+            "value: its start value 7.0 is out of its range",
+            "other: its start value, range and nominal value must be finite",
+            "other: its nominal value must be above 0",
+            "shown: furlong is not a display unit of 1",
+            "slope: its range from 9.0 to 5.0 is empty",
+            "slope: its start value 7.0 is out of its range",
             "slope: only outputs have derivatives",
             "a state that is saved and restored: never",
         ]

@@ -1,12 +1,12 @@
 //! A check of what a model declares: for a model's tests, and before it is packaged.
 
-use std::collections::HashMap;
+use std::{collections::HashMap, fmt::Debug};
 
-use super::{DisplayUnit, Enumeration, Kind, Model, Quantity, Role, Unit, Variable, elements, indicators, offered};
+use super::{
+    Access, DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, Unit, Variable, elements, indicators, offered,
+};
 
-/// The mistakes in a model's variable table that no description of it shows, a sentence each; none for a sound model.
-///
-/// What a description shows (names, ranges, start and nominal values), a check of the FMU finds.
+/// The mistakes in a model's [`Info`] and variable table, a sentence each; none for a sound model.
 ///
 /// ```
 /// # use fmu_export::model::{Experiment, Fault, Info, Log, Model, Variable, faults};
@@ -22,20 +22,43 @@ use super::{DisplayUnit, Enumeration, Kind, Model, Quantity, Role, Unit, Variabl
 /// ```
 pub fn faults<M: Model>() -> Vec<String> {
     let mut faults = Vec::new();
+    check_info(&M::INFO, &mut faults);
     check_listing::<M>(&mut faults);
-    check_dependencies::<M>(&mut faults);
+    check_names::<M>(&mut faults);
     check_definitions::<M>(&mut faults);
-    check_left_out::<M>(&mut faults);
+    check_states::<M>(&mut faults);
     check_events::<M>(&mut faults);
     check_arrays::<M>(&mut faults);
+    let start = M::default();
     for variable in M::variables() {
-        check_role(variable, &mut |text| faults.push(format!("{}: {text}", variable.name)));
+        let mut fault = |text| faults.push(format!("{}: {text}", variable.name));
+        check_role(variable, &mut fault);
+        check_kind(variable, &start, &mut fault);
     }
-    let restored = M::default().save().and_then(|bytes| M::default().restore(&bytes));
+    let restored = start.save().and_then(|bytes| M::default().restore(&bytes));
     if let Err(fault) = restored {
         faults.push(format!("a state that is saved and restored: {fault}"));
     }
     faults
+}
+
+fn check_info(info: &Info, faults: &mut Vec<String>) {
+    let mut characters = info.identifier.chars();
+    let valid = characters.next().is_some_and(|c| c.is_ascii_alphabetic() || c == '_')
+        && characters.all(|c| c.is_ascii_alphanumeric() || c == '_');
+    if !valid {
+        let identifier = info.identifier;
+        faults.push(format!("the identifier {identifier:?} is not a C identifier"));
+    }
+    for (name, value) in [
+        ("default_step", info.default_step),
+        ("default_stop", info.default_stop),
+        ("default_tolerance", info.default_tolerance),
+    ] {
+        if !(value > 0.0 && value.is_finite()) {
+            faults.push(format!("{name} = {value}: it must be a number above 0"));
+        }
+    }
 }
 
 fn check_listing<M: Model>(faults: &mut Vec<String>) {
@@ -46,10 +69,18 @@ fn check_listing<M: Model>(faults: &mut Vec<String>) {
     }
 }
 
-fn check_dependencies<M: Model>(faults: &mut Vec<String>) {
+fn check_names<M: Model>(faults: &mut Vec<String>) {
+    let mut roles = HashMap::new();
+    for variable in M::variables() {
+        if variable.name.is_empty() {
+            faults.push("a variable has no name".to_owned());
+        } else if roles.insert(variable.name, variable.role).is_some() {
+            faults.push(format!("{}: two variables have this name", variable.name));
+        }
+    }
     for variable in M::variables() {
         for input in variable.depends_on {
-            if !M::variables().iter().any(|other| other.name == *input && other.role == Role::Input) {
+            if roles.get(input) != Some(&Role::Input) {
                 let name = variable.name;
                 faults.push(format!("{name}: it depends on {input:?}, which is not an input"));
             }
@@ -57,8 +88,18 @@ fn check_dependencies<M: Model>(faults: &mut Vec<String>) {
     }
 }
 
-fn check_left_out<M: Model>(faults: &mut Vec<String>) {
-    for left_out in without::<M>() {
+fn check_states<M: Model>(faults: &mut Vec<String>) {
+    let Some(exchange) = &M::EXCHANGE else { return };
+    for state in (exchange.states)() {
+        let name = state.name;
+        if M::variables().iter().any(|variable| variable.name == name) {
+            faults.push(format!("{name}: a state and a variable have this name"));
+        }
+        if !(state.nominal > 0.0 && state.nominal.is_finite()) {
+            faults.push(format!("{name}: its nominal value must be above 0"));
+        }
+    }
+    for left_out in (exchange.without)() {
         if M::variables().iter().all(|variable| variable.name != *left_out) {
             faults.push(format!("{left_out}: Model Exchange leaves it out, but there is no such variable"));
         }
@@ -114,6 +155,9 @@ fn check_arrays<M: Model>(faults: &mut Vec<String>) {
             let (name, count) = (head.name, head.elements);
             faults.push(format!("{name}: the {count} elements of an array stand in the table as name[1], name[2], ..., with the same role, type, unit, range and clock, and are no clocks"));
         }
+        if array != head.name && M::variables().iter().any(|other| other.name == array) {
+            faults.push(format!("{array}: an array and a variable have this name"));
+        }
         for list in [without::<M>(), indicators::<M>()] {
             let names = || elements.iter().map(|element| element.name);
             let mut parts = list.windows(elements.len().max(1));
@@ -155,6 +199,9 @@ fn check_definitions<M: Model>(faults: &mut Vec<String>) {
                 if *types.entry(of.name).or_insert(of) != of {
                     faults.push(format!("there are two enumerations {}", of.name));
                 }
+                if M::variables().iter().any(|other| other.name == of.name) {
+                    faults.push(format!("a variable and an enumeration are called {}", of.name));
+                }
             }
             _ => {}
         }
@@ -181,12 +228,59 @@ fn check_role<M>(variable: &Variable<M>, fault: &mut impl FnMut(String)) {
     if variable.role != Role::Output && !variable.depends_on.is_empty() {
         fault("only outputs have dependencies".to_owned());
     }
-    if let Kind::Real(real) = &variable.kind {
-        if real.slope.is_some() && variable.role != Role::Input {
-            fault("only inputs have slopes".to_owned());
+}
+
+fn check_kind<M>(variable: &Variable<M>, start: &M, fault: &mut impl FnMut(String)) {
+    match &variable.kind {
+        Kind::Real(real) => {
+            let (access, unit) = (&real.access, real.unit);
+            check_range(access, start, real.min, real.max, fault);
+            let numbers = [real.min, real.max, real.nominal, Some((access.get)(start))];
+            let settable = access.set.is_some();
+            if settable && numbers.into_iter().flatten().any(|x| !x.is_finite()) {
+                fault("its start value, range and nominal value must be finite".to_owned());
+            }
+            if let Some(display) = real.display
+                && unit.display.iter().all(|known| known.name != display)
+            {
+                fault(format!("{display} is not a display unit of {}", unit.name));
+            }
+            if (real.nominal).is_some_and(|nominal| nominal.is_nan() || nominal <= 0.0) {
+                fault("its nominal value must be above 0".to_owned());
+            }
+            if real.slope.is_some() && variable.role != Role::Input {
+                fault("only inputs have slopes".to_owned());
+            }
+            if real.derivative.is_some() && variable.role != Role::Output {
+                fault("only outputs have derivatives".to_owned());
+            }
         }
-        if real.derivative.is_some() && variable.role != Role::Output {
-            fault("only outputs have derivatives".to_owned());
+        Kind::Integer { access, min, max } => check_range(access, start, *min, *max, fault),
+        Kind::Enumeration { access, of } => {
+            let value = (access.get)(start);
+            if of.items.iter().all(|item| item.value != value) {
+                fault(format!("its start value {value} is no item of {}", of.name));
+            }
         }
+        Kind::Boolean { .. } | Kind::String { .. } | Kind::Clock { .. } => {}
+    }
+}
+
+fn check_range<M, T: PartialOrd + Copy + Debug>(
+    access: &Access<M, T, T>,
+    start: &M,
+    min: Option<T>,
+    max: Option<T>,
+    fault: &mut impl FnMut(String),
+) {
+    if let (Some(min), Some(max)) = (min, max)
+        && min > max
+    {
+        fault(format!("its range from {min:?} to {max:?} is empty"));
+    }
+    let value = (access.get)(start);
+    let within = min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max);
+    if access.set.is_some() && !within {
+        fault(format!("its start value {value:?} is out of its range"));
     }
 }
