@@ -225,10 +225,12 @@ fn rows_without_a_time_are_repeats() {
 fn clocks_of_figures_are_asked_about() {
     let bench = Bench::new();
     let asked = ["`time`", "a clock such as 131507", "write `time [ms]`", "python -m fmu_orchestrator convert"];
-    let begin = "fmu = \"lag.fmu\"\n[simulation]\nstop = 2\n[design]\npoints = 8\n[parameters.\"lag.rate\"]\nmin = 1\nmax = 2\n";
+    let begin = "fmu = \"lag.fmu\"\n[simulation]\nstop = 2\n[design]\npoints = 8\n[parameters.\"lag.rate\"]\n\
+                 distribution = \"uniform\"\nmin = 1\nmax = 2\n";
+    let criterion = "[criteria.Y]\nvariable = \"lag.y\"\ntolerance = 1\n";
     let recorded = [
-        ("inputs.toml", "[inputs.\"drive.u\"]\nfile = \"m.csv\"\n[criteria.\"lag.y\"]\nnominal = 1\ntolerance = 1\n"),
-        ("reference.toml", "[criteria.\"lag.y\"]\nreference = { file = \"m.csv\" }\ntolerance = 1\n"),
+        ("inputs.toml", "nominal = 1\n[inputs.\"drive.u\"]\nfile = \"m.csv\"\n"),
+        ("reference.toml", "metric = \"rmse\"\nreference = { file = \"m.csv\", column = \"lag.y\" }\n"),
     ];
     for table in [
         "Date,time,drive.u,lag.y\n20260311,915,1,1\n20260311,1000,1,2\n",
@@ -237,7 +239,7 @@ fn clocks_of_figures_are_asked_about() {
         bench.write("m.csv", table);
         bench.run(&["init", "lag.fmu", "--measured", "m.csv"]).is_mistake(&asked);
         for (study, rest) in recorded {
-            bench.write(study, &format!("{begin}{rest}"));
+            bench.write(study, &format!("{begin}{criterion}{rest}"));
             bench.run(&["verify", study]).is_mistake(&asked);
         }
     }
