@@ -36,3 +36,50 @@ pub(crate) fn difference(columns: &[&Variable], one: &Run, other: &Run) -> Optio
     let [first, second] = [one, other].map(|run| run.times.last().copied().unwrap_or(f64::NAN));
     (first.to_bits() != second.to_bits()).then(|| format!("it ends at {second} s instead of {first} s"))
 }
+
+/// By how much a variable changes between two runs, in parts of its range.
+#[derive(Debug)]
+pub(crate) struct Change<'a> {
+    pub(crate) name: &'a str,
+    pub(crate) most: f64,
+    pub(crate) mean: f64,
+}
+
+/// The real variables that change between two runs at the times that both have; infinitely where only one is finite.
+pub(crate) fn changes<'a>(columns: &[&'a Variable], one: &Run, other: &Run) -> Vec<Change<'a>> {
+    /// The least range, as a part of the largest value: what is constant but for a solver's tolerance has hardly any.
+    const LEAST: f64 = 1e-3;
+    let pairs: Vec<_> = one
+        .times
+        .iter()
+        .zip(&one.rows)
+        .zip(other.times.iter().zip(&other.rows))
+        .filter(|((time, _), (same, _))| time == same)
+        .map(|((_, row), (_, other))| (row, other))
+        .collect();
+    columns
+        .iter()
+        .enumerate()
+        .filter_map(move |(place, variable)| {
+            let values = || pairs.iter().map(|(row, _)| row[place].number());
+            let finite = || values().filter(|value| value.is_finite());
+            let [low, high] =
+                finite().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)]);
+            let range = (high - low).max(LEAST * low.abs().max(high.abs()));
+            let change = |(row, other): &(&Vec<Value>, &Vec<Value>)| {
+                let [one, other] = [row, other].map(|row| row[place].number());
+                match (one.is_finite(), other.is_finite()) {
+                    (true, true) => (one - other).abs() / range,
+                    (false, false) => 0.0,
+                    _ => f64::INFINITY,
+                }
+            };
+            let is_real = variable.kind.content() == Content::Real && range > 0.0;
+            is_real.then(|| Change {
+                name: variable.name.as_str(),
+                most: pairs.iter().map(change).fold(0.0, f64::max),
+                mean: pairs.iter().map(change).sum::<f64>() / pairs.len() as f64,
+            })
+        })
+        .collect()
+}

@@ -42,6 +42,17 @@ pub(crate) fn schedule(fmu: &Description, step: Option<f64>) -> Schedule {
     if fmu.capabilities.can_handle_variable_communication_step_size { schedule } else { schedule.in_whole_steps() }
 }
 
+/// When the last step of a schedule's size ends before the suggested stop time, s: a shorter one may be refused.
+pub(crate) fn last_whole_step(fmu: &Description, schedule: &Schedule) -> f64 {
+    let Schedule { start, step, .. } = *schedule;
+    start + ((self::schedule(fmu, None).stop - start) / step + 1e-6).floor() * step
+}
+
+/// The same number of steps, of another size.
+pub(crate) fn with_step(schedule: Schedule, step: f64) -> Schedule {
+    Schedule { step, stop: schedule.start + STEPS * step, ..schedule }
+}
+
 /// Other values of real parameters: a little more than the start, within the range.
 pub(crate) fn changed(fmu: &Description) -> Vec<(u32, Value)> {
     const MORE: f64 = 1.01;

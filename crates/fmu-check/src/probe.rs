@@ -3,11 +3,15 @@
 //! It tells what it is about to call and what it saw, so that whatever the FMU does to the process, the other side knows how
 //! far it came.
 
-use std::{path::PathBuf, sync::Arc};
+use std::{
+    path::PathBuf,
+    sync::Arc,
+    time::{Duration, Instant},
+};
 
 use serde::{Deserialize, Serialize};
 
-use fmu_import::{Call, Called, Handle, Instance, Library, Package, Value, Version};
+use fmu_import::{Call, Called, Handle, Instance, Library, Package, Status, Value, Version};
 use fmu_points::{
     single::{bytes, read},
     system,
@@ -41,6 +45,19 @@ pub(crate) struct Setup {
     /// Start values of every simulation, and of those in which parameters change.
     pub(crate) set: Vec<(u32, Value)>,
     pub(crate) changed: Vec<(u32, Value)>,
+    /// One row is kept of so many steps.
+    pub(crate) every: u64,
+    /// Where a simulation ends early, with what is kept of it.
+    pub(crate) end: End,
+}
+
+/// An end of a simulation before its stop time, which is no failure.
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+pub(crate) struct End {
+    /// After so many steps.
+    pub(crate) steps: Option<u64>,
+    /// After so long.
+    pub(crate) time: Option<Duration>,
 }
 
 /// What a probe tells.
@@ -77,6 +94,8 @@ pub(crate) struct Run {
     pub(crate) first_warning: Option<String>,
     /// Why it failed, and why it could not be terminated.
     pub(crate) failure: Option<String>,
+    /// Whether that was a step which it refused (`fmi2Discard`).
+    pub(crate) refused: bool,
     pub(crate) unfinished: Option<String>,
 }
 
@@ -222,9 +241,14 @@ impl Probe<'_> {
     /// Takes all steps, of several instances in turn.
     fn steps(&mut self, lives: &mut [&mut Live]) {
         let points = self.schedule.points();
-        for index in 0..points.steps {
+        let Setup { every, end, .. } = self.setup;
+        let (count, begun) = (end.steps.unwrap_or(u64::MAX).min(points.steps), Instant::now());
+        for index in 0..count {
             let (time, next) = (points.at(index), points.at(index + 1));
-            self.at(&format!("fmi2DoStep at {time} s"));
+            let is_kept = (index + 1).is_multiple_of(*every) || index + 1 == count;
+            if index.is_multiple_of(*every) {
+                self.at(&format!("fmi2DoStep at {time} s"));
+            }
             for live in lives.iter_mut().filter(|live| live.open) {
                 let Live { instance, run, .. } = &mut **live;
                 let mut at = next;
@@ -234,11 +258,15 @@ impl Probe<'_> {
                     run.ended = Some(at);
                     outcome = Ok(());
                 }
-                let outcome = outcome.and_then(|()| note(instance, self.setup, at, run));
+                let outcome = outcome.and_then(|()| {
+                    if is_kept || run.ended.is_some() { note(instance, self.setup, at, run) } else { Ok(()) }
+                });
+                run.refused = matches!(&outcome, Err(call) if call.status == Status::Discard);
                 run.failure = outcome.err().map(|call| call.to_string());
                 live.open = run.failure.is_none() && run.ended.is_none();
             }
-            if lives.iter().all(|live| !live.open) {
+            let is_over = || end.time.is_some_and(|time| begun.elapsed() > time);
+            if is_kept && is_over() || lives.iter().all(|live| !live.open) {
                 break;
             }
         }

@@ -1,5 +1,5 @@
 //! Short simulations of an FMU, each in a process of its own: alone, with fresh memory filled otherwise, after a reset,
-//! one after another, two at once. What differs from the first, the FMU does not do by itself.
+//! one after another, two at once, with half the step. What differs from the first, the FMU does not do by itself.
 
 use std::{
     io,
@@ -10,11 +10,11 @@ use std::{
 
 use crate::{
     child::{self, Outcome},
-    compare::difference,
+    compare::{Change, changes, difference},
     conditions::Conditions,
     experiment,
     hit::{Breach, Hit},
-    probe::{Life, Run, Setup},
+    probe::{End, Life, Run, Setup},
     simulated,
 };
 use fmu_import::{Description, Package, Variable, isolation::watch::Snapshot};
@@ -56,6 +56,8 @@ impl<'a> Probes<'a> {
             columns: columns.iter().map(|variable| variable.handle()).collect(),
             set: conditions.set.clone(),
             changed: experiment::changed(fmu),
+            every: 1,
+            end: End::default(),
         };
         Ok(Self {
             fmu,
@@ -119,9 +121,10 @@ impl<'a> Probes<'a> {
 
     /// All that the probes find. `described_well` says that the start values of the description count.
     pub(crate) fn findings(&mut self, described_well: bool) -> io::Result<Vec<Breach>> {
-        let alone = self.run(Life::Alone, None, self.patience)?;
+        let (alone, refused) = self.alone()?;
         let (since, setup) = (Instant::now(), self.setup.clone());
         let mut breaches = simulated::remarks(self.fmu, alone.report.as_ref());
+        breaches.extend(refused);
         let whole = match sound(&alone, 1) {
             Ok(runs) => &runs[0],
             Err(mut text) => {
@@ -158,8 +161,39 @@ impl<'a> Probes<'a> {
             return Ok(breaches);
         }
         breaches.extend(self.lives(whole)?);
+        breaches.extend(self.halved(whole)?);
         breaches.extend(self.late(whole, since, setup)?);
         Ok(breaches)
+    }
+
+    /// One simulation. A step that the FMU refuses and does not suggest itself is replaced by another, with a note.
+    fn alone(&mut self) -> io::Result<(Outcome, Option<Breach>)> {
+        const STEPS: [f64; 5] = [1.0, 0.1, 0.01, 0.001, 0.0001];
+        let first = self.run(Life::Alone, None, self.patience)?;
+        let refused = self::first(&first).is_some_and(|run| run.refused);
+        if !refused || self.fmu.default_experiment.step.is_some() {
+            return Ok((first, None));
+        }
+        let usual = self.setup.schedule;
+        for step in STEPS {
+            self.setup.schedule = experiment::with_step(usual, step);
+            let outcome = self.run(Life::Alone, None, self.patience)?;
+            if sound(&outcome, 1).is_ok() {
+                return Ok((
+                    outcome,
+                    Some((
+                        "step-suggested",
+                        Hit::plain(format!(
+                            "it refuses the communication step of {} s and suggests none (stepSize); with {step} s it runs: \
+                     simulate it with that",
+                            usual.step
+                        )),
+                    )),
+                ));
+            }
+        }
+        self.setup.schedule = usual;
+        Ok((first, None))
     }
 
     /// Whether the values depend on memory that was never written, or on nothing that can be named.
@@ -279,6 +313,52 @@ impl<'a> Probes<'a> {
         Ok(text.map(|text| unlike(rule, &what, &text)))
     }
 
+    /// How much half the step changes up to the suggested stop time, or as far as a simulation gets in a second.
+    fn halved(&mut self, whole: &Run) -> io::Result<Option<Breach>> {
+        const ROWS: u64 = 200;
+        const TIME: Duration = Duration::from_secs(1);
+        // Where it ends depends on the step that it refuses.
+        if whole.ended.is_some() {
+            return Ok(None);
+        }
+        let schedule = &mut self.setup.schedule;
+        schedule.stop = experiment::last_whole_step(self.fmu, schedule).max(schedule.stop);
+        let (step, stop, steps) = (schedule.step, schedule.stop, schedule.steps());
+        self.setup.every = steps.div_ceil(ROWS);
+        self.setup.end.time = Some(TIME);
+        let coarse = self.run(Life::Alone, None, self.patience)?;
+        let coarse = match (&coarse.fate, sound(&coarse, 1)) {
+            (Some(fate), _) if fate == child::TIMEOUT => return Ok(None),
+            (_, Ok(runs)) => &runs[0],
+            (_, Err(text)) => {
+                return Ok(Some((
+                    "early-end",
+                    Hit::plain(format!("up to its stop time of {stop} s, {}", self.shortened(&text))),
+                )));
+            }
+        };
+        let reached = coarse.times.last().copied().unwrap_or(stop);
+        let taken = if reached < stop { self.setup.every * (coarse.rows.len() as u64 - 1) } else { steps };
+        self.setup.schedule.step /= 2.0;
+        self.setup.every *= 2;
+        self.setup.end = End { steps: Some(2 * taken), time: None };
+        let finer = self.later(Life::Alone, None)?;
+        let finer = match sound(&finer, 1) {
+            Err(text) => {
+                return Ok(Some(("step-size", Hit::plain(format!("with half the communication step, {text}")))));
+            }
+            Ok(runs) => &runs[0],
+        };
+        let less = if reached < stop {
+            format!("; it was tried up to {reached} s of {stop} s, for want of time")
+        } else {
+            String::new()
+        };
+        Ok(much(changes(&self.columns, coarse, finer)).map(|(rule, text)| {
+            (rule, Hit::plain(format!("with half the communication step of {step} s, {text}{less}")))
+        }))
+    }
+
     /// A message without the folder into which the FMU was unpacked.
     fn shortened(&self, text: &str) -> String {
         let folder = self.setup.fmu.display();
@@ -306,6 +386,21 @@ fn sound(outcome: &Outcome, count: usize) -> Result<&[Run], String> {
 /// The first of some runs, where there is one.
 fn first(outcome: &Outcome) -> Option<&Run> {
     outcome.report.as_ref()?.runs.first()
+}
+
+/// The variable of those that change much which changes most on average, where that is no matter of single moments: a jump that
+/// comes a step later. Then it is a warning.
+fn much(changes: Vec<Change<'_>>) -> Option<(&'static str, String)> {
+    const MUCH: f64 = 0.01;
+    let Change { name, most, mean } =
+        changes.into_iter().filter(|change| change.most > MUCH).max_by(|a, b| a.mean.total_cmp(&b.mean))?;
+    let rule = if mean > MUCH { "step-coarse" } else { "step-size" };
+    let text = if most.is_finite() {
+        format!("{name} changes by up to {:.2} % of its range, {:.2} % on average", 100.0 * most, 100.0 * mean)
+    } else {
+        format!("{name} is a finite number with one of the steps alone")
+    };
+    Some((rule, text))
 }
 
 /// A life that is not as one alone.

@@ -199,6 +199,7 @@ pub static RULES: &[Rule] = rules! {
         "binary-version" Warning "2.1.4" "the binary calls itself one of its description's version" Elsewhere;
         "binary-types" Warning "2.1.4" "fmi2GetTypesPlatform returns default" Elsewhere;
         "simulation-runs" Error "4.2.4" "a simulation with the start values runs" Elsewhere;
+        "step-suggested" Note "2.2.5" "an FMU that refuses steps suggests one that it takes" Elsewhere;
     }
     own {
         "output-finite" Error "a study would be wrong" "outputs are finite numbers" Elsewhere;
@@ -221,6 +222,12 @@ pub static RULES: &[Rule] = rules! {
         "life-reset" Error "2.1.6" "fmi2Reset takes everything back" Elsewhere;
         "life-again" Error "2.1.5" "a second instance is as the first" Elsewhere;
         "life-instances" Error "4.3.1" "several instances do not disturb each other, or canBeInstantiatedOnlyOncePerProcess is set" Elsewhere;
+    }
+    own {
+        "step-coarse" Warning "a study would be wrong" "half the suggested communication step hardly changes the values" Elsewhere;
+    }
+    "FMI 2.0.5" {
+        "step-size" Note "4.2.2" "half the communication step never changes a value much, and is taken" Elsewhere;
     }
     "FMI 3.0.2" {
         // Rules of FMI 3.0 alone.
