@@ -48,6 +48,7 @@ DAYS = ["%Y%m%d", "%d%m%Y", "%m%d%Y", "%y%m%d", "%d%m%y", "%m%d%y", "%Y%j", "%Y%
 CLOCKS = ["%H%M", "%H%M%S"]
 CALLED_DAY = re.compile(r"(?i)(?<![a-z])(date|datum|dat|fecha|data|dato|day|tag|jour|ymd|y{2,4}mmdd)(?![a-z])|date$|datum$")
 CALLED_CLOCK = re.compile(r"(?i)time|zeit|uhr|clock|hhmm|hora|heure|start|begin|stop|end$|^(von|bis)$|(?<![a-z])(hour|utc|hrmn)(?![a-z])")
+MILLISECONDS = re.compile(r"(?i)ms(ec)?|milliseconds?|millisekunden?")
 FORM_OF_FIGURES = re.compile(r"((?:%[Yymdj])+)? ?(%H%M(?:%S)?)?")
 FORMS = {"day first": "%d{0}%m{0}{1}", "month first": "%m{0}%d{0}{1}", "year first": "{1}{0}%m{0}%d"}
 TIMES = {"t", "ts", "time", "zeit", "timestamp", "timestamps", "tout"}
@@ -56,7 +57,6 @@ SIGNALS = set("signal name channel variable parameter sensor tag id pid item kan
 VALUES = set("value values val wert messwert reading varvalue _value".split())
 PARTS = {"year": "year yr yy yyyy jahr", "month": "month mo mon mm monat", "day": "day dy dd tag", "hour": "hour hr hh stunde",
          "minute": "minute min mi minuten", "second": "second sec ss sekunde"}
-PARTS_OF_SECONDS = {"ms", "msec", "millisecond", "milliseconds", "millisekunde", "millisekunden"}
 MOST = {"year": 9999, "month": 12, "day": 31, "hour": 24, "minute": 59, "second": 60}
 # Spellings that are right as they stand; only their case tells some of them apart (mN, MN; nm, Nm; us, uS).
 KNOWN = set("1 % s ms us ns min h d Hz kHz MHz GHz m cm mm um km N kN mN MN N.m Nm N.mm Nmm kNm Pa hPa mbar kPa bar MPa psi W kW MW "
@@ -616,10 +616,11 @@ def _time(columns: Sequence[Column], options: Options, told: list[str]) -> tuple
     else:
         refuse(f"the time may be {_quoted(stamps, ' or ')}; say --time NAME")
     # Some loggers write the parts of a second into a column of their own.
-    parts = [column for column in columns if column.kind == "number" and column.label.lower() in PARTS_OF_SECONDS and all(re.fullmatch(r"\d{1,3}", cell) for cell in column.cells)]
+    parts = [column for column in columns if MILLISECONDS.fullmatch(column.label) and all(re.fullmatch(r"\d{1,3}", cell) for cell in column.cells)]
     if len(parts) == 1 and all(moment and moment.seconds is not None and moment.seconds % 1 == 0 for moment in joined):
         chosen = chosen + parts
-        joined = [moment and dataclasses.replace(moment, seconds=moment.seconds + int(cell) / 1000) for moment, cell in zip(joined, parts[0].cells, strict=True)]
+        late = [int(cell) / 1000 for cell in parts[0].cells]
+        joined = [moment and dataclasses.replace(moment, seconds=(moment.seconds or 0.0) + part) for moment, part in zip(joined, late, strict=True)]
     for column in chosen:
         column.is_taken = True
     name, cells = _quoted(chosen, between), [" ".join(row) for row in zip(*(column.cells for column in chosen), strict=True)]

@@ -51,10 +51,10 @@ impl Column {
         self.unit.as_deref().map_or(is_time_name(&self.bare), is_of_time)
     }
 
-    /// Whether its numbers rise.
+    /// Whether its numbers rise; one alone may be a time.
     fn rises(&self) -> bool {
         let known: Vec<f64> = self.values.iter().copied().filter(|value| value.is_finite()).collect();
-        self.texts.is_empty() && known.len() > 1 && known.is_sorted() && known.first() < known.last()
+        self.texts.is_empty() && known.is_sorted() && (known.len() == 1 || known.first() < known.last())
     }
 
     /// Why it does not rise.
@@ -187,7 +187,7 @@ impl RecordedTable {
     /// Whether the rows follow each other in time: a column is called time, or has a unit of time and rises.
     pub fn is_over_time(&self, may_be: &dyn Fn(&str) -> bool) -> bool {
         let is_called = |column: &Column| is_time_name(&column.bare) && may_be(&column.name);
-        self.columns.iter().any(is_called) || self.times(may_be).iter().any(|column| column.rises())
+        self.columns.iter().any(is_called) || self.rows > 1 && self.times(may_be).iter().any(|column| column.rises())
     }
 
     /// The column of the time: the only one whose numbers rise among those that have a unit of time, or none and are called time.

@@ -216,6 +216,9 @@ fn rows_without_a_time_are_repeats() {
         .is_mistake(&["`lag.temperature` has no unit, and the FMU has it in K", "`lag.temperature [unit]`"]);
     bench.write("data.csv", "time [bar],lag.y\n0,1\n1,2\n");
     bench.run(&measured).is_mistake(&["none has a unit of time"]);
+    // An input is never left out: the FMU would run with its start value.
+    bench.write("data.csv", "time,drive.u [furlong],lag.y\n0,1,1\n1,1,2\n");
+    bench.run(&measured).is_mistake(&["column `drive.u [furlong]`: unit `furlong`"]);
     bench.write("data.csv", "time;lag.y\ns;-\n0;1\n1;2\n");
     bench.run(&measured).is_mistake(&["a row of words", "python -m fmu_orchestrator convert"]);
 }

@@ -54,10 +54,15 @@ impl<'a> Measured<'a> {
             inputs: Vec::new(),
             left: Vec::new(),
         };
+        let is_input = |name| fmu.variables.get(split(name, fmu).0).is_some_and(|v| v.causality == Causality::Input);
         for name in recorded.columns.iter().map(|column| &column.name).filter(|name| Some(name.as_str()) != time) {
             match table.column(name, fmu) {
                 Ok(column) if column.variable.causality == Causality::Input => table.inputs.push(column),
                 Ok(column) => table.columns.push(column),
+                // Without it the FMU would run with the input at its start value.
+                Err(reason) if is_input(name) => {
+                    return Err(Error::content(path, format!("column `{name}`: {reason}")));
+                }
                 Err(reason) => table.left.push((name.clone(), reason)),
             }
         }
