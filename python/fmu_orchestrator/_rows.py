@@ -578,7 +578,8 @@ def _refuse_signals_in_rows(columns: Sequence[Column], time: Sequence[Any] | Non
     times = time or next((column.cells for column in columns if is_time_name(column.label) and column.kind == "number"), [])
     for column in columns:
         found, is_text = list(dict.fromkeys(column.cells)), column.kind == "text"
-        is_named = column.label == "entity_id" or column.label.lower() in SIGNALS and any(other.label.lower() in VALUES for other in columns) or is_text and all(map(_is_unit, found))
+        is_named = column.label == "entity_id" or column.label.lower() in SIGNALS and any(other.label.lower() in VALUES for other in columns)
+        is_named = is_named or is_text and all(map(_is_unit, found))
         # Several rows of one time, each with another text.
         has_several = is_text and 0 < 2 * len(set(times)) <= len(times) == len(set(zip(times, column.cells, strict=True)))
         if not column.is_taken and 1 < len(found) <= len(column.cells) / 2 and (is_named or has_several):

@@ -130,11 +130,7 @@ impl RecordedTable {
             {
                 return Err(FileError::new(
                     path,
-                    format!(
-                        "line {} below the names is a row of words, such as of units; {}",
-                        rows.line(),
-                        convert(path)
-                    ),
+                    format!("line {} below the names has no number; {}", rows.line(), convert(path)),
                 ));
             }
             for (k, column) in table.columns.iter_mut().enumerate().filter(|(_, column)| is_read(column)) {

@@ -220,7 +220,7 @@ fn rows_without_a_time_are_repeats() {
     bench.write("data.csv", "time,drive.u [furlong],lag.y\n0,1,1\n1,1,2\n");
     bench.run(&measured).is_mistake(&["column `drive.u [furlong]`: unit `furlong`"]);
     bench.write("data.csv", "time;lag.y\ns;-\n0;1\n1;2\n");
-    bench.run(&measured).is_mistake(&["a row of words", "python -m fmu_orchestrator convert"]);
+    bench.run(&measured).is_mistake(&["line 2 below the names has no number", "python -m fmu_orchestrator convert"]);
 }
 
 /// 09:15 is neither 915 s nor a day of 20,260,311 s, and of two columns that may be the time nobody knows which it is, whoever reads
