@@ -48,7 +48,7 @@ DAYS = ["%Y%m%d", "%d%m%Y", "%m%d%Y", "%y%m%d", "%d%m%y", "%m%d%y", "%Y%j", "%Y%
 CLOCKS = ["%H%M", "%H%M%S"]
 CALLED_DAY = re.compile(r"(?i)(?<![a-z])(date|datum|dat|fecha|data|dato|day|tag|jour|ymd|y{2,4}mmdd)(?![a-z])|date$|datum$")
 CALLED_CLOCK = re.compile(r"(?i)time|zeit|uhr|clock|hhmm|hora|heure|start|begin|stop|end$|^(von|bis)$|(?<![a-z])(hour|utc|hrmn)(?![a-z])")
-MILLISECONDS = re.compile(r"(?i)ms(ec)?|milliseconds?|millisekunden?")
+PART_OF_SECOND = re.compile(r"(?i)(ms(?:ec)?|millise[ck]\w*)|[uµ]s|microse[ck]\w*")
 FORM_OF_FIGURES = re.compile(r"((?:%[Yymdj])+)? ?(%H%M(?:%S)?)?")
 FORMS = {"day first": "%d{0}%m{0}{1}", "month first": "%m{0}%d{0}{1}", "year first": "{1}{0}%m{0}%d"}
 TIMES = {"t", "ts", "time", "zeit", "timestamp", "timestamps", "tout"}
@@ -617,11 +617,12 @@ def _time(columns: Sequence[Column], options: Options, told: list[str]) -> tuple
     else:
         refuse(f"the time may be {_quoted(stamps, ' or ')}; say --time NAME")
     # Some loggers write the parts of a second into a column of their own.
-    parts = [column for column in columns if MILLISECONDS.fullmatch(column.label) and all(re.fullmatch(r"\d{1,3}", cell) for cell in column.cells)]
+    parts = [(column, 1000 if found[1] else 1_000_000) for column in columns if (found := PART_OF_SECOND.fullmatch(column.label))]
+    parts = [(column, of) for column, of in parts if all(cell.isdecimal() and int(cell) < of for cell in column.cells)]
     if len(parts) == 1 and all(moment and moment.seconds is not None and moment.seconds % 1 == 0 for moment in joined):
-        chosen = chosen + parts
-        late = [int(cell) / 1000 for cell in parts[0].cells]
-        joined = [moment and dataclasses.replace(moment, seconds=(moment.seconds or 0.0) + part) for moment, part in zip(joined, late, strict=True)]
+        [(part, of)] = parts
+        chosen = [*chosen, part]
+        joined = [moment and dataclasses.replace(moment, seconds=(moment.seconds or 0.0) + int(cell) / of) for moment, cell in zip(joined, part.cells, strict=True)]
     for column in chosen:
         column.is_taken = True
     name, cells = _quoted(chosen, between), [" ".join(row) for row in zip(*(column.cells for column in chosen), strict=True)]
