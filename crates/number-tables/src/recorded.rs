@@ -124,6 +124,11 @@ impl RecordedTable {
             Column { name: name.clone(), bare: bare.to_owned(), unit, ..Column::default() }
         };
         let columns: Vec<Column> = rows.names().iter().map(column).collect();
+        if columns.iter().all(|column| column.name.trim().is_empty()) {
+            let message =
+                "it is empty: its first line names the columns, such as `time,speed [rpm]`, and rows of numbers follow";
+            return Err(FileError::new(path, message));
+        }
         let mut table = Self { path: path.to_owned(), columns, rows: 0, skipped: None };
         while rows.advance().map_err(plain)? {
             if table.rows == 0 && (0..table.columns.len()).all(|k| rows.number(k).is_none() && !rows.text(k).is_empty())
