@@ -352,7 +352,11 @@ impl Recorded<'_> {
     /// The name of the column of a file's times.
     fn time_name<'b>(&'b self, file: usize, signal: Option<&'b Signal>) -> Result<&'b str, FileError> {
         let (table, time) = &self.tables[file];
-        signal.and_then(|signal| signal.time.as_deref()).or(time.column.as_deref()).map_or_else(|| table.time(), Ok)
+        let remedy = "say time = { column = \"...\" }, `time` under each signal, or time = { rate = \"... Hz\" }";
+        signal
+            .and_then(|signal| signal.time.as_deref())
+            .or(time.column.as_deref())
+            .map_or_else(|| table.time(&|_| true, remedy), Ok)
     }
 
     /// The times of a file's rows, s.

@@ -48,12 +48,13 @@ DAYS = ["%Y%m%d", "%d%m%Y", "%m%d%Y", "%y%m%d", "%d%m%y", "%m%d%y", "%Y%j", "%Y%
 CLOCKS = ["%H%M", "%H%M%S"]
 CALLED_DAY = re.compile(r"(?i)(?<![a-z])(date|datum|dat|fecha|data|dato|day|tag|jour|ymd|y{2,4}mmdd)(?![a-z])|date$|datum$")
 CALLED_CLOCK = re.compile(r"(?i)time|zeit|uhr|clock|hhmm|hora|heure|start|begin|stop|end$|^(von|bis)$|(?<![a-z])(hour|utc|hrmn)(?![a-z])")
+PART_OF_SECOND = re.compile(r"(?i)(ms(?:ec)?|millise[ck]\w*)|[uµ]s|microse[ck]\w*")
 FORM_OF_FIGURES = re.compile(r"((?:%[Yymdj])+)? ?(%H%M(?:%S)?)?")
 FORMS = {"day first": "%d{0}%m{0}{1}", "month first": "%m{0}%d{0}{1}", "year first": "{1}{0}%m{0}%d"}
 TIMES = {"t", "ts", "time", "zeit", "timestamp", "timestamps", "tout"}
 # Names of columns in a table that has a row for each value of each signal.
-SIGNALS = {"signal", "name", "channel", "variable", "parameter", "sensor", "tag", "id", "pid", "item", "kanal", "quantity", "measurement"}
-VALUES = {"value", "values", "val", "wert", "messwert", "reading"}
+SIGNALS = set("signal name channel variable parameter sensor tag id pid item kanal quantity measurement varname tagname _field".split())
+VALUES = set("value values val wert messwert reading varvalue _value".split())
 PARTS = {"year": "year yr yy yyyy jahr", "month": "month mo mon mm monat", "day": "day dy dd tag", "hour": "hour hr hh stunde",
          "minute": "minute min mi minuten", "second": "second sec ss sekunde"}
 MOST = {"year": 9999, "month": 12, "day": 31, "hour": 24, "minute": 59, "second": 60}
@@ -207,7 +208,7 @@ def _split(lines: Sequence[str], delimiter: str) -> list[list[str]]:
         return [_words(line) for line in lines]
     try:
         # A quote that nobody closes would swallow the rest: each line is read alone.
-        return [[cell.strip() for cell in next(csv.reader([line], delimiter=delimiter), [])] if line.strip() else [] for line in lines]
+        return [[cell.strip().removeprefix("'") for cell in next(csv.reader([line], delimiter=delimiter), [])] if line.strip() else [] for line in lines]
     except (csv.Error, TypeError) as error:
         refuse(f"{error}; say --delimiter")
 
@@ -229,6 +230,8 @@ def _is_number(cell: str) -> bool:
 
 def _plain(cell: str) -> str:
     cell = cell.strip().replace("\u2212", "-")
+    if cell[:1] in "+-":
+        cell = cell[:1] + cell[1:].lstrip()
     found = None if cell.isascii() and "'" not in cell and " " not in cell else BLANKS.match(cell)
     return found[0].replace(found[1], "") + cell[found.end():] if found else cell
 
@@ -544,7 +547,7 @@ def _understood(columns: list[Column], decimal: str | None, options: Options, to
             channels.append((column.label, *_channel(column, told)))
         else:
             sample = next((cell for cell in column.cells if cell and not _is_number(cell)), "")
-            if not is_timed and sum(map(bool, map(LIKE_STAMP.match, column.cells))) > len(column.cells) / 2 < len(set(column.cells)):
+            if not is_timed and (is_time_name(column.label) or sum(map(bool, map(LIKE_STAMP.match, column.cells))) > len(column.cells) / 2 < len(set(column.cells))):
                 refuse(f"column `{column.label}` may be the time, but `{sample[:40]}` is no known stamp; say --format, or --time none")
             told.append(f"column `{column.label}` holds {'moments' if column.kind == 'stamp' else 'text'} (`{sample[:40]}`) and was left out")
     if not channels:
@@ -575,7 +578,8 @@ def _refuse_signals_in_rows(columns: Sequence[Column], time: Sequence[Any] | Non
     times = time or next((column.cells for column in columns if is_time_name(column.label) and column.kind == "number"), [])
     for column in columns:
         found, is_text = list(dict.fromkeys(column.cells)), column.kind == "text"
-        is_named = column.label.lower() in SIGNALS and any(other.label.lower() in VALUES for other in columns) or is_text and all(map(_is_unit, found))
+        is_named = column.label == "entity_id" or column.label.lower() in SIGNALS and any(other.label.lower() in VALUES for other in columns)
+        is_named = is_named or is_text and all(map(_is_unit, found))
         # Several rows of one time, each with another text.
         has_several = is_text and 0 < 2 * len(set(times)) <= len(times) == len(set(zip(times, column.cells, strict=True)))
         if not column.is_taken and 1 < len(found) <= len(column.cells) / 2 and (is_named or has_several):
@@ -601,7 +605,7 @@ def _time(columns: Sequence[Column], options: Options, told: list[str]) -> tuple
     if wanted:
         if wanted not in stamps:
             return None, None
-        whole, days, clocks = ([column for column in group if column is wanted or group is not whole and wanted in days + clocks] for group in (whole, days, clocks))
+        whole, days, clocks = ([wanted] if wanted in group else group if group is not whole and wanted in days + clocks else [] for group in (whole, days, clocks))
     if not stamps:
         joined = _calendar(columns)
         chosen, between = [column for column in columns if column.is_taken], ", "
@@ -612,6 +616,13 @@ def _time(columns: Sequence[Column], options: Options, told: list[str]) -> tuple
         joined = [_join([moments[column][k] for column in chosen]) for k in range(len(columns[0].cells))]
     else:
         refuse(f"the time may be {_quoted(stamps, ' or ')}; say --time NAME")
+    # Some loggers write the parts of a second into a column of their own.
+    parts = [(column, 1000 if found[1] else 1_000_000) for column in columns if (found := PART_OF_SECOND.fullmatch(column.label))]
+    parts = [(column, of) for column, of in parts if all(cell.isdecimal() and int(cell) < of for cell in column.cells)]
+    if len(parts) == 1 and all(moment and moment.seconds is not None and moment.seconds % 1 == 0 for moment in joined):
+        [(part, of)] = parts
+        chosen = [*chosen, part]
+        joined = [moment and dataclasses.replace(moment, seconds=(moment.seconds or 0.0) + int(cell) / of) for moment, cell in zip(joined, part.cells, strict=True)]
     for column in chosen:
         column.is_taken = True
     name, cells = _quoted(chosen, between), [" ".join(row) for row in zip(*(column.cells for column in chosen), strict=True)]
@@ -735,7 +746,7 @@ def _of_figures(columns: Sequence[Column], options: Options) -> Options:
     if wanted := next((column for column in columns if column.label == options.time), None):
         clocks = {column: found for column, found in clocks.items() if column is wanted or wanted in days}
     several = [column for column in columns if column in clocks or (head := heads.get(column)) and not head.days]
-    if len(several) > 1:
+    if len(several) > 1 and wanted not in several:
         refuse(f"the clock may be {_quoted(several, ' or ')}; say --time NAME")
 
     def become(column: Column, form: str) -> None:
@@ -753,7 +764,8 @@ def _of_figures(columns: Sequence[Column], options: Options) -> Options:
         is_padded = len({len(cell) for cell in there}) == 1 and any(cell[0] == "0" for cell in there)
         named = re.sub("[^hms]", "", (column.unit or column.label).lower())
         known = [one for one in found if one == (form and form[2]) or named.endswith("hhmmss"[: len(one)]) or is_padded and len(there[0]) == len(one)]
-        if not known and (len(found) > 1 if has_day else _are_clocks([column.number(cell) or 0.0 for cell in there])):
+        # Two figures may be the hours alone, with parts or without.
+        if not known and (len(found) > 1 or all(re.match(r"\d\d?(?!\d)", cell) for cell in there) if has_day else _are_clocks([column.number(cell) or 0.0 for cell in there])):
             forms = '" or "'.join(next((f"{form[0]} " for form in days.values()), "") + one for one in found)
             refuse(f"column `{column.label}`: `{there[0]}` may be a clock, or a number of seconds; say --format \"{forms}\", or --unit \"{column.label}=s\"")
         if known or has_day:

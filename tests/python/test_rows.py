@@ -87,6 +87,9 @@ def test_date_and_time_in_several_columns_join(tmp_path):
     (["Year;Month;Day;Time;T", "2024;1;31;09:30:15;1", "2024;2;3;09:30:45;2"], [0, 259230], {}),
     (["Year;Month;Day;Time;T", "2024;1;31;93015;1", "2024;2;3;93045;2"], [0, 259230], {}),
     (["Date;T", "20240131;1", "20240201;2"], [0, 86400], {}),
+    (["Date;Time;ms;T", "2024-01-31;09:30:15;0;1", "2024-01-31;09:30:15;250;2"], [0, 0.25], {}),
+    (["Number;Date;Time;us;T", "1;2024-01-31;09:30:15;    100;1", "2;2024-01-31;09:30:15; 250100;2"], [0, 0.25], {}),
+    (["Year;Month;Day;Hour;Minute;Second;Millisecond;T", "2024;1;31;9;30;15;500;1", "2024;1;31;9;30;16;000;2"], [0, 0.5], {}),
     (["MESS_DATUM;T", "2024013123;1", "2024020100;2"], [0, 3600], {}),
     # Without its leading zero: 1:05:05, not 10:50:05.
     (["a;b;T", "10505;1;1.5", "101010;2;2.5"], [0, 32705], {"format": "%H%M%S", "time": "a"}),
@@ -174,6 +177,8 @@ def test_thousands_and_signs(tmp_path):
     assert converted(tmp_path, lines, format="%d-%m-%Y")[1] == [[0.0, 1.5], [87000.0, 2.5]]
     lines = ["t [s];P [kN]", "0;1'200.5", "1;12.25"]
     assert [row[1] for row in converted(tmp_path, rows(*lines))[1]] == [1200.5, 12.25]
+    # A sign apart from its number; what a spreadsheet is to take for text.
+    assert converted(tmp_path, rows("t [s];P", "0;+  1.5", "1;-  2.5", "2;'3.5"))[1] == [[0.0, 1.5], [1.0, -2.5], [2.0, 3.5]]
     assert converted(tmp_path, rows("t [s];T", "0;23.5 °C", "1;24.5 °C")) == (["t [s]", "T [degC]"], [[0.0, 23.5], [1.0, 24.5]])
 
 
@@ -193,6 +198,10 @@ def test_thousands_and_signs(tmp_path):
     (["Time;T", "93015;1", "93115;2"], ["`93015` may be a clock", '--format "%H%M%S"'], {"format": "%H%M%S"}),
     (["Time;T", "0;1", "15;2", "30;3", "45;4", "100;3", "115;3"], ['--format "%H%M"'], {"format": "%H%M"}),
     (["Date;Start;End Time;T", "20240131;93015;94015;1", "20240131;93115;94115;1"], ["the clock may be `Start` or `End Time`"], {"time": "Start"}),
+    (["Date;Start;End;T", "2024-01-31;13:00;13:15;1.5", "2024-01-31;13:15;13:30;2.5"], ["the clock may be `Start` or `End`"], {"time": "Start"}),
+    (["Total;Step;T", "0d 23:59:50;0d 00:00:05;1.5", "1d 00:00:00;0d 00:00:15;2.5"], ["the clock may be `Total` or `Step`"], {"time": "Total"}),
+    (["Date;Hour;T", "2024-01-31;13.25;1.5", "2024-01-31;13.5;2.5"], ["`13.25` may be a clock"], {"time": "none"}),
+    (["t;T", "PT0S;1.5", "PT1M30S;2.5"], ["`PT0S` is no known stamp"], {"time": "none"}),
     (["Date;HH;MM;SS;T", "20240131;9;30;15;1.5", "20240131;9;31;15;1.5"], ["1 rows have the day of the row before", "--time none"], {"time": "none"}),
     (["Year,Month,Day,Time,T", "2024,1,30,7.5,1.5", "2024,1,30,75.5,1.5"], ["several rows of one day", "--time NAME"], {"time": "Time"}),
     (["t [s],P", "0,980", '1500,"1,050"'], ["1050 or 1.050"], {"decimal": "."}),
@@ -224,6 +233,8 @@ def test_thousands_and_signs(tmp_path):
     (["time,signal,value", "0,F,1.5", "0,n,1500", "1,F,2.5", "1,n,1501"], ["`signal` says in each row whose value it is (`F`, `n`)"], None),
     (["timestamp;id;value", "0.0;1;1.5", "0.1;2;1500", "0.2;1;2.5", "0.3;2;1501"], ["`id` says in each row"], None),
     (["SECONDS;PID;VALUE;UNITS;", *(f"{k};{'nv'[k % 2]};{k}.5;{'rpm' if k % 2 else 'km/h'};" for k in range(6))], ["`PID` says in each row"], None),
+    (["VarName;TimeString;VarValue", *(f"{'Fn'[k % 2]};03.11.2026 13:15:0{k};{k}.5" for k in range(6))], ["`VarName` says in each row"], None),
+    (["entity_id,state,last_changed", *(f"sensor.{'ab'[k % 2]},{k}.5,2026-11-03T13:15:0{k}Z" for k in range(6))], ["`entity_id` says in each row"], None),
     (["t [s];X;Einheit", *(f"{k};{k}.5;{'rpm' if k % 2 else 'km/h'}" for k in range(6))], ["`Einheit` says in each row"], None),
     (["Zeit;Art;Messung", *(f"2026-11-03 10:00:0{k};{kind};1.5" for kind in "ab" for k in range(3))], ["`Art` says in each row"], None),
 ])

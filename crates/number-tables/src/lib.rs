@@ -8,6 +8,7 @@ pub mod recorded;
 mod rows;
 
 use crate::files::{FileError, convert};
+use crate::recorded::RecordedTable;
 use std::{collections::HashSet, path::Path};
 
 use fmu_import::units::{Conversion, known};
@@ -141,30 +142,12 @@ fn remedy(path: &Path, text: &str) -> String {
     remedy.to_owned()
 }
 
-/// A column that is asked for: the names that it may have (none: the time, by its unit), and its purpose.
+/// A column that is asked for: the names that it may have, and its purpose.
 pub type Column = (Vec<String>, String);
 
 /// A column of one name.
 pub fn column(name: &str, purpose: impl Into<String>) -> Column {
     (vec![name.to_owned()], purpose.into())
-}
-
-/// The column `time`, else the only one that has a unit of time or is called time.
-fn place_of_time(path: &Path, header: &[String]) -> Result<usize, FileError> {
-    let is_time = |(bare, unit): (&str, Option<String>)| unit.map_or(is_time_name(bare), |unit| is_of_time(&unit));
-    let found = |is_it: &dyn Fn(&str) -> bool| -> Vec<usize> {
-        (0..header.len()).filter(|&place| is_it(&header[place])).collect()
-    };
-    let mut places = found(&|name| name_and_unit(name).0 == "time");
-    if places.is_empty() {
-        places = found(&|name| is_time(name_and_unit(name)));
-    }
-    let why = match places[..] {
-        [place] => return Ok(place),
-        [] => "no column has a unit of time or is called `time`",
-        _ => "several columns may be the time",
-    };
-    Err(FileError::new(path, format!("{why}: say time = \"...\"; it has {}", listed(header))))
 }
 
 /// Columns of numbers from a csv or Parquet file, with the rows' own numbers where it has a column `point`.
@@ -187,14 +170,17 @@ impl Table {
         Ok(Self::load(path, columns, false)?.table)
     }
 
-    /// Reads columns behind that of the times, which become seconds: the column of this name, or where none is stated the one that its
-    /// unit or name tells.
+    /// Reads columns behind that of the times, which become seconds: the column of this name, or where none is stated that of
+    /// [`RecordedTable::time`].
     ///
     /// # Errors
     /// As [`Table::read`], and when the times have no unit of time, or may be days or clocks.
     pub fn read_over_time(path: &Path, time: Option<&str>, columns: Vec<Column>) -> Result<Self, FileError> {
-        let time = (time.map(str::to_owned).into_iter().collect(), "the time".to_owned());
-        let columns: Vec<Column> = std::iter::once(time).chain(columns).collect();
+        let time = match time {
+            Some(time) => time.to_owned(),
+            None => RecordedTable::read_times(path)?.time(&|_| true, "say time = \"...\"")?.to_owned(),
+        };
+        let columns: Vec<Column> = std::iter::once(column(&time, "the time")).chain(columns).collect();
         let Reading { mut table, header, places, has_days, .. } = Self::load(path, &columns, false)?;
         let name = shown(&header[places[0]]);
         let way = match table.units[0].as_deref() {
@@ -333,9 +319,6 @@ fn shown(text: &str) -> String {
 }
 
 fn find(path: &Path, header: &[String], names: &[String], purpose: &str) -> Result<usize, FileError> {
-    if names.is_empty() {
-        return place_of_time(path, header);
-    }
     let bare = |place: usize| name_and_unit(&header[place]).0;
     let found = |name: &String| places(header.len(), |place| header[place] == *name, |place| bare(place) == name);
     let is_there = |name: &&String| header.contains(name);

@@ -20,7 +20,8 @@ use fmu_points::names::{did_you_mean, nearest};
 #[derive(Debug)]
 pub struct RecordedTable {
     path: PathBuf,
-    columns: Vec<Column>,
+    /// In their order.
+    pub columns: Vec<Column>,
     /// How many rows there are.
     pub rows: usize,
     /// How many lines between rows are blank or comments, and the first of them.
@@ -30,7 +31,8 @@ pub struct RecordedTable {
 /// A column.
 #[derive(Debug, Default)]
 pub struct Column {
-    name: String,
+    /// With the unit in it.
+    pub name: String,
     /// The name without the unit in it.
     bare: String,
     /// The unit in the name, by its usual letters.
@@ -44,6 +46,17 @@ pub struct Column {
 }
 
 impl Column {
+    /// Whether it may be a time: by its unit, or by its name where it has none.
+    fn is_time(&self) -> bool {
+        self.unit.as_deref().map_or(is_time_name(&self.bare), is_of_time)
+    }
+
+    /// Whether its numbers rise; one alone may be a time.
+    fn rises(&self) -> bool {
+        let known: Vec<f64> = self.values.iter().copied().filter(|value| value.is_finite()).collect();
+        self.texts.is_empty() && known.is_sorted() && (known.len() == 1 || known.first() < known.last())
+    }
+
     /// Why it does not rise.
     fn why_no_time(&self) -> String {
         let name = &self.name;
@@ -67,6 +80,31 @@ impl RecordedTable {
     /// # Errors
     /// When it cannot be read or is no plain table, with the command that makes one.
     pub fn read(path: &Path) -> Result<Self, FileError> {
+        let table = Self::read_those(path, |_| true)?;
+        if let Some(name) = table.names_signals() {
+            return Err(FileError::new(
+                path,
+                format!(
+                    "column `{name}` says in each row whose value it is; save a column for each, or a file for each"
+                ),
+            ));
+        }
+        if table.columns.iter().any(|column| column.values.iter().any(|value| value.is_finite())) {
+            Ok(table)
+        } else {
+            Err(FileError::new(path, format!("no row of numbers below one row of names; {}", convert(path))))
+        }
+    }
+
+    /// Reads the columns that may be the time; the others have no values.
+    ///
+    /// # Errors
+    /// As [`RecordedTable::read`].
+    pub fn read_times(path: &Path) -> Result<Self, FileError> {
+        Self::read_those(path, Column::is_time)
+    }
+
+    fn read_those(path: &Path, is_read: fn(&Column) -> bool) -> Result<Self, FileError> {
         let mut begin = Vec::new();
         files::open(path)
             .map_err(|error| FileError::read(path, error))?
@@ -86,6 +124,11 @@ impl RecordedTable {
             Column { name: name.clone(), bare: bare.to_owned(), unit, ..Column::default() }
         };
         let columns: Vec<Column> = rows.names().iter().map(column).collect();
+        if columns.iter().all(|column| column.name.trim().is_empty()) {
+            let message =
+                "it is empty: its first line names the columns, such as `time,speed [rpm]`, and rows of numbers follow";
+            return Err(FileError::new(path, message));
+        }
         let mut table = Self { path: path.to_owned(), columns, rows: 0, skipped: None };
         while rows.advance().map_err(plain)? {
             if table.rows == 0 && (0..table.columns.len()).all(|k| rows.number(k).is_none() && !rows.text(k).is_empty())
@@ -95,7 +138,7 @@ impl RecordedTable {
                     format!("line {} below the names has no number; {}", rows.line(), convert(path)),
                 ));
             }
-            for (k, column) in table.columns.iter_mut().enumerate() {
+            for (k, column) in table.columns.iter_mut().enumerate().filter(|(_, column)| is_read(column)) {
                 let (text, number) = (rows.text(k), rows.number(k).filter(|number| !number.is_infinite()));
                 match number {
                     Some(number) => column.empty += usize::from(number.is_nan()),
@@ -106,23 +149,11 @@ impl RecordedTable {
             }
             table.rows += 1;
         }
-        crate::check_marks(path, &*rows, 0..table.columns.len())?;
+        crate::check_marks(path, &*rows, (0..table.width()).filter(|&place| is_read(&table.columns[place])))?;
         if let [first, ..] = rows.skipped() {
             table.skipped = Some((rows.skipped().len(), *first));
         }
-        if let Some(name) = table.names_signals() {
-            return Err(FileError::new(
-                path,
-                format!(
-                    "column `{name}` says in each row whose value it is; save a column for each, or a file for each"
-                ),
-            ));
-        }
-        if table.columns.iter().any(|column| column.values.iter().any(|value| value.is_finite())) {
-            Ok(table)
-        } else {
-            Err(FileError::new(path, format!("no row of numbers below one row of names; {}", convert(path))))
-        }
+        Ok(table)
     }
 
     /// The column that says in each row of which signal the value is, where a table has such rows: its values are one column of all.
@@ -149,40 +180,38 @@ impl RecordedTable {
         &self.path
     }
 
-    /// The column of the time: the only one with a unit of time whose numbers rise; where no such column is there, the only one
-    /// that is called time and has no unit. Neither its place nor a letter decides.
+    /// The columns that may be the time, among those of which a caller knows no better.
+    fn times(&self, may_be: &dyn Fn(&str) -> bool) -> Vec<&Column> {
+        self.columns.iter().filter(|column| column.is_time() && may_be(&column.name)).collect()
+    }
+
+    /// Whether the rows follow each other in time: a column is called time, or has a unit of time and rises.
+    pub fn is_over_time(&self, may_be: &dyn Fn(&str) -> bool) -> bool {
+        let is_called = |column: &Column| is_time_name(&column.bare) && may_be(&column.name);
+        self.columns.iter().any(is_called) || self.rows > 1 && self.times(may_be).iter().any(|column| column.rises())
+    }
+
+    /// The column of the time: the only one whose numbers rise among those that have a unit of time, or none and are called time.
+    /// Neither its place nor a letter decides.
     ///
     /// # Errors
-    /// When there is none or several, with the key that decides.
-    pub fn time(&self) -> Result<&str, FileError> {
-        let rises = |column: &&Column| {
-            let known: Vec<f64> = column.values.iter().copied().filter(|value| value.is_finite()).collect();
-            column.texts.is_empty() && known.len() > 1 && known.is_sorted() && known.first() < known.last()
-        };
-        let by_unit = |column: &&Column| column.unit.as_deref().is_some_and(is_of_time);
-        let by_name = |column: &&Column| column.unit.is_none() && is_time_name(&column.bare);
-        let with_unit: Vec<&Column> = self.columns.iter().filter(by_unit).filter(rises).collect();
-        let candidates =
-            if with_unit.is_empty() { self.columns.iter().filter(by_name).filter(rises).collect() } else { with_unit };
-        match candidates.as_slice() {
+    /// When there is none or several, with the `remedy`.
+    pub fn time(&self, may_be: &dyn Fn(&str) -> bool, remedy: &str) -> Result<&str, FileError> {
+        let times = self.times(may_be);
+        match times.iter().filter(|column| column.rises()).collect::<Vec<_>>().as_slice() {
             [one] => Ok(&one.name),
             [] => {
-                let called = self.columns.iter().find(by_unit).or_else(|| self.columns.iter().find(by_name));
                 let none = "none has a unit of time, or is called `time`".to_owned();
                 Err(self.wrong(format!(
-                    "no column is the time: {} (it has {}); say time = {{ column = \"...\" }}, or time = {{ rate = \"... Hz\" \
-                     }}; where a column has time stamps, {}",
-                    called.map_or(none, Column::why_no_time),
+                    "no column is the time: {} (it has {}); {remedy}; where a column has time stamps, {}",
+                    times.first().map_or(none, |column| column.why_no_time()),
                     self.names(),
                     convert(&self.path)
                 )))
             }
             several => {
                 let names: Vec<String> = several.iter().map(|column| format!("`{}`", column.name)).collect();
-                let names = names.join(" or ");
-                Err(self.wrong(format!(
-                    "the time may be {names}; say time = {{ column = \"...\" }}, or `time` under each signal"
-                )))
+                Err(self.wrong(format!("the time may be {}; {remedy}", names.join(" or "))))
             }
         }
     }
@@ -307,7 +336,7 @@ mod tests {
             ("t [s],M\n1,0\n0,1\n", None),
         ] {
             let table = read(text.as_bytes()).unwrap();
-            assert_eq!(table.time().ok(), time, "{text}");
+            assert_eq!(table.time(&|_| true, "").ok(), time, "{text}");
         }
     }
 
@@ -348,13 +377,16 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("m.csv");
         for (names, times) in [
-            ("u,t [s]", Some([1.0, 3.0])),
-            ("u,Time(ms)", Some([0.001, 0.003])),
-            ("wait [s],time", Some([1.0, 3.0])),
-            ("wait [s],t", None),
-            ("u,v", None),
+            ("u,t [s]\n0,1\n2,3", Some([1.0, 3.0])),
+            ("u,Time(ms)\n0,1\n2,3", Some([0.001, 0.003])),
+            ("wait [s],time\n2,1\n0,3", Some([1.0, 3.0])),
+            ("time,t [s]\n2,1\n0,3", Some([1.0, 3.0])),
+            ("time,t [s]\n0,1\n,2\n2,3", None),
+            ("wait [s],time\n0,1\n2,3", None),
+            ("wait [s],t\n0,1\n2,3", None),
+            ("u,v\n0,1\n2,3", None),
         ] {
-            std::fs::write(&path, format!("{names}\n0,1\n2,3\n")).unwrap();
+            std::fs::write(&path, names).unwrap();
             let read = crate::Table::read_over_time(&path, None, Vec::new());
             let found = read.map(|table| [table.rows[0][0], table.rows[1][0]]);
             match times {
@@ -460,7 +492,7 @@ mod tests {
             ("t [s],F\n0,1\n2,2\n1,3\n", "`t [s]` falls from 2 to 1 in row 3"),
             ("t [s],F\n0,1\n1,2\nTotal,3\n", "line 4: `Total` in `t [s]` is no number"),
         ] {
-            let error = read(text.as_bytes()).unwrap().time().unwrap_err().to_string();
+            let error = read(text.as_bytes()).unwrap().time(&|_| true, "").unwrap_err().to_string();
             assert!(error.contains(why), "{error}");
         }
     }

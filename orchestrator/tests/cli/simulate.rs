@@ -129,7 +129,7 @@ fn inputs_follow_a_table() {
     bench.write("none.csv", "time\n0\n");
     with("none.csv").is_mistake(&["no column beside `time`"]);
     bench.write("back.csv", "time,drive.u\n1,0\n0,1\n");
-    with("back.csv").is_mistake(&["not later than the time before"]);
+    with("back.csv").is_mistake(&["`time` falls from 1 to 0 in row 2"]);
 }
 
 #[test]

@@ -207,7 +207,7 @@ fn rows_without_a_time_are_repeats() {
     let said = bench.run(&["verify", "study.toml", "--output", "points"]);
     assert!(said.code < 2, "{}{}", said.out, said.err);
     bench.write("data.csv", "time,lag.y\n0,1\n0,2\n");
-    bench.run(&measured).is_mistake(&["`time`", "times that grow"]);
+    bench.run(&measured).is_mistake(&["no column is the time: `time` does not rise"]);
     bench.write("data.csv", "time [ms],lag.y\n0,1\n1500,2\n");
     assert!(good(bench.run(&measured)).out.contains("stop = 1.5 # s"));
     bench.write("data.csv", "time,lag.temperature,lag.y\n0,20,1\n1,21,2\n");
@@ -215,16 +215,21 @@ fn rows_without_a_time_are_repeats() {
         .run(&measured)
         .is_mistake(&["`lag.temperature` has no unit, and the FMU has it in K", "`lag.temperature [unit]`"]);
     bench.write("data.csv", "time [bar],lag.y\n0,1\n1,2\n");
-    bench.run(&measured).is_mistake(&["no unit of time"]);
+    bench.run(&measured).is_mistake(&["none has a unit of time"]);
+    // An input is never left out: the FMU would run with its start value.
+    bench.write("data.csv", "time,drive.u [furlong],lag.y\n0,1,1\n1,1,2\n");
+    bench.run(&measured).is_mistake(&["column `drive.u [furlong]`: unit `furlong`"]);
     bench.write("data.csv", "time;lag.y\ns;-\n0;1\n1;2\n");
-    bench.run(&measured).is_mistake(&["a row of words", "python -m fmu_orchestrator convert"]);
+    bench.run(&measured).is_mistake(&["line 2 below the names has no number", "python -m fmu_orchestrator convert"]);
 }
 
-/// 09:15 is neither 915 s nor a day of 20,260,311 s, whoever reads the table.
+/// 09:15 is neither 915 s nor a day of 20,260,311 s, and of two columns that may be the time nobody knows which it is, whoever reads
+/// the table.
 #[test]
-fn clocks_of_figures_are_asked_about() {
+fn doubtful_times_are_asked_about() {
     let bench = Bench::new();
-    let asked = ["`time`", "a clock such as 131507", "write `time [ms]`", "python -m fmu_orchestrator convert"];
+    let clock: &[&str] =
+        &["`time`", "a clock such as 131507", "write `time [ms]`", "python -m fmu_orchestrator convert"];
     let begin = "fmu = \"lag.fmu\"\n[simulation]\nstop = 2\n[design]\npoints = 8\n[parameters.\"lag.rate\"]\n\
                  distribution = \"uniform\"\nmin = 1\nmax = 2\n";
     let criterion = "[criteria.Y]\nvariable = \"lag.y\"\ntolerance = 1\n";
@@ -232,19 +237,31 @@ fn clocks_of_figures_are_asked_about() {
         ("inputs.toml", "nominal = 1\n[inputs.\"drive.u\"]\nfile = \"m.csv\"\n"),
         ("reference.toml", "metric = \"rmse\"\nreference = { file = \"m.csv\", column = \"lag.y\" }\n"),
     ];
-    for table in [
-        "Date,time,drive.u,lag.y\n20260311,915,1,1\n20260311,1000,1,2\n",
-        "time,drive.u,lag.y\n20260311,1,1\n20260312,1,2\n",
+    let several: &[&str] = &["the time may be `time` or `t [s]`"];
+    for (table, asked) in [
+        ("Date,time,drive.u,lag.y\n20260311,915,1,1\n20260311,1000,1,2\n", clock),
+        ("time,drive.u,lag.y\n20260311,1,1\n20260312,1,2\n", clock),
+        ("time,t [s],drive.u,lag.y\n0,0,1,1\n1,2,1,2\n", several),
+        ("drive.u,t [h],lag.y\n1,2,1\n1,2,2\n1,1,2\n", &["no column is the time: `t [h]` falls from 2 to 1 in row 3"]),
     ] {
         bench.write("m.csv", table);
-        bench.run(&["init", "lag.fmu", "--measured", "m.csv"]).is_mistake(&asked);
+        bench.run(&["init", "lag.fmu", "--measured", "m.csv"]).is_mistake(asked);
         for (study, rest) in recorded {
             bench.write(study, &format!("{begin}{criterion}{rest}"));
-            bench.run(&["verify", study]).is_mistake(&asked);
+            bench.run(&["verify", study]).is_mistake(asked);
         }
     }
-    bench.write("m.csv", "time,drive.u\n91500,1\n91600,1\n91700,2\n");
-    bench.run(&["simulate", "lag.fmu", "--input", "m.csv"]).is_mistake(&asked);
+    let simulated = ["simulate", "lag.fmu", "--input", "m.csv", "--stop", "2", "--extrapolate", "hold"];
+    for (table, asked) in [
+        ("time,drive.u\n91500,1\n91600,1\n91700,2\n", clock),
+        ("time,t [s],drive.u\n0,0,1\n1,2,1\n", several),
+        ("time,drive.u\n0,1\n2,1\n1,2\n", &["no column is the time: `time` falls from 2 to 1 in row 3"]),
+    ] {
+        bench.write("m.csv", table);
+        bench.run(&simulated).is_mistake(asked);
+    }
+    bench.write("m.csv", "drive.u,Zeit [min]\n1,0\n2,1\n");
+    good(bench.run(&simulated));
 }
 
 #[test]

@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use super::run::Signal;
 use super::{is_number, is_real};
-use crate::commands::simulate::recorded::split;
+use crate::commands::simulate::recorded::{ONE_TIME, may_be_time, split};
 use crate::error::Error;
 use fmu_import::quantity::Scale;
 use fmu_import::{Causality, Description, Variable};
 use fmu_points::names::{did_you_mean, nearest};
-use number_tables::files::convert;
-use number_tables::{How, Table, is_of_time, is_time_name};
+use number_tables::Table;
+use number_tables::recorded::RecordedTable;
 
 /// The columns of a table of measured values that are outputs of the FMU.
 #[derive(Debug)]
@@ -42,45 +42,27 @@ impl<'a> Measured<'a> {
     /// # Errors
     /// When it cannot be read, or its times do not grow.
     pub(super) fn read(path: &Path, fmu: &'a Description) -> Result<Self, Error> {
-        let how = How { comments: true, gaps: false };
-        let mut rows = number_tables::open(path, how).map_err(|error| match error.kind {
-            Some(_) => error,
-            None => error.with(format!("; {}", convert(path))),
-        })?;
-        let header = rows.names().to_vec();
-        if header.iter().all(|name| name.trim().is_empty()) {
-            let message =
-                "it is empty: its first line names the columns, such as `time,speed [rpm]`, and rows of numbers follow";
-            return Err(Error::content(path, message));
-        }
-        if rows.advance()?
-            && (0..header.len()).all(|place| !rows.text(place).is_empty() && rows.number(place).is_none())
-        {
-            let message = format!("a row of words, such as of units, stands below the names; {}", convert(path));
-            return Err(Error::content(path, message));
-        }
-        let others = || header.iter().map(|name| (name, split(name, fmu)));
-        // The FMU's own variable `time` is the time.
-        let is_measured = |name: &str| fmu.variables.get(name).is_some_and(|v| v.causality != Causality::Independent);
-        let others = || others().filter(|(_, (bare, _))| !is_measured(bare));
-        let called = others().find(|(_, (bare, _))| is_time_name(bare));
+        let recorded = RecordedTable::read(path)?;
+        let may_be = may_be_time(fmu);
         // Of operating points a duration does not rise from row to row.
-        let rises = |(name, (_, unit)): &(&String, (_, Option<String>))| {
-            unit.as_deref().is_some_and(is_of_time) && span(path, name).is_ok()
-        };
-        let time = called.or_else(|| others().find(rises)).map(|(name, _)| name);
+        let time = recorded.is_over_time(&may_be).then(|| recorded.time(&may_be, ONE_TIME)).transpose()?;
         let mut table = Self {
             file: path.to_owned(),
-            time: time.cloned(),
+            time: time.map(str::to_owned),
             span: time.map(|time| span(path, time)).transpose()?,
             columns: Vec::new(),
             inputs: Vec::new(),
             left: Vec::new(),
         };
-        for name in header.iter().filter(|name| Some(*name) != time) {
+        let is_input = |name| fmu.variables.get(split(name, fmu).0).is_some_and(|v| v.causality == Causality::Input);
+        for name in recorded.columns.iter().map(|column| &column.name).filter(|name| Some(name.as_str()) != time) {
             match table.column(name, fmu) {
                 Ok(column) if column.variable.causality == Causality::Input => table.inputs.push(column),
                 Ok(column) => table.columns.push(column),
+                // Without it the FMU would run with the input at its start value.
+                Err(reason) if is_input(name) => {
+                    return Err(Error::content(path, format!("column `{name}`: {reason}")));
+                }
                 Err(reason) => table.left.push((name.clone(), reason)),
             }
         }

@@ -6,9 +6,9 @@ use crate::{
     commands::isolated::Columns,
     error::{Error, Result},
 };
-use fmu_import::{Description, quantity::Scale};
+use fmu_import::{Causality, Description, quantity::Scale};
 use fmu_points::task::{Schedule, Series};
-use number_tables::{How, Table};
+use number_tables::{Table, recorded::RecordedTable};
 use study::{
     inputs::{covers, doubts, follow, is_discrete, is_integrated, many_steps, slot_while_running, takes_any_step},
     plan::find,
@@ -58,12 +58,13 @@ fn end_of_name(list: &str) -> usize {
 
 /// The inputs of `--input`: each column beside the time is one, as under `[inputs]` in a study.
 pub(super) fn inputs(path: &Path, ends_hold: bool, fmu: &Description, schedule: &Schedule) -> Result<Vec<Series>> {
-    const TIME: &str = "time";
-    let inputs = number_tables::open(path, How { comments: true, gaps: false })?
-        .names()
-        .to_vec()
+    let recorded = RecordedTable::read_times(path)?;
+    let time = recorded.time(&may_be_time(fmu), ONE_TIME)?;
+    let inputs = recorded
+        .columns
         .iter()
-        .filter(|name| *name != TIME)
+        .map(|column| &*column.name)
+        .filter(|name| *name != time)
         .map(|column| {
             let wrong = |message| Error::option("input", format!("{}: column `{column}`: {message}", path.display()));
             let (name, unit) = split(column, fmu);
@@ -71,8 +72,8 @@ pub(super) fn inputs(path: &Path, ends_hold: bool, fmu: &Description, schedule: 
             let slot = slot_while_running(variable).map_err(wrong)?;
             let scale = Scale::new(unit.as_deref(), fmu, variable).map_err(wrong)?;
             let columns = vec![number_tables::column(column, format!("the input {name}"))];
-            let table = Table::read_over_time(path, Some(TIME), columns)?;
-            let mut series = follow(&table, "time", slot, scale.conversion).map_err(wrong)?;
+            let table = Table::read_over_time(path, Some(time), columns)?;
+            let mut series = follow(&table, time, slot, scale.conversion).map_err(wrong)?;
             series.hold = is_discrete(variable, &series.slot);
             series.ramp = !series.hold && is_integrated(variable, fmu);
             series.each_row = takes_any_step(fmu);
@@ -89,7 +90,7 @@ pub(super) fn inputs(path: &Path, ends_hold: bool, fmu: &Description, schedule: 
     if inputs.is_empty() {
         return Err(Error::option(
             "input",
-            format!("{}: no column beside `{TIME}`: add one for each input", path.display()),
+            format!("{}: no column beside `{time}`: add one for each input", path.display()),
         ));
     }
     if let Some(concern) = many_steps(&inputs, schedule) {
@@ -101,6 +102,14 @@ pub(super) fn inputs(path: &Path, ends_hold: bool, fmu: &Description, schedule: 
 /// A column's variable and unit: `NAME`, or `NAME [UNIT]` as in every table.
 pub(in crate::commands) fn split<'a>(column: &'a str, fmu: &Description) -> (&'a str, Option<String>) {
     if fmu.variables.contains_key(column) { (column, None) } else { number_tables::name_and_unit(column) }
+}
+
+/// What a table of inputs or measured values needs.
+pub(in crate::commands) const ONE_TIME: &str = "the file needs one column of a time that rises";
+
+/// Whether a column may be the time: the FMU's own variable `time` may, its others are what they are.
+pub(in crate::commands) fn may_be_time(fmu: &Description) -> impl Fn(&str) -> bool {
+    |column| fmu.variables.get(split(column, fmu).0).is_none_or(|known| known.causality == Causality::Independent)
 }
 
 #[cfg(test)]
