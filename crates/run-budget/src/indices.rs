@@ -163,9 +163,9 @@ fn index([drawn, near, all]: [&Terms; 3], unexplained: f64, confidence: f64) -> 
     };
     let (mean, of_surrogate) = spread(&drawn.by_function);
     let estimate = mean + all.by_function[0] - near.by_function[0];
-    let apart: Vec<f64> = drawn.by_part.iter().zip(&near.by_part).map(|(drawn, near)| drawn - near).collect();
-    let count = apart.len() as f64;
-    let of_points = (spread(&apart).1 + spread(&all.by_part).1) / count;
+    // That of the few pairs, though the estimate's is smaller: it also stands for how little the runs tell of the tails.
+    let count = drawn.by_part.len() as f64;
+    let of_points = spread(&drawn.by_part).1 / count;
     let student = StudentsT::new(0.0, 1.0, count - 1.0).expect("its freedom is positive");
     let half =
         student.inverse_cdf(0.5 + 0.5 * confidence) * (of_surrogate + of_points + unexplained * unexplained).sqrt();
