@@ -2,13 +2,15 @@
 
 use crate::share::{Doubt, LARGEST_ERROR, Limit, Possible, doubt};
 use crate::surrogate::{Run, Surrogate};
-use nalgebra::{DMatrix, DVectorView};
+use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Functions that are drawn from each member of an output's sample.
 const EACH: usize = 8;
 /// Parts of the points, each of which gives indices of its own: they scatter by the error of the points.
 const PARTS: usize = 16;
+/// Pairs of points at which functions are drawn. At all others, which tell of the tails, the most probable one takes their place.
+const DRAWN: usize = 1024;
 
 /// An index with its interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,88 +37,136 @@ pub fn indices(
     [a, b]: [&[Vec<f64>]; 2],
     confidence: f64,
 ) -> Vec<Result<Vec<[Index; 2]>, Doubt>> {
-    let at = |points: &[Vec<f64>]| -> Vec<DMatrix<f64>> {
-        let possible = Possible::new(surrogate, points, EACH, false);
-        let good = possible.margins(limits).map(|margin| if margin >= 0.0 { 1.0 } else { 0.0 });
-        possible.values.into_iter().chain([good]).collect()
+    let dimensions = a[0].len();
+    // One after another, so that most coordinates, and their factors, are those of the point before.
+    let together = |(a, b): (&Vec<f64>, &Vec<f64>)| {
+        let mut points = vec![a.clone(); dimensions + 1];
+        (0..dimensions).for_each(|k| points[1 + k][k] = b[k]);
+        points.push(b.clone());
+        points
     };
-    let checks = surrogate.checks();
-    let relative: Vec<f64> = checks.iter().map(|check| check.relative).collect();
-    let worst = limits.iter().map(|limit| relative[limit.output]).fold(0.0, f64::max);
+    let nearly = runs.iter().find_map(Run::finite).unwrap_or_default();
+    let parts = |count: usize, of: &dyn Fn(&[Vec<f64>]) -> Possible| -> Vec<Vec<Part>> {
+        let part = |(a, b): (&[Vec<f64>], &[Vec<f64>])| -> Vec<Part> {
+            let points: Vec<Vec<f64>> = a.iter().zip(b).flat_map(together).collect();
+            let possible = of(&points);
+            let good = possible.margins(limits).map(|margin| if margin >= 0.0 { 1.0 } else { 0.0 });
+            let values = possible.values.into_iter().chain([good]).zip(nearly.iter().chain([&0.0]));
+            values.map(|(values, nearly)| Part::new(&values.add_scalar(-nearly), dimensions)).collect()
+        };
+        // Points of a net belong to the parts in turn, so that each part is spread like the whole.
+        let size = count.div_ceil(PARTS);
+        a[..count].chunks(size).zip(b[..count].chunks(size)).map(part).collect()
+    };
+    let likely = |points: &[Vec<f64>]| Possible::likely(surrogate, points);
+    let few = a.len().min(DRAWN);
+    let drawn = parts(few, &|points| Possible::new(surrogate, points, EACH, false));
+    let [near, all] = [few, a.len()].map(|count| parts(count, &likely));
+    let mut relative: Vec<f64> = surrogate.checks().iter().map(|check| check.relative).collect();
     let doubt_of =
         |(output, &relative): (usize, &f64)| (relative > LARGEST_ERROR).then_some(Doubt::Error { output, relative });
     let doubts: Vec<Option<Doubt>> =
         relative.iter().enumerate().map(doubt_of).chain([doubt(surrogate, limits, runs)]).collect();
-    let pairs = at(a).into_iter().zip(at(b)).zip(relative.iter().chain([&worst]));
-    let functions: Vec<Functions> = pairs.map(|((a, b), relative)| Functions::new(a, b, relative * relative)).collect();
-    let mut found = vec![Vec::new(); functions.len()];
-    for parameter in 0..a[0].len() {
-        let mut mixed = a.to_vec();
-        mixed.iter_mut().zip(b).for_each(|(to, from)| to[parameter] = from[parameter]);
-        for ((found, functions), mixed) in found.iter_mut().zip(&functions).zip(at(&mixed)) {
-            found.push(functions.indices(&mixed, confidence));
-        }
-    }
-    doubts.into_iter().zip(found).map(|(doubt, found)| doubt.map_or(Ok(found), Err)).collect()
-}
-
-/// Functions that an output may be: a row a point, a column a function.
-struct Functions {
-    a: DMatrix<f64>,
-    b: DMatrix<f64>,
-    /// Of each of them.
-    moments: Vec<[f64; 2]>,
-    /// The part of the variance that they miss.
-    unexplained: f64,
-}
-
-impl Functions {
-    fn new(a: DMatrix<f64>, b: DMatrix<f64>, unexplained: f64) -> Self {
-        let moments = |(a, b): (DVectorView<'_, f64>, DVectorView<'_, f64>)| {
-            let count = 2.0 * a.len() as f64;
-            let mean = (a.sum() + b.sum()) / count;
-            [mean, a.iter().chain(&b).map(|v| (v - mean).powi(2)).sum::<f64>() / count]
+    relative.push(limits.iter().map(|limit| relative[limit.output]).fold(0.0, f64::max));
+    let found = |(output, doubt): (usize, Option<Doubt>)| {
+        let told = || {
+            let [drawn, near, all] = [&drawn, &near, &all].map(|parts| terms(parts, output));
+            let one = |k: usize| {
+                [0, 1].map(|which| {
+                    index([&drawn[k][which], &near[k][which], &all[k][which]], relative[output].powi(2), confidence)
+                })
+            };
+            (0..dimensions).map(one).collect()
         };
-        let moments = a.column_iter().zip(b.column_iter()).map(moments).collect();
-        Self { a, b, moments, unexplained }
-    }
+        doubt.map_or_else(|| Ok(told()), Err)
+    };
+    doubts.into_iter().enumerate().map(found).collect()
+}
 
-    /// By their values where one parameter is that of `b`, and all others are those of `a`.
-    fn indices(&self, mixed: &DMatrix<f64>, confidence: f64) -> [Index; 2] {
-        let (points, draws) = mixed.shape();
-        // Points of a net belong to the parts in turn, so that each part is spread like the whole.
-        let part = |i: usize| i * PARTS / points;
-        // By draw, and by part over all draws.
-        let mut by_draw = [vec![0.0; draws], vec![0.0; draws]];
-        let mut by_part = [[0.0; PARTS]; 2];
-        let mut sizes = [0.0; PARTS];
-        (0..points).for_each(|i| sizes[part(i)] += 1.0);
-        for (k, [mean, variance]) in self.moments.iter().enumerate() {
-            for i in 0..points {
-                let (a, b, mixed) = (self.a[(i, k)], self.b[(i, k)], mixed[(i, k)]);
-                let terms = [(b - mean) * (mixed - a), 0.5 * (mixed - a).powi(2)];
-                for (which, term) in terms.into_iter().enumerate() {
-                    let term = if *variance > 0.0 { term / variance } else { 0.0 };
-                    by_draw[which][k] += term / points as f64;
-                    by_part[which][part(i)] += term / (draws as f64 * sizes[part(i)]);
+/// Sums over some pairs of points, by function that an output may be.
+struct Part {
+    pairs: f64,
+    /// Of the values at both points, and of their squares.
+    moments: Vec<[f64; 2]>,
+    /// By parameter: of what it changes times the value at the second point, of what it changes, and of half the square of that.
+    changes: Vec<Vec<[f64; 3]>>,
+}
+
+impl Part {
+    /// Of values: a column a function, and of each pair a row of the first point, rows of it with one parameter of the second, and one
+    /// of that.
+    fn new(values: &DMatrix<f64>, dimensions: usize) -> Self {
+        let functions = values.ncols();
+        let mut moments = vec![[0.0; 2]; functions];
+        let mut changes = vec![vec![[0.0; 3]; functions]; dimensions];
+        for (k, (column, moments)) in values.column_iter().zip(&mut moments).enumerate() {
+            for pair in column.as_slice().chunks(dimensions + 2) {
+                let [a, b] = [pair[0], pair[dimensions + 1]];
+                add(moments, [a + b, a * a + b * b]);
+                for (changes, mixed) in changes.iter_mut().zip(&pair[1..]) {
+                    let change = mixed - a;
+                    add(&mut changes[k], [b * change, change, 0.5 * change * change]);
                 }
             }
         }
-        [0, 1].map(|which| index(&by_draw[which], &by_part[which], self.unexplained, confidence))
+        Self { pairs: (values.nrows() / (dimensions + 2)) as f64, moments, changes }
     }
 }
 
-/// `unexplained` is the part of the variance that the surrogate misses when runs are left out. It may belong to any parameter, and
-/// a process smooths interactions first, so it counts as a deviation of each index.
-fn index(by_draw: &[f64], by_part: &[f64], unexplained: f64, confidence: f64) -> Index {
+fn add<const N: usize>(sums: &mut [f64; N], terms: [f64; N]) {
+    sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+}
+
+/// An index by function, and by part over all functions.
+struct Terms {
+    by_function: Vec<f64>,
+    by_part: Vec<f64>,
+}
+
+/// First and total index of each parameter in an output.
+fn terms(parts: &[Vec<Part>], output: usize) -> Vec<[Terms; 2]> {
+    let parts: Vec<&Part> = parts.iter().map(|part| &part[output]).collect();
+    let pairs: f64 = parts.iter().map(|part| part.pairs).sum();
+    let functions = parts[0].moments.len();
+    let moments = |k: usize| {
+        let mut sums = [0.0; 2];
+        parts.iter().for_each(|part| add(&mut sums, part.moments[k]));
+        let [mean, square] = sums.map(|sum| sum / (2.0 * pairs));
+        [mean, square - mean * mean]
+    };
+    let moments: Vec<[f64; 2]> = (0..functions).map(moments).collect();
+    let of_parameter = |parameter: usize| {
+        let none = || Terms { by_function: vec![0.0; functions], by_part: vec![0.0; parts.len()] };
+        let mut terms = [none(), none()];
+        for (p, part) in parts.iter().enumerate() {
+            for (k, [mean, variance]) in moments.iter().enumerate().filter(|(_, [_, variance])| *variance > 0.0) {
+                let [with_b, change, square] = part.changes[parameter][k];
+                for (terms, sum) in terms.iter_mut().zip([with_b - mean * change, square]) {
+                    terms.by_function[k] += sum / variance / pairs;
+                    terms.by_part[p] += sum / variance / functions as f64 / part.pairs;
+                }
+            }
+        }
+        terms
+    };
+    (0..parts[0].changes.len()).map(of_parameter).collect()
+}
+
+/// By functions that are drawn, by the most probable one at the same points, and by that at all points. `unexplained` is the part of
+/// the variance that the surrogate misses when runs are left out. It may belong to any parameter, and a process smooths interactions
+/// first, so it counts as a deviation of each index.
+fn index([drawn, near, all]: [&Terms; 3], unexplained: f64, confidence: f64) -> Index {
     let spread = |values: &[f64]| {
         let count = values.len() as f64;
         let mean = values.iter().sum::<f64>() / count;
         (mean, values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0))
     };
-    let (estimate, of_surrogate) = spread(by_draw);
-    let of_points = spread(by_part).1 / by_part.len() as f64;
-    let student = StudentsT::new(0.0, 1.0, by_part.len() as f64 - 1.0).expect("its freedom is positive");
+    let (mean, of_surrogate) = spread(&drawn.by_function);
+    let estimate = mean + all.by_function[0] - near.by_function[0];
+    // That of the few pairs, though the estimate's is smaller: it also stands for how little the runs tell of the tails.
+    let count = drawn.by_part.len() as f64;
+    let of_points = spread(&drawn.by_part).1 / count;
+    let student = StudentsT::new(0.0, 1.0, count - 1.0).expect("its freedom is positive");
     let half =
         student.inverse_cdf(0.5 + 0.5 * confidence) * (of_surrogate + of_points + unexplained * unexplained).sqrt();
     let within = |v: f64| v.clamp(0.0, 1.0);

@@ -1,5 +1,6 @@
 //! The share of good points: by the surrogate with what it leaves open, or counted where it does not hold.
 
+use crate::output::Output;
 use crate::refine::{centre, close};
 use crate::surrogate::{Run, Surrogate};
 use conformity::interval::clopper_pearson;
@@ -137,6 +138,18 @@ impl Possible {
             values: (0..count).map(of).collect(),
             success: surrogate.success(each).map(|functions| functions.at(&standard)),
             spreads: (0..count).map(|output| surrogate.spread(output)).collect(),
+            points: points.len(),
+        }
+    }
+
+    /// The most probable functions alone.
+    pub(crate) fn likely(surrogate: &Surrogate, points: &[Vec<f64>]) -> Self {
+        let standard = surrogate.standard(points);
+        let of = |output: &Output| DMatrix::from_vec(points.len(), 1, output.means(&standard));
+        Self {
+            values: surrogate.outputs.iter().map(of).collect(),
+            success: surrogate.success.as_ref().map(of),
+            spreads: surrogate.outputs.iter().map(|output| output.unit).collect(),
             points: points.len(),
         }
     }

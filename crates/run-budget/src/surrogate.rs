@@ -47,7 +47,7 @@ pub enum Unfit {
 pub struct Surrogate {
     centre: Vec<f64>,
     deviation: Vec<f64>,
-    outputs: Vec<Output>,
+    pub(crate) outputs: Vec<Output>,
     pub(crate) success: Option<Output>,
     seed: u64,
 }

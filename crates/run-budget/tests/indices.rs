@@ -9,7 +9,7 @@ fn tried(model: &Model, runs: u64, seed: u64) -> Option<Vec<[Index; 2]>> {
     let points = model.points(runs, seed);
     let run = |point: Vec<f64>| Run { values: Some(vec![(model.of)(&point)]), point };
     let runs: Vec<Run> = points.into_iter().map(run).collect();
-    let [a, b] = model.halves(1024, seed + 500);
+    let [a, b] = model.halves(8192, seed + 500);
     let surrogate = Surrogate::fit(&runs, &a, None, seed).expect("the values are finite");
     indices(&surrogate, &[], &runs, [&a, &b], 0.95).swap_remove(0).ok()
 }

@@ -159,6 +159,11 @@ impl Layer {
         let cases: Vec<OfCase> = (0..problem.cases.len()).map(case).collect::<Result<_, _>>()?;
         Ok(Self { together: together(&cases), region, cases })
     }
+
+    /// Whether places lie in the box.
+    pub(super) fn holds(&self, places: &[f64]) -> bool {
+        within(places, &self.region)
+    }
 }
 
 /// The largest eigenvalue of the correlations of the errors.
@@ -207,6 +212,15 @@ impl Surrogates {
             (Err(unfit), _) => return Err(unfit),
         }
         Ok(())
+    }
+
+    /// Fits all layers to further runs.
+    pub(super) fn again(&mut self, runs: &[Run], seed: u64) {
+        for layer in &mut self.layers {
+            if let Ok(fitted) = Layer::fit(&self.problem, runs, layer.region.clone(), seed) {
+                *layer = fitted;
+            }
+        }
     }
 
     /// The layer that is nearest to the posterior.

@@ -47,6 +47,9 @@ const BEYOND: f64 = 0.5;
 /// Places of the sample among which the next ones are chosen.
 const CANDIDATES: usize = 200;
 
+/// Particles of a sample as the answer has it where nothing else is asked for.
+const LOOK: u64 = 1000;
+
 /// The problem that surrogates are made for.
 #[derive(Clone, Copy)]
 pub struct Task<'a> {
@@ -124,8 +127,8 @@ pub fn replaced(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(String))
     loop {
         rounds += 1;
         observe(format!("surrogate of round {rounds}, {} places", work.runs.len()));
-        let (best, sampled) = work.sample(&work.errors(&particles), rounds)?;
-        particles = sampled;
+        let (best, sampled) = work.sample(&work.errors(&particles), (rounds, FEWEST))?;
+        particles = evenly(&sampled, CANDIDATES);
         let errors = work.errors(&particles);
         let widening = work.parts(&errors).fold(0.0, |most: f64, part| most.max(1.0_f64.hypot(part) - 1.0));
         let rough = work.parts(&errors).any(|part| part > ROUGH);
@@ -135,6 +138,7 @@ pub fn replaced(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(String))
             fresh as f64 >= PATIENCE * task.places as f64 && fresh + 3 * (problem.unknowns() + 1) <= task.places;
         let is_enough = widening < SMALL && work.fresh.apart < ALIKE;
         if is_enough || rough && spent || work.runs.len() >= most {
+            work.look_beyond(&errors, most)?;
             let counts = (rounds, [work.runs.len(), task.known.len()], work.model.failures().failed);
             let told =
                 SurrogateOutcome::new(problem, &work.surrogates, counts, (&errors, &work.fresh), !(rough && spent));
@@ -260,18 +264,37 @@ impl Work<'_> {
     }
 
     /// The optimum by the surrogates, and places of the posterior, with these errors.
-    fn sample(&self, errors: &[Vec<f64>], round: usize) -> Result<(Vec<f64>, Vec<Vec<f64>>), SearchError> {
+    fn sample(
+        &self,
+        errors: &[Vec<f64>],
+        (round, least): (usize, u64),
+    ) -> Result<(Vec<f64>, Vec<Vec<f64>>), SearchError> {
         let problem = self.model.problem.widened(|case, quantity| errors[case][quantity]);
         let search = rounds::Task { problem: &problem, ..self.task.search };
         let searched = searched(&search, &self.surrogates, &|_| ())?;
         let unknowns = problem.unknowns() as u64;
         let settings =
-            Settings { particles: FEWEST.max(20 * unknowns), seed: self.task.seed.wrapping_add(round as u64) };
+            Settings { particles: least.max(20 * unknowns), seed: self.task.seed.wrapping_add(round as u64) };
         let objective = Objective::new(&problem, &self.surrogates, search.difference);
         let sample = sample(&objective, &searched.optima, &settings, &|_, _| ())?;
         let mut places: Vec<Vec<f64>> = sample.particles.into_iter().map(|particle| particle.places).collect();
         places.iter_mut().for_each(|places| places.truncate(problem.unknowns()));
-        Ok((searched.optima[0].minimum.places.clone(), evenly(&places, CANDIDATES)))
+        Ok((searched.optima[0].minimum.places.clone(), places))
+    }
+
+    /// Runs those places of a sample as the answer has it that lie beyond the last box, as long as there are some and runs are left:
+    /// only the rough surrogates around it know of them, and a hundredth of the sample that is wrong far off doubles its deviation.
+    fn look_beyond(&mut self, errors: &[Vec<f64>], most: usize) -> Result<(), SearchError> {
+        while self.runs.len() < most {
+            let (_, mut places) = self.sample(errors, (0, LOOK))?;
+            places.retain(|places| !self.surrogates.last().holds(places));
+            if places.is_empty() {
+                break;
+            }
+            self.run(&evenly(&places, BATCH.min(most - self.runs.len())))?;
+            self.surrogates.again(&self.runs, self.task.seed);
+        }
+        Ok(())
     }
 
     /// The next places: the best one, and those of the sample that tell most.

@@ -17,7 +17,7 @@ use sampling::design;
 /// A fit takes the cube of the number of points; more of them tell little more.
 const MOST: usize = 250;
 /// Pairs of points at which the surrogate is asked.
-const PAIRS: u64 = 1024;
+const PAIRS: u64 = 8192;
 const CONFIDENCE: f64 = 0.95;
 
 /// The result of a finished study's points in `folder`.

@@ -41,7 +41,8 @@ SUBJECTS = {
 def form(joint, margin):
     event = ot.ThresholdEvent(ot.CompositeRandomVector(margin, ot.RandomVector(joint)), ot.Less(), 0)
     solver = ot.AbdoRackwitz()
-    solver.setStartingPoint(joint.getMean())
+    # At the means the branches' least margin has a kink, and differences no slope.
+    solver.setStartingPoint(joint.getMean() + 0.1 * joint.getStandardDeviation())
     solver.setMaximumCallsNumber(RUNS // 2)
     first = ot.FORM(solver, event)
     first.run()
