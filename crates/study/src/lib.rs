@@ -9,6 +9,7 @@ mod file;
 pub mod identification;
 mod input;
 pub mod inputs;
+pub mod judge;
 pub mod limit;
 mod measured;
 mod name;

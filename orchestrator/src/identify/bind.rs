@@ -1,7 +1,6 @@
 //! Ties the section `[identify]` of a study to its FMU and its table.
 
 use super::{cases::Columns, late::Reading};
-use crate::judge::sense;
 use calibration::problem::{
     Case, Channel, Effect, Free, Interval, Latent, Measured, Prior, Problem, Quantity, SharedKind, Source, Spacing,
 };
@@ -18,6 +17,7 @@ use fmu_points::{
 use indexmap::IndexMap;
 use number_tables::files::FileError;
 use sampling::statistics::Statistic;
+use study::judge::sense;
 use study::{
     Name, Study,
     identification::{Exception, FreeText, Identification, LatentText, MeasuredText},
