@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod bind;
+pub mod case_table;
 pub mod cases;
 pub mod concern;
 mod detail;
