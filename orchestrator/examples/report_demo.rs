@@ -1,7 +1,6 @@
 //! Writes the report of an invented study, to look at: `cargo run --example report_demo -- 50 target/demo`.
 
 use conformity::uncertainty::Uncertainty;
-use orchestrator::judge::Criterion;
 use orchestrator::methods::{pareto, robustness as robust};
 use orchestrator::report::{Report, figures::Series, judgement::Judgement};
 use orchestrator::results::summary::{Count, CriterionCount, Provenance};
@@ -14,6 +13,7 @@ use rand_distr::StandardNormal;
 use result_document::Document;
 use sampling::statistics::share::Fraction;
 use std::path::Path;
+use study::judge::Criterion;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);

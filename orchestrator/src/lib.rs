@@ -6,7 +6,6 @@ pub mod commands;
 pub mod compare;
 pub mod error;
 pub mod identify;
-pub mod judge;
 pub mod junit;
 pub mod methods;
 pub mod options;

@@ -20,7 +20,7 @@ use number_tables::{
 };
 use result_document::format::number;
 use rig_signals::{
-    Accuracy, Bearing, Channel, Derived, Drop, RigRecording, Synchronised,
+    Accuracy, Bearing, Channel, Drop, RigRecording, Synchronised,
     case::{Drive, Driven},
     smooth::Smoothing,
 };
@@ -44,8 +44,6 @@ pub struct Settings {
     torque: Option<Signal>,
     /// The shaft's speed: a column or a number.
     speed: Option<Signal>,
-    /// The friction power, torque times speed, where that becomes a criterion.
-    power: Option<Power>,
     /// Diameter of the bearing.
     diameter: Option<Quantity>,
     /// Further signals by the criteria's names.
@@ -165,14 +163,6 @@ fn unit<'de, D: Deserializer<'de>>(text: D) -> Result<Option<String>, D::Error> 
         "none" => "1".to_owned(),
         _ => unit,
     }))
-}
-
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Power {
-    name: Option<String>,
-    variable: String,
-    group: Option<String>,
 }
 
 /// Passes the turn's tenth harmonic at 300 rpm.
@@ -615,17 +605,11 @@ impl Recorded<'_> {
             }
             _ => return Err(settings.wrong("speed: it needs either a column or a value")),
         };
-        let power = settings.power.as_ref().map(|power| Derived {
-            name: power.name.clone().unwrap_or_else(|| "P_fr".to_owned()),
-            variable: power.variable.clone(),
-            group: power.group.clone(),
-        });
         let diameter = settings.needed(settings.diameter.as_ref(), "load and torque", "diameter")?;
         Ok(Bearing {
             torque: self.channel("torque", torque, "M", Some("N.m"))?,
             load,
             speed,
-            power,
             diameter: settings.si("diameter", diameter, "m")?,
             smoothing: settings.smoothing,
             longest_delay: match &settings.longest_delay {

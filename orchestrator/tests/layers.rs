@@ -15,7 +15,7 @@ use arrows::{Tree, circles};
 const FLOORS: [&[&str]; 14] = [
     &["error"],
     &["junit"],
-    &["judge", "source", "recording", "plain"],
+    &["source", "recording", "plain"],
     &["results"],
     &["session", "identify"],
     &["options"],

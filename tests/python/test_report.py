@@ -185,7 +185,6 @@ time = { column = "t" }
 load = { column = "F", variable = "sensor.loadForce", unit = "N", accuracy = "1 %" }
 torque = { column = "M", variable = "sensor.frictionTorque", unit = "N.m", accuracy = "2 %" }
 speed = { value = 300, unit = "rpm", accuracy = "2.5 rpm" }
-power = { variable = "sensor.frictionPower" }
 """
 
 
@@ -199,8 +198,8 @@ def test_the_page_of_a_recording(browser, tmp_path):
     browser.get((tmp_path / "out" / "report.html").as_uri())
     assert browser.get_log("browser") == []
     assert browser.find_element(By.ID, "answer").text.startswith("Torque later than the load by 16.000 ms (")
-    assert len(browser.find_elements(By.CSS_SELECTOR, "#signals svg[aria-label]")) == 5
-    assert len(browser.find_elements(By.CSS_SELECTOR, "#steady svg[aria-label]")) == 3
+    assert len(browser.find_elements(By.CSS_SELECTOR, "#signals svg[aria-label]")) == 4
+    assert len(browser.find_elements(By.CSS_SELECTOR, "#steady svg[aria-label]")) == 2
     assert barriers(browser) == []
 
 

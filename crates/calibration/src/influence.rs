@@ -1,11 +1,10 @@
-//! Single measured values: whether one is far off, which ones move a parameter most, and what a parameter's uncertainty consists
-//! of.
+//! Single measured values: whether one is far off; and what a parameter's uncertainty consists of.
 //!
 //! Around the optimum the problem is linear. With the shared errors as unknowns, the values' errors are independent, and with
 //! the rows `a` of their derivatives over their accuracies `A = sum a a' + prior` is the inverse of the covariance. A value's
 //! leverage is `h = a' A^-1 a`; its residual over `sqrt(1 - h)` has variance 1 (Cook & Weisberg 1982, "Residuals and influence in
-//! regression", chapter 2). Without the value the unknowns would change by `A^-1 a r / (1 - h)` (there, 3.1). The variance of an
-//! unknown is the sum over all values, shared errors and priors of what each contributes: `(A^-1 a)^2` for a value.
+//! regression", chapter 2). The variance of an unknown is the sum over all values, shared errors and priors of what each
+//! contributes: `(A^-1 a)^2` for a value.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 use serde::Serialize;
@@ -41,26 +40,13 @@ pub struct Farthest {
     pub probability: f64,
 }
 
-/// What single values and sensors do to a parameter.
+/// What a parameter's variance consists of.
 #[derive(Clone, Debug, Serialize)]
 pub struct Influence {
     /// The parameter.
     pub parameter: String,
-    /// The values that move it most, the strongest first.
-    pub values: Vec<Moved>,
     /// What its variance consists of, the largest part first.
     pub budget: Vec<Part>,
-}
-
-/// By how much a parameter would change without a value.
-#[derive(Clone, Debug, Serialize)]
-pub struct Moved {
-    /// The value's case.
-    pub case: String,
-    /// Its quantity.
-    pub quantity: String,
-    /// The change, in standard deviations of the parameter.
-    pub change: f64,
 }
 
 /// A part of a parameter's variance.
@@ -160,27 +146,12 @@ pub fn of_values(problem: &Problem, optimum: &Optimum, groups: &[Group]) -> (Opt
     let influence = (0..problem.free.len())
         .filter_map(|k| Some((k, rows.open.iter().position(|&open| open == k)?)))
         .map(|(k, place)| {
-            let deviation = covariance[(place, place)].sqrt();
-            let mut values: Vec<Moved> = all
-                .iter()
-                .map(|(case, quantity, (pull, leverage))| {
-                    let residual = rows.optimum.minimum.misfit.residuals[case * problem.quantities.len() + quantity];
-                    let (case, quantity) = named(*case, *quantity);
-                    let change = pull[place] * residual / (1.0 - leverage.min(THROUGH)) / deviation;
-                    Moved { case, quantity, change }
-                })
-                .collect();
-            values.sort_by(|a, b| b.change.abs().total_cmp(&a.change.abs()));
-            values.truncate(SHOWN);
             let budget = budget(&rows, &covariance, place, (groups, &all));
-            Influence { parameter: problem.free[k].name.clone(), values, budget }
+            Influence { parameter: problem.free[k].name.clone(), budget }
         })
         .collect();
     (farthest, influence)
 }
-
-/// Values for people.
-const SHOWN: usize = 3;
 
 /// Each measured value with its pull and its leverage.
 type Pulls = [(usize, usize, (DVector<f64>, f64))];
@@ -284,10 +255,6 @@ mod tests {
         assert_eq!(outcome.fit(), Fit::Misses);
         let text = said(&outcome);
         assert!(text.contains("y0") && text.contains("nothing was left out"), "{text}");
-        // By least squares a falls by 5 times its weight of the first value, 0.294872, of a standard deviation of 0.543022.
-        let a = &outcome.influence[0];
-        assert_eq!((a.parameter.as_str(), a.values[0].quantity.as_str()), ("a", "y0"));
-        assert!((a.values[0].change + 5.0 * 0.294_872 / 0.543_022).abs() < 1e-3, "{a:?}");
     }
 
     /// An offset of u = 2 that all values share is nearly all of the line's height. numpy, by another way than the program's: with

@@ -56,7 +56,7 @@ pub struct IdentificationOutcome {
     /// The measured value that is the farthest off.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub farthest: Option<Farthest>,
-    /// What single values and sensors do to each parameter.
+    /// What each parameter's variance consists of.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub influence: Vec<Influence>,
     /// The shared errors of the measured channels.

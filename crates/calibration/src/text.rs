@@ -293,33 +293,20 @@ pub fn largest(outcome: &IdentificationOutcome) -> Option<String> {
     ))
 }
 
-/// The value that moves each parameter most, and the largest parts of its variance.
+/// The largest parts of each parameter's variance.
 pub fn influence(outcome: &IdentificationOutcome) -> Vec<String> {
-    /// A smaller change is not worth a word.
-    const LITTLE: f64 = 0.5;
     /// A smaller part is not worth a word.
     const SMALL: f64 = 0.05;
     outcome
         .influence
         .iter()
-        .map(|Influence { parameter, values, budget }| {
+        .map(|Influence { parameter, budget }| {
             let parts: Vec<String> = budget
                 .iter()
                 .filter(|part| part.share >= SMALL)
                 .map(|part| format!("{:.0} % {}", 100.0 * part.share, part.from))
                 .collect();
-            let moved = values.first().filter(|moved| moved.change.abs() >= LITTLE);
-            let moved = moved
-                .map(|moved| {
-                    format!(
-                        "; without {}{} it would change by {} of its standard deviations",
-                        moved.quantity,
-                        if outcome.cases.len() > 1 { format!(" of case {}", moved.case) } else { String::new() },
-                        rounded(moved.change.abs(), 2)
-                    )
-                })
-                .unwrap_or_default();
-            format!("variance of {parameter}: {}{moved}", parts.join(", "))
+            format!("variance of {parameter}: {}", parts.join(", "))
         })
         .collect()
 }

@@ -37,7 +37,6 @@ fn main() -> Result<(), SignalError> {
         load: channel("loadForce", "N", Accuracy::Relative(0.005), rows(&load, 3.0)),
         torque: channel("frictionTorque", "N.m", Accuracy::Absolute(0.005), rows(&|t| 4e-4 * load(t - LATE), 2e-3)),
         speed: channel("speed", "rad/s", Accuracy::Absolute(0.0), rows(&|_| TAU / TURN, 0.0)),
-        power: None,
         diameter: 0.025,
         smoothing: Smoothing::None,
         longest_delay: 0.05,

@@ -20,7 +20,6 @@ pub(crate) struct Aligned<'a> {
     /// Times without samples of the load, and of the torque as recorded.
     holes: [Holes; 2],
     step: f64,
-    speed: Vec<f64>,
     grid: Grid,
 }
 
@@ -85,7 +84,6 @@ impl<'a> Aligned<'a> {
         (load_raw, torque_raw): (Even, Even),
         load: &Even,
         late: &Spline,
-        speed: Even,
         (delay, holes): (Delay, [Holes; 2]),
     ) -> Self {
         let (start, end) = late.span();
@@ -104,7 +102,6 @@ impl<'a> Aligned<'a> {
             grid: Grid::new(recording, [start, load.step], time.len()),
             holes,
             step: load.step,
-            speed: at_these(&speed),
             result: Synchronised {
                 load_raw: at_these(&load_raw),
                 torque_raw: at_these(&torque_raw),
@@ -127,14 +124,12 @@ impl<'a> Aligned<'a> {
         let half = bearing.diameter / 2.0;
         let friction =
             |torque: &[f64]| -> Vec<f64> { torque.iter().zip(&known.load).map(|(m, f)| m / (f * half)).collect() };
-        let power: Vec<f64> = known.torque.iter().zip(&self.speed).map(|(m, w)| m * w).collect();
         let relative = |channel: &Channel, values: &[f64]| match mean(values) {
             0.0 => 0.0,
             centre => channel.accuracy.standard(centre) / centre.abs(),
         };
         let of_load = relative(&bearing.load, &known.load);
         let of_torque = relative(&bearing.torque, &known.torque);
-        let of_speed = relative(&bearing.speed, &self.speed);
         let [load_holes, torque_holes] = &self.holes;
         let (start, shift) = (known.time[0], known.delay.shift());
         let late = Grid { time: [start + shift, self.step], ..self.grid };
@@ -145,19 +140,6 @@ impl<'a> Aligned<'a> {
         // What follows from both lacks what either one lacks.
         let both = load_holes.and(torque_holes, shift);
         let of_both = |values: &[f64]| both.whole_turns(values, self.grid.turn, [start, self.step]).values;
-        if let Some(derived) = &bearing.power {
-            let channel = Channel {
-                name: derived.name.clone(),
-                variable: derived.variable.clone(),
-                unit: "W".into(),
-                group: derived.group.clone(),
-                ..bearing.torque.clone()
-            };
-            findings.push(DerivedCriterion {
-                from: Some([bearing.torque.name.clone(), bearing.speed.variable.clone()]),
-                ..self.grid.mean(&channel, &of_both(&power), |v| of_product(v, &[of_torque, of_speed]))
-            });
-        }
         for channel in &self.recording.others {
             let (finding, concern) = other(channel)?;
             findings.push(finding);
@@ -172,7 +154,6 @@ impl<'a> Aligned<'a> {
             friction_before,
             friction,
             friction_scatter: scatter,
-            power,
             mean_friction: mean_friction.measured,
             findings,
             warnings,

@@ -10,10 +10,7 @@ pub fn to_toml(result: &Synchronised) -> String {
             # values.\n";
     out.extend(result.warnings.iter().map(|warning| format!("# Note: {warning}.\n")));
     out.extend(result.accounts.iter().map(|account| format!("# {account}.\n")));
-    let findings = result.findings.iter();
-    out.extend(findings.clone().map(|finding| criterion(finding, result)));
-    let products = findings.filter(|finding| derived(finding, result).is_none());
-    out.extend(products.filter_map(|finding| shared(finding, result)));
+    out.extend(result.findings.iter().map(criterion));
     out
 }
 
@@ -32,36 +29,7 @@ fn friction(result: &Synchronised) -> String {
     )
 }
 
-/// The correlation of the errors of a product with the speed, and of what it follows from.
-fn correlation(product: &DerivedCriterion, result: &Synchronised) -> Option<f64> {
-    let [from, _] = product.from.as_ref()?;
-    let factor = result.findings.iter().find(|f| f.name == *from)?;
-    let [m, p] = [&factor.measured, &product.measured];
-    let coefficient = (p.value / m.value * m.combined() / p.combined()).clamp(-1.0, 1.0);
-    Some(coefficient).filter(|coefficient| coefficient.is_finite())
-}
-
-/// The lines of a product whose error is that of its factor, since that of the speed is much smaller.
-fn derived(product: &DerivedCriterion, result: &Synchronised) -> Option<String> {
-    const NEARLY_ONE: f64 = 0.99;
-    let [from, by] = product.from.as_ref().filter(|[_, by]| !by.is_empty())?;
-    (correlation(product, result)? >= NEARLY_ONE).then(|| {
-        format!(
-            "# Its error is that of {from}; the study sets {by}.\nderived = {{ from = \"{from}\", by = \"{by}\" }}\n"
-        )
-    })
-}
-
-fn shared(product: &DerivedCriterion, result: &Synchronised) -> Option<String> {
-    let (name, [from, _]) = (&product.name, product.from.as_ref()?);
-    let coefficient = correlation(product, result)?;
-    Some(format!(
-        "\n# {name} is {from} times the speed, so the error of {from} is in both.\n[[uncertainty-correlations]]\n\
-         between = [\"{from}\", \"{name}\"]\ncoefficient = {coefficient:.4}\n"
-    ))
-}
-
-fn criterion(finding: &DerivedCriterion, result: &Synchronised) -> String {
+fn criterion(finding: &DerivedCriterion) -> String {
     let DerivedCriterion { name, variable, unit, .. } = finding;
     let m = &finding.measured;
     let [value, uncertainty] = [m.value, m.expanded()].map(|number| rounded(number, m.expanded()));
@@ -76,13 +44,12 @@ fn criterion(finding: &DerivedCriterion, result: &Synchronised) -> String {
             )
         })
         .unwrap_or_default();
-    let uncertainty = derived(finding, result).unwrap_or_else(|| format!("uncertainty = \"{uncertainty} {unit}\"\n"));
     let group = finding.group.as_ref();
     let group = group.map(|group| format!("group = \"{group}\"\n")).unwrap_or_default();
     format!(
         "\n[criteria.{}]\n# standard uncertainties: scatter {:.2e}, sensor {:.2e} {unit}\n{steady}\
          variable = \"{variable}\"\nstatistic = \"mean\"\nnominal = {value}\n# tolerance = \n\
-         {uncertainty}unit = \"{unit}\"\n{group}",
+         uncertainty = \"{uncertainty} {unit}\"\nunit = \"{unit}\"\n{group}",
         key(name),
         m.scatter,
         m.sensor

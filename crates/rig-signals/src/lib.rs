@@ -22,7 +22,7 @@ use clean::Cleaned;
 pub use clean::Drop;
 use delay::Pair;
 use holes::Holes;
-pub use recording::{Account, Accuracy, Bearing, Channel, Derived, DerivedCriterion, RigRecording, Synchronised};
+pub use recording::{Account, Accuracy, Bearing, Channel, DerivedCriterion, RigRecording, Synchronised};
 use signal::{Even, SignalError, Spline};
 use spectrum::Comb;
 pub use spectrum::Noise;
@@ -110,8 +110,6 @@ fn aligned(recording: &RigRecording, bearing: &Bearing) -> Result<Synchronised, 
     let [(load_time, clean_load), (torque_time, clean_torque)] = [&bearing.load, &bearing.torque].map(cleaned);
     let load = spline(&bearing.load.name, &load_time, &clean_load.values)?;
     let torque = spline(&bearing.torque.name, &torque_time, &clean_torque.values)?;
-    let (speed_time, speed) = bearing.speed.within(recording.window());
-    let speed = spline(&bearing.speed.name, &speed_time, &speed)?;
     let start = load.span().0.max(torque.span().0);
     let end = load.span().1.min(torque.span().1);
     let step = load.step();
@@ -147,7 +145,7 @@ fn aligned(recording: &RigRecording, bearing: &Bearing) -> Result<Synchronised, 
     let [of_load, of_torque] = [(&raw.0, &raw.1, shift), (&raw.1, &raw.0, -shift)]
         .map(|(signal, other, late)| comb.noise(signal, shared.then_some((other, late))));
     let grid = raw.0.clone();
-    Aligned::new((recording, bearing), raw, &load, &late, even(&speed), (delay, holes))
+    Aligned::new((recording, bearing), raw, &load, &late, (delay, holes))
         .finish([of_load, of_torque], |channel| other(recording, channel, Some((&comb, &grid))))
 }
 

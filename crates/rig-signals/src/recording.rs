@@ -119,17 +119,6 @@ impl std::fmt::Display for Account {
     }
 }
 
-/// A criterion for a quantity that follows from several signals.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Derived {
-    /// The criterion's name.
-    pub name: String,
-    /// The FMU variable that it is compared with.
-    pub variable: String,
-    /// The group of criteria that it is counted with.
-    pub group: Option<String>,
-}
-
 /// Load and torque of a bearing, of which the torque is late.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bearing {
@@ -139,8 +128,6 @@ pub struct Bearing {
     pub torque: Channel,
     /// The shaft's speed, rad/s.
     pub speed: Channel,
-    /// The friction power, torque times speed, where that becomes a criterion.
-    pub power: Option<Derived>,
     /// Diameter of the bearing, m.
     pub diameter: f64,
     /// Smoothing of load and torque.
@@ -218,9 +205,6 @@ pub struct DerivedCriterion {
     /// The noise of the channel's rows as recorded; `None` of what follows from several channels, and where the record is too short
     /// to tell.
     pub noise: Option<Noise>,
-    /// The criterion that it is the product of, whose error is in both, and the speed's variable in the FMU, empty where that is
-    /// not named.
-    pub from: Option<[String; 2]>,
     /// Means of blocks of whole turns, evenly over the window.
     pub blocks: Vec<f64>,
     /// The first block's begin and the duration of each, s.
@@ -252,8 +236,6 @@ pub struct Synchronised {
     pub friction_before: Vec<f64>,
     /// The friction coefficient after the shift.
     pub friction: Vec<f64>,
-    /// The friction power, W.
-    pub power: Vec<f64>,
     /// The friction coefficient as a measured quantity.
     pub mean_friction: MeasuredValue,
     /// The criteria.

@@ -1,6 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 mod bind;
+pub mod case_table;
 pub mod cases;
 pub mod concern;
 mod detail;
@@ -9,6 +10,7 @@ mod file;
 pub mod identification;
 mod input;
 pub mod inputs;
+pub mod judge;
 pub mod limit;
 mod measured;
 mod name;

@@ -6,7 +6,6 @@ use super::{complete, gate, output, table};
 use crate::{
     cli,
     error::Result,
-    judge::Judge,
     methods::asking::warn,
     results::{
         concerns,
@@ -21,6 +20,7 @@ use fmu_points::failure::{Failure, Partial};
 use number_tables::Table;
 use point_journal::{Lock, files::write_text, lines, pipeline::folder::Earlier};
 use study::Study;
+use study::judge::Judge;
 
 pub(super) fn run(options: &cli::Judge) -> Result<ExitCode> {
     let begun = Instant::now();

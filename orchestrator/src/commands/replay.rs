@@ -13,7 +13,6 @@ use super::{
 use crate::{
     cli::Replay,
     error::{Error, Result},
-    judge::Judge,
     results::{points::number, table},
     session::Verification,
 };
@@ -26,6 +25,7 @@ use point_journal::{
     files::{draft, keep},
     pipeline::{Model, difference},
 };
+use study::judge::Judge;
 
 pub(super) fn run(options: &Replay) -> Result<ExitCode> {
     let mut verification = Verification::reopen(&options.folder, options.fmu.clone())?;

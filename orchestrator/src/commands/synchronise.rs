@@ -17,9 +17,6 @@ use rig_signals::{
     criteria, synchronise,
 };
 
-const NO_POWER: &str = "\n# No criterion on the friction power (torque times speed): for one, name the variable of the FMU\n\
-    # in the settings, power = { variable = \"...\" }.\n";
-
 /// Where nothing drives the model.
 const NO_DRIVE: &str = "nothing drives the model in a case: add the FMU's variable to the speed, speed = { variable = \
                         \"drive.speed\", ... }, or inputs.\"VARIABLE\" = { column = \"...\" }";
@@ -37,9 +34,6 @@ pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode> {
     let folder = &options.output;
     make_folder(folder)?;
     let mut text = criteria::to_toml(&result);
-    if recorded.bearing.as_ref().is_some_and(|bearing| bearing.power.is_none()) {
-        text += NO_POWER;
-    }
     write_text(&folder.join("criteria.toml"), &text)?;
     if recorded.bearing.is_some() {
         write_text(&folder.join("synchronised.csv"), table(&result))?;
@@ -84,16 +78,11 @@ fn case(
 }
 
 fn table(result: &Synchronised) -> String {
-    let mut text = String::from("time_s,load_N,torque_before_Nm,torque_Nm,friction_before,friction,power_W\n");
+    let mut text = String::from("time_s,load_N,torque_before_Nm,torque_Nm,friction_before,friction\n");
     for (k, time) in result.time.iter().enumerate() {
         text += &format!(
-            "{time:.6},{:.5e},{:.5e},{:.5e},{:.5e},{:.5e},{:.5e}\n",
-            result.load[k],
-            result.torque_before[k],
-            result.torque[k],
-            result.friction_before[k],
-            result.friction[k],
-            result.power[k]
+            "{time:.6},{:.5e},{:.5e},{:.5e},{:.5e},{:.5e}\n",
+            result.load[k], result.torque_before[k], result.torque[k], result.friction_before[k], result.friction[k]
         );
     }
     text

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use super::{Change, Comparison, said};
-use crate::{error::Result, judge::Criterion, plain};
+use crate::{error::Result, plain};
 use point_journal::files::{make_folder, write_json};
 use result_document::{
     Block, Document, Figure, Key, Table,
@@ -13,6 +13,7 @@ use result_document::{
     svg::{Frame, area, circle, path},
     words,
 };
+use study::judge::Criterion;
 
 impl Comparison {
     /// The document for terminal and page.

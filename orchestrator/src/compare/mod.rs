@@ -10,7 +10,6 @@ use serde::Serialize;
 
 use crate::{
     error::Result,
-    judge::Criterion,
     junit::{Outcome, Test},
     results::{
         self, Summary,
@@ -23,6 +22,7 @@ use pairs::Pairs;
 use parameter_regions::table::PointTable;
 use result_document::{Figure, format::number};
 use sampling::statistics::moments::{mean, quantile, sorted};
+use study::judge::Criterion;
 
 pub use document::write;
 

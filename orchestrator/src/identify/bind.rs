@@ -1,7 +1,6 @@
 //! Ties the section `[identify]` of a study to its FMU and its table.
 
-use super::{cases::Columns, late::Reading};
-use crate::judge::sense;
+use super::late::Reading;
 use calibration::problem::{
     Case, Channel, Effect, Free, Interval, Latent, Measured, Prior, Problem, Quantity, SharedKind, Source, Spacing,
 };
@@ -18,8 +17,10 @@ use fmu_points::{
 use indexmap::IndexMap;
 use number_tables::files::FileError;
 use sampling::statistics::Statistic;
+use study::judge::sense;
 use study::{
     Name, Study,
+    case_table::CaseTable,
     identification::{Exception, FreeText, Identification, LatentText, MeasuredText},
     inputs::taken_as_exact,
     limit::gain,
@@ -73,7 +74,7 @@ impl Bound {
     /// # Errors
     /// When a name, a unit, a number or a column does not fit.
     pub fn new(study: &Study, settings: &Identification, fmu: &Description) -> Result<Self, FileError> {
-        Binder { study, settings, fmu, table: Columns::read(study, settings)? }.bind()
+        Binder { study, settings, fmu, table: CaseTable::read(study, settings)? }.bind()
     }
 
     /// Lets a variable take a value of each query.
@@ -174,7 +175,7 @@ struct Binder<'a> {
     study: &'a Study,
     settings: &'a Identification,
     fmu: &'a Description,
-    table: Columns,
+    table: CaseTable,
 }
 
 impl Binder<'_> {

@@ -12,7 +12,6 @@ use super::{
     late::{Read, Reading, late},
     offsets,
 };
-use crate::judge::{Criterion, Judge};
 use calibration::{
     digits::rounded,
     problem::{
@@ -30,6 +29,7 @@ use fmu_points::{
 use number_tables::files::FileError;
 use rig_signals::scatter;
 use sampling::distribution::Distribution;
+use study::judge::{Criterion, Judge};
 use study::{
     CriterionText, EstimateText, Identification, Name, Study,
     cases::SEPARATOR,

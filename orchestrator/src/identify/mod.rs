@@ -5,7 +5,6 @@
 //! - [`model`] asks the FMU for predictions.
 
 pub mod bind;
-mod cases;
 pub mod from_study;
 pub mod late;
 pub mod model;

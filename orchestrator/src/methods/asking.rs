@@ -10,7 +10,6 @@ use serde::Serialize;
 use super::setup::{self, Place, Source, SourceParts};
 use crate::{
     error::Result,
-    judge::Judge,
     options::{Means, Work},
     results::{origin::Origin, table, validity::Validity},
     session::{Request, Session},
@@ -25,6 +24,7 @@ use point_journal::{
         folder::{Earlier, Kept},
     },
 };
+use study::judge::Judge;
 
 /// An analysis that asks for points of its own. Its fields are its options.
 pub trait Analysis {

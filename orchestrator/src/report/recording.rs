@@ -175,7 +175,6 @@ fn figures(result: &Synchronised) -> Vec<Figure> {
             "friction coefficient",
             &[trace("line before", &result.friction_before), trace("line", &result.friction)],
         ),
-        of_time("Friction power after the shift", "power", "W", &[trace("line", &result.power)]),
         search(result),
     ]
     .into_iter()

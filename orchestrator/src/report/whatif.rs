@@ -1,15 +1,13 @@
 //! The data from which the page judges its points anew: criteria, rule and distributions, with all their digits.
 
-use crate::{
-    judge::share,
-    results::{Summary, summary::CriterionCount},
-};
+use crate::results::{Summary, summary::CriterionCount};
 use conformity::{
     measured::Limits,
     uncertainty::{Law, Uncertainty},
 };
 use serde::Serialize;
 use study::Study;
+use study::judge::share;
 
 /// The study as the page's script changes it.
 #[derive(Clone, Debug, Serialize)]

@@ -3,12 +3,13 @@
 //! they take their time: only each run is limited.
 
 use super::{Halt, Reruns, finer::refined_case};
-use crate::{judge::Criterion, results::Summary};
+use crate::results::Summary;
 use conformity::validation::{Comparison, Numerical, Refined, Scatter, refined};
 use fmu_points::task::Case;
 use point_journal::pipeline::Model;
 use result_document::format::number;
 use study::concern::{Code, Concern};
+use study::judge::Criterion;
 
 /// So many points are refined.
 const POINTS: u64 = 3;

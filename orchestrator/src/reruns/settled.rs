@@ -7,7 +7,6 @@ use super::{
     finer::{golden, longer},
 };
 use crate::{
-    judge::Criterion,
     report::history,
     results::{
         Summary,
@@ -18,6 +17,7 @@ use fmu_points::task::{Probe, Schedule, Task};
 use result_document::format::number;
 use rig_signals::motion::{Motion, motion};
 use sampling::statistics::{Accumulator, Statistic, Trend};
+use study::judge::Criterion;
 use study::{
     concern::{Code, Concern},
     plan::Plan,

@@ -2,9 +2,9 @@
 
 use std::f64::consts::{PI, TAU};
 
-use crate::judge::Criterion;
 use fmu_import::units::{Conversion, known};
 use study::concern::{Code, Concern};
+use study::judge::Criterion;
 
 /// Fewer points may miss a measured value by chance.
 pub const FEWEST: u64 = 10;

@@ -10,15 +10,13 @@ use super::{
     choice::{Best, Even},
     summary::Summary,
 };
-use crate::{
-    error::{Error, Result},
-    judge::{Judge, PointVerdict},
-};
+use crate::error::{Error, Result};
 use conformity::{measured::Assessed, risk::Guard};
 use number_tables::csv_file;
-use parameter_regions::table::{ParameterColumn, PointTable};
+use parameter_regions::table::{CriterionColumn, ParameterColumn, PointTable};
 use point_journal::Outcome;
 use sampling::statistics::moments::length;
+use study::judge::{Criterion, Judge, PointVerdict};
 use study::plan::Input;
 
 /// Writes `points.csv` row by row.
@@ -210,6 +208,22 @@ pub fn read(path: &Path, summary: &Summary, most: u64) -> Result<PointTable> {
     Ok(table.subset(&order))
 }
 
+/// A criterion with its values at points.
+pub(super) fn column(criterion: &Criterion, values: Vec<f64>, ok: Vec<bool>) -> CriterionColumn {
+    let [lower, upper] = criterion.accepted();
+    CriterionColumn {
+        name: criterion.name.clone(),
+        source: criterion.source(),
+        unit: criterion.unit.clone().unwrap_or_default(),
+        nominal: criterion.target(),
+        lower,
+        upper,
+        group: criterion.group.clone(),
+        values,
+        ok,
+    }
+}
+
 /// The columns of a summary's points.
 fn no_points(summary: &Summary) -> PointTable {
     let parameters = summary.parameters.iter().map(|p| ParameterColumn {
@@ -217,7 +231,7 @@ fn no_points(summary: &Summary) -> PointTable {
         unit: p.unit.clone().unwrap_or_default(),
         values: Vec::new(),
     });
-    let criteria = summary.criteria.values().map(|count| count.criterion.column(Vec::new(), Vec::new()));
+    let criteria = summary.criteria.values().map(|count| column(&count.criterion, Vec::new(), Vec::new()));
     PointTable { parameters: parameters.collect(), criteria: criteria.collect(), ..PointTable::default() }
 }
 

@@ -1,9 +1,9 @@
 //! The risk of criteria on measured curves, by draws of the curves within their uncertainty.
 
 use super::Summary;
-use crate::judge::{Criterion, Judge};
 use conformity::{measured::Told, risk::Risk};
 use fmu_points::notices::Replicates;
+use study::judge::{Criterion, Judge};
 
 /// The conformance probabilities of a point's curves: the shares of the draws to which it conforms, and to which it does in all
 /// of them. Draws of the same number belong together: curves of one recording share their errors, those of others are drawn

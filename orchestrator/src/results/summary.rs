@@ -7,12 +7,12 @@ use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 
 use super::{asides::Asides, by_surrogate::BySurrogate, settled::Settled};
-use crate::judge::{Criterion, Judge};
 use conformity::{
     conclusion::Conclusion, decision::Decision, measured::Measurement, risk::Risk, validation::Comparison,
 };
 use fmu_points::Conduct;
 use study::concern::Concern;
+use study::judge::{Criterion, Judge};
 
 /// The content of `summary.json`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

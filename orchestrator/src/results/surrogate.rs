@@ -4,7 +4,6 @@ use super::{
     by_surrogate::{BySurrogate, Fit},
     summary::{Count, Summary},
 };
-use crate::judge::Judge;
 use conformity::{
     conclusion::by_share,
     risk::RiskTally,
@@ -12,6 +11,7 @@ use conformity::{
 };
 use result_document::format::number;
 use run_budget::{Answers, Basis, Doubt, Limit, Share};
+use study::judge::Judge;
 
 /// How the shares of a summary were found, behind their heading.
 pub fn way(summary: &Summary) -> String {

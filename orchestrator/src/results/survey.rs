@@ -6,12 +6,12 @@ use super::{
     failed,
     summary::Summary,
 };
-use crate::judge::Judge;
 use conformity::{
     conclusion::grouped,
     validation::{Comparison, Numerical, Spread},
 };
 use point_journal::Outcome;
+use study::judge::Judge;
 use study::{
     concern::{Code, Concern},
     plan::Plan,

@@ -1,13 +1,11 @@
 //! The table of points from what `verify` leaves behind.
 
 use super::{Summary, points, validity};
-use crate::{
-    error::{Error, Result},
-    judge::{Judge, PointVerdict},
-};
+use crate::error::{Error, Result};
 use parameter_regions::table::{ParameterColumn, PointTable};
 use point_journal::Outcome;
 use std::path::Path;
+use study::judge::{Judge, PointVerdict};
 use study::plan::Input;
 
 /// Reads `summary.json` and `points.csv` of a finished study. Points that failed have no values, even of the criteria that
@@ -105,7 +103,7 @@ pub fn from_runs(
     });
     let criteria = judge.criteria.iter().enumerate().map(|(j, criterion)| {
         let values = outcomes.iter().map(|outcome| value(outcome, j)).collect();
-        criterion.column(values, verdicts.iter().map(|v| v.passed[j]).collect())
+        points::column(criterion, values, verdicts.iter().map(|v| v.passed[j]).collect())
     });
     PointTable {
         ids: (1..=points.len() as u64).collect(),

@@ -12,7 +12,6 @@ use super::{
         Provenance, Summary,
     },
 };
-use crate::judge::{Judge, PointVerdict};
 use conformity::{
     conclusion::{Conclusion, Requirement, Ruling, grouped},
     decision::{Decision, randomised},
@@ -27,6 +26,7 @@ use fmu_points::{
 };
 use point_journal::Outcome;
 use study::Study;
+use study::judge::{Judge, PointVerdict};
 
 /// How the points represent the space.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -11,7 +11,6 @@ use serde::{Deserialize, Serialize};
 use super::{Session, Until};
 use crate::{
     error::Result,
-    judge::Judge,
     results::{
         Summary,
         surrogate::{Evidence, limits},
@@ -25,6 +24,7 @@ use conformity::{
 use point_journal::{Outcome, pipeline::Pipeline};
 use run_budget::{Answers, Campaign, Share};
 use sampling::design::{Design, Method, Sampling};
+use study::judge::Judge;
 use study::plan::Plan;
 
 /// How the journal's header names such a run.

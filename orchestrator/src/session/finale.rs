@@ -18,7 +18,6 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    judge::{Judge, PointVerdict},
     results::{
         Looked,
         asides::Asides,
@@ -34,6 +33,7 @@ use point_journal::{
     Finished, Outcome,
     files::{draft, keep, write_json},
 };
+use study::judge::{Judge, PointVerdict};
 use study::{Study, inputs::taken_as_exact, plan::Input};
 
 impl Verification {

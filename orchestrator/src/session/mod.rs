@@ -6,10 +6,11 @@ mod request;
 mod until;
 mod verification;
 
-use crate::{error::Result, judge::Judge};
+use crate::error::Result;
 use fmu_import::Package;
 use fmu_points::Answer;
 use point_journal::{Header, Outcome, pipeline::Model};
+use study::judge::Judge;
 use study::{Study, plan::Plan, points};
 
 pub use finale::{FileSet, provenance};

@@ -2,7 +2,6 @@
 
 use std::str::FromStr;
 
-use crate::judge::Judge;
 use conformity::{
     decision::{Decision, Rule, randomised},
     looks::{History, Looks, Way},
@@ -10,6 +9,7 @@ use conformity::{
 };
 use point_journal::Outcome;
 use sampling::design::Method;
+use study::judge::Judge;
 
 /// The condition that ends sampling, as the option gives it.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -265,7 +265,6 @@ time = { column = "t", unit = "ms" }
 load = { column = "F", variable = "sensor.loadForce", unit = "kN", accuracy = "1 %", group = "power" }
 torque = { column = "M", variable = "sensor.frictionTorque", unit = "N.m", accuracy = 0.01 }
 speed = { value = 300, unit = "rpm", accuracy = "2.5 rpm" }
-power = { variable = "sensor.frictionPower" }
 signals.T_oil = { column = "T", variable = "sensor.oilTemperature", unit = "degC", accuracy = "0.5 degC" }
 "#;
 
@@ -292,7 +291,6 @@ fn synchronise_writes_criteria() {
     let nominal = |name: &str| criteria["criteria"][name]["nominal"].as_float().unwrap();
     assert!((nominal("F_N") - 750.0).abs() < 1.0);
     assert!((nominal("T_oil") - 48.03).abs() < 0.05);
-    assert!((nominal("P_fr") - 0.440_6 * TAU * 5.0).abs() < 0.1);
     let load = &criteria["criteria"]["F_N"];
     assert_eq!(load["group"].as_str(), Some("power"));
     // How far the model may be off is not in the recording.
@@ -305,12 +303,6 @@ fn synchronise_writes_criteria() {
     for text in ["criteria.toml", "F_N: means of blocks"] {
         assert!(page.contains(text), "{text}: {page}");
     }
-    // The name of the power's variable is the FMU's, not the program's.
-    let without = SETTINGS.replace("power = { variable = \"sensor.frictionPower\" }\n", "");
-    bench.write("settings.toml", &without);
-    let said = bench.run(&["synchronise", "measured.csv", "--settings", "settings.toml"]);
-    assert_eq!(said.code, 0, "{}", said.err);
-    assert!(!said.out.contains("[criteria.P_fr]") && said.out.contains("power = {"));
 }
 
 /// The model has no units: the recording's values are taken as they are, and the reader is told what will fail.

@@ -487,44 +487,6 @@ fn tolerances_of_a_linear_model_are_found_and_confirmed() {
     assert_eq!(bench.read("known/tolerances.json"), first);
 }
 
-/// x1 at about 0.7 misses 1.4065 +- 0.5495, and only a spread of it lets a part of the points meet that: the share falls to both
-/// sides.
-#[test]
-fn tolerances_are_not_stated_where_their_own_expectation_contradicts_them() {
-    let bench = Bench::functions();
-    let study = r#"
-fmu = "functions.fmu"
-[simulation]
-stop = 1
-[parameters.x1]
-distribution = "normal"
-mean = 0.7
-deviation = 0.4
-[criteria.Y]
-variable = "first"
-nominal = 1.4065
-tolerance = 0.5495
-"#;
-    // x1 is from 0.857 to 1.956 in at most 37.8 % of the points, at 1.53 times the deviation.
-    for (share, refused) in [("35 %", true), ("25 %", false)] {
-        bench.write("study.toml", &format!("{study}[tolerances]\nshare = \"{share}\"\n"));
-        let said = bench.run(&["tolerances", "study.toml", "--points", "512", "--output", share]);
-        assert_eq!(said.code, 0, "{}", said.err);
-        let text = bench.read(&format!("{share}/tolerances.json"));
-        let found: Value = serde_json::from_str(&text).unwrap();
-        if refused {
-            assert!(
-                said.out.contains("no tolerances are expected to show it") && said.out.contains("at most about 3"),
-                "{}",
-                said.out
-            );
-            assert!(found["parameters"].as_array().unwrap().is_empty() && found["stated"].is_null());
-        } else {
-            assert_eq!(found["confirmed"]["decision"], "verified", "{found}");
-        }
-    }
-}
-
 #[test]
 fn tolerances_say_why_none_would_do() {
     let bench = Bench::new();
@@ -532,9 +494,7 @@ fn tolerances_say_why_none_would_do() {
     let said = bench.run(&["tolerances", "study.toml", "--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
     assert!(
-        said.out.contains("No tolerances would do.")
-            && said.out.contains("shift a parameter's nominal")
-            && said.out.contains("can be reached in these proportions"),
+        said.out.contains("No tolerances would do.") && said.out.contains("shift a parameter's nominal"),
         "{}",
         said.out
     );

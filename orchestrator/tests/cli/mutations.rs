@@ -8,12 +8,12 @@ use std::path::Path;
 use crate::support::Bench;
 use fmu_import::Package;
 use number_tables::Table;
-use orchestrator::judge::Judge;
 use orchestrator::results::table;
 use orchestrator::source::Source;
 use point_journal::{Finished, Journal, lines};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
+use study::judge::Judge;
 use study::plan::Plan;
 use study::{Study, ssv};
 

@@ -6,11 +6,11 @@ use calibration::local::{Limits, Minimum, minimise};
 use calibration::objective::{Differences, Objective};
 use fmu_export::model::{Experiment, Model};
 use orchestrator::identify::bind::Bound;
-use orchestrator::judge::Judge;
 use plain_bearing_stand::stand::Stand;
 use stand_tests::{StandModel, file, get, package, stand};
 use study::Identification;
 use study::Study;
+use study::judge::Judge;
 use study::plan::Plan;
 
 fn study(name: &str) -> Study {

@@ -36,9 +36,6 @@ const ANCESTORS: usize = 20;
 /// More particles than this part that no move has moved are copies.
 const STUCK: f64 = 0.1;
 
-/// Where normal approximations hold, 99 % of the sample lies within them.
-const APPROXIMATED: f64 = 0.93;
-
 /// An optimum with less of the posterior may well have no particle.
 const SEEN: f64 = 0.05;
 
@@ -75,10 +72,6 @@ pub struct PosteriorOutcome {
     pub shared: Vec<SharedOutcome>,
     /// The correlations of the free parameters.
     pub correlations: Vec<Vec<f64>>,
-    /// The optima's parts of the sample.
-    pub optima: Vec<Share>,
-    /// The part of the sample that lies within the optima's normal approximations: about 0.99 where these hold.
-    pub approximated: f64,
 }
 
 /// The evidence of a model with its prior: the mean likelihood of the measured values over the prior.
@@ -227,21 +220,6 @@ pub struct PopulationOutcome {
     pub spread: Marginal,
 }
 
-/// An optimum's part of the sample: the particles that are nearest to it, in its own units.
-#[derive(Clone, Debug, Serialize)]
-pub struct Share {
-    /// The optimum's number, from 1.
-    pub optimum: usize,
-    /// Its part of the sample.
-    pub share: f64,
-    /// The part of the sample within the ellipsoid that would hold 99 % of a normal distribution.
-    pub within: f64,
-    /// The standard error, from the groups' scatter.
-    pub error: f64,
-    /// The same from the normal approximation.
-    pub approximation: f64,
-}
-
 /// The groups' estimates of one mean, weighted by their evidence.
 struct Estimate {
     mean: f64,
@@ -281,9 +259,6 @@ impl PosteriorOutcome {
         let optima = if alone { optima } else { &[] };
         let groups = Groups::of(sample);
         let effective = effective(&groups, sample);
-        let near = Near::new(optima, problem.unknowns());
-        let shares = near.shares(&groups);
-        let approximated = near.approximated(&groups);
         let mut outcome = Self {
             trusted: true,
             doubts: Vec::new(),
@@ -299,10 +274,8 @@ impl PosteriorOutcome {
             latents: latents(problem, sample),
             shared: shared(problem, sample),
             correlations: correlations(problem, sample),
-            optima: shares,
-            approximated,
         };
-        outcome.doubts = outcome.doubts(sample);
+        outcome.doubts = outcome.doubts(sample).into_iter().chain(missed(optima, sample)).collect();
         outcome.trusted = outcome.doubts.is_empty();
         outcome.notes = outcome.notes(objective, optima, sample);
         outcome
@@ -335,15 +308,7 @@ impl PosteriorOutcome {
                 )
             }),
         ];
-        let missed =
-            self.optima.iter().filter(|share| share.within == 0.0 && share.approximation > SEEN).map(|share| {
-                format!(
-                    "no particle is near optimum {}, which has {:.0} % by the optima's normal approximations",
-                    share.optimum,
-                    100.0 * share.approximation
-                )
-            });
-        doubts.into_iter().flatten().chain(missed).collect()
+        doubts.into_iter().flatten().collect()
     }
 
     fn notes(&self, objective: &Objective<'_>, optima: &[Optimum], sample: &Sample) -> Vec<String> {
@@ -364,13 +329,6 @@ impl PosteriorOutcome {
         if failed > 0 {
             notes.push(format!(
                 "{failed} of {asked} last steps led there: the sample borders on these places and is cut where they begin"
-            ));
-        }
-        if !optima.is_empty() && self.approximated < APPROXIMATED {
-            notes.push(format!(
-                "{:.0} % of the sample lies outside of the optima's normal approximations: their intervals do not hold, \
-                 the sample's do",
-                100.0 * (1.0 - self.approximated)
             ));
         }
         let problem = objective.problem;
@@ -439,58 +397,28 @@ fn distinct(particles: &[Particle]) -> usize {
     all.len()
 }
 
-/// The optima, and the squared distance from each within which 99 % of its normal approximation lie.
-struct Near<'a> {
-    optima: &'a [Optimum],
-    limit: f64,
-}
-
-impl<'a> Near<'a> {
-    fn new(optima: &'a [Optimum], unknowns: usize) -> Self {
-        let limit = ChiSquared::new(unknowns.max(1) as f64).expect("there is an unknown").inverse_cdf(0.99);
-        Self { optima, limit }
-    }
-
-    fn distance(optimum: &Optimum, particle: &Particle) -> f64 {
-        optimum.posterior.distance(&optimum.minimum.places, &particle.places)
-    }
-
-    /// The optimum that is nearest to a particle.
-    fn nearest(&self, particle: &Particle) -> Option<usize> {
-        self.optima
-            .iter()
-            .map(|optimum| Self::distance(optimum, particle))
-            .enumerate()
-            .min_by(|a, b| a.1.total_cmp(&b.1))
-            .map(|(index, _)| index)
-    }
-
-    fn shares(&self, groups: &Groups<'_>) -> Vec<Share> {
-        let one_or_none = |is: bool| f64::from(u8::from(is));
-        self.optima
-            .iter()
-            .enumerate()
-            .map(|(index, optimum)| {
-                let nearest = |particle: &Particle| one_or_none(self.nearest(particle) == Some(index));
-                let within = |particle: &Particle| one_or_none(Self::distance(optimum, particle) <= self.limit);
-                let Estimate { mean, error } = groups.estimate(&nearest);
-                Share {
-                    optimum: index + 1,
-                    share: mean,
-                    error,
-                    within: groups.estimate(&within).mean,
-                    approximation: optimum.weight,
-                }
-            })
-            .collect()
-    }
-
-    fn approximated(&self, groups: &Groups<'_>) -> f64 {
-        let any = |particle: &Particle| {
-            f64::from(u8::from(self.optima.iter().any(|optimum| Self::distance(optimum, particle) <= self.limit)))
-        };
-        groups.estimate(&any).mean
-    }
+/// The optima with a considerable part of the posterior that no particle is near: none lies where 99 % of the normal
+/// approximation do.
+fn missed(optima: &[Optimum], sample: &Sample) -> Vec<String> {
+    let unknowns = optima.first().map_or(1, |optimum| optimum.minimum.places.len().max(1));
+    let limit = ChiSquared::new(unknowns as f64).expect("there is an unknown").inverse_cdf(0.99);
+    let alive = || sample.groups.iter().filter(|(log, _)| log.is_finite()).flat_map(|(_, particles)| particles);
+    let is_missed = |optimum: &Optimum| {
+        let distance = |particle: &Particle| optimum.posterior.distance(&optimum.minimum.places, &particle.places);
+        optimum.weight > SEEN && alive().all(|particle| distance(particle) > limit)
+    };
+    optima
+        .iter()
+        .enumerate()
+        .filter(|(_, optimum)| is_missed(optimum))
+        .map(|(number, optimum)| {
+            format!(
+                "no particle is near optimum {}, which has {:.0} % by the optima's normal approximations",
+                number + 1,
+                100.0 * optimum.weight
+            )
+        })
+        .collect()
 }
 
 /// The marginal of one unknown with name, unit and scale, given its places' bounds and how a place becomes a value.

@@ -144,8 +144,6 @@ fn six_modes_have_their_parts_and_an_interval_each() {
         for ([low, high], root) in intervals.iter().zip(roots) {
             assert!(*low < root && root < *high && high - low < 0.06, "{low} {high}");
         }
-        let shares: f64 = outcome.optima.iter().map(|optimum| optimum.share).sum();
-        assert!(starts.is_empty() || (shares - 1.0).abs() < 1e-9);
     }
 }
 
@@ -256,7 +254,7 @@ fn a_sample_without_a_known_optimum_says_so_and_one_that_starts_there_has_it() {
         let outcome = PosteriorOutcome::new(&objective, &optima, &sample);
         let near = sample.particles.iter().filter(|particle| particle.places[0] > 0.7);
         let share = near.count() as f64 / sample.particles.len() as f64;
-        println!("{share} {part} {} {:?} {:?}", outcome.effective, outcome.doubts, outcome.optima);
+        println!("{share} {part} {} {:?}", outcome.effective, outcome.doubts);
         assert_eq!(outcome.trusted, from_optima, "{share} {outcome:?}");
         assert!(!from_optima || (share - part).abs() < 0.1, "{share} {part}");
     }

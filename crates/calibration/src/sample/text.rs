@@ -21,15 +21,6 @@ pub fn sentences(outcome: &PosteriorOutcome, of_data: &Evidence) -> Vec<String> 
         "NOT to be relied on, see below".to_owned()
     };
     let mut said = vec![format!("posterior sample: {particles} particles ({judged}), from {evaluated} evaluations")];
-    // A single optimum has all.
-    for optimum in outcome.optima.iter().filter(|_| outcome.optima.len() > 1) {
-        let [share, error, approximation] =
-            [optimum.share, optimum.error, optimum.approximation].map(|part| 100.0 * part);
-        said.push(format!(
-            "near optimum {}: {share:.1} +- {error:.1} % of the sample ({approximation:.1} % by its normal approximation)",
-            optimum.optimum
-        ));
-    }
     said.push(format!(
         "{} % of the particles are different",
         rounded(100.0 * outcome.distinct as f64 / *particles as f64, 3),

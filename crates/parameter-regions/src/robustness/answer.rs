@@ -94,7 +94,7 @@ impl Answer {
                 "a box was found that may hold the level, which the study's points cannot show; `--confirm 100` runs the model in it"
             }
             Self::Confirmed => "a box was found, and fresh runs confirm it",
-            Self::Refuted => "a box was found, but fresh runs contradict it",
+            Self::Refuted => "a box was found, but fresh runs contradict it: verify more points",
             Self::NotFound { .. } => "no box was found by this search; that does not show that there is none",
             Self::NoneSeen { points, at_most, .. } => {
                 return format!(

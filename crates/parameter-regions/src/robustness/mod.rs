@@ -31,9 +31,6 @@ pub struct Robustness {
     pub maps: Vec<maps::Map>,
     /// The verification probability that the box was asked to hold.
     pub level: f64,
-    /// Runs beyond the study's points that the surrogates were refined with.
-    #[serde(default)]
-    pub further_runs: usize,
     /// Whether there is such a box, as far as it is known.
     #[serde(default)]
     pub answer: answer::Answer,
@@ -86,8 +83,8 @@ pub fn robustness(table: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<
     refined(table, table, cloud, level)
 }
 
-/// The same with surrogates that are fitted to other points than those of the study: these and
-/// further runs, where it matters.
+/// The same with surrogates that are fitted to other points than those that are a sample of the study's space: to these and
+/// chosen ones.
 pub fn refined(table: &PointTable, fitted: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<Robustness> {
     let varying: Vec<usize> =
         (0..table.parameters.len()).filter(|&k| table.parameters[k].values.windows(2).any(|w| w[0] != w[1])).collect();
@@ -119,7 +116,6 @@ pub fn refined(table: &PointTable, fitted: &PointTable, cloud: &[Vec<f64>], leve
         criteria: stand.criteria.iter().map(|c| c.name.clone()).zip(stand.qualities.iter().copied()).collect(),
         maps: maps::maps(table, &stand, &inputs),
         level,
-        further_runs: fitted.len().saturating_sub(table.len()),
         answer: answer::Answer::default(),
         region: firm(
             level,

@@ -108,11 +108,6 @@ impl Region {
         within(x, &self.limits)
     }
 
-    /// Whether fresh runs, where some were made, contradict neither what is stated nor the level.
-    pub fn agrees(&self, level: f64) -> bool {
-        self.fresh.is_none_or(|fresh| fresh.agrees(self.interval) && fresh.interval[1] >= level)
-    }
-
     /// Takes over what is stated of it.
     pub(super) fn note(&mut self, statement: Statement) {
         (self.share, self.probability) = (statement.share, statement.probability);

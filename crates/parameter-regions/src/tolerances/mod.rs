@@ -56,9 +56,6 @@ pub struct Widest {
     pub safe: Vec<f64>,
     /// The share there.
     pub at_safe: Stated,
-    /// Whether the share is expected to hold there. Narrower is not always better: where the nominal value misses a
-    /// criterion, some spread is needed to meet it at all.
-    pub is_expected: bool,
 }
 
 /// Tolerances narrower than this are none that one could make.
@@ -73,28 +70,11 @@ const WIDER: f64 = 1.25;
 
 impl Problem {
     /// Looks for the widest tolerances. `sample` has points drawn at the study's own, to which those of further rounds are
-    /// added; `run` tells how good points are, from 0 to 1, of which the share is the mean. Where the share at the centre of
-    /// all tolerances is less than the wanted one, there may be none.
+    /// added; `run` tells how good points are, from 0 to 1, of which the share is the mean.
     ///
     /// # Errors
     /// The return value of `run`.
     pub fn search<E>(
-        &self,
-        sample: &mut Sample,
-        at_centre: f64,
-        mut run: impl FnMut(Vec<Vec<f64>>) -> Result<Vec<f64>, E>,
-    ) -> Result<Option<Widest>, E> {
-        if at_centre < self.target {
-            self.explore(sample, &mut run)?;
-            if !self.holds_anywhere(sample) {
-                return Ok(None);
-            }
-        }
-        self.widest(sample, run).map(Some)
-    }
-
-    /// The widest tolerances, where the share holds at some.
-    fn widest<E>(
         &self,
         sample: &mut Sample,
         mut run: impl FnMut(Vec<Vec<f64>>) -> Result<Vec<f64>, E>,
@@ -113,13 +93,11 @@ impl Problem {
             scales = self.least_cost(sample, scales);
         }
         let safe = self.safe(sample, &scales);
-        let at_safe = self.stated(sample.estimate(&safe));
         Ok(Widest {
             at_scales: self.stated(sample.estimate(&scales)),
-            is_expected: at_safe.share >= self.target,
+            at_safe: self.stated(sample.estimate(&safe)),
             scales,
             safe,
-            at_safe,
         })
     }
 
@@ -207,64 +185,6 @@ impl Problem {
             centre.iter().chain(rows).copied().collect()
         };
         places.iter().map(with_rows).collect()
-    }
-
-    /// Draws wider and wider points as long as the share gets larger with the widest ones and holds nowhere: where the
-    /// nominal value misses a criterion, wider tolerances may meet it more often.
-    fn explore<E>(
-        &self,
-        sample: &mut Sample,
-        mut run: impl FnMut(Vec<Vec<f64>>) -> Result<Vec<f64>, E>,
-    ) -> Result<(), E> {
-        const FURTHER: f64 = 1.5;
-        // Far from the seeds of the other rounds.
-        const SEEDS: u64 = 1000;
-        let ones = vec![1.0; self.distributions.len()];
-        let mut rounds = 0;
-        while !self.holds_anywhere(sample) {
-            let widest = self.longest(sample, &ones);
-            let most = self.most(sample, &ones);
-            let grows = most.is_some_and(|(scales, estimate)| {
-                let reach = scales.iter().copied().fold(0.0, f64::max);
-                estimate.share > 0.0 && reach > SHRINK * widest
-            });
-            if !grows || widest >= 0.999 * self.limit {
-                break;
-            }
-            rounds += 1;
-            let scales = vec![(FURTHER * widest).min(self.limit); ones.len()];
-            let points = self.draw(&scales, self.seed.wrapping_add(SEEDS + rounds));
-            let goods = run(points.clone())?;
-            sample.extend(&scales, points, goods);
-        }
-        Ok(())
-    }
-
-    /// Whether the share holds at any tolerances in the proportions of the study's that the points tell of.
-    fn holds_anywhere(&self, sample: &Sample) -> bool {
-        let ones = vec![1.0; self.distributions.len()];
-        let estimate = sample.estimate(&self.along(sample, &ones));
-        is_known(estimate) && estimate.share >= self.target
-    }
-
-    /// The tolerances in given proportions at which the share is largest, of those that the points tell of.
-    pub fn most(&self, sample: &Sample, proportions: &[f64]) -> Option<(Vec<f64>, Estimate)> {
-        let mut length = self.longest(sample, proportions);
-        let mut most: Option<(Vec<f64>, Estimate)> = None;
-        loop {
-            let scales = self.at(sample, proportions, length);
-            let estimate = sample.estimate(&scales);
-            let best = most.as_ref().map(|(_, best)| best.share);
-            let is_larger = best.is_none_or(|best| estimate.share > best);
-            let is_narrowest = scales.iter().all(|scale| *scale <= NARROWEST);
-            if is_known(estimate) && is_larger {
-                most = Some((scales, estimate));
-            }
-            if is_narrowest {
-                return most;
-            }
-            length *= SHRINK;
-        }
     }
 
     /// Tolerances of a length in given proportions, but none wider than what was drawn.

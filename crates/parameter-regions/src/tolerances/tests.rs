@@ -4,7 +4,6 @@ use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
 
 use super::*;
-use conformity::normal::cdf;
 
 const UNIT: Distribution = Distribution::Normal { mean: 0.0, deviation: 1.0 };
 
@@ -26,15 +25,15 @@ fn solve(problem: &Problem, good: impl Fn(&[f64]) -> f64) -> Widest {
     searched(problem, good).0
 }
 
-/// The answer where the centre of all tolerances conforms, and the points that it rests on.
+/// The answer, and the points that it rests on.
 fn searched(problem: &Problem, good: impl Fn(&[f64]) -> f64) -> (Widest, Sample) {
     let goods = |points: &[Vec<f64>]| points.iter().map(|x| good(x)).collect();
     let points = problem.draw(&vec![1.0; problem.distributions.len()], problem.seed);
     let goods_of_points = goods(&points);
     let mut sample = Sample::new(&problem.distributions, points, goods_of_points);
     let run = |points: Vec<Vec<f64>>| Ok::<_, Infallible>(goods(&points));
-    let Ok(widest) = problem.search(&mut sample, 1.0, run);
-    (widest.unwrap(), sample)
+    let Ok(widest) = problem.search(&mut sample, run);
+    (widest, sample)
 }
 
 fn within(x: bool) -> f64 {
@@ -139,37 +138,6 @@ fn confirmed(problems: u64) -> u32 {
         held += u32::from(wilson(share, problem.confirm as f64, 0.95)[0] >= target);
     }
     held
-}
-
-/// x is normal about 1.2, and |x| <= 1 wanted: the share is at most 40.7 %, at 0.98 times the deviation of 1, and falls to
-/// both sides.
-#[test]
-fn narrower_is_not_better_where_the_nominal_value_is_off() {
-    let off = Distribution::Normal { mean: 1.2, deviation: 1.0 };
-    let good = |x: &[f64]| within(x[0].abs() <= 1.0);
-    // What 5,000 runs may show of 40.7 % reaches below 40 %, and no other tolerances give more.
-    for (target, is_expected) in [(0.4, false), (0.37, true), (0.3, true)] {
-        let problem = problem(vec![off.clone()], target, 1 << 14);
-        let solution = solve(&problem, good);
-        assert_eq!(solution.is_expected, is_expected, "{target}: {solution:?}");
-        if is_expected {
-            let share = |s: f64| cdf(-0.2 / s) - cdf(-2.2 / s);
-            let expected = share(solution.safe[0]);
-            assert!(expected > target, "{target}: {solution:?}, {expected}");
-            let [low, high] = solution.at_safe.interval;
-            assert!((low..=high).contains(&expected));
-        }
-    }
-    let problem = problem(vec![off.clone()], 0.4, 1 << 14);
-    let points = problem.draw(&[1.5], 3);
-    let goods = points.iter().map(|x| good(x)).collect();
-    let narrow = problem.draw(&[1.0], 2);
-    let own_goods = narrow.iter().map(|x| good(x)).collect();
-    let mut sample = Sample::new(&[off], narrow, own_goods);
-    sample.extend(&[1.5], points, goods);
-    let (scales, most) = problem.most(&sample, &[1.0]).unwrap();
-    assert!((most.share - 0.407).abs() < 0.01, "{most:?}");
-    assert!((0.8..1.2).contains(&scales[0]), "{scales:?}");
 }
 
 /// A net has at most 2^32 points. Where there is none, an empty round would be taken for one in which nothing conforms.

@@ -7,17 +7,14 @@ use calibration::fit::Fit;
 use calibration::influence::Group;
 use calibration::local::End;
 use calibration::outcome::{FreeOutcome, IdentificationOutcome, OptimumOutcome, Residual};
-use calibration::problem::{Free, Spacing};
-use calibration::sample::{self, Sample};
+use calibration::sample;
 use calibration::surrogate::text::sentences;
 use calibration::text;
-use sampling::distribution::Distribution;
 
 use crate::error::Error;
 use crate::identify::bind::Bound;
 use crate::plain;
-use result_document::bins::{axis_range, bins_for, histogram};
-use result_document::format::{count, number, with_unit as with_unit_in_brackets};
+use result_document::format::{count, number};
 use result_document::svg::{Frame, area, envelope, path};
 use result_document::{Block, Document, Figure, Key, Table, numbers, words};
 
@@ -32,7 +29,6 @@ pub(super) struct Page<'a> {
     pub(super) title: &'a str,
     pub(super) bound: &'a Bound,
     pub(super) outcome: &'a IdentificationOutcome,
-    pub(super) sample: Option<&'a Sample>,
 }
 
 /// The measured curves.
@@ -222,13 +218,6 @@ impl Page<'_> {
         (!said.is_empty()).then_some(told)
     }
 
-    /// The values of a parameter in the sample, as drawn.
-    fn sampled(&self, index: usize) -> Option<Vec<f64>> {
-        let free = &self.bound.problem.free[index];
-        let places = self.sample?.places(index);
-        Some(places.map(|place| drawn(free, free.value(place))).collect())
-    }
-
     fn parameters(&self) -> Document {
         let mut told = Document::new("parameters", "Parameters", "Parameters");
         // Of a parameter of which so much is left the search tells its start or a bound.
@@ -296,53 +285,7 @@ impl Page<'_> {
             });
             list(&mut told, sample::text::sentences(sample, evidence));
         }
-        let posterior = match self.sample {
-            Some(_) => Key::new("bar in", "M1,13v-6h4v6zM5,13v-10h4v10zM9,13v-4h4v4z", "sample of the posterior"),
-            None => Key::new("line", "M0,12q4,0 7,-9q3,9 7,9", "posterior, by its normal approximation"),
-        };
-        told.blocks
-            .push(Block::Legend(vec![Key::new("line before", "M0,7h14", "prior: what was known before"), posterior]));
-        let all = 0..self.bound.problem.free.len();
-        told.blocks.push(Block::Figures("thirds".into(), all.filter_map(|k| self.density(k)).collect()));
         told
-    }
-
-    /// Prior and posterior density of a parameter.
-    fn density(&self, index: usize) -> Option<Figure> {
-        let free = &self.bound.problem.free[index];
-        let sampled = self.sampled(index);
-        let ends = [free.min, free.max].map(|v| drawn(free, v));
-        let normals: Vec<[f64; 3]> = self
-            .outcome
-            .optima
-            .iter()
-            .map(|optimum| {
-                let of = &optimum.free[index];
-                [optimum.weight, drawn(free, of.value), drawn(free, of.deviation)]
-            })
-            .collect();
-        let around = normals.iter().flat_map(|[_, v, d]| [v - 5.0 * d, v + 5.0 * d]).collect();
-        let [low, high] = axis_range(sampled.clone().unwrap_or(around), f64::NAN, f64::NAN)?;
-        let x = [low.max(ends[0]), high.min(ends[1])];
-        if x[0] >= x[1] {
-            return None;
-        }
-        let before = prior_density(free, ends);
-        let after = |v: f64| -> f64 {
-            let parts = normals.iter().map(|[weight, centre, width]| {
-                weight / width * (-0.5 * ((v - centre) / width).powi(2)).exp() / std::f64::consts::TAU.sqrt()
-            });
-            parts.sum()
-        };
-        let after: &dyn Fn(f64) -> f64 = &after;
-        let shape = sampled.as_deref().map_or(Shape::Line(after), Shape::Sample);
-        Some(Figure {
-            file: format!("parameter-{index}"),
-            caption: free.name.clone(),
-            svg: densities(&free.name, &axis(free), x, &before, &shape),
-            note: note(free),
-            ..Figure::default()
-        })
     }
 }
 
@@ -439,93 +382,6 @@ fn fitted(name: &str, unit: &str, times: &[f64], rows: &[&Residual]) -> Option<F
         ),
         ..Figure::default()
     })
-}
-
-/// What is drawn of a posterior.
-enum Shape<'a> {
-    Sample(&'a [f64]),
-    Line(&'a dyn Fn(f64) -> f64),
-}
-
-/// Prior and posterior over a range, each as high as the picture.
-fn densities(name: &str, axis: &str, x: [f64; 2], before: &dyn Fn(f64) -> f64, shape: &Shape<'_>) -> String {
-    let width = x[1] - x[0];
-    let grid: Vec<f64> = (0..=200).map(|k| x[0] + width * f64::from(k) / 200.0).collect();
-    let scaled = |heights: Vec<f64>| -> Vec<f64> {
-        let highest = heights.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-        heights.into_iter().map(|height| height / highest).collect()
-    };
-    let line = |of: &dyn Fn(f64) -> f64| scaled(grid.iter().map(|v| of(*v)).collect());
-    let before = line(before);
-    let after = match shape {
-        Shape::Line(of) => line(of),
-        Shape::Sample(values) => {
-            let counts = histogram(values.iter(), x, bins_for(values.len()));
-            scaled(counts.into_iter().map(|count| count as f64).collect())
-        }
-    };
-    let frame = Frame::new(360.0, 200.0, x, [0.0, 1.08]);
-    let mut out = frame.axes(axis, None);
-    match shape {
-        Shape::Sample(_) => {
-            let bins = after.len() as f64;
-            for (k, height) in after.iter().enumerate() {
-                let ends = [k, k + 1].map(|k| frame.x.at(x[0] + width * k as f64 / bins));
-                out += &area("bar in", ends, [frame.y.at(0.0), frame.y.at(*height)]);
-            }
-        }
-        Shape::Line(_) => out += &path("line", envelope(grid.iter().zip(&after), &frame)),
-    }
-    out += &path("line before", envelope(grid.iter().zip(&before), &frame));
-    frame.wrap(&format!("{name}: prior and posterior"), &out)
-}
-
-/// A value or a standard deviation as it is drawn: on a logarithmic scale its decimal logarithm.
-fn drawn(free: &Free, value: f64) -> f64 {
-    match free.scale {
-        Spacing::Linear => value,
-        Spacing::Log => value.log10(),
-    }
-}
-
-fn axis(free: &Free) -> String {
-    let name = with_unit_in_brackets(&free.name, unit(&free.unit));
-    match free.scale {
-        Spacing::Linear => name,
-        Spacing::Log => format!("log10 of {name}"),
-    }
-}
-
-/// The density of the prior as it is drawn, between the bounds.
-fn prior_density(free: &Free, [low, high]: [f64; 2]) -> impl Fn(f64) -> f64 + use<> {
-    let known = free.prior.map(|prior| Distribution::TruncatedNormal {
-        mean: drawn(free, prior.centre),
-        deviation: drawn(free, prior.spread),
-        min: Some(low),
-        max: Some(high),
-    });
-    move |value| match &known {
-        Some(known) => known.ln_density(value).exp(),
-        None => (high - low).recip(),
-    }
-}
-
-/// What was known of a parameter.
-fn note(free: &Free) -> String {
-    let unit = unit(&free.unit);
-    let [min, max] = [free.min, free.max].map(|v| number(v, 5));
-    let text = match free.prior {
-        Some(prior) => {
-            let spread = match free.scale {
-                Spacing::Linear => format!("± {}", number(prior.spread, 3)),
-                Spacing::Log => format!("within a factor of {}", number(prior.spread, 3)),
-            };
-            let centre = number(prior.centre, 5);
-            format!("prior: {centre} {unit} {spread} (one standard deviation), within {min} .. {max} {unit}")
-        }
-        None => format!("prior: anything within {min} .. {max} {unit}"),
-    };
-    text.trim_end().to_owned()
 }
 
 fn with_unit(text: String, free: &FreeOutcome) -> String {

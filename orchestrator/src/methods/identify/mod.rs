@@ -229,7 +229,6 @@ impl Analysis for Asked {
             title: title.unwrap_or("Parameters from measured values"),
             bound: &fit.bound,
             outcome: &outcome,
-            sample: sample.as_ref(),
         };
         let origin = Origin { study_sha256: fit.study.digest(), fmu_sha256: Some(fit.package.digest()?), points: None };
         let document = page.section();

@@ -31,10 +31,6 @@ pub fn document(result: &Robustness) -> Document {
         told.say(evidence(result.level, region));
     }
     told.heading("Surrogates");
-    if result.further_runs > 0 {
-        let further = result.further_runs;
-        told.say(format!("Refined with {further} further runs in the box."));
-    }
     told.table(surrogates(result));
     told.hint("Gaussian processes stand for the model. Their errors are by leave-one-out.");
     told.blocks.extend(maps(result));

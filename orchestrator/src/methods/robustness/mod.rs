@@ -57,8 +57,6 @@ pub struct Options {
     pub seed: Option<u64>,
 }
 
-/// The most times that new runs judge a statement: the surrogates learn from those that do not agree.
-const ROUNDS: u64 = 4;
 /// Runs of a budget that judge nothing: one before the first, and one once more.
 const BESIDE: usize = 2;
 
@@ -76,15 +74,15 @@ pub fn run(options: &Options) -> Result<Delivery> {
     let from = known::from(options.from.as_deref(), work.output.as_deref(), &work.study);
     let study = Study::read(&work.study)?;
     let said = &study.robustness;
-    if let Some(runs) = options.budget.filter(|runs| *runs < BESIDE + 2) {
-        return Err(Error::option("budget", format!("{runs} runs: give {} or more", BESIDE + 2)));
+    if let Some(runs) = options.budget.filter(|runs| *runs <= BESIDE) {
+        return Err(Error::option("budget", format!("{runs} runs: give {} or more", BESIDE + 1)));
     }
-    let of_budget = options.budget.map(|runs| (runs - BESIDE) / 2);
+    let of_budget = options.budget.map(|runs| runs - BESIDE);
     let analysis = Asked {
         from: known::absolute(&from),
         level: level(options, &study)?,
         confirm: of_budget.or(options.confirm).or(said.confirm).unwrap_or(0),
-        rounds: if of_budget.is_some() { 2 } else { ROUNDS },
+        dear: of_budget.is_some(),
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
     let session = asking::open(work, &analysis);
@@ -134,9 +132,10 @@ pub struct Asked {
     from: PathBuf,
     /// The verification probability that the box must hold.
     level: f64,
-    /// New runs in it, of each round.
+    /// New runs in it.
     confirm: usize,
-    rounds: u64,
+    /// Whether runs are dear.
+    dear: bool,
     seed: u64,
 }
 
@@ -152,7 +151,7 @@ impl Asked {
     }
 
     fn stated(&self, points: &Points, cloud: &[Vec<f64>]) -> Result<Robustness> {
-        points.stated(&points.all, cloud, self.level).ok_or_else(|| {
+        refined(&points.sample, &points.all, cloud, self.level).ok_or_else(|| {
             Error::option("from", "the points are too few for a surrogate, or no parameter varies: verify more points")
         })
     }
@@ -163,15 +162,6 @@ struct Points {
     sample: PointTable,
     /// The sample, and behind it points that `--budget` chose.
     all: PointTable,
-}
-
-impl Points {
-    /// What surrogates of `fitted` say: these points and further runs behind them.
-    fn stated(&self, fitted: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<Robustness> {
-        let mut stated = refined(&self.sample, fitted, cloud, level)?;
-        stated.further_runs = fitted.len() - self.all.len();
-        Some(stated)
-    }
 }
 
 impl Analysis for Asked {
@@ -186,7 +176,6 @@ impl Analysis for Asked {
     fn points(&self, _: &Session) -> Result<PointSet> {
         Ok(PointSet {
             seed: self.seed,
-            // Further rounds follow where a statement does not hold.
             points: None,
             method: format!("{} runs to confirm the level {}", self.confirm, self.level),
             table: Some(known::digest_of(&self.from)?),
@@ -196,13 +185,11 @@ impl Analysis for Asked {
     fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult> {
         let (origin, known, cloud) = self.known(&session.study, Some(&session.plan))?;
         let stated = self.stated(&known, &cloud)?;
-        if self.rounds < ROUNDS {
+        if self.dear {
             pipeline.repeat_at_most(1);
         }
-        let (points, rounds) = (self.confirm, self.rounds);
         let mut confirmed =
-            Confirmation { session, pipeline, known: &known, cloud: &cloud, points, rounds, seed: self.seed }
-                .of(stated)?;
+            Confirmation { session, pipeline, known: &known, points: self.confirm, seed: self.seed }.of(stated)?;
         confirmed.keep_together(&session.plan.together());
         Ok(AnalysisResult::new(&confirmed, origin, document(&confirmed).as_text(), FILE))
     }

@@ -2,13 +2,13 @@
 
 use crate::{
     error::{Error, Result},
-    judge::{Judge, share},
     results::table,
 };
 use conformity::risk::Guard;
 use parameter_regions::tolerances::stated::Wanted;
 use std::path::Path;
 use study::Study;
+use study::judge::{Judge, share};
 
 /// A share of accepted points, or a conformance probability.
 #[derive(Clone, Copy, Debug)]

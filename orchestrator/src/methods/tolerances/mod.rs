@@ -2,7 +2,6 @@
 
 mod document;
 mod goal;
-mod reasons;
 
 use std::path::{Path, PathBuf};
 
@@ -143,6 +142,19 @@ impl Analysis for Asked {
         }
         let mut runs = Runs { session, varied: of_points(&session.plan), pipeline, stand };
         let centre = runs.outcomes(&problem.centres())?;
+        let at_centre = goal.goods(&centre).iter().sum::<f64>() / centre.len() as f64;
+        let mut told = Tolerances {
+            wanted: goal.wanted,
+            share: problem.target,
+            confidence: problem.confidence,
+            ..Tolerances::default()
+        };
+        let result =
+            |told: &Tolerances| Ok(AnalysisResult::new(told, asking::origin(session)?, document(told).as_text(), FILE));
+        if at_centre < problem.target {
+            told.reasons.push(at_nothing(at_centre, centre.len()));
+            return result(&told);
+        }
         let (points, outcomes) = match self.known(session)?.filter(|_| runs.stand.is_none()) {
             Some(table) => runs.known(&table),
             None => {
@@ -152,43 +164,22 @@ impl Analysis for Asked {
             }
         };
         let mut sample = Sample::new(&problem.distributions, points, goal.goods(&outcomes));
-        let at_centre = goal.goods(&centre).iter().sum::<f64>() / centre.len() as f64;
         let mut goods = |points: Vec<Vec<f64>>| {
             let outcomes = runs.outcomes(&points)?;
             Ok::<_, Error>(goal.goods(&outcomes))
         };
-        let answer = problem.search(&mut sample, at_centre, &mut goods)?;
+        let answer = problem.search(&mut sample, &mut goods)?;
         let stand = runs.stand.take();
-        let mut told = Tolerances {
-            wanted: goal.wanted,
-            share: problem.target,
-            confidence: problem.confidence,
-            points: sample.len() as u64,
-            rounds: sample.rounds(),
-            surrogate: stand.and_then(|stand| Some(stand.qualities.first()?.points)),
-            ..Tolerances::default()
-        };
-        match answer {
-            Some(answer) if answer.is_expected => {
-                told.parameters = parameters(&session.plan, &problem, &answer.scales, &answer.safe);
-                told.widest = Some(answer.at_scales);
-                told.stated = Some(answer.at_safe);
-                told.confirmed = Some(problem.confirm(&answer.safe, |points| {
-                    let outcomes = runs.outcomes(&points)?;
-                    Ok::<_, Error>(goal.goods(&outcomes))
-                })?);
-            }
-            Some(answer) => {
-                told.reasons.push(reasons::not_shown(&problem));
-                told.reasons.extend(most(session, &problem, &sample, &answer.scales));
-            }
-            None => {
-                told.reasons.push(reasons::at_nothing(at_centre, centre.len()));
-                let ones = vec![1.0; problem.distributions.len()];
-                told.reasons.extend(most(session, &problem, &sample, &ones));
-            }
-        }
-        Ok(AnalysisResult::new(&told, asking::origin(session)?, document(&told).as_text(), FILE))
+        (told.points, told.rounds) = (sample.len() as u64, sample.rounds());
+        told.surrogate = stand.and_then(|stand| Some(stand.qualities.first()?.points));
+        told.parameters = parameters(&session.plan, &problem, &answer.scales, &answer.safe);
+        told.widest = Some(answer.at_scales);
+        told.stated = Some(answer.at_safe);
+        told.confirmed = Some(problem.confirm(&answer.safe, |points| {
+            let outcomes = runs.outcomes(&points)?;
+            Ok::<_, Error>(goal.goods(&outcomes))
+        })?);
+        result(&told)
     }
 }
 
@@ -242,17 +233,14 @@ impl Asked {
     }
 }
 
-/// The largest share that the points tell of at tolerances in these proportions, as a sentence.
-fn most(session: &Session, problem: &Problem, sample: &Sample, proportions: &[f64]) -> Option<String> {
-    let (scales, largest) = problem.most(sample, proportions)?;
-    let with_tolerances = session.plan.with_tolerances();
-    let names = with_tolerances.iter().map(|&k| &session.plan.inputs[k].name);
-    let each = names.zip(&scales).map(|(name, scale)| format!("{name} {}", number(*scale, 3)));
-    Some(format!(
-        "at most about {} % can be reached in these proportions, at so many times the study's tolerances: {}",
-        number(100.0 * largest.share, 3),
-        each.collect::<Vec<_>>().join(", ")
-    ))
+/// Why no tolerances would do: what is left with all of them at nothing, one point, or one for each of some rows of the samples.
+fn at_nothing(share: f64, points: usize) -> String {
+    format!(
+        "with all tolerances at nothing, {} % of {points} point{} conform as wanted, and only a spread would bring some more: shift \
+         a parameter's nominal value, or measure better",
+        number(100.0 * share, 3),
+        if points == 1 { "" } else { "s" }
+    )
 }
 
 /// The places among the inputs of the numbers of a point: those with tolerances, then those from samples.

@@ -1,10 +1,10 @@
 //! Measured values that are the product of two others: their errors follow, and are no second measurement.
 
 use super::{Judge, product, scalar::distance_unit};
+use crate::{CriterionText, Name, Study, cases::SEPARATOR, points::Pairs};
 use conformity::uncertainty::Uncertainty;
 use fmu_import::Description;
 use number_tables::files::FileError;
-use study::{CriterionText, Name, Study, cases::SEPARATOR, points::Pairs};
 
 /// A criterion whose error follows from others'.
 #[derive(Clone, Debug)]

@@ -1,11 +1,11 @@
 //! Criteria on whole curves, as far as they need neither the FMU nor the measured curve.
 
 use super::Criterion;
+use crate::{CriterionText, Name, ReferenceText, Study, first_wrong, limit::limit};
 use conformity::measured::Limits;
 use curves::{Kind, Metric};
 use fmu_import::quantity::Scale;
 use number_tables::files::FileError;
-use study::{CriterionText, Name, ReferenceText, Study, first_wrong, limit::limit};
 
 /// Refuses keys of curves on a criterion that has no `reference`.
 pub(super) fn refuse_keys(text: &CriterionText) -> Result<(), String> {
@@ -95,9 +95,9 @@ fn check_keys(text: &CriterionText, metric: Metric) -> Result<(), String> {
 
 #[cfg(test)]
 mod tests {
+    use crate::Study;
     use crate::judge::Judge;
     use std::path::Path;
-    use study::Study;
 
     const STUDY: &str = r#"
 fmu = "a.fmu"

@@ -6,7 +6,7 @@ mod product;
 mod requirements;
 mod scalar;
 
-pub(crate) use requirements::share;
+pub use requirements::share;
 
 use std::{collections::HashSet, ops::Range};
 
@@ -27,11 +27,10 @@ use fmu_points::{
     task::Detail,
 };
 use number_tables::files::FileError;
-use parameter_regions::table::CriterionColumn;
 use sampling::statistics::{Statistic, moments::length};
 
-pub(crate) use scalar::sense;
-use study::{NominalFrom, Study, concern::Concern, plan::find};
+use crate::{NominalFrom, Study, concern::Concern, plan::find};
+pub use scalar::sense;
 
 /// Measured value of one quantity with its tolerance, in the study's unit.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -117,7 +116,7 @@ impl Criterion {
     }
 
     /// The value with the [deviation](Self::deviation) 0: the measured one.
-    fn target(&self) -> f64 {
+    pub fn target(&self) -> f64 {
         let inwards = if self.limits.minus.is_infinite() { -1.0 } else { 1.0 };
         self.limits.about + inwards * self.distance_unit.unwrap_or(0.0)
     }
@@ -167,22 +166,6 @@ impl Criterion {
             Some(Kind::Rating) => [low, high.min(1.0 + ROUNDING)],
             Some(_) => [low.max(0.0), high],
             None => [low, high],
-        }
-    }
-
-    /// The criterion with its values at points.
-    pub fn column(&self, values: Vec<f64>, ok: Vec<bool>) -> CriterionColumn {
-        let [lower, upper] = self.accepted();
-        CriterionColumn {
-            name: self.name.clone(),
-            source: self.source(),
-            unit: self.unit.clone().unwrap_or_default(),
-            nominal: self.target(),
-            lower,
-            upper,
-            group: self.group.clone(),
-            values,
-            ok,
         }
     }
 

@@ -1,18 +1,23 @@
-//! The table of measured cases.
+//! The table of measured cases that `[identify]` names.
 
+use crate::{Identification, Name, Study};
 use number_tables::{Column, Table, files::FileError};
-use study::{Identification, Name, Study};
 
 /// The columns of the table that the section names, or a single case without any.
-pub(super) struct Columns {
+#[derive(Debug)]
+pub struct CaseTable {
     names: Vec<String>,
     rows: Vec<Vec<f64>>,
     /// The cases' names.
-    pub(super) labels: Vec<u64>,
+    pub labels: Vec<u64>,
 }
 
-impl Columns {
-    pub(super) fn read(study: &Study, settings: &Identification) -> Result<Self, FileError> {
+impl CaseTable {
+    /// Reads the table of a study's section.
+    ///
+    /// # Errors
+    /// With its place in the study, when the table cannot be read or a column is not there.
+    pub fn read(study: &Study, settings: &Identification) -> Result<Self, FileError> {
         let known = settings.known.iter();
         let known = known.map(|(name, known)| (name, Some(&known.column)));
         let latent = settings.latent.iter();
@@ -36,12 +41,12 @@ impl Columns {
     }
 
     /// How many cases there are.
-    pub(super) fn cases(&self) -> usize {
+    pub fn cases(&self) -> usize {
         self.rows.len()
     }
 
     /// A column's numbers, case by case.
-    pub(super) fn column(&self, name: &str) -> Vec<f64> {
+    pub fn column(&self, name: &str) -> Vec<f64> {
         let place =
             self.names.iter().position(|known| known == name).expect("every column that the section names was read");
         self.rows.iter().map(|row| row[place]).collect()

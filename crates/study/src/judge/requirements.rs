@@ -5,6 +5,11 @@ use std::collections::HashMap;
 use toml::Spanned;
 
 use super::{Criterion, Judge};
+use crate::{
+    CriterionText, Name, Required, Study,
+    concern::{ACCEPTS_ZERO, Code, Concern},
+    points::{Pairs, pairs},
+};
 use conformity::{
     decision::Rule,
     measured::{Limits, Measurement},
@@ -12,11 +17,6 @@ use conformity::{
 };
 use fmu_import::{Causality, Variable, quantity::Quantity};
 use number_tables::files::FileError;
-use study::{
-    CriterionText, Name, Required, Study,
-    concern::{ACCEPTS_ZERO, Code, Concern},
-    points::{Pairs, pairs},
-};
 
 /// Refuses a criterion on what the study sets itself: it would only judge the sampling.
 pub(super) fn check_variable(
@@ -336,7 +336,7 @@ fn between_0_and_1(study: &Study, quantity: &Spanned<Quantity>, what: &str) -> R
 }
 
 /// A share, in percent or not, that is neither nothing nor everything.
-pub(crate) fn share(quantity: &Quantity) -> Option<f64> {
+pub fn share(quantity: &Quantity) -> Option<f64> {
     let share = match quantity.unit.as_deref() {
         None => quantity.number,
         Some("%") => quantity.number / 100.0,

@@ -1,11 +1,11 @@
 //! Whether a derived value is what it says: the product of its factors, in units that fit.
 
 use super::Criterion;
+use crate::{CriterionText, DerivedText, Setting, Study, values::value_of};
 use fmu_import::{
     Description,
     units::{BaseUnit, Conversion},
 };
-use study::{CriterionText, DerivedText, Setting, Study, values::value_of};
 
 /// How far a product of measured values may be from the measured product: means of swings do not multiply exactly.
 const CLOSE: f64 = 0.1;

@@ -3,6 +3,7 @@
 use toml::Spanned;
 
 use super::{Criterion, curve};
+use crate::{BOTH_SIDES, CriterionText, Name, Study, ToleranceText, first_wrong, limit::gain};
 use conformity::{
     measured::Limits,
     uncertainty::{Distribution, Uncertainty},
@@ -11,7 +12,6 @@ use fmu_import::quantity::{Quantity, Scale, Sense};
 use fmu_points::names::behind;
 use number_tables::files::FileError;
 use sampling::statistics::Statistic;
-use study::{BOTH_SIDES, CriterionText, Name, Study, ToleranceText, first_wrong, limit::gain};
 
 /// The criterion on one number.
 pub(super) fn criterion(
