@@ -47,8 +47,8 @@ const BEYOND: f64 = 0.5;
 /// Places of the sample among which the next ones are chosen.
 const CANDIDATES: usize = 200;
 
-/// Particles of a sample as the answer has it where nothing else is asked for.
-const LOOK: u64 = 1000;
+/// Particles of a sample as the answer has it, or larger.
+const LOOK: u64 = 2000;
 
 /// The problem that surrogates are made for.
 #[derive(Clone, Copy)]
@@ -282,7 +282,7 @@ impl Work<'_> {
         Ok((searched.optima[0].minimum.places.clone(), places))
     }
 
-    /// Runs those places of a sample as the answer has it that lie beyond the last box, as long as there are some and runs are left:
+    /// Runs those places of a large sample that lie beyond the last box, as long as there are some and runs are left:
     /// only the rough surrogates around it know of them, and a hundredth of the sample that is wrong far off doubles its deviation.
     fn look_beyond(&mut self, errors: &[Vec<f64>], most: usize) -> Result<(), SearchError> {
         while self.runs.len() < most {

@@ -22,7 +22,7 @@ pub struct Model {
     pub name: &'static str,
     pub dimensions: usize,
     /// The first so many coordinates are standard normal.
-    normals: usize,
+    pub normals: usize,
     /// Of each of these with the one before.
     pub correlation: f64,
     pub of: fn(&[f64]) -> f64,
