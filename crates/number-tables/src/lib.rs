@@ -8,10 +8,9 @@ pub mod recorded;
 mod rows;
 
 use crate::files::{FileError, convert};
-use crate::recorded::RecordedTable;
 use std::{collections::HashSet, path::Path};
 
-use fmu_import::units::{Conversion, known};
+use fmu_import::units::known;
 use fmu_points::names::{did_you_mean, nearest};
 pub use rows::{How, Rows};
 
@@ -168,33 +167,6 @@ impl Table {
     /// When the table cannot be read, a column is missing, or a cell is not a number.
     pub fn read(path: &Path, columns: &[Column]) -> Result<Self, FileError> {
         Ok(Self::load(path, columns, false)?.table)
-    }
-
-    /// Reads columns behind that of the times, which become seconds: the column of this name, or where none is stated that of
-    /// [`RecordedTable::time`].
-    ///
-    /// # Errors
-    /// As [`Table::read`], and when the times have no unit of time, or may be days or clocks.
-    pub fn read_over_time(path: &Path, time: Option<&str>, columns: Vec<Column>) -> Result<Self, FileError> {
-        let time = match time {
-            Some(time) => time.to_owned(),
-            None => RecordedTable::read_times(path)?.time(&|_| true, "say time = \"...\"")?.to_owned(),
-        };
-        let columns: Vec<Column> = std::iter::once(column(&time, "the time")).chain(columns).collect();
-        let Reading { mut table, header, places, has_days, .. } = Self::load(path, &columns, false)?;
-        let name = shown(&header[places[0]]);
-        let way = match table.units[0].as_deref() {
-            Some(unit) => known::between(unit, "s")
-                .ok_or_else(|| format!("column `{name}` is in `{unit}`, which is no unit of time")),
-            None => {
-                let times: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
-                let units = format!("write `{name} [ms]` in its first line");
-                clocks::doubt(path, &name, &times, has_days, &units).map_or(Ok(Conversion::IDENTITY), Err)
-            }
-        };
-        let way = way.map_err(|message| FileError::new(path, message))?;
-        table.rows.iter_mut().for_each(|row| row[0] = way.value(row[0]));
-        Ok(table)
     }
 
     /// With `gaps`, an empty cell is not a number instead of an error.

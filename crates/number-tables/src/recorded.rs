@@ -7,13 +7,15 @@ use std::{
 };
 
 use crate::{
-    clocks::is_day,
+    Reading, Table,
+    clocks::{self, is_day},
+    column,
     files::{self, FileError, convert},
     is_of_time, is_time_name, name_and_unit,
     rows::How,
     shown,
 };
-use fmu_import::units::known;
+use fmu_import::units::{Conversion, known};
 use fmu_points::names::{did_you_mean, nearest};
 
 /// A recording's columns by name.
@@ -311,6 +313,35 @@ impl RecordedTable {
     }
 }
 
+impl Table {
+    /// Reads columns behind that of the times, which become seconds: the column of this name, or where none is stated that of
+    /// [`RecordedTable::time`].
+    ///
+    /// # Errors
+    /// As [`Table::read`], and when the times have no unit of time, or may be days or clocks.
+    pub fn read_over_time(path: &Path, time: Option<&str>, columns: Vec<crate::Column>) -> Result<Self, FileError> {
+        let time = match time {
+            Some(time) => time.to_owned(),
+            None => RecordedTable::read_times(path)?.time(&|_| true, "say time = \"...\"")?.to_owned(),
+        };
+        let columns: Vec<crate::Column> = std::iter::once(column(&time, "the time")).chain(columns).collect();
+        let Reading { mut table, header, places, has_days, .. } = Self::load(path, &columns, false)?;
+        let name = shown(&header[places[0]]);
+        let way = match table.units[0].as_deref() {
+            Some(unit) => known::between(unit, "s")
+                .ok_or_else(|| format!("column `{name}` is in `{unit}`, which is no unit of time")),
+            None => {
+                let times: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
+                let units = format!("write `{name} [ms]` in its first line");
+                clocks::doubt(path, &name, &times, has_days, &units).map_or(Ok(Conversion::IDENTITY), Err)
+            }
+        };
+        let way = way.map_err(|message| FileError::new(path, message))?;
+        table.rows.iter_mut().for_each(|row| row[0] = way.value(row[0]));
+        Ok(table)
+    }
+}
+
 #[cfg(test)]
 #[allow(clippy::unwrap_used)]
 mod tests {
@@ -387,7 +418,7 @@ mod tests {
             ("u,v\n0,1\n2,3", None),
         ] {
             std::fs::write(&path, names).unwrap();
-            let read = crate::Table::read_over_time(&path, None, Vec::new());
+            let read = Table::read_over_time(&path, None, Vec::new());
             let found = read.map(|table| [table.rows[0][0], table.rows[1][0]]);
             match times {
                 Some(times) => assert_eq!(found.unwrap(), times, "{names}"),
@@ -414,7 +445,7 @@ mod tests {
             ("Date,time,u\n20260311,30,1\n20260311,75.5,2\n", false),
         ] {
             std::fs::write(&path, text).unwrap();
-            match crate::Table::read_over_time(&path, None, Vec::new()).map_err(|error| error.to_string()) {
+            match Table::read_over_time(&path, None, Vec::new()).map_err(|error| error.to_string()) {
                 Ok(_) => assert!(!is_asked, "{text}"),
                 Err(error) => {
                     assert!(is_asked && error.contains("write `time [ms]`") && error.contains("%H%M%S"), "{error}")
@@ -423,7 +454,7 @@ mod tests {
         }
         // A missing cell does not make seconds of clocks.
         let times = [91_500.0, f64::NAN, 91_600.0, 91_700.0];
-        assert!(crate::clocks::doubt(&path, "t", &times, false, "").is_some());
+        assert!(clocks::doubt(&path, "t", &times, false, "").is_some());
     }
 
     #[test]
@@ -448,7 +479,7 @@ mod tests {
             let folder = tempfile::tempdir().unwrap();
             let path = folder.path().join("m.csv");
             std::fs::write(&path, text).unwrap();
-            let error = crate::Table::read(&path, &[crate::column("F", "")]).unwrap_err().to_string();
+            let error = Table::read(&path, &[column("F", "")]).unwrap_err().to_string();
             assert!(error.contains(" may be "), "{error}");
         }
         for (text, first) in [
@@ -465,7 +496,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("m.csv");
         std::fs::write(&path, "t;F\n0;1.500\n1;2.500\n").unwrap();
-        assert!(crate::Table::read(&path, &[crate::column("t", "")]).is_ok());
+        assert!(Table::read(&path, &[column("t", "")]).is_ok());
     }
 
     #[test]

@@ -47,6 +47,8 @@ const ENOUGH_INSIDE: usize = 8;
 const SUREST: f64 = 0.03;
 /// A run that is off by so many of its deviations is beyond a jump: of normal errors, one in 150,000 is.
 const JUMP: f64 = 4.5;
+/// A share whose relative deviation is larger is not told: such an interval is no answer, and where failures cut the event it often missed.
+const MOST_OPEN: f64 = 0.25;
 /// Runs of the event without which nothing is said.
 const LEAST_INSIDE: usize = 3;
 
@@ -92,6 +94,11 @@ pub enum Unknown {
     Contradicted {
         /// By so many deviations.
         deviations: f64,
+    },
+    /// The surrogate leaves it open.
+    Open {
+        /// Its deviation over the share.
+        relative: f64,
     },
 }
 
@@ -198,7 +205,8 @@ impl Search<'_> {
         if inside < LEAST_INSIDE {
             return Err(Unknown::Outside);
         }
-        let [deviations, _] = surprise(foretold.iter().copied(), SUREST);
+        let [scattered, one_sided] = surprise(foretold.iter().copied(), SUREST);
+        let deviations = scattered.max(one_sided);
         if deviations > REFUTED {
             return Err(Unknown::Contradicted { deviations });
         }
@@ -207,7 +215,10 @@ impl Search<'_> {
             return Err(Unknown::Contradicted { deviations: largest });
         }
         let mut random = Random::new(self.seed, Purpose::Search, 0);
-        Ok(self.population(surrogate, OF_ANSWER, &mut random).share(widening))
+        match self.population(surrogate, OF_ANSWER, &mut random).share(widening) {
+            (_, relative) if relative > MOST_OPEN => Err(Unknown::Open { relative }),
+            told => Ok(told),
+        }
     }
 
     /// How unevenly the errors by leaving one run out are spread: the largest in its own deviations, and by how much more than its

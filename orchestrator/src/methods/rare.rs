@@ -264,6 +264,7 @@ fn reason(unknown: Unknown, inside: usize) -> String {
         Unknown::Contradicted { deviations } => {
             format!("they contradict what the surrogate said of them by {} deviations", number(deviations, 2))
         }
+        Unknown::Open { relative } => format!("they leave it open by {} %", number(100.0 * relative, 2)),
     }
 }
 
