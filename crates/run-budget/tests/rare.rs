@@ -128,7 +128,7 @@ fn a_surrogate_that_is_coarse_far_from_the_edge_tells_the_share() {
 #[test]
 fn an_event_without_a_run_in_it_is_not_told() {
     let never = rare("never", 2, 0.0, |x| 1.0 + x[0] * x[0]);
-    assert_eq!(answer(&never, 30, 1).share, Err(run_budget::Unknown::Outside));
+    assert_eq!(answer(&never, 30, 1).share, Err(Unknown::Outside));
 }
 
 /// The surrogate was slow to see how much of the event fails: seven of eight intervals lay above the share.
