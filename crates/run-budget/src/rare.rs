@@ -47,8 +47,10 @@ const ENOUGH_INSIDE: usize = 8;
 const SUREST: f64 = 0.03;
 /// A run that is off by so many of its deviations is beyond a jump: of normal errors, one in 150,000 is.
 const JUMP: f64 = 4.5;
-/// A share whose relative deviation is larger is not told: such an interval is no answer, and where failures cut the event it often missed.
+/// A share whose relative deviation is larger is not told: such an interval is no answer. Where runs fail less is left open, because
+/// where failures cut the event the surrogate was off by many of its deviations.
 const MOST_OPEN: f64 = 0.25;
+const MOST_OPEN_AT_FAILURES: f64 = 0.1;
 /// Runs of the event without which nothing is said.
 const LEAST_INSIDE: usize = 3;
 
@@ -214,9 +216,10 @@ impl Search<'_> {
         if largest > JUMP {
             return Err(Unknown::Contradicted { deviations: largest });
         }
+        let most = if surrogate.success(1).is_some() { MOST_OPEN_AT_FAILURES } else { MOST_OPEN };
         let mut random = Random::new(self.seed, Purpose::Search, 0);
         match self.population(surrogate, OF_ANSWER, &mut random).share(widening) {
-            (_, relative) if relative > MOST_OPEN => Err(Unknown::Open { relative }),
+            (_, relative) if relative > most => Err(Unknown::Open { relative }),
             told => Ok(told),
         }
     }
@@ -239,16 +242,9 @@ impl Search<'_> {
             .fold([0.0, 1.0], |[a, b], [largest, widening]| [a.max(largest), b.max(widening)])
     }
 
-    /// Plain points: those of a net, or independent ones where there is no net of so many dimensions.
+    /// Plain points.
     fn plain(&self, count: usize, stream: u64) -> Vec<Vec<f64>> {
-        let normal = Distribution::Normal { mean: 0.0, deviation: 1.0 };
-        match cube(self.dimensions, count as u64, self.seed.wrapping_add(stream), 1) {
-            Ok(net) => net.into_iter().map(|u| u.into_iter().map(|u| normal.quantile(u)).collect()).collect(),
-            Err(_) => {
-                let mut random = Random::new(self.seed, Purpose::Point, stream as u32);
-                (0..count).map(|_| random.normals(self.dimensions)).collect()
-            }
-        }
+        units(self.dimensions, count, self.seed.wrapping_add(stream)).iter().map(|u| normals(u)).collect()
     }
 
     /// Points that fill directions and, each `cycle` of them, radii.
@@ -327,15 +323,17 @@ impl Search<'_> {
 
     /// Weighted points around where the event may happen.
     fn population(&self, surrogate: &Surrogate, [count, each]: [usize; 2], random: &mut Random) -> Population {
-        let centres: Vec<Kernel> = self.led(surrogate, random).into_iter().take(400).map(Kernel::new).collect();
-        let draw = |i: usize| match (i as f64 + 0.5) / (count as f64) < PLAIN {
-            true => random.normals(self.dimensions),
-            false => {
-                let centre = random.below(centres.len());
-                centres[centre].draw(random)
-            }
+        let mut led = self.led(surrogate, random);
+        random.shuffle(&mut led);
+        let centres: Vec<Kernel> = led.into_iter().take(400).map(Kernel::new).collect();
+        // A net makes the share more exact than independent draws would; what is said of it counts those.
+        let draw = |units: Vec<f64>| {
+            let scores = normals(&units[1..]);
+            let among = (units[0] - PLAIN) / (1.0 - PLAIN);
+            if among < 0.0 { scores } else { centres[(among * centres.len() as f64) as usize].around(scores) }
         };
-        let scores: Vec<Vec<f64>> = (0..count).map(draw).collect();
+        let net = units(self.dimensions + 1, count, random.below(usize::MAX) as u64);
+        let scores: Vec<Vec<f64>> = net.into_iter().map(draw).collect();
         let d = self.dimensions as f64;
         let weight = |z: &Vec<f64>| {
             let own = -0.5 * z.iter().map(|z| z * z).sum::<f64>() - 0.5 * d * (2.0 * PI).ln();
@@ -373,6 +371,19 @@ impl Search<'_> {
     }
 }
 
+/// Points of the unit cube: those of a net, or independent ones where there is no net of so many dimensions.
+fn units(dimensions: usize, count: usize, seed: u64) -> Vec<Vec<f64>> {
+    cube(dimensions, count as u64, seed, 1).unwrap_or_else(|_| {
+        let mut random = Random::new(seed, Purpose::Point, 0);
+        (0..count).map(|_| (0..dimensions).map(|_| random.unit()).collect()).collect()
+    })
+}
+
+fn normals(units: &[f64]) -> Vec<f64> {
+    let normal = Distribution::Normal { mean: 0.0, deviation: 1.0 };
+    units.iter().map(|u| normal.quantile(*u)).collect()
+}
+
 fn norm(scores: &[f64]) -> f64 {
     scores.iter().map(|z| z * z).sum::<f64>().sqrt()
 }
@@ -391,8 +402,7 @@ impl Kernel {
         Self { centre, along, width: (WIDTHS[1] / radius).min(WIDTHS[0]) }
     }
 
-    fn draw(&self, random: &mut Random) -> Vec<f64> {
-        let mut scores = random.normals(self.centre.len());
+    fn around(&self, mut scores: Vec<f64>) -> Vec<f64> {
         let along: f64 = scores.iter().zip(&self.along).map(|(z, a)| z * a).sum();
         for ((z, a), centre) in scores.iter_mut().zip(&self.along).zip(&self.centre) {
             *z = centre + WIDTHS[0] * (*z - along * a) + self.width * along * a;
