@@ -5,27 +5,21 @@ use std::f64::consts::{LN_2, TAU};
 /// Added and taken away, it leaves the nearest whole number, which the sum's last bits hold.
 const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
 
-/// Terms of the series of sin(2 pi x) / x in squares of x.
-const SINE: [[f64; 2]; 5] = {
-    let mut terms = [[TAU; 2]; 5];
-    let mut k = 1;
-    while k < 10 {
-        terms[k / 2][k % 2] = -terms[(k - 1) / 2][(k - 1) % 2] * TAU * TAU / (2 * k * (2 * k + 1)) as f64;
+/// Terms of a series in pairs: each is that before it times the factor over its number, or over those of the sine.
+const fn terms<const PAIRS: usize>(mut term: f64, factor: f64, of_sine: bool) -> [[f64; 2]; PAIRS] {
+    let mut terms = [[0.0; 2]; PAIRS];
+    let mut k = 0;
+    while k < 2 * PAIRS {
+        terms[k / 2][k % 2] = term;
         k += 1;
+        term *= factor / (if of_sine { 2 * k * (2 * k + 1) } else { k }) as f64;
     }
     terms
-};
+}
 
-/// Terms of the series of 2 to the power of x.
-const POWER: [[f64; 2]; 6] = {
-    let mut terms = [[1.0; 2]; 6];
-    let mut k = 1;
-    while k < 12 {
-        terms[k / 2][k % 2] = terms[(k - 1) / 2][(k - 1) % 2] * LN_2 / k as f64;
-        k += 1;
-    }
-    terms
-};
+/// Of sin(2 pi x) / x in squares of x, and of 2 to the power of x.
+const SINE: [[f64; 2]; 5] = terms(TAU, -TAU * TAU, true);
+const POWER: [[f64; 2]; 6] = terms(1.0, LN_2, false);
 
 /// The sum of a series, of which even and odd terms do not wait for each other.
 fn series(terms: &[[f64; 2]], x: f64) -> f64 {

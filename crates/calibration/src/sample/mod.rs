@@ -206,7 +206,7 @@ pub fn sample(
     })
 }
 
-/// Where the posterior may have something: the places of groups that are not joined, in half of the time.
+/// Places of the posterior alone. Groups that are not joined are there, too, in half of the time, but not each by its evidence.
 ///
 /// # Errors
 /// Those of [`sample`].
@@ -214,9 +214,13 @@ pub(crate) fn places(
     objective: &Objective<'_>,
     optima: &[Optimum],
     settings: &Settings,
+    joined: bool,
 ) -> Result<Vec<Vec<f64>>, SampleError> {
     let target = Target::new(objective);
-    let walk = Walk::at_posterior(&target, optima, settings, &|_, _| ())?;
+    let mut walk = Walk::at_posterior(&target, optima, settings, &|_, _| ())?;
+    if joined {
+        walk.join(&|_, _| ())?;
+    }
     Ok(walk.particles.into_iter().map(|particle| target.places(particle.places)).collect())
 }
 

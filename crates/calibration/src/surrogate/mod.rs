@@ -263,7 +263,7 @@ impl Work<'_> {
         errors.iter().flatten().zip(measured).map(|(error, measured)| error / measured.accuracy)
     }
 
-    /// The optimum by the surrogates, and places of the posterior, with these errors.
+    /// The optimum by the surrogates, and places of the posterior, with these errors. Round 0 only looks where it has something.
     fn sample(
         &self,
         errors: &[Vec<f64>],
@@ -276,7 +276,7 @@ impl Work<'_> {
         let settings =
             Settings { particles: least.max(20 * unknowns), seed: self.task.seed.wrapping_add(round as u64) };
         let objective = Objective::new(&problem, &self.surrogates, search.difference);
-        let mut places = places(&objective, &searched.optima, &settings)?;
+        let mut places = places(&objective, &searched.optima, &settings, round > 0)?;
         places.iter_mut().for_each(|places| places.truncate(problem.unknowns()));
         Ok((searched.optima[0].minimum.places.clone(), places))
     }
