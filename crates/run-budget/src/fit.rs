@@ -246,6 +246,20 @@ mod tests {
         assert!((with_error - stated / all.variance.sqrt()).abs() < 1e-7);
     }
 
+    /// Points that share coordinates are predicted as each of them alone.
+    #[test]
+    fn points_of_a_grid_share_factors() {
+        let data = data();
+        for smoothness in Smoothness::ALL {
+            let process = Process::new(&data, smoothness, vec![0.0, 0.3, 0.5, -9.0]).unwrap();
+            let grid = DMatrix::from_fn(2, 12, |k, i| if k == 0 { (i % 3) as f64 } else { (i / 3) as f64 - 1.5 });
+            for (i, told) in process.means(&grid).iter().enumerate() {
+                let alone = process.means(&grid.columns(i, 1).into_owned())[0];
+                assert!((told - alone).abs() < 1e-12, "{told} {alone}");
+            }
+        }
+    }
+
     /// Draws have the mean and the covariance that the closed form gives, and pass through the runs.
     #[test]
     fn draws_have_the_moments_of_the_closed_form() {
@@ -258,8 +272,8 @@ mod tests {
         for _ in 0..blocks {
             let values = process.draws(&data, each, 1.0, &mut random).at(&points);
             for i in 0..3 {
-                sum[i] += values.column(i).sum();
-                square[i] += values.column(i).norm_squared();
+                sum[i] += values.row(i).sum();
+                square[i] += values.row(i).norm_squared();
             }
         }
         let count = (blocks * each) as f64;

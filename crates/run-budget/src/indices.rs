@@ -1,6 +1,6 @@
 //! Sobol indices of an output, with intervals that contain the surrogate's error.
 
-use crate::share::{Doubt, LARGEST_ERROR, Limit, Possible, doubt};
+use crate::share::{Doubt, Drawn, LARGEST_ERROR, Limit, Possible, doubt};
 use crate::surrogate::{Run, Surrogate};
 use nalgebra::DMatrix;
 use statrs::distribution::{ContinuousCDF, StudentsT};
@@ -60,7 +60,8 @@ pub fn indices(
     };
     let likely = |points: &[Vec<f64>]| Possible::likely(surrogate, points);
     let few = a.len().min(DRAWN);
-    let drawn = parts(few, &|points| Possible::new(surrogate, points, EACH, false));
+    let functions = Drawn::new(surrogate, EACH);
+    let drawn = parts(few, &|points| functions.at(points, false));
     let [near, all] = [few, a.len()].map(|count| parts(count, &likely));
     let mut relative: Vec<f64> = surrogate.checks().iter().map(|check| check.relative).collect();
     let doubt_of =

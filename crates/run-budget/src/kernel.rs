@@ -5,8 +5,10 @@
 //! 2013, "ANOVA kernels and RKHS of zero mean functions", without the centring). A small t makes the process nearly a sum of
 //! functions of single coordinates, which few runs determine; a large one lets all coordinates interact.
 
+use crate::arithmetic::power_of_2;
 use nalgebra::DMatrix;
 use sampling::random::Random;
+use std::f64::consts::LOG2_E;
 
 /// The smallest nugget, for the condition of the matrices.
 pub const LEAST_NUGGET: f64 = 1e-9;
@@ -122,7 +124,7 @@ impl Kernel {
             // One of the products is exp(-a), and the other its inverse.
             let (above, below) = (up * d, down * u);
             let nearest = if above < below { above } else { below };
-            let e = if ALWAYS { (-0.5 * a * a).exp() } else { nearest };
+            let e = if ALWAYS { power_of_2((-0.5 * LOG2_E * (a * a)).max(-FARTHEST)) } else { nearest };
             let m = (1.0 + f * a + g * a * a) * e;
             let factor = 1.0 - varies + varies * m;
             *value *= factor;

@@ -124,12 +124,12 @@ impl Functions<'_> {
     /// Values in the output's unit: a row a point, a column a function.
     pub fn at(&self, points: &DMatrix<f64>) -> DMatrix<f64> {
         let parts: Vec<DMatrix<f64>> = self.draws.par_iter().map(|draws| draws.at(points)).collect();
-        let rows: usize = parts.iter().map(DMatrix::nrows).sum();
-        let mut values = DMatrix::zeros(points.ncols(), rows);
+        let count: usize = parts.iter().map(DMatrix::ncols).sum();
+        let mut values = DMatrix::zeros(points.ncols(), count);
         let mut start = 0;
         for part in parts {
-            values.columns_mut(start, part.nrows()).tr_copy_from(&part);
-            start += part.nrows();
+            values.columns_mut(start, part.ncols()).copy_from(&part);
+            start += part.ncols();
         }
         values.apply(|v| *v = self.output.centre + self.output.unit * *v);
         values

@@ -4,9 +4,11 @@
 //! variance s2 g (the nugget). Trend and s2 are integrated out (Santner, Williams & Notz 2003, "The Design and Analysis of
 //! Computer Experiments", section 3.3; Rasmussen & Williams 2006, section 2.7), so predictions follow Student's distribution.
 
+use crate::arithmetic::cosine;
 use crate::kernel::{Kernel, LEAST_NUGGET, Places, Smoothness};
 use nalgebra::{DMatrix, DMatrixViewMut, DVector};
 use sampling::random::Random;
+use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 /// Random waves of a draw from the prior.
@@ -14,26 +16,6 @@ const WAVES: usize = 384;
 
 /// Points that are worked on at a time: what is known of them stays near the processor.
 const CHUNK: usize = 128;
-
-/// Terms of the series of sin(2 pi x) / x in squares of x.
-const SINE: [f64; 10] = {
-    let mut terms = [TAU; 10];
-    let mut k = 1;
-    while k < terms.len() {
-        terms[k] = -terms[k - 1] * TAU * TAU / (2 * k * (2 * k + 1)) as f64;
-        k += 1;
-    }
-    terms
-};
-
-/// The cosine of an angle in turns, as plain arithmetic, which compilers do for several numbers at once.
-fn cosine(turns: f64) -> f64 {
-    // Added and taken away, it leaves the nearest whole number.
-    const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
-    let part = 0.25 - (turns - ((turns + TO_WHOLE) - TO_WHOLE)).abs();
-    let square = part * part;
-    part * SINE.iter().rev().fold(0.0, |sum, term| sum * square + term)
-}
 
 /// Matrices of that size are not divided further.
 const UNDIVIDED: usize = 16;
@@ -225,23 +207,22 @@ impl Process {
         self.kernel.nugget
     }
 
-    /// Correlations with the runs: a row a run, a column a point. A point of a grid shares most coordinates, and their factors, with the
-    /// one before it.
+    /// Correlations with the runs: a row a run, a column a point. Points of a grid share coordinates, and factors.
     fn cross(&self, points: &DMatrix<f64>) -> DMatrix<f64> {
         let n = self.solved.weights.len();
-        let of_points = self.kernel.places(points);
         let mut cross = DMatrix::repeat(n, points.ncols(), 1.0);
         let mut unasked = [vec![0.0; n], vec![0.0; n]];
-        let mut before = vec![(f64::NAN, DVector::zeros(n)); of_points.len()];
-        for (j, mut values) in cross.column_iter_mut().enumerate() {
-            for ((of_runs, of_points), (at, factors)) in self.places.iter().zip(&of_points).zip(&mut before) {
-                let (of_runs, other) = (of_runs.each_ref().map(|of| &**of), of_points.each_ref().map(|of| of[j]));
-                if other[0] != *at {
-                    *at = other[0];
-                    factors.fill(1.0);
+        for (of_runs, of_points) in self.places.iter().zip(&self.kernel.places(points)) {
+            let of_runs = of_runs.each_ref().map(|of| &**of);
+            let mut known: HashMap<u64, DVector<f64>> = HashMap::new();
+            for (j, mut values) in cross.column_iter_mut().enumerate() {
+                let point = of_points.each_ref().map(|of| of[j]);
+                let factors = known.entry(point[0].to_bits()).or_insert_with(|| {
+                    let mut factors = DVector::repeat(n, 1.0);
                     let unasked = unasked.each_mut().map(|of| &mut **of);
-                    self.kernel.multiply::<false>(of_runs, other, factors.as_mut_slice(), unasked);
-                }
+                    self.kernel.multiply::<false>(of_runs, point, factors.as_mut_slice(), unasked);
+                    factors
+                });
                 values.component_mul_assign(factors);
             }
         }
@@ -286,9 +267,9 @@ impl Process {
     /// al. 2020, "Efficiently sampling functions from Gaussian process posteriors").
     pub fn draws(&self, data: &Data, count: usize, widening: f64, random: &mut Random) -> Draws<'_> {
         let (d, n) = data.points.shape();
-        let mut waves = DMatrix::zeros(WAVES, d);
-        for mut row in waves.row_iter_mut() {
-            row.iter_mut().zip(self.kernel.frequency(random)).for_each(|(to, from)| *to = from / TAU);
+        let mut waves = DMatrix::zeros(d, WAVES);
+        for mut wave in waves.column_iter_mut() {
+            wave.iter_mut().zip(self.kernel.frequency(random)).for_each(|(to, from)| *to = from / TAU);
         }
         let phases: Vec<f64> = (0..WAVES).map(|_| random.unit()).collect();
         let error = self.nugget().sqrt();
@@ -304,22 +285,22 @@ impl Process {
             deviation * error
         };
         let errors = (0..count).map(one).collect();
-        let mut rest = -off - features(&waves, &phases, &data.points).transpose() * &amplitudes;
+        let mut rest = -off - features(&waves, &phases, &data.points) * &amplitudes;
         rest.column_iter_mut().for_each(|mut column| column += &data.values);
         let Solved { whitening, of_trend, basis, .. } = &self.solved;
         let white = whitening * rest;
         let parts = basis.tr_mul(&white);
-        let weights = (white - basis * &parts).transpose() * whitening;
-        let coefficients = parts.transpose() * of_trend;
-        Draws { process: self, waves, phases, amplitudes: amplitudes.transpose(), weights, coefficients, errors }
+        let weights = whitening.transpose() * (white - basis * &parts);
+        let coefficients = of_trend.transpose() * parts;
+        Draws { process: self, waves, phases, amplitudes, weights, coefficients, errors }
     }
 }
 
-/// Functions that a process may be, given the runs. A row a draw.
+/// Functions that a process may be, given the runs. A column a draw.
 #[derive(Clone, Debug)]
 pub struct Draws<'a> {
     process: &'a Process,
-    /// A row a wave; frequencies and phases are in turns.
+    /// A column a wave; frequencies and phases are in turns.
     waves: DMatrix<f64>,
     phases: Vec<f64>,
     amplitudes: DMatrix<f64>,
@@ -330,24 +311,30 @@ pub struct Draws<'a> {
 }
 
 impl Draws<'_> {
-    /// Values at points: a row a draw, a column a point.
+    /// Values at points: a row a point, a column a draw.
     pub fn at(&self, points: &DMatrix<f64>) -> DMatrix<f64> {
-        let mut values = &self.coefficients * trend(points, self.process.linear).transpose();
+        let mut values = trend(points, self.process.linear) * &self.coefficients;
         for start in (0..points.ncols()).step_by(CHUNK) {
             let chunk = points.columns(start, CHUNK.min(points.ncols() - start)).into_owned();
-            let mut values = values.columns_mut(start, chunk.ncols());
-            values.gemm(1.0, &self.amplitudes, &features(&self.waves, &self.phases, &chunk), 1.0);
-            values.gemm(1.0, &self.weights, &self.process.cross(&chunk), 1.0);
+            let mut values = values.rows_mut(start, chunk.ncols());
+            values.gemm(1.0, &features(&self.waves, &self.phases, &chunk), &self.amplitudes, 1.0);
+            values.gemm(1.0, &self.process.cross(&chunk).transpose(), &self.weights, 1.0);
         }
         values
     }
 }
 
+/// A row a point, a column a wave, which does not vary with most coordinates where there is little interaction.
 fn features(waves: &DMatrix<f64>, phases: &[f64], points: &DMatrix<f64>) -> DMatrix<f64> {
-    let mut features = waves * points;
+    let by_coordinate = points.transpose();
     let amplitude = (2.0 / WAVES as f64).sqrt();
-    for column in features.as_mut_slice().chunks_mut(WAVES) {
-        column.iter_mut().zip(phases).for_each(|(v, phase)| *v = amplitude * cosine(*v + phase));
+    let mut features = DMatrix::zeros(points.ncols(), WAVES);
+    for ((mut feature, wave), phase) in features.column_iter_mut().zip(waves.column_iter()).zip(phases) {
+        feature.fill(*phase);
+        for (k, frequency) in wave.iter().enumerate().filter(|(_, frequency)| **frequency != 0.0) {
+            feature.axpy(*frequency, &by_coordinate.column(k), 1.0);
+        }
+        feature.as_mut_slice().iter_mut().for_each(|v| *v = amplitude * cosine(*v));
     }
     features
 }
@@ -355,14 +342,6 @@ fn features(waves: &DMatrix<f64>, phases: &[f64], points: &DMatrix<f64>) -> DMat
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn cosines_are_those_of_the_library() {
-        for k in -100_000..100_000 {
-            let turns = f64::from(k) * 1.7e-4;
-            assert!((cosine(turns) - (TAU * turns).cos()).abs() < 3e-14, "{turns}");
-        }
-    }
 
     /// Cholesky's factor as nalgebra has it.
     #[test]

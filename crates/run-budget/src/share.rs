@@ -1,6 +1,6 @@
 //! The share of good points: by the surrogate with what it leaves open, or counted where it does not hold.
 
-use crate::output::Output;
+use crate::output::{Functions, Output};
 use crate::refine::{centre, close};
 use crate::surrogate::{Run, Surrogate};
 use conformity::interval::clopper_pearson;
@@ -13,6 +13,8 @@ const EACH: usize = 16;
 const CANDIDATES: usize = 1024;
 /// Noise of so small a part of an output's deviation changes no sign.
 const NO_NOISE: f64 = 1e-4;
+/// All functions that are drawn lie within so many deviations of the most probable one.
+const SURE: f64 = 10.0;
 /// Errors of runs left out, over the deviation of the output, from which on the surrogate is not asked.
 pub(crate) const LARGEST_ERROR: f64 = 0.2;
 /// So many deviations more wrong signs among the runs left out than their probabilities say refute the surrogate.
@@ -108,6 +110,42 @@ impl Share {
     }
 }
 
+/// Functions that the outputs of a model may be, drawn once to be asked at many points.
+pub(crate) struct Drawn<'a> {
+    surrogate: &'a Surrogate,
+    outputs: Vec<Functions<'a>>,
+    success: Option<Functions<'a>>,
+}
+
+impl<'a> Drawn<'a> {
+    /// `each` functions of each member of an output's sample.
+    pub(crate) fn new(surrogate: &'a Surrogate, each: usize) -> Self {
+        let outputs = (0..surrogate.outputs.len()).map(|output| surrogate.functions(output, each)).collect();
+        Self { surrogate, outputs, success: surrogate.success(each) }
+    }
+
+    /// Their values, with noise or without it.
+    pub(crate) fn at(&self, points: &[Vec<f64>], noise: bool) -> Possible {
+        let Self { surrogate, outputs, success } = self;
+        let standard = surrogate.standard(points);
+        let of = |(output, functions): (usize, &Functions<'_>)| {
+            let mut values = functions.at(&standard);
+            let mut random = surrogate.random(4000 + output as u32);
+            let least = if noise { NO_NOISE * surrogate.spread(output) } else { f64::INFINITY };
+            for (mut column, error) in values.column_iter_mut().zip(functions.noise()).filter(|(_, e)| *e > least) {
+                column.iter_mut().for_each(|v| *v += error * random.normal());
+            }
+            values
+        };
+        Possible {
+            values: outputs.iter().enumerate().map(of).collect(),
+            success: success.as_ref().map(|functions| functions.at(&standard)),
+            spreads: surrogate.outputs.iter().map(|output| output.unit).collect(),
+            points: points.len(),
+        }
+    }
+}
+
 /// Values at points of functions that the model may be: a row a point, a column a function.
 #[derive(Clone, Debug)]
 pub(crate) struct Possible {
@@ -120,26 +158,9 @@ pub(crate) struct Possible {
 }
 
 impl Possible {
-    /// `each` functions of each member of an output's sample, with noise or without it.
+    /// Of functions that are asked only here; see [`Drawn`].
     pub(crate) fn new(surrogate: &Surrogate, points: &[Vec<f64>], each: usize, noise: bool) -> Self {
-        let standard = surrogate.standard(points);
-        let of = |output: usize| {
-            let functions = surrogate.functions(output, each);
-            let mut values = functions.at(&standard);
-            let mut random = surrogate.random(4000 + output as u32);
-            let least = if noise { NO_NOISE * surrogate.spread(output) } else { f64::INFINITY };
-            for (mut column, error) in values.column_iter_mut().zip(functions.noise()).filter(|(_, e)| *e > least) {
-                column.iter_mut().for_each(|v| *v += error * random.normal());
-            }
-            values
-        };
-        let count = surrogate.checks().len();
-        Self {
-            values: (0..count).map(of).collect(),
-            success: surrogate.success(each).map(|functions| functions.at(&standard)),
-            spreads: (0..count).map(|output| surrogate.spread(output)).collect(),
-            points: points.len(),
-        }
+        Drawn::new(surrogate, each).at(points, noise)
     }
 
     /// The most probable functions alone.
@@ -280,6 +301,22 @@ pub(crate) fn undecided(mut margins: DMatrix<f64>, count: usize) -> Vec<usize> {
     chosen
 }
 
+/// Whether what becomes of points may be open. Of others the most probable functions are so sure that it is worth drawing none.
+fn may_be_open(surrogate: &Surrogate, limits: &[Limit], points: &[Vec<f64>]) -> Vec<bool> {
+    let standard = surrogate.standard(points);
+    let of_limit = |limit: &Limit| {
+        let output = &surrogate.outputs[limit.output];
+        let noise = output.check.widening * output.check.noise.sqrt() * output.unit;
+        let sure = |[mean, deviation]: [f64; 2]| limit.margin(mean) / deviation.hypot(noise);
+        output.at_once(&standard).into_iter().map(sure).collect()
+    };
+    let success = surrogate.success_at_once(&standard);
+    let success = success.map(|told| told.into_iter().map(|[mean, deviation]| mean / deviation).collect());
+    let sure: Vec<Vec<f64>> = limits.iter().map(of_limit).chain(success).collect();
+    let least = |i: usize| sure.iter().map(|of| of[i]).fold(f64::INFINITY, f64::min);
+    (0..points.len()).map(|i| least(i).abs() < SURE).collect()
+}
+
 /// Runs in batches: plain ones first, then in each batch a half that is plain (it tests the surrogate) and a half near limits.
 /// What a batch is does not depend on how many are to follow.
 #[derive(Clone, Debug)]
@@ -320,12 +357,14 @@ impl Campaign {
             self.earlier = Surrogate::fit(&runs, &self.sample, self.earlier.as_ref(), self.seed).ok();
             // Plain points come from the first half, so that none of them was chosen before.
             let fresh = |place: &usize| !self.places.contains(place);
-            let candidates: Vec<usize> =
+            let mut candidates: Vec<usize> =
                 (self.sample.len() / 2..self.sample.len()).filter(fresh).take(CANDIDATES).collect();
-            let points: Vec<Vec<f64>> = candidates.iter().map(|place| self.sample[*place].clone()).collect();
+            let at = |places: &[usize]| places.iter().map(|place| self.sample[*place].clone()).collect::<Vec<_>>();
             let trusted = self.earlier.as_ref().filter(|s| doubt(s, &self.limits, &runs).is_none());
             let chosen = trusted.map_or(Vec::new(), |s| {
-                undecided(Possible::new(s, &points, EACH, true).margins(&self.limits), count / 2)
+                let mut open = may_be_open(s, &self.limits, &at(&candidates)).into_iter();
+                candidates.retain(|_| open.next() == Some(true));
+                undecided(Possible::new(s, &at(&candidates), EACH, true).margins(&self.limits), count / 2)
             });
             self.places.extend(chosen.into_iter().map(|chosen| candidates[chosen]));
             self.add_plain(count - (self.places.len() - first));
@@ -422,5 +461,30 @@ impl Answers {
 impl Surrogate {
     fn random(&self, stream: u32) -> Random {
         Random::new(self.seed(), Purpose::Surrogate, stream)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A point of which no function is drawn is on one side by all of them.
+    #[test]
+    fn what_is_sure_is_not_drawn() {
+        let mut random = Random::new(2, Purpose::Unstated, 0);
+        let points: Vec<Vec<f64>> = (0..400).map(|_| random.normals(3)).collect();
+        let of = |x: &[f64]| (x[1] < 1.0).then(|| vec![x[0] + 0.3 * x[1] * x[1] + (0.5 * x[2]).sin()]);
+        let runs: Vec<Run> = points[..60].iter().map(|x| Run { point: x.clone(), values: of(x) }).collect();
+        let surrogate = Surrogate::fit(&runs, &points, None, 1).unwrap();
+        let limits = [Limit { output: 0, range: [-1.0, 1.5] }];
+        let open = may_be_open(&surrogate, &limits, &points);
+        let margins = Possible::new(&surrogate, &points, 16, true).margins(&limits);
+        for (open, margins) in open.iter().zip(margins.row_iter()) {
+            let below = margins.iter().filter(|m| **m < 0.0).count();
+            assert!(*open || below == 0 || below == margins.len(), "{below} of {}", margins.len());
+        }
+        let count = open.iter().filter(|open| **open).count();
+        assert!((1..300).contains(&count), "{count}");
+        assert!(undecided(Possible::new(&surrogate, &[], 16, true).margins(&limits), 3).is_empty());
     }
 }

@@ -254,7 +254,8 @@ fn what_no_surrogate_follows_is_counted() {
     let [low, high] = [0, 1].map(|k| surrogate["interval"][k].as_f64().unwrap());
     assert!(low < 0.7 && 0.7 < high && high - low > 0.2, "{surrogate}");
     bench.run(&["sensitivity", "study.toml", "--from", "out"]);
-    assert!(bench.read("out/sensitivity.json").contains("--base 256"));
+    let told = bench.read("out/sensitivity.json");
+    assert!(told.contains("--base 256") && told.contains("as the others continue them into where runs fail"), "{told}");
 }
 
 #[test]

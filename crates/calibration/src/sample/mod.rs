@@ -182,17 +182,8 @@ pub fn sample(
     observe: &dyn Fn(f64, usize),
 ) -> Result<Sample, SampleError> {
     let target = Target::new(objective);
-    // The search takes each case by itself, so its optima are no start for what has a common mean and spread.
-    let alone = objective.problem.populations.is_empty();
-    let optima = if alone { optima } else { &[] };
     let before = objective.failures();
-    let mut walk = Walk::begin(&target, optima, settings)?;
-    while walk.exponent < 1.0 {
-        if walk.stages.len() >= MOST_STAGES {
-            return Err(SampleError::Stuck(walk.exponent));
-        }
-        walk.stage(observe)?;
-    }
+    let mut walk = Walk::at_posterior(&target, optima, settings, observe)?;
     let groups: Vec<(f64, Vec<Particle>)> = walk.evidences.clone().into_iter().zip(walk.groups()).collect();
     walk.join(observe)?;
     let weights = walk.weights()?;
@@ -215,6 +206,24 @@ pub fn sample(
     })
 }
 
+/// Places of the posterior alone. Groups that are not joined are there, too, in half of the time, but not each by its evidence.
+///
+/// # Errors
+/// Those of [`sample`].
+pub(crate) fn places(
+    objective: &Objective<'_>,
+    optima: &[Optimum],
+    settings: &Settings,
+    joined: bool,
+) -> Result<Vec<Vec<f64>>, SampleError> {
+    let target = Target::new(objective);
+    let mut walk = Walk::at_posterior(&target, optima, settings, &|_, _| ())?;
+    if joined {
+        walk.join(&|_, _| ())?;
+    }
+    Ok(walk.particles.into_iter().map(|particle| target.places(particle.places)).collect())
+}
+
 /// A sample on its way.
 struct Walk<'a> {
     target: &'a Target<'a>,
@@ -232,6 +241,25 @@ struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
+    /// All groups are at the posterior.
+    fn at_posterior(
+        target: &'a Target<'a>,
+        optima: &[Optimum],
+        settings: &Settings,
+        observe: &dyn Fn(f64, usize),
+    ) -> Result<Self, SampleError> {
+        // The search takes each case by itself, so its optima are no start for what has a common mean and spread.
+        let alone = target.objective.problem.populations.is_empty();
+        let mut walk = Self::begin(target, if alone { optima } else { &[] }, settings)?;
+        while walk.exponent < 1.0 {
+            if walk.stages.len() >= MOST_STAGES {
+                return Err(SampleError::Stuck(walk.exponent));
+            }
+            walk.stage(observe)?;
+        }
+        Ok(walk)
+    }
+
     fn begin(target: &'a Target<'a>, optima: &[Optimum], settings: &Settings) -> Result<Self, SampleError> {
         let mut random = Random::new(settings.seed, Purpose::Posterior, 0);
         let size = (settings.particles.max(FEWEST) as usize).div_ceil(GROUPS);

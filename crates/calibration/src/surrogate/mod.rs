@@ -21,7 +21,7 @@ use super::failures::Failures;
 use super::objective::{Misfit, Objective};
 use super::problem::{NoPrediction, Problem, Simulate};
 use super::rounds::{self, searched};
-use super::sample::{FEWEST, Settings, sample};
+use super::sample::{FEWEST, Settings, places};
 use super::search::SearchError;
 pub use fitted::Surrogates;
 use fitted::{Bounds, Run};
@@ -263,7 +263,7 @@ impl Work<'_> {
         errors.iter().flatten().zip(measured).map(|(error, measured)| error / measured.accuracy)
     }
 
-    /// The optimum by the surrogates, and places of the posterior, with these errors.
+    /// The optimum by the surrogates, and places of the posterior, with these errors. Round 0 only looks where it has something.
     fn sample(
         &self,
         errors: &[Vec<f64>],
@@ -276,8 +276,7 @@ impl Work<'_> {
         let settings =
             Settings { particles: least.max(20 * unknowns), seed: self.task.seed.wrapping_add(round as u64) };
         let objective = Objective::new(&problem, &self.surrogates, search.difference);
-        let sample = sample(&objective, &searched.optima, &settings, &|_, _| ())?;
-        let mut places: Vec<Vec<f64>> = sample.particles.into_iter().map(|particle| particle.places).collect();
+        let mut places = places(&objective, &searched.optima, &settings, round > 0)?;
         places.iter_mut().for_each(|places| places.truncate(problem.unknowns()));
         Ok((searched.optima[0].minimum.places.clone(), places))
     }

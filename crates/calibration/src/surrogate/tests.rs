@@ -8,8 +8,8 @@ use rand_distr::StandardNormal;
 use sampling::design::cube;
 
 use super::super::problem::{Free, Interval, Prediction, Query, Spacing};
-use super::super::sample::Sample;
 use super::super::sample::outcome::PosteriorOutcome;
+use super::super::sample::{Sample, sample};
 use super::super::testing::{decay, effort, free, measured, named, problem, settings, unknown_decay};
 use super::*;
 

@@ -71,7 +71,15 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
         Err(unfit) => vec![Err(unfit.to_string()); names.len()],
     };
     let mut outputs: Vec<Output> = Vec::new();
+    let failed = runs.iter().filter(|run| run.values.is_none()).count();
     let mut warnings = Vec::new();
+    if failed > 0 {
+        warnings.push(format!(
+            "{failed} of {} points failed: indices are of the criteria as the others continue them into where runs fail, which only \
+             `verified` counts, as not verified",
+            runs.len()
+        ));
+    }
     let parameters: Vec<String> = varied.iter().map(|&k| plan.inputs[k].name.clone()).collect();
     for (name, found) in names.into_iter().zip(found) {
         if let Err(why) = &found {
@@ -96,7 +104,7 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
         parameters,
         method: format!("Sobol indices by surrogate from {of_all}, no further run"),
         runs: runs.len(),
-        failed: runs.iter().filter(|run| run.values.is_none()).count(),
+        failed,
         warnings,
         outputs,
     })
