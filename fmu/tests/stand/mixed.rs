@@ -126,8 +126,6 @@ fn high_boundary_friction_settles() {
         for oil in [1.0, 1e-3] {
             let mut stand = under(743.5, 1.0);
             stand.film.model = film;
-            // Where a journal rests is not the film's matter: half as many columns and rows take a quarter of the time.
-            (stand.bearing.resolution.columns, stand.bearing.resolution.rows) = (48, 6);
             stand.bearing.surface.boundary_friction = 0.8;
             stand.oil.viscosity_scale = oil;
             stand.initialise(&Experiment::default(), &mut ()).unwrap();
