@@ -100,7 +100,7 @@ accuracy = 0.1
 def test_a_posterior_is_a_table_with_a_picture(tmp_path):
     pack(tmp_path, 2, "product")
     study = Study(IDENTIFY, folder=tmp_path)
-    found = study.identify(posterior=200, output=tmp_path / "found", jobs=1)
+    found = study.identify(posterior=200, output=tmp_path / "found", jobs=1, isolation="none")
     assert len(found.posterior) == 200 and found.posterior.to_pandas()["x1"].between(0.5, 2).all()
     assert found.posterior.units == {one["name"]: one["unit"] for one in found.data["free"] if one["unit"] not in (None, "1")}
     names = {name for pair in labels(found.plot()) for name in pair}

@@ -35,8 +35,10 @@ nominal = 14
 tolerance = "50 %"
 """
 RUNNER = """
-import sys
+import signal, sys
 from fmu_orchestrator import Interrupted, Study
+# A script that runs the tests in the background may ignore it.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 try:
     Study.load(sys.argv[1]).verify(output=sys.argv[2], jobs=2)
 except Interrupted as stop:

@@ -53,13 +53,13 @@ def study(tmp_path_factory):
     folder = tmp_path_factory.mktemp("samples")
     pack(folder, 3, "product", "linear")
     (folder / "fit.toml").write_text(FIT)
-    Study.load(folder / "fit.toml").identify(posterior=1000, output=folder / "fit", progress=False)
+    Study.load(folder / "fit.toml").identify(posterior=1000, output=folder / "fit", progress=False, isolation="none")
     (folder / "study.toml").write_text(STUDY)
     return Study.load(folder / "study.toml")
 
 
 def test_the_share_is_that_of_the_sample_and_of_the_posterior(study, tmp_path):
-    found = study.verify(output=tmp_path, progress=False)
+    found = study.verify(output=tmp_path, progress=False, isolation="none")
     rows = np.loadtxt(study.path.parent / "fit" / "posterior.csv", delimiter=",", skiprows=2, usecols=(1, 2))
     points = found.points.to_numpy(["x1", "x2", "x3"])
     # A Latin hypercube of as many points as rows takes each of them once.

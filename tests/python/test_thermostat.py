@@ -65,12 +65,14 @@ SWITCHES = sorted(at for zone in ZONES for at, _ in zone.switches)
 def fmus(tmp_path_factory):
     """The four forms."""
     folder, files = tmp_path_factory.mktemp("thermostat"), {}
+    program = ["cargo", "run", "--locked", "--package", "thermostat", "--"]
     for version, kind in FORMS:
         files[version, kind] = folder / f"Thermostat-{kind}{version}.fmu"
-        command = ["cargo", "run", "--locked", "--package", "thermostat", "--", "--profile", "dev", "--fmi", version, "--output",
-                   files[version, kind], *(["--exchange"] if kind == "me" else [])]
-        done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+        options = ["--profile", "dev", "--fmi", version, "--output", files[version, kind], *(["--exchange"] if kind == "me" else [])]
+        done = subprocess.run([*program, *options], cwd=ROOT, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
+        # Through cargo, program and library would be built in turns, each time anew.
+        program = [PROGRAM.with_name("thermostat")]
     return files
 
 

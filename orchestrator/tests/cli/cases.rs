@@ -256,7 +256,7 @@ fn a_case_is_replayed() {
 /// Every analysis sees the criteria of all cases.
 #[test]
 fn analyses_work_with_cases() {
-    let bench = bench();
+    let bench = bench().in_process();
     let goal = bench.read("cases.toml") + "[tolerances]\nshare = \"30 %\"\n";
     bench.write("goal.toml", &goal);
     verify(&bench, "cases.toml", "out", &[]);

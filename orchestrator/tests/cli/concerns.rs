@@ -460,7 +460,7 @@ share = "95 %"
 /// The output is the length in micrometres: 95 % lie within 1.96 deviations.
 #[test]
 fn tolerances_of_a_linear_model_are_found_and_confirmed() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     bench.write("study.toml", LINEAR);
     let said = bench.run(&["tolerances", "study.toml", "--points", "1024", "--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);
@@ -489,7 +489,7 @@ fn tolerances_of_a_linear_model_are_found_and_confirmed() {
 
 #[test]
 fn tolerances_say_why_none_would_do() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     bench.write("study.toml", &LINEAR.replace("nominal = 20", "nominal = 30"));
     let said = bench.run(&["tolerances", "study.toml", "--output", "out"]);
     assert_eq!(said.code, 0, "{}", said.err);

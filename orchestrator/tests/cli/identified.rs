@@ -39,7 +39,7 @@ criteria.Y = {{ variable = "lag.y", nominal = {end}, tolerance = 0.1, uncertaint
 
 fn identify(bench: &Bench, study: &str, options: &[&str]) -> (Said, Value) {
     bench.write("study.toml", study);
-    let call = ["identify", "study.toml", "--starts", "4", "--isolation", "shared", "--output", "out"];
+    let call = ["identify", "study.toml", "--starts", "4", "--isolation", "none", "--output", "out"];
     let said = bench.run(&[&call[..], options].concat());
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     let outcome = serde_json::from_str(&bench.read("out/identification.json")).unwrap();

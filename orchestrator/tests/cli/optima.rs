@@ -17,7 +17,7 @@ accuracy = 0.02
 
 /// Calibrates `study.toml`. The FMU is known to keep nothing from one point to the next.
 fn identify(bench: &Bench, options: &[&str]) -> Said {
-    let common = ["identify", "study.toml", "--isolation", "shared"];
+    let common = ["identify", "study.toml", "--isolation", "none"];
     bench.run(&[&common, options].concat())
 }
 

@@ -13,6 +13,8 @@ use zip::write::{SimpleFileOptions, ZipWriter};
 /// A folder of its own, gone at the end.
 pub struct Bench {
     folder: TempDir,
+    /// What commands that simulate are given beside their arguments.
+    options: &'static [&'static str],
 }
 
 /// Output and exit code of a command.
@@ -45,16 +47,22 @@ impl Bench {
 
     pub fn empty() -> Self {
         let folder = tempfile::tempdir().unwrap();
-        Self { folder }
+        Self { folder, options: &[] }
     }
 
     pub fn path(&self, name: &str) -> PathBuf {
         self.folder.path().join(name)
     }
 
+    /// For tests of what is made of many points: how these run is another test's matter, and a process for each of them would
+    /// take ten times as long as all the rest.
+    pub fn in_process(self) -> Self {
+        Self { options: &["--isolation", "none"], ..self }
+    }
+
     /// A folder with `functions.fmu` in it: analytic functions of x1 to x30.
     pub fn functions() -> Self {
-        let bench = Self::empty();
+        let bench = Self::empty().in_process();
         let binary = bench.compiled("functions", &[]);
         let description = functions();
         let entries: [(&str, &[u8]); 2] =
@@ -158,6 +166,10 @@ impl Bench {
     pub fn command(&self, arguments: &[&str]) -> Command {
         let mut command = Command::new(env!("CARGO_BIN_EXE_orchestrator"));
         command.args(arguments).current_dir(self.folder.path());
+        let simulates = ["verify", "identify", "sensitivity", "robustness", "tolerances"];
+        if arguments.first().is_some_and(|name| simulates.contains(name)) && !arguments.contains(&"--isolation") {
+            command.args(self.options);
+        }
         command
     }
 
