@@ -17,11 +17,11 @@ mod hit;
 mod names;
 mod probe;
 mod probes;
+mod references;
 mod rules;
 mod schema;
 mod simulated;
 mod structure;
-mod terminals;
 mod three;
 mod values;
 mod variables;
@@ -146,7 +146,7 @@ impl Findings {
         // Probes of the binary would only repeat the description's errors.
         let described_well = self.count(Severity::Error) == 0;
         let files = files::broken(&mut package)?;
-        let others = terminals::broken(&mut package)?;
+        let others = references::broken(&mut package)?;
         for (rule, hit) in files.findings.into_iter().chain(others) {
             self.add(rule, hit);
         }

@@ -207,34 +207,76 @@ fn missing_libraries_are_found_beside_a_missing_function() {
     none(&Vec::from_iter(amiss(&bench, "a missing library", found)));
 }
 
-/// A file that other programs read beside the description.
+/// Files that other programs read beside the description.
 #[test]
-fn faults_of_the_terminals_are_found() {
+fn faults_of_files_beside_the_description_are_found() {
     let bench = Bench::empty();
     let (description, binary) = (model("guid", "guid"), bench.binary(&[]));
     let terminals = |version: &str| format!("<fmiTerminalsAndIcons fmiVersion=\"{version}\"/>");
-    let terminal = "terminalsAndIcons/terminalsAndIcons.xml";
-    let check = |content: &str| {
+    let manifest = |more: &str, related: &str| {
+        format!(
+            "<fmiReferences xmlns:fmi-ls=\"http://fmi-standard.org/fmi-ls-manifest\" {more} \
+             fmi-ls:fmi-ls-name=\"org.fmi-standard.fmi-ls-ref\" fmi-ls:fmi-ls-version=\"1.0.0-alpha.1\">{related}</fmiReferences>"
+        )
+    };
+    let about =
+        "fmi-ls:fmi-ls-description=\"Layered Standard providing information on related files included in an FMU.\"";
+    let listed = |attributes: &str, inside: &str| {
+        manifest(about, &format!("<Related source=\"a.ssv\" {attributes}>{inside}</Related>"))
+    };
+    let [terminal, references] =
+        ["terminalsAndIcons/terminalsAndIcons.xml", "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml"];
+    let check = |file, content: &str| {
         let files: [(&str, &[u8]); 3] = [
             ("modelDescription.xml", description.as_bytes()),
             ("binaries/linux64/lag.so", &binary),
-            (terminal, content.as_bytes()),
+            (file, content.as_bytes()),
         ];
         bench.zip("broken.fmu", &files);
     };
     let mut wrong = Vec::new();
-    for (content, found) in [
-        (terminals("3.0"), "warning terminals-version: fmiVersion is \"3.0\" here and \"2.0\""),
-        ("<".to_owned(), "warning terminals-version: "),
-        (terminals("2.0") + &" ".repeat(1_000_000), "warning terminals-version: longer than 1000000 bytes"),
+    for (file, content, found) in [
+        (terminal, terminals("3.0"), "warning terminals-version: fmiVersion is \"3.0\" here and \"2.0\""),
+        (terminal, "<".to_owned(), "warning terminals-version: "),
+        (
+            references,
+            listed("role=\"parameter\" checksum=\"1\"", ""),
+            "warning references-manifest: has no attribute `checksum`",
+        ),
+        (references, listed("role=\"guess\"", ""), "warning references-manifest: role=\"guess\" is none of document"),
+        (references, listed("", ""), "warning references-manifest: needs the attribute `role`"),
+        (
+            references,
+            listed("role=\"model\"", "<Label/>"),
+            "warning references-manifest: `Label` needs the attribute `name`",
+        ),
+        (
+            references,
+            listed("role=\"model\"", "<Annotations/><Label name=\"a\"/>"),
+            "warning references-manifest: `Label` cannot stand here",
+        ),
+        (references, listed("role=\"model\"", "a.mo"), "warning references-manifest: text in `Related`"),
+        (references, manifest("", ""), "warning references-manifest: needs the attribute `fmi-ls:fmi-ls-description`"),
+        (references, "<References/>".to_owned(), "warning references-manifest: `References` instead of"),
+        (
+            references,
+            format!("{}{}", manifest(about, ""), " ".repeat(1_000_000)),
+            "warning references-manifest: longer than 1000000 bytes",
+        ),
     ] {
-        check(&content);
+        check(file, &content);
         wrong.extend(amiss(&bench, &content[..content.len().min(200)], found));
     }
     none(&wrong);
-    check(&terminals("2.0"));
-    let said = bench.run(&["check", "broken.fmu"]);
-    assert_eq!(said.out.trim(), "broken.fmu: nothing found");
+    let label = "<Label name=\"variant\" description=\"b\"/><Annotations><Annotation type=\"x\"/></Annotations>";
+    for (file, content) in [
+        (terminal, terminals("2.0")),
+        (references, listed("role=\"serialized-state/linux64\" type=\"text/xml\" description=\"d\"", label)),
+    ] {
+        check(file, &content);
+        let said = bench.run(&["check", "broken.fmu"]);
+        assert_eq!(said.out.trim(), "broken.fmu: nothing found");
+    }
 }
 
 /// Strange descriptions that are allowed: no error, and exit code 0.
