@@ -151,7 +151,6 @@ fn cloud(n: usize) -> PointTable {
     ];
     PointTable {
         ids: (1..=n as u64).collect(),
-        beyond: (1..=n as u64).filter(|&id| column(0, id as usize - 1) < 0.018).collect(),
         verified: (0..n).map(|i| criteria.iter().all(|c| c.ok[i])).collect(),
         status: (0..n)
             .map(|i| {

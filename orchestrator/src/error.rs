@@ -25,6 +25,9 @@ pub enum Error {
     /// The folder's journal cannot be used, another run has the folder, or not all points could be run.
     #[error(transparent)]
     Journal(#[from] point_journal::Error),
+    /// There is no room for the files of a run.
+    #[error(transparent)]
+    Scratch(#[from] ScratchError),
     /// There is nothing to resume or to read in the folder.
     #[error("{0} holds no study; run `verify` into it first")]
     Missing(PathBuf),
@@ -98,11 +101,5 @@ impl From<OpenError> for Error {
             OpenError::Fmu(error) => error.into(),
             OpenError::File(error) => error.into(),
         }
-    }
-}
-
-impl From<ScratchError> for Error {
-    fn from(ScratchError { path, source }: ScratchError) -> Self {
-        FileError::new(&path, format!("{source}; set TMPDIR to another folder")).into()
     }
 }

@@ -26,7 +26,7 @@ fn answer(
     let sample = sample(&objective, &optima, &settings(particles, 5), &|_, _| ()).unwrap();
     let outcome = PosteriorOutcome::new(&objective, &optima, &sample);
     assert!(outcome.trusted, "{:?}", outcome.doubts);
-    let evidence = Evidence::new(&objective, &optima, &sample, true);
+    let evidence = Evidence::new(problem, &sample, true);
     let fit = IdentificationOutcome::new(problem, &optima, &progress);
     (fit, outcome, evidence)
 }

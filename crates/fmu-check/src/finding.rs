@@ -40,6 +40,8 @@ pub struct Rule {
     pub severity: Severity,
     /// Where it stands: the standard with its section, or the schema file.
     pub source: &'static str,
+    /// The same in FMI 3.0, where it stands elsewhere there.
+    pub(crate) source_of_three: &'static str,
     /// The rule's demand.
     pub wants: &'static str,
     pub(crate) find: Find,

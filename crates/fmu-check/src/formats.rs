@@ -46,7 +46,7 @@ impl Findings {
             let source = rule.source_in(self.version);
             text += &format!("  {}: {line} [{source}]\n", rule.severity.word());
         }
-        for rule in RULES {
+        for rule in RULES.iter() {
             let count = told.get(rule.id).copied().unwrap_or(0);
             if count > MANY {
                 let (severity, more) = (rule.severity.word(), count - MANY);

@@ -194,7 +194,7 @@ impl Findings {
             let document = Document::new(root, &read);
             let mut findings = Vec::new();
             let is_three = read.standard == Version::Three;
-            for rule in RULES {
+            for rule in RULES.iter() {
                 let hits = match rule.find {
                     Find::Document(find) if !is_three => find(&document),
                     Find::Three(find) if is_three => find(&document),

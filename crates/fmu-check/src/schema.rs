@@ -1,6 +1,8 @@
 //! The elements and attributes of `modelDescription.xml` (FMI 2.0.5, sections 2.2 and 4.3.1; FMI 3.0.2, section 2.4): what is none
 //! of them is a typing error, or belongs into an annotation.
 
+use std::sync::LazyLock;
+
 use roxmltree::Node;
 
 use crate::{
@@ -18,172 +20,25 @@ type Element = (&'static str, &'static str, &'static str);
 /// The children of an element in which anything may be.
 const ANYTHING: &str = "anything";
 
-const ELEMENTS: &[Element] = &[
-    (
-        "fmiModelDescription",
-        "fmiVersion modelName! guid! description author version copyright license generationTool \
-         generationDateAndTime variableNamingConvention numberOfEventIndicators",
-        "ModelExchange CoSimulation UnitDefinitions TypeDefinitions LogCategories DefaultExperiment \
-         VendorAnnotations ModelVariables! ModelStructure!",
-    ),
-    (
-        "ModelExchange",
-        "modelIdentifier! needsExecutionTool completedIntegratorStepNotNeeded \
-         canBeInstantiatedOnlyOncePerProcess canNotUseMemoryManagementFunctions canGetAndSetFMUstate \
-         canSerializeFMUstate providesDirectionalDerivative",
-        "SourceFiles",
-    ),
-    (
-        "CoSimulation",
-        "modelIdentifier! needsExecutionTool canHandleVariableCommunicationStepSize canInterpolateInputs \
-         maxOutputDerivativeOrder canRunAsynchronuously canBeInstantiatedOnlyOncePerProcess \
-         canNotUseMemoryManagementFunctions canGetAndSetFMUstate canSerializeFMUstate \
-         providesDirectionalDerivative",
-        "SourceFiles",
-    ),
-    ("SourceFiles", "", "File+"),
-    ("File", "name!", ""),
-    ("UnitDefinitions", "", "Unit+"),
-    ("Unit", "name", "BaseUnit DisplayUnit*"),
-    ("BaseUnit", "kg m s A K mol cd rad factor offset", ""),
-    ("DisplayUnit", "name! factor offset", ""),
-    ("TypeDefinitions", "", "SimpleType+"),
-    ("SimpleType", "name! description", "Real Integer Boolean String Enumeration"),
-    ("SimpleType/Real", "quantity unit displayUnit relativeQuantity min max nominal unbounded", ""),
-    ("SimpleType/Integer", "quantity min max", ""),
-    ("SimpleType/Boolean SimpleType/String", "", ""),
-    ("SimpleType/Enumeration", "quantity", "Item+"),
-    ("Item", "name! value! description", ""),
-    ("LogCategories", "", "Category+"),
-    ("Category", "name! description", ""),
-    ("DefaultExperiment", "startTime stopTime tolerance stepSize", ""),
-    ("ModelVariables", "", "ScalarVariable+"),
-    (
-        "ScalarVariable",
-        "name valueReference description causality variability initial canHandleMultipleSetPerTimeInstant",
-        "Real Integer Boolean String Enumeration Annotations",
-    ),
-    (
-        "ScalarVariable/Real",
-        "declaredType quantity unit displayUnit relativeQuantity min max nominal unbounded start derivative reinit",
-        "",
-    ),
-    ("ScalarVariable/Integer", "declaredType quantity min max start", ""),
-    ("ScalarVariable/Boolean ScalarVariable/String", "declaredType start", ""),
-    ("ScalarVariable/Enumeration", "declaredType! quantity min max start", ""),
-    ("VendorAnnotations Annotations", "", "Tool+"),
-    ("Tool", "name!", ANYTHING),
-    ("ModelStructure", "", "Outputs Derivatives InitialUnknowns"),
-    ("ModelStructure/Outputs ModelStructure/Derivatives ModelStructure/InitialUnknowns", "", "Unknown+"),
-    ("Unknown", "index! dependencies dependenciesKind", ""),
-];
+/// The elements of FMI 2.0.
+static TWO: LazyLock<Vec<Element>> = LazyLock::new(|| table(include_str!("schema/two.txt")));
+/// The elements of FMI 3.0.
+static THREE: LazyLock<Vec<Element>> = LazyLock::new(|| table(include_str!("schema/three.txt")));
 
-/// Of an interface of FMI 3.0, of a variable, and of the types of numbers.
-macro_rules! interface {
-    ($more:literal) => {
-        concat!(
-            "modelIdentifier! needsExecutionTool canBeInstantiatedOnlyOncePerProcess canGetAndSetFMUState \
-             canSerializeFMUState providesDirectionalDerivatives providesAdjointDerivatives \
-             providesPerElementDependencies ",
-            $more
-        )
+/// The rows of a table, below its head.
+fn table(text: &'static str) -> Vec<Element> {
+    let row = |row: &'static str| {
+        let mut cells = row.split('|').map(str::trim);
+        let mut cell = || cells.next().unwrap_or_default();
+        (cell(), cell(), cell())
     };
+    text.lines().skip(1).map(row).collect()
 }
-macro_rules! variable {
-    ($more:literal) => {
-        concat!(
-            "name valueReference description causality variability canHandleMultipleSetPerTimeInstant clocks \
-             declaredType intermediateUpdate previous initial ",
-            $more
-        )
-    };
-}
-const FLOAT: &str =
-    variable!("quantity unit displayUnit relativeQuantity unbounded min max nominal start derivative reinit");
-const INTEGER: &str = variable!("quantity min max start");
-const ARRAY: &str = "Annotations Dimension* Alias*";
-const STARTED_ARRAY: &str = "Annotations Dimension* Start* Alias*";
-const FLOAT_TYPE: &str = "name! description quantity unit displayUnit relativeQuantity unbounded min max nominal";
-const INTEGER_TYPE: &str = "name! description quantity min max";
-
-/// The same of FMI 3.0.
-const ELEMENTS_OF_THREE: &[Element] = &[
-    (
-        "fmiModelDescription",
-        "fmiVersion modelName! instantiationToken description author version copyright license generationTool \
-         generationDateAndTime variableNamingConvention",
-        "ModelExchange CoSimulation ScheduledExecution UnitDefinitions TypeDefinitions LogCategories \
-         DefaultExperiment ModelVariables! ModelStructure! Annotations",
-    ),
-    ("ModelExchange", interface!("needsCompletedIntegratorStep providesEvaluateDiscreteStates"), "Annotations"),
-    (
-        "CoSimulation",
-        interface!(
-            "canHandleVariableCommunicationStepSize fixedInternalStepSize maxOutputDerivativeOrder \
-             recommendedIntermediateInputSmoothness providesIntermediateUpdate mightReturnEarlyFromDoStep \
-             canReturnEarlyAfterIntermediateUpdate hasEventMode providesEvaluateDiscreteStates"
-        ),
-        "Annotations",
-    ),
-    ("ScheduledExecution", interface!(""), "Annotations"),
-    ("UnitDefinitions", "", "Unit+"),
-    ("Unit", "name", "BaseUnit DisplayUnit* Annotations"),
-    ("BaseUnit", "kg m s A K mol cd rad factor offset", ""),
-    ("DisplayUnit", "name! factor offset inverse", "Annotations"),
-    (
-        "TypeDefinitions",
-        "",
-        "Float32Type~ Float64Type~ Int8Type~ UInt8Type~ Int16Type~ UInt16Type~ Int32Type~ UInt32Type~ Int64Type~ \
-         UInt64Type~ BooleanType~ StringType~ BinaryType~ EnumerationType~ ClockType~",
-    ),
-    ("Float32Type Float64Type", FLOAT_TYPE, "Annotations"),
-    ("Int8Type UInt8Type Int16Type UInt16Type Int32Type UInt32Type Int64Type UInt64Type", INTEGER_TYPE, "Annotations"),
-    ("BooleanType", "name! description", "Annotations"),
-    ("StringType", "name! description", "Annotations"),
-    ("BinaryType", "name! description mimeType maxSize", "Annotations"),
-    ("EnumerationType", INTEGER_TYPE, "Annotations Item*"),
-    ("EnumerationType/Item", "name! value! description", "Annotations"),
-    (
-        "ClockType",
-        "name! description canBeDeactivated priority intervalVariability! intervalDecimal shiftDecimal \
-         supportsFraction resolution intervalCounter shiftCounter",
-        "Annotations",
-    ),
-    ("LogCategories", "", "Category+"),
-    ("Category", "name! description", "Annotations"),
-    ("DefaultExperiment", "startTime stopTime tolerance stepSize", "Annotations"),
-    (
-        "ModelVariables",
-        "",
-        "Float32~ Float64~ Int8~ UInt8~ Int16~ UInt16~ Int32~ UInt32~ Int64~ UInt64~ Boolean~ String~ Binary~ \
-         Enumeration~ Clock~",
-    ),
-    ("Float32 Float64", FLOAT, ARRAY),
-    ("Int8 UInt8 Int16 UInt16 Int32 UInt32 Int64 UInt64 Enumeration", INTEGER, ARRAY),
-    ("Boolean", variable!("start"), ARRAY),
-    ("String", variable!(""), STARTED_ARRAY),
-    ("Binary", variable!("mimeType maxSize"), STARTED_ARRAY),
-    (
-        "Clock",
-        "name valueReference description causality variability canHandleMultipleSetPerTimeInstant clocks declaredType \
-         canBeDeactivated priority intervalVariability! intervalDecimal shiftDecimal supportsFraction resolution \
-         intervalCounter shiftCounter",
-        "Annotations Alias*",
-    ),
-    ("Dimension", "start valueReference", ""),
-    ("Start", "value", ""),
-    ("Alias", "name! description displayUnit", ""),
-    ("ModelStructure", "", "Output* ContinuousStateDerivative* ClockedState* InitialUnknown* EventIndicator*"),
-    ("Output ContinuousStateDerivative ClockedState InitialUnknown EventIndicator", UNKNOWN, "Annotations"),
-    ("Annotations", "", "Annotation+"),
-    ("Annotation", "type!", ANYTHING),
-];
-const UNKNOWN: &str = "valueReference dependencies dependenciesKind";
 
 fn element(version: Version, parent: &str, name: &str) -> Option<Element> {
     let all = match version {
-        Version::Two => ELEMENTS,
-        Version::Three => ELEMENTS_OF_THREE,
+        Version::Two => &TWO,
+        Version::Three => &THREE,
     };
     let named = |wanted: &str| all.iter().copied().find(|(names, ..)| names.split(' ').any(|name| name == wanted));
     named(&format!("{parent}/{name}")).or_else(|| named(name))

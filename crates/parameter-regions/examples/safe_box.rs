@@ -33,7 +33,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         verified: (0..400).map(|i| criteria.iter().all(|c| c.ok[i])).collect(),
         criteria,
         status: vec!["ok".into(); 400],
-        beyond: Default::default(),
     };
     // Probabilities refer to this sample of the parameters; a real one has some 20,000 points.
     let cloud: Vec<Vec<f64>> = (0..4_000)

@@ -1,7 +1,6 @@
 //! The table of points: what was sampled, what came out, what was accepted.
 
 use std::borrow::Cow;
-use std::collections::BTreeSet;
 
 use indexmap::IndexSet;
 use sampling::statistics::moments::length;
@@ -75,8 +74,6 @@ pub struct PointTable {
     pub verified: Vec<bool>,
     /// `ok`, or why the point has no values.
     pub status: Vec<Cow<'static, str>>,
-    /// The numbers of the points that went beyond what the model says it is valid for.
-    pub beyond: BTreeSet<u64>,
 }
 
 /// The largest deviation over the criteria of one point, and which criterion it belongs to.
@@ -99,11 +96,6 @@ impl PointTable {
         self.ids.is_empty()
     }
 
-    /// Whether a point went beyond what the model says it is valid for.
-    pub fn is_beyond(&self, point: usize) -> bool {
-        self.beyond.contains(&self.ids[point])
-    }
-
     /// Some of the points, in the order asked for.
     pub fn subset(&self, points: &[usize]) -> Self {
         let numbers = |values: &[f64]| points.iter().map(|&i| values[i]).collect();
@@ -117,7 +109,6 @@ impl PointTable {
             criteria: self.criteria.iter().map(criterion).collect(),
             verified: flags(&self.verified),
             status: points.iter().map(|&i| self.status[i].clone()).collect(),
-            beyond: self.beyond.clone(),
         }
     }
 

@@ -17,6 +17,9 @@ pub enum Error {
     /// A file cannot be read or written, or says what cannot be used.
     #[error(transparent)]
     File(#[from] FileError),
+    /// There is no room for the files of a run.
+    #[error(transparent)]
+    Scratch(#[from] ScratchError),
     /// There is a journal in the folder already.
     #[error(
         "{0} holds a study that has begun already; continue it with --resume, replace it with --force, or choose another \
@@ -51,12 +54,6 @@ impl Error {
     /// Turns an error of the system into one that names the file.
     pub(crate) fn io(path: &Path) -> impl FnOnce(io::Error) -> Self {
         move |source| FileError::read(path, source).into()
-    }
-}
-
-impl From<ScratchError> for Error {
-    fn from(ScratchError { path, source }: ScratchError) -> Self {
-        FileError::new(&path, format!("{source}; set TMPDIR to another folder")).into()
     }
 }
 

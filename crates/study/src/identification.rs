@@ -3,24 +3,13 @@
 use std::path::PathBuf;
 
 use indexmap::IndexMap;
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use toml::Spanned;
 
 use super::Name;
 use calibration::problem::Spacing;
 use fmu_import::quantity::Quantity;
 use sampling::statistics::Statistic;
-
-/// Where the posterior's sample starts. The sample has the same distribution with either.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum PosteriorStart {
-    /// Half of the particles around the optima, half from the prior: fewer runs, and reliance on the search.
-    Optima,
-    /// All particles from the prior.
-    #[default]
-    Prior,
-}
 
 /// Unknown parameters, measurements, and the effort of the search.
 #[derive(Clone, Debug, Deserialize)]
@@ -38,8 +27,6 @@ pub struct Identification {
     pub seed: u64,
     /// Particles of the posterior's sample; none is made without this.
     pub posterior: Option<Spanned<u64>>,
-    /// Where that sample starts.
-    pub posterior_start: PosteriorStart,
     /// How far apart simulations stand for a derivative, as a part of the distance between the bounds.
     pub difference: f64,
     /// The parameters to be found, by the names of FMU variables.
@@ -62,7 +49,6 @@ impl Default for Identification {
             iterations: 40,
             seed: 1,
             posterior: None,
-            posterior_start: PosteriorStart::default(),
             difference: 1e-3,
             free: IndexMap::new(),
             known: IndexMap::new(),

@@ -21,7 +21,6 @@ pub(super) struct Cell {
 pub(super) struct BestRow {
     id: u64,
     verified: bool,
-    beyond: bool,
     distance: String,
     deviation: String,
     binding: String,
@@ -63,7 +62,6 @@ pub(super) fn best_rows(
             BestRow {
                 id: table.ids[i],
                 verified: table.verified[i],
-                beyond: table.is_beyond(i),
                 distance: number(distance, 3),
                 deviation: number(binding.deviation, 2),
                 binding: table.criteria[binding.criterion].name.clone(),

@@ -73,7 +73,7 @@ fn acceptance(frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>) -> String {
 
 fn marks(table: &PointTable, frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>, points: &[usize]) -> String {
     let r = mark_radius(points.len());
-    let mut paths = [const { String::new() }; 4];
+    let mut paths = [const { String::new() }; 3];
     for &i in points {
         let (vx, vy) = (x.values[i], y.values[i]);
         if !frame.x.contains(vx) || !frame.y.contains(vy) {
@@ -81,10 +81,6 @@ fn marks(table: &PointTable, frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'
         }
         let (px, py) = (frame.x.at(vx), frame.y.at(vy));
         let corner = |s: f64| (px - s, py - s, 2.0 * s);
-        if table.is_beyond(i) {
-            let (left, top, d) = corner(r + 2.0);
-            let _ = write!(paths[3], "M{left:.1},{top:.1}h{d}v{d}h-{d}z");
-        }
         if table.verified[i] {
             paths[2] += &circle([px, py], r);
         } else if within(x, i) && within(y, i) {
@@ -95,7 +91,7 @@ fn marks(table: &PointTable, frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'
             let _ = write!(paths[0], "M{left:.1},{top:.1}l{d},{d}m0,-{d}l-{d},{d}");
         }
     }
-    ["pt out", "pt part", "pt in", "pt beyond"].iter().zip(paths).map(|(class, d)| path(class, d)).collect()
+    ["pt out", "pt part", "pt in"].iter().zip(paths).map(|(class, d)| path(class, d)).collect()
 }
 
 /// The size of a mark, so that a crowd stays readable.

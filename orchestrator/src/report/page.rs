@@ -112,7 +112,6 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
         failed => summary.failed,
         drawn => count(points.len()),
         sampled => points.len() < total,
-        beyond => !table.beyond.is_empty(),
         rows => Serde(count_rows(table, summary, judgement)),
         counted => result_document::html(&[risks(summary), cases(summary)].concat()),
         interval_method => &summary.interval_method,
@@ -185,7 +184,6 @@ fn pictured<'a>(report: &Report, table: &'a PointTable) -> (Cow<'a, PointTable>,
         parameters: table.parameters.clone(),
         verified: table.verified.clone(),
         status: table.status.clone(),
-        beyond: table.beyond.clone(),
     };
     (Cow::Owned(drawn), columns)
 }

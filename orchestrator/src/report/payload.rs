@@ -48,8 +48,6 @@ pub struct Payload {
     verified: Part,
     /// A byte per point: simulated to its end.
     completed: Part,
-    /// A byte per point: beyond what the model says it is valid for; none where no point is.
-    beyond: Option<Part>,
     /// The conformance probabilities, 32-bit floats of five digits, where they are known.
     conformance: Option<Part>,
     /// The study to be changed, where the points can be judged in the page.
@@ -209,7 +207,6 @@ pub fn payload(
         guarded: columns.iter().any(|c| c.drawn_in.is_some()),
         verified: flags(&|i| table.verified[i]),
         completed: flags(&|i| table.completed(i)),
-        beyond: (!table.beyond.is_empty()).then(|| flags(&|i| table.is_beyond(i))),
         conformance: conformance.map(|chances| {
             let numbers = points.iter().map(|&i| short(chances[i]).to_le_bytes());
             bytes.add(apart(numbers))

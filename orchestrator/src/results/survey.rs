@@ -88,7 +88,10 @@ impl<'a> Survey<'a> {
         let told = validity.told(summary.points, &which)?;
         let place = self.place(|(_, _, beyond)| *beyond);
         let place = place.map(|place| format!(". They lie mostly where {place}")).unwrap_or_default();
-        Some(Concern::new(Code::BeyondValidity, format!("{told}{place}")).remedied("Cut the distributions to where the model is valid, or show that it holds beyond (validity.csv lists the points)."))
+        Some(
+            Concern::new(Code::BeyondValidity, format!("{told}{place}"))
+                .remedied("Cut the distributions to where the model is valid, or show that it holds beyond."),
+        )
     }
 
     /// Adds to the summary what was seen.

@@ -1,6 +1,6 @@
 //! The table of points from what `verify` leaves behind.
 
-use super::{Summary, points, validity};
+use super::{Summary, points};
 use crate::error::{Error, Result};
 use parameter_regions::table::{ParameterColumn, PointTable};
 use point_journal::Outcome;
@@ -30,7 +30,6 @@ pub fn read(folder: &Path) -> Result<(Summary, PointTable)> {
 pub fn read_some(folder: &Path, most: u64) -> Result<(Summary, PointTable)> {
     let summary = summary(folder)?;
     let mut table = points::read(&folder.join("points.csv"), &summary, most)?;
-    table.beyond = validity::points(folder);
     let case = |name: &str| match name.split_once('/') {
         Some((case, _)) if summary.cases.contains_key(case) => Some(case.to_owned()),
         _ => None,

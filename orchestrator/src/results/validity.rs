@@ -1,31 +1,17 @@
-//! Points that went beyond what the model says it is valid for: how many, what it says, and which they are.
+//! Points that went beyond what the model says it is valid for: how many, and what it says.
 
-use std::{
-    cmp::Reverse,
-    collections::BTreeSet,
-    fs::{self, File},
-    io,
-    path::Path,
-};
+use std::{cmp::Reverse, path::Path};
 
 use serde::{Deserialize, Serialize};
-use tempfile::NamedTempFile;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use conformity::conclusion::grouped;
 use fmu_import::{
     Description,
     validity::{CATEGORY, alike},
 };
 use fmu_points::notices::Limit;
-use number_tables::csv_file;
-use point_journal::{
-    Finished,
-    files::{draft, keep},
-};
-
-/// The file with the points.
-const FILE: &str = "validity.csv";
+use point_journal::Finished;
 
 /// Points that went beyond what the model says it is valid for.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -131,61 +117,6 @@ impl Validity {
     }
 }
 
-/// Writes `FILE`, where any point goes into it.
-#[derive(Debug, Default)]
-pub struct Writer(Option<(csv::Writer<File>, NamedTempFile)>);
-
-impl Writer {
-    /// Adds the limits that a point passed.
-    ///
-    /// # Errors
-    /// When the system says no.
-    pub fn write(&mut self, folder: &Path, point: u64, limits: &[Limit]) -> io::Result<()> {
-        for Limit { case, message } in limits {
-            if self.0.is_none() {
-                let file = draft(folder)?;
-                let mut csv = csv::Writer::from_writer(file.reopen()?);
-                csv.write_record(["point", "case", "message"])?;
-                self.0 = Some((csv, file));
-            }
-            if let Some((csv, _)) = &mut self.0 {
-                let case = csv_file::cell(case.as_deref().unwrap_or_default());
-                let message = csv_file::cell(message);
-                csv.write_record([&*point.to_string(), &*case, &*message])?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Puts the file in place, or removes that of an earlier run.
-    ///
-    /// # Errors
-    /// When the system says no.
-    pub fn finish(self, folder: &Path) -> Result {
-        let path = folder.join(FILE);
-        match self.0 {
-            Some((mut csv, file)) => {
-                csv.flush().map_err(Error::io(&path))?;
-                Ok(keep(file, &path)?)
-            }
-            None => match fs::remove_file(&path) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => Err(Error::io(&path)(error)),
-                _ => Ok(()),
-            },
-        }
-    }
-}
-
-/// The points in the file, as far as it is there and sound: they are marked, nothing rests on them.
-pub fn points(folder: &Path) -> BTreeSet<u64> {
-    csv::Reader::from_path(folder.join(FILE))
-        .into_iter()
-        .flat_map(csv::Reader::into_records)
-        .flatten()
-        .filter_map(|row| row.get(0)?.parse().ok())
-        .collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -215,21 +146,5 @@ mod tests {
         assert_eq!((validity.points, validity.limits.len()), (102, 32));
         let text = serde_json::to_string(&validity).unwrap();
         assert_eq!(serde_json::from_str::<Validity>(&text).unwrap(), validity);
-    }
-
-    #[test]
-    fn points_are_read_as_they_were_written_and_no_file_stays_without_any() {
-        let folder = tempfile::tempdir().unwrap();
-        let mut writer = Writer::default();
-        let limits = [limit("hot, \"very\"\n"), limit("=fast")];
-        writer.write(folder.path(), 3, &limits).unwrap();
-        writer.write(folder.path(), 12, &limits[..1]).unwrap();
-        writer.finish(folder.path()).unwrap();
-        assert_eq!(points(folder.path()), BTreeSet::from([3, 12]));
-        let text = fs::read_to_string(folder.path().join(FILE)).unwrap();
-        assert!(text.contains("3,,'=fast\n"), "{text}");
-        Writer::default().finish(folder.path()).unwrap();
-        assert!(!folder.path().join(FILE).exists());
-        assert!(points(folder.path()).is_empty());
     }
 }

@@ -25,10 +25,9 @@ use crate::{
         summary::{ParameterSummary, Provenance, Run, Summary},
         survey::Survey,
         tally::{Sample, Tally},
-        validity::{self, Validity},
+        validity::Validity,
     },
 };
-use fmu_points::notices::Limit;
 use point_journal::{
     Finished, Outcome,
     files::{draft, keep, write_json},
@@ -82,7 +81,6 @@ impl Verification {
             survey.add(&parameters, &outcome, !notices.beyond.is_empty());
             asides.add(label, verdict.verified(), &notices);
             files.write(label, &parameters, &outcome, &verdict)?;
-            files.write_limits(label, &notices.beyond)?;
             let enough = ending
                 .zip(front.as_mut())
                 .is_some_and(|(ending, front)| front.add(index, ending.counts(&session.judge, &outcome)));
@@ -160,14 +158,12 @@ pub fn provenance(study: &Study) -> Provenance {
     }
 }
 
-/// `points.csv` and `summary.json`, which appear when they are complete, and `validity.csv` where points went beyond the
-/// model's limits.
+/// `points.csv` and `summary.json`, which appear when they are complete.
 pub struct FileSet {
     folder: PathBuf,
     file: NamedTempFile,
     guard: Guard,
     points: points::Writer<BufWriter<File>>,
-    limits: validity::Writer,
 }
 
 impl FileSet {
@@ -181,13 +177,7 @@ impl FileSet {
             let file = draft(folder)?;
             let writer = BufWriter::with_capacity(1 << 16, file.reopen()?);
             let points = points::Writer::new(writer, inputs, judge)?;
-            Ok(Self {
-                folder: folder.to_owned(),
-                file,
-                guard: judge.guard,
-                points,
-                limits: validity::Writer::default(),
-            })
+            Ok(Self { folder: folder.to_owned(), file, guard: judge.guard, points })
         };
         begin().map_err(Error::io(folder))
     }
@@ -198,14 +188,6 @@ impl FileSet {
     /// When the system says no.
     pub fn write(&mut self, label: u64, parameters: &[f64], outcome: &Outcome, verdict: &PointVerdict) -> Result {
         self.points.write(label, parameters, outcome, verdict).map_err(Error::io(&self.folder))
-    }
-
-    /// Notes the limits of the model that a point passed.
-    ///
-    /// # Errors
-    /// When the system says no.
-    pub fn write_limits(&mut self, label: u64, limits: &[Limit]) -> Result {
-        self.limits.write(&self.folder, label, limits).map_err(Error::io(&self.folder))
     }
 
     /// Puts the files in place; each one is either as before or complete.
@@ -223,7 +205,6 @@ impl FileSet {
             }
         };
         keep(file, &path)?;
-        self.limits.finish(&self.folder)?;
         Ok(write_json(&self.folder.join("summary.json"), summary)?)
     }
 }

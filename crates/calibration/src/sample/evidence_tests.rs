@@ -45,7 +45,7 @@ fn sampled(problem: &Problem, rows: &DMatrix<f64>, seed: u64) -> Evidence {
     let objective = Objective::new(problem, &model, 1e-5);
     let sample = sample(&objective, &[], &settings(1000, seed), &|_, _| ()).unwrap();
     let trusted = PosteriorOutcome::new(&objective, &[], &sample).trusted;
-    Evidence::new(&objective, &[], &sample, trusted)
+    Evidence::new(problem, &sample, trusted)
 }
 
 /// The evidence of a friction curve over the speed with a share of contact, or without one, from few particles.
@@ -64,15 +64,16 @@ fn of_friction(measured: &[(f64, f64)], contact: bool, seed: u64) -> Evidence {
     let (optima, _) = search(&objective, &starts, &effort(4, 40), &|_| ()).unwrap();
     let sample = sample(&objective, &[], &settings(200, seed), &|_, _| ()).unwrap();
     let trusted = PosteriorOutcome::new(&objective, &optima, &sample).trusted;
-    Evidence::new(&objective, &optima, &sample, trusted)
+    Evidence::new(&problem, &sample, trusted)
 }
 
 const SPEEDS: [f64; 8] = [0.2, 0.4, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0];
 
-/// Without its friction of contact the model loses in each of 20 records, also where 200 particles are too few to be relied on.
+/// Without its friction of contact the model loses in each of 20 records; where 200 particles are too few to be relied on, nothing is
+/// told.
 #[test]
 fn a_model_without_contact_loses_to_the_right_one() {
-    let mut by_bounds = 0;
+    let mut told = 0;
     for seed in 1..=20 {
         let mut random = Random::new(seed, Purpose::Search, 2);
         let measured = SPEEDS.map(|speed| {
@@ -80,34 +81,22 @@ fn a_model_without_contact_loses_to_the_right_one() {
             (exact + 0.001 * random.normal(), 0.001)
         });
         let [mut right, mut wrong] = [true, false].map(|contact| of_friction(&measured, contact, seed));
+        if !(right.trusted && wrong.trusted) {
+            assert!(right.compare(&wrong).is_err() && wrong.compare(&right).is_err());
+            continue;
+        }
+        told += 1;
         right.compare(&wrong).unwrap();
         wrong.compare(&right).unwrap();
         let ratio = right.against.as_ref().unwrap();
-        by_bounds += u32::from(ratio.interval.is_none());
-        assert!(ratio.log > 0.0, "{seed}: {ratio:?}");
-        assert!(ratio.interval.is_none_or(|[low, _]| low > 0.0), "{seed}: {ratio:?}");
+        assert!(ratio.log > 0.0 && ratio.interval[0] > 0.0, "{seed}: {ratio:?}");
         assert!(wrong.against.as_ref().unwrap().log < 0.0);
         let words = right.words();
         assert!(words.contains("favour this one by a factor of"), "{words}");
         assert!(wrong.words().contains("favour the other one"));
     }
-    println!("{by_bounds} of 20 by bounds");
-}
-
-/// What nobody can rely on is told by bounds, and only where these do not overlap.
-#[test]
-fn bounds_of_doubtful_evidences_hold() {
-    let (problem, rows) = linear(2, 5);
-    let exact = exact(&problem, &rows);
-    let told = Evidence { trusted: false, bounds: Some([exact - 1.0, exact + 2.0]), ..sampled(&problem, &rows, 5) };
-    let with = |bounds| Evidence { bounds: Some(bounds), ..told.clone() };
-    let ratio = |other: [f64; 2]| {
-        let mut this = told.clone();
-        this.compare(&with(other)).map(|()| this.against.unwrap().log)
-    };
-    assert_eq!(ratio([exact - 9.0, exact - 4.0]), Ok(3.0));
-    assert_eq!(ratio([exact + 6.0, exact + 9.0]), Ok(-4.0));
-    assert!(ratio([exact - 9.0, exact]).is_err());
+    println!("{told} of 20 told");
+    assert!(told >= 10, "{told}");
 }
 
 /// How many intervals hold, and how wide the widest is.
@@ -154,7 +143,7 @@ fn the_ratio_of_evidences_is_told_of_the_same_data_alone() {
     let (mut both, one) = (sampled(&problem, &rows, 1), sampled(&fewer, &part, 1));
     one.is_of(&problem).unwrap();
     both.compare(&one).unwrap();
-    let interval = both.against.as_ref().unwrap().interval.unwrap();
+    let interval = both.against.as_ref().unwrap().interval;
     let wanted = exact(&problem, &rows) - exact(&fewer, &part);
     assert!((interval[0]..=interval[1]).contains(&wanted), "{interval:?} {wanted}");
     assert!(wanted > 2.0, "{wanted}");

@@ -85,11 +85,6 @@ pub struct Evidence {
     pub interval: [f64; 2],
     /// Whether the sample can be relied on.
     pub trusted: bool,
-    /// What the logarithm lies between even where the sample cannot be relied on: the estimate has no bias and is not negative,
-    /// so it exceeds the evidence twenty times with a probability of 5 % at most (Markov's inequality); and no mean over the
-    /// prior exceeds the best fit that the search has reached.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub bounds: Option<[f64; 2]>,
     /// A digest of the measured values: evidences of other data cannot be compared.
     pub data: String,
     /// How much more probable these data are here than in another result, where that was asked for.
@@ -100,34 +95,24 @@ pub struct Evidence {
 /// The ratio of two evidences: Bayes' factor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ratio {
-    /// Its logarithm; without an interval a bound, with 95 % probability: the logarithm is as far from 0, or farther.
+    /// Its logarithm.
     pub log: f64,
     /// The interval that holds the logarithm with 95 % probability.
-    pub interval: Option<[f64; 2]>,
+    pub interval: [f64; 2],
 }
 
 impl Evidence {
-    /// That of a problem, by a sample that can be relied on or not. `optima` are the best fits; none where they were found with
-    /// other errors than the sample has.
-    pub fn new(objective: &Objective<'_>, optima: &[Optimum], sample: &Sample, trusted: bool) -> Self {
-        /// A number that is not negative exceeds its mean so many times with a probability of 5 % at most.
-        const TIMES: f64 = 20.0;
-        let problem = objective.problem;
+    /// That of a problem, by a sample that can be relied on or not.
+    pub fn new(problem: &Problem, sample: &Sample, trusted: bool) -> Self {
         let count = sample.weights.len() as f64;
         let log = ln_sum(&sample.weights) - count.ln();
         let error = (effective_draws(&sample.weights).recip() - count.recip()).max(0.0).sqrt();
-        let target = Target::new(objective);
-        let fits = optima.iter().map(|optimum| target.log_likelihood(&optimum.minimum));
-        let best = sample.particles.iter().map(|particle| particle.log_likelihood).chain(fits);
-        let bounds = [log - TIMES.ln(), best.fold(f64::NEG_INFINITY, f64::max)];
-        let is_told = !optima.is_empty() && bounds.iter().all(|bound| bound.is_finite());
         Self {
             log,
             error,
             interval: around(log, error),
             // With fewer effective draws their scatter is not known well.
             trusted: trusted && effective_draws(&sample.weights) >= ENOUGH,
-            bounds: is_told.then_some(bounds),
             data: problem.digest(),
             against: None,
         }
@@ -148,33 +133,17 @@ impl Evidence {
         }
     }
 
-    /// Notes the ratio to the evidence of another result on the same data. Where a sample cannot be relied on it is a bound, if
-    /// one model is plainly better.
+    /// Notes the ratio to the evidence of another result on the same data.
     ///
     /// # Errors
-    /// When it cannot be told.
+    /// When one of the samples cannot be relied on.
     pub fn compare(&mut self, other: &Self) -> Result<(), String> {
-        if self.trusted && other.trusted {
-            let log = self.log - other.log;
-            let interval = Some(around(log, self.error.hypot(other.error)));
-            self.against = Some(Ratio { log, interval });
-            return Ok(());
+        if !(self.trusted && other.trusted) {
+            let which = if self.trusted { "its" } else { "this" };
+            return Err(format!("{which} sample of the posterior is not to be relied on; draw more"));
         }
-        let plain =
-            self.bounds.zip(other.bounds).map(|(this, other)| [this[0] - other[1], this[1] - other[0]]).and_then(
-                |[least, most]| match (least > 0.0, most < 0.0) {
-                    (true, _) => Some(least),
-                    (_, true) => Some(most),
-                    _ => None,
-                },
-            );
-        let which = if self.trusted { "its" } else { "this" };
-        let log = plain.ok_or_else(|| {
-            format!(
-                "{which} sample of the posterior is not to be relied on, and neither model is plainly better; draw more"
-            )
-        })?;
-        self.against = Some(Ratio { log, interval: None });
+        let log = self.log - other.log;
+        self.against = Some(Ratio { log, interval: around(log, self.error.hypot(other.error)) });
         Ok(())
     }
 }

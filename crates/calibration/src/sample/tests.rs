@@ -93,8 +93,7 @@ fn a_linear_models_posterior_is_the_exact_one() {
             }
             assert_eq!(marginal.intervals.len(), 1);
         }
-        let objective = Objective::new(&problem, &model, 1e-5);
-        let told = Evidence::new(&objective, &[], &sample, outcome.trusted);
+        let told = Evidence::new(&problem, &sample, outcome.trusted);
         let error = (told.log - evidence) / told.error;
         assert!(error.abs() < 4.0, "{error}");
         assert!(told.error < 0.1, "{outcome:?}");

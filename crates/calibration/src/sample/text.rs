@@ -89,15 +89,11 @@ impl Evidence {
             |log: f64| if log.abs() < 14.0 { rounded(log.exp(), 3) } else { format!("exp({})", rounded(log, 4)) };
         let which = if *log > 0.0 { "this" } else { "the other" };
         let how = match interval {
-            None => format!(
-                "favour {which} one by a factor of at least {} (95 %, from the best fit of the one and a bound of the other's evidence)",
-                factor(log.abs())
-            ),
-            Some([low, high]) if low * high > 0.0 => {
+            [low, high] if low * high > 0.0 => {
                 let [least, most] = [low.abs().min(high.abs()), low.abs().max(high.abs())].map(factor);
                 format!("favour {which} one by a factor of {} ({least} .. {most}, 95 %)", factor(log.abs()))
             }
-            Some(ends) => {
+            ends => {
                 let [least, most] = ends.map(factor);
                 format!("do not tell the two apart: their ratio is {} ({least} .. {most}, 95 %)", factor(*log))
             }

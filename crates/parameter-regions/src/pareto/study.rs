@@ -2,7 +2,7 @@
 
 use super::front;
 use crate::table::PointTable;
-use sampling::statistics::moments::{length, pearson, ranks};
+use sampling::statistics::moments::length;
 use serde::{Deserialize, Serialize};
 
 /// The trade-off between the criteria of a study.
@@ -26,9 +26,6 @@ pub struct Pareto {
     /// The point nearest to the measurement, by the root of the sum of squared deviations; its
     /// place in the front. The best compromise is the front's first point.
     pub nearest: usize,
-    /// Rank correlations of the deviations along the front, by pairs of criteria: negative where
-    /// one criterion is met better at the other's expense.
-    pub conflicts: Vec<Conflict>,
 }
 
 /// A point of the front.
@@ -73,20 +70,6 @@ impl Member {
 /// Largest number of front points that are listed. Nobody reads more, and a file of a million would be unwieldy.
 const MOST: usize = 2_000;
 
-/// Criteria with a rank correlation at or below this are said to be in conflict.
-pub const CONFLICT: f64 = -0.3;
-
-/// How two criteria go together along the front.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Conflict {
-    /// Index of the first criterion.
-    pub a: usize,
-    /// Index of the second criterion.
-    pub b: usize,
-    /// Spearman's rank correlation of their deviations.
-    pub correlation: f64,
-}
-
 /// The trade-off among the points of a study. `None` where no point has values.
 ///
 /// The best compromise is the point with the least largest deviation (Zeleny 1973, "Compromise
@@ -102,7 +85,6 @@ pub fn trade_off(table: &PointTable) -> Option<Pareto> {
     let nearest = (0..chosen.len()).min_by(by_distance)?;
     let unbeaten = chosen.len();
     let unbeaten_verified = chosen.iter().filter(|m| m.verified()).count();
-    let conflicts = conflicts(&chosen, table.criteria.len());
     let nearest = shorten(&mut chosen, nearest);
     Some(Pareto {
         points: completed.len(),
@@ -110,7 +92,6 @@ pub fn trade_off(table: &PointTable) -> Option<Pareto> {
         units: table.parameters.iter().map(|p| p.unit.clone()).collect(),
         criteria: table.criteria.iter().map(|c| c.name.clone()).collect(),
         nearest,
-        conflicts,
         unbeaten,
         unbeaten_verified,
         front: chosen,
@@ -133,20 +114,6 @@ fn shorten(front: &mut Vec<Member>, nearest: usize) -> usize {
     }
     *front = kept.into_iter().map(|i| front[i].clone()).collect();
     place
-}
-
-fn conflicts(front: &[Member], criteria: usize) -> Vec<Conflict> {
-    const FEWEST: usize = 5;
-    if front.len() < FEWEST {
-        return vec![];
-    }
-    let column = |k: usize| ranks(&front.iter().map(|m| m.deviations[k]).collect::<Vec<_>>());
-    let columns: Vec<Vec<f64>> = (0..criteria).map(column).collect();
-    let pairs = (0..criteria).flat_map(|a| (a + 1..criteria).map(move |b| (a, b)));
-    let conflict = |(a, b): (usize, usize)| Conflict { a, b, correlation: pearson(&columns[a], &columns[b]) };
-    let mut conflicts: Vec<Conflict> = pairs.map(conflict).collect();
-    conflicts.sort_by(|a, b| a.correlation.total_cmp(&b.correlation));
-    conflicts
 }
 
 #[cfg(test)]
@@ -188,8 +155,6 @@ mod tests {
         assert_eq!(p.front[0].point, 34);
         assert!((p.front[p.nearest].parameters[0] - 0.8).abs() < 1e-9);
         assert!(p.front[0].verified() && !p.front[20].verified());
-        assert_eq!(p.conflicts.len(), 1);
-        assert!((p.conflicts[0].correlation + 1.0).abs() < 1e-12);
     }
 
     #[test]

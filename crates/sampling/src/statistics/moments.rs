@@ -60,20 +60,6 @@ pub fn pearson(a: &[f64], b: &[f64]) -> f64 {
     if aa > 0.0 && bb > 0.0 { ab / (aa * bb).sqrt() } else { 0.0 }
 }
 
-/// Ranks from 1; equal values share the mean of theirs.
-pub fn ranks(values: &[f64]) -> Vec<f64> {
-    let mut order: Vec<usize> = (0..values.len()).collect();
-    order.sort_by(|&a, &b| values[a].total_cmp(&values[b]));
-    let mut ranks = vec![0.0; values.len()];
-    let mut done = 0;
-    for tie in order.chunk_by(|&a, &b| values[a] == values[b]) {
-        let rank = done as f64 + (tie.len() as f64 + 1.0) / 2.0;
-        tie.iter().for_each(|&i| ranks[i] = rank);
-        done += tie.len();
-    }
-    ranks
-}
-
 /// The quantile of sorted values, linear between them (Hyndman & Fan 1996, type 7).
 pub fn quantile(sorted: &[f64], q: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
@@ -155,11 +141,6 @@ mod tests {
     #[test]
     fn sorting_loses_nothing() {
         assert_eq!(sorted(vec![3.0, -1.0, 2.0]), [-1.0, 2.0, 3.0]);
-    }
-
-    #[test]
-    fn ties_share_their_rank() {
-        assert_eq!(ranks(&[3.0, 1.0, 3.0, 2.0]), [3.5, 1.0, 3.5, 2.0]);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! What an identification says, for the terminal and its page: parameters, sensors, fit and residuals.
 
-use std::path::Path;
+use std::{ops::Range, path::Path};
 
 use calibration::digits::{cleared, enough};
 use calibration::fit::Fit;
@@ -31,25 +31,21 @@ pub(super) struct Page<'a> {
     pub(super) outcome: &'a IdentificationOutcome,
 }
 
+/// Quantities that were measured together, in all cases.
+fn group(bound: &Bound, name: &str, quantities: Range<usize>) -> Group {
+    let cases = 0..bound.problem.cases.len();
+    let values = quantities.flat_map(|quantity| cases.clone().map(move |case| [case, quantity]));
+    Group { name: name.to_owned(), values: values.collect() }
+}
+
 /// The measured curves.
 pub(super) fn curves(bound: &Bound) -> Vec<Group> {
-    let cases = 0..bound.problem.cases.len();
-    let values = |quantity: usize| cases.clone().map(move |case| [case, quantity]);
-    let curves = bound
-        .curves
-        .iter()
-        .map(|curve| Group { name: curve.name.clone(), values: curve.quantities.clone().flat_map(values).collect() });
-    curves.collect()
+    bound.curves.iter().map(|curve| group(bound, &curve.name, curve.quantities.clone())).collect()
 }
 
 /// What was measured together: the curves, and the single quantities.
 pub(super) fn groups(bound: &Bound) -> Vec<Group> {
-    let cases = 0..bound.problem.cases.len();
-    let values = |quantity: usize| cases.clone().map(move |case| [case, quantity]);
-    let singles = singles(bound).map(|quantity| Group {
-        name: bound.problem.quantities[quantity].name.clone(),
-        values: values(quantity).collect(),
-    });
+    let singles = singles(bound).map(|k| group(bound, &bound.problem.quantities[k].name, k..k + 1));
     curves(bound).into_iter().chain(singles).collect()
 }
 

@@ -23,7 +23,7 @@ use calibration::{
 };
 use number_tables::{csv_file, files};
 use point_journal::files::write_atomically;
-use study::{Identification, Study, identification::PosteriorStart};
+use study::{Identification, Study};
 
 /// The most particles: more would be the table's work, not the posterior's.
 const MOST: u64 = 1_000_000;
@@ -72,18 +72,14 @@ pub(super) fn sampled(
     say: &dyn Fn(String),
 ) -> Result<Option<Sample>, SearchError> {
     let Some(particles) = &settings.posterior else { return Ok(None) };
-    let seeds = match settings.posterior_start {
-        PosteriorStart::Optima => optima,
-        PosteriorStart::Prior => &[],
-    };
     let settings = Settings { particles: *particles.as_ref(), seed: settings.seed };
     let observe = |exponent: f64, step: usize| {
         say(format!("posterior with exponent {exponent:.2e}, step {step}"));
     };
-    match sample(objective, seeds, &settings, &observe) {
+    match sample(objective, &[], &settings, &observe) {
         Ok(sample) => {
             let posterior = PosteriorOutcome::new(objective, optima, &sample);
-            outcome.evidence = Some(Evidence::new(objective, optima, &sample, posterior.trusted));
+            outcome.evidence = Some(Evidence::new(objective.problem, &sample, posterior.trusted));
             outcome.posterior = Some(posterior);
             Ok(Some(sample))
         }

@@ -1,6 +1,6 @@
 //! The document of trade-offs: the best compromise, and the front, pair by pair of criteria.
 
-use parameter_regions::pareto::study::{CONFLICT, Member, Pareto};
+use parameter_regions::pareto::study::{Member, Pareto};
 use result_document::{
     Block, Column, Document, Figure, Key, Table,
     format::{count, number},
@@ -9,7 +9,7 @@ use result_document::{
     words,
 };
 
-/// Most pairs of criteria that are drawn; pairs in conflict come first.
+/// Most pairs of criteria that are drawn.
 const MOST_PLOTS: usize = 6;
 
 /// Above this number, marks are drawn small and without edges.
@@ -28,15 +28,6 @@ pub fn document(result: &Pareto) -> Document {
         count(result.points),
         count(result.unbeaten_verified)
     ));
-    let conflicts = result.conflicts.iter();
-    for c in conflicts.filter(|c| c.correlation <= CONFLICT) {
-        told.say(format!(
-            "{} is met better at the expense of {} (rank correlation {}).",
-            result.criteria[c.a],
-            result.criteria[c.b],
-            number(c.correlation, 2)
-        ));
-    }
     told.table(members(result, best));
     told.hint(
         "Criteria: the value and, in brackets, its deviation in units of the tolerance. The best compromise has the least \
@@ -81,12 +72,8 @@ fn legend() -> Block {
 }
 
 fn plots(result: &Pareto) -> Vec<Figure> {
-    let mut pairs: Vec<(usize, usize)> = result.conflicts.iter().map(|c| (c.a, c.b)).collect();
-    if pairs.is_empty() && result.criteria.len() > 1 {
-        pairs.push((0, 1));
-    }
-    pairs.truncate(MOST_PLOTS);
-    pairs.into_iter().map(|(a, b)| plot(result, a, b)).collect()
+    let pairs = (0..result.criteria.len()).flat_map(|b| (0..b).map(move |a| (a, b)));
+    pairs.take(MOST_PLOTS).map(|(a, b)| plot(result, a, b)).collect()
 }
 
 /// End of an axis: it covers the tolerance and all of the front but its outermost twentieth.

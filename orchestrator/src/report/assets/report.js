@@ -10,7 +10,6 @@
   let verified = bytes(data.verified);
   const { word } = document.querySelector("main").dataset;
   const completed = bytes(data.completed);
-  const beyond = data.beyond ? bytes(data.beyond) : new Uint8Array(ids.length);
   const columns = data.columns.map(c => ({
     ...c,
     data: numbers(c.data, c.criterion ? Float64Array : Float32Array),
@@ -122,7 +121,6 @@
     head.after(make("span", !verified[i] && failing.length ? ` fails ${failing.join(", ")}`
       : !data.guarded ? " meets all criteria"
       : verified[i] ? " is accepted" : " is within all tolerances, but in a guard band"));
-    if (beyond[i]) make("p", "beyond what the model says it is valid for", tip).className = "beyond";
     if (conformance) make("p", `conforms with a probability of ${percent(conformance[i])}`, tip).className = "quiet";
     const table = make("table", undefined, tip);
     let before = null;
@@ -154,7 +152,6 @@
   const shapes = {
     out: (x, y, r) => { const s = r * .75; return `M${f(x - s)},${f(y - s)}l${f(2 * s)},${f(2 * s)}m0,${f(-2 * s)}l${f(-2 * s)},${f(2 * s)}`; },
     part: (x, y, r) => `M${f(x)},${f(y - r)}l${r},${r}l${-r},${r}l${-r},${-r}z`,
-    beyond: (x, y, r) => `M${f(x - r - 2)},${f(y - r - 2)}h${2 * r + 4}v${2 * r + 4}h${-2 * r - 4}z`,
     in: (x, y, r) => `M${f(x - r)},${f(y)}a${r},${r} 0 1,0 ${2 * r},0a${r},${r} 0 1,0 ${-2 * r},0`,
   };
 
@@ -187,7 +184,6 @@
       frame(cx, cy);
       acceptance(cx, cy);
       marks(cx, cy);
-      frames();
       words(cx, cy);
       picks = draw(svg, "path", { class: "picked" });
       rings = draw(svg, "path", { class: "ring" });
@@ -246,12 +242,6 @@
         paths[kind] += shapes[kind](...at(i), radius);
       }
       for (const kind in paths) draw(svg, "path", { class: `pt ${kind}`, d: paths[kind] });
-    }
-
-    function frames() {
-      let d = "";
-      for (let i = 0; i < size; i++) if (beyond[i] && completed[i] && visible(i)) d += shapes.beyond(...at(i), radius);
-      draw(svg, "path", { class: "pt beyond", d });
     }
 
     function nearest([x, y], reach) {
@@ -379,7 +369,6 @@
     const thread = i => "M" + rails.map(({ c, x, s }) => `${f(x)},${f(s.clamp(c.data[i]))}`).join("L");
     draw(svg, "path", { class: "thread out", d: shown.filter(i => !verified[i]).map(thread).join("") });
     draw(svg, "path", { class: "thread in", d: shown.filter(i => verified[i]).map(thread).join("") });
-    draw(svg, "path", { class: "thread beyond", d: evenly(whole.filter(i => beyond[i])).map(thread).join("") });
     const picks = draw(svg, "path", { class: "thread picked" }), now = draw(svg, "path", { class: "thread now" });
     const brush = draw(svg, "rect", { class: "brush", visibility: "hidden" });
     let start = null;
@@ -413,7 +402,6 @@
     const LISTED = 200;
     document.getElementById("clear").addEventListener("click", () => select([]));
     document.getElementById("select-verified").addEventListener("click", () => select(Array.from(ids, (_, i) => i).filter(i => verified[i])));
-    document.getElementById("select-beyond")?.addEventListener("click", () => select(Array.from(ids, (_, i) => i).filter(i => beyond[i])));
     document.getElementById("download").addEventListener("click", () => {
       // A spreadsheet would take such a name for a formula.
       const plain = t => /^'*[=+\-@\t\r]/.test(t) ? `'${t}` : t;
@@ -446,7 +434,7 @@
       for (const i of chosen.slice(0, LISTED)) {
         const row = make("tr", undefined, body);
         row.dataset.id = ids[i];
-        make("th", `${ids[i]}${verified[i] ? " ✓" : ""}${beyond[i] ? " □" : ""}`, row).scope = "row";
+        make("th", `${ids[i]}${verified[i] ? " ✓" : ""}`, row).scope = "row";
         if (conformance) make("td", percent(conformance[i]), row).className = "num";
         for (const c of columns) make("td", number(c.data[i]), row).className = c.ok && !c.ok[i] ? "num bad" : "num";
       }
