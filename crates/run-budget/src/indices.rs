@@ -21,13 +21,22 @@ pub struct Index {
     pub interval: [f64; 2],
 }
 
+/// Points at which the surrogate is asked, and what their values tell of an output's variance.
+pub struct Design<'a> {
+    /// For each pair of independent plain points these two, then others that are made of them.
+    pub points: &'a [Vec<f64>],
+    /// Points of each pair.
+    pub width: usize,
+    /// By number of a pair and the values at its points: numbers [x, y] of each measure. A measure is the mean of x - m y over the
+    /// variance, where m is the mean value.
+    pub explained: &'a dyn Fn(usize, &[f64]) -> Vec<[f64; 2]>,
+}
+
 /// First and total index of each parameter in every output and, last, in whether a point is good: it keeps all limits and does not
 /// fail. `runs` are those of the surrogate. `a` and `b` are independent plain samples of as many points, at least 64, of parameters
 /// that are independent of each other (the halves of a net of twice the dimensions). Noise takes no part.
 ///
-/// Estimators: Saltelli et al. (2010), "Variance based sensitivity analysis of model output", table 2, b and f; draws of the
-/// function: Le Gratiet, Cannamela & Iooss (2014), "A Bayesian approach for global sensitivity analysis of (multifidelity)
-/// computer codes".
+/// Estimators: Saltelli et al. (2010), "Variance based sensitivity analysis of model output", table 2, b and f.
 ///
 /// A doubt stands where the surrogate's error is too large to tell them.
 pub fn indices(
@@ -38,31 +47,56 @@ pub fn indices(
     confidence: f64,
 ) -> Vec<Result<Vec<[Index; 2]>, Doubt>> {
     let dimensions = a[0].len();
-    // One after another, so that most coordinates, and their factors, are those of the point before.
     let together = |(a, b): (&Vec<f64>, &Vec<f64>)| {
-        let mut points = vec![a.clone(); dimensions + 1];
-        (0..dimensions).for_each(|k| points[1 + k][k] = b[k]);
-        points.push(b.clone());
+        let mut points = vec![a.clone(); dimensions + 2];
+        points[1].clone_from(b);
+        (0..dimensions).for_each(|k| points[2 + k][k] = b[k]);
         points
     };
+    let points: Vec<Vec<f64>> = a.iter().zip(b).flat_map(together).collect();
+    let explained = |_, values: &[f64]| {
+        let of = |mixed: &f64| {
+            let change = mixed - values[0];
+            [[values[1] * change, change], [0.5 * change * change, 0.0]]
+        };
+        values[2..].iter().flat_map(of).collect()
+    };
+    let design = Design { points: &points, width: dimensions + 2, explained: &explained };
+    let both = |found: Vec<Index>| found.chunks(2).map(|index| [index[0], index[1]]).collect();
+    measures(surrogate, limits, runs, &design, confidence).into_iter().map(|found| found.map(both)).collect()
+}
+
+/// The measures of a design, of at least 64 pairs, in every output and, last, in whether a point is good.
+///
+/// Draws of the function: Le Gratiet, Cannamela & Iooss (2014), "A Bayesian approach for global sensitivity analysis of
+/// (multifidelity) computer codes".
+///
+/// A doubt stands where the surrogate's error is too large to tell them.
+pub fn measures(
+    surrogate: &Surrogate,
+    limits: &[Limit],
+    runs: &[Run],
+    design: &Design<'_>,
+    confidence: f64,
+) -> Vec<Result<Vec<Index>, Doubt>> {
+    let pairs = design.points.len() / design.width;
     let nearly = runs.iter().find_map(Run::finite).unwrap_or_default();
     let parts = |count: usize, of: &dyn Fn(&[Vec<f64>]) -> Possible| -> Vec<Vec<Part>> {
-        let part = |(a, b): (&[Vec<f64>], &[Vec<f64>])| -> Vec<Part> {
-            let points: Vec<Vec<f64>> = a.iter().zip(b).flat_map(together).collect();
-            let possible = of(&points);
+        // Consecutive points of a net are spread like the whole, and so is each part.
+        let size = count.div_ceil(PARTS);
+        let part = |(number, points): (usize, &[Vec<f64>])| -> Vec<Part> {
+            let possible = of(points);
             let good = possible.margins(limits).map(|margin| if margin >= 0.0 { 1.0 } else { 0.0 });
             let values = possible.values.into_iter().chain([good]).zip(nearly.iter().chain([&0.0]));
-            values.map(|(values, nearly)| Part::new(&values.add_scalar(-nearly), dimensions)).collect()
+            values.map(|(values, nearly)| Part::new(&values.add_scalar(-nearly), number * size, design)).collect()
         };
-        // Points of a net belong to the parts in turn, so that each part is spread like the whole.
-        let size = count.div_ceil(PARTS);
-        a[..count].chunks(size).zip(b[..count].chunks(size)).map(part).collect()
+        design.points[..count * design.width].chunks(size * design.width).enumerate().map(part).collect()
     };
     let likely = |points: &[Vec<f64>]| Possible::likely(surrogate, points);
-    let few = a.len().min(DRAWN);
+    let few = pairs.min(DRAWN);
     let functions = Drawn::new(surrogate, EACH);
     let drawn = parts(few, &|points| functions.at(points, false));
-    let [near, all] = [few, a.len()].map(|count| parts(count, &likely));
+    let [near, all] = [few, pairs].map(|count| parts(count, &likely));
     let mut relative: Vec<f64> = surrogate.checks().iter().map(|check| check.relative).collect();
     let doubt_of =
         |(output, &relative): (usize, &f64)| (relative > LARGEST_ERROR).then_some(Doubt::Error { output, relative });
@@ -72,12 +106,8 @@ pub fn indices(
     let found = |(output, doubt): (usize, Option<Doubt>)| {
         let told = || {
             let [drawn, near, all] = [&drawn, &near, &all].map(|parts| terms(parts, output));
-            let one = |k: usize| {
-                [0, 1].map(|which| {
-                    index([&drawn[k][which], &near[k][which], &all[k][which]], relative[output].powi(2), confidence)
-                })
-            };
-            (0..dimensions).map(one).collect()
+            let three = drawn.iter().zip(&near).zip(&all);
+            three.map(|((drawn, near), all)| index([drawn, near, all], relative[output].powi(2), confidence)).collect()
         };
         doubt.map_or_else(|| Ok(told()), Err)
     };
@@ -89,28 +119,26 @@ struct Part {
     pairs: f64,
     /// Of the values at both points, and of their squares.
     moments: Vec<[f64; 2]>,
-    /// By parameter: of what it changes times the value at the second point, of what it changes, and of half the square of that.
-    changes: Vec<Vec<[f64; 3]>>,
+    /// By measure: of what its design explains.
+    explained: Vec<Vec<[f64; 2]>>,
 }
 
 impl Part {
-    /// Of values: a column a function, and of each pair a row of the first point, rows of it with one parameter of the second, and one
-    /// of that.
-    fn new(values: &DMatrix<f64>, dimensions: usize) -> Self {
+    /// Of values: a row a point of a design, from the pair `start` on, a column a function.
+    fn new(values: &DMatrix<f64>, start: usize, design: &Design<'_>) -> Self {
         let functions = values.ncols();
         let mut moments = vec![[0.0; 2]; functions];
-        let mut changes = vec![vec![[0.0; 3]; functions]; dimensions];
+        let mut explained: Vec<Vec<[f64; 2]>> = Vec::new();
         for (k, (column, moments)) in values.column_iter().zip(&mut moments).enumerate() {
-            for pair in column.as_slice().chunks(dimensions + 2) {
-                let [a, b] = [pair[0], pair[dimensions + 1]];
+            for (pair, values) in (start..).zip(column.as_slice().chunks(design.width)) {
+                let [a, b] = [values[0], values[1]];
                 add(moments, [a + b, a * a + b * b]);
-                for (changes, mixed) in changes.iter_mut().zip(&pair[1..]) {
-                    let change = mixed - a;
-                    add(&mut changes[k], [b * change, change, 0.5 * change * change]);
-                }
+                let terms = (design.explained)(pair, values);
+                explained.resize(terms.len(), vec![[0.0; 2]; functions]);
+                explained.iter_mut().zip(terms).for_each(|(sums, terms)| add(&mut sums[k], terms));
             }
         }
-        Self { pairs: (values.nrows() / (dimensions + 2)) as f64, moments, changes }
+        Self { pairs: (values.nrows() / design.width) as f64, moments, explained }
     }
 }
 
@@ -124,8 +152,8 @@ struct Terms {
     by_part: Vec<f64>,
 }
 
-/// First and total index of each parameter in an output.
-fn terms(parts: &[Vec<Part>], output: usize) -> Vec<[Terms; 2]> {
+/// Each measure in an output.
+fn terms(parts: &[Vec<Part>], output: usize) -> Vec<Terms> {
     let parts: Vec<&Part> = parts.iter().map(|part| &part[output]).collect();
     let pairs: f64 = parts.iter().map(|part| part.pairs).sum();
     let functions = parts[0].moments.len();
@@ -136,21 +164,19 @@ fn terms(parts: &[Vec<Part>], output: usize) -> Vec<[Terms; 2]> {
         [mean, square - mean * mean]
     };
     let moments: Vec<[f64; 2]> = (0..functions).map(moments).collect();
-    let of_parameter = |parameter: usize| {
-        let none = || Terms { by_function: vec![0.0; functions], by_part: vec![0.0; parts.len()] };
-        let mut terms = [none(), none()];
+    let of_measure = |measure: usize| {
+        let mut terms = Terms { by_function: vec![0.0; functions], by_part: vec![0.0; parts.len()] };
         for (p, part) in parts.iter().enumerate() {
             for (k, [mean, variance]) in moments.iter().enumerate().filter(|(_, [_, variance])| *variance > 0.0) {
-                let [with_b, change, square] = part.changes[parameter][k];
-                for (terms, sum) in terms.iter_mut().zip([with_b - mean * change, square]) {
-                    terms.by_function[k] += sum / variance / pairs;
-                    terms.by_part[p] += sum / variance / functions as f64 / part.pairs;
-                }
+                let [x, y] = part.explained[measure][k];
+                let sum = x - mean * y;
+                terms.by_function[k] += sum / variance / pairs;
+                terms.by_part[p] += sum / variance / functions as f64 / part.pairs;
             }
         }
         terms
     };
-    (0..parts[0].changes.len()).map(of_parameter).collect()
+    (0..parts[0].explained.len()).map(of_measure).collect()
 }
 
 /// By functions that are drawn, by the most probable one at the same points, and by that at all points. `unexplained` is the part of

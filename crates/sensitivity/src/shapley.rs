@@ -62,7 +62,10 @@ impl FromRuns for Shapley {
 
     fn shown(&self, told: &Told) -> Vec<Measure> {
         let effects: Option<Effects> = read(told, "shapley");
-        effects.map(|effects| Measure::drawn("Shapley effect", effects.effects)).into_iter().collect()
+        // Beside totals, which tell importance, they stand in the table.
+        let measure =
+            if told.get("sobol").is_some_and(|sobol| !sobol.is_null()) { Measure::listed } else { Measure::drawn };
+        effects.map(|effects| measure("Shapley effect", effects.effects)).into_iter().collect()
     }
 }
 
@@ -201,43 +204,64 @@ pub fn effects(outputs: &[f64], parameters: usize, settled: &Settled) -> Option<
     if width != self::width(parameters, correlated) {
         return None;
     }
+    let explained = Explained::new(parameters, settled.size as usize, correlated, settled.seed);
     let (mut terms, mut ends) = (vec![Vec::new(); parameters], Vec::new());
-    let mut random = Random::new(settled.seed, Purpose::Order, 0);
-    for values in outputs.chunks(width) {
-        let steps = steps(values, &orders(parameters, correlated, &mut random));
+    for (pair, values) in outputs.chunks(width).enumerate() {
         ends.push([values[0], values[1]]);
-        terms.iter_mut().zip(steps).for_each(|(terms, steps)| terms.push(steps));
+        terms.iter_mut().zip(explained.at(pair, values)).for_each(|(terms, term)| terms.push(term));
     }
-    let explained = |[before, after, a, b]: &Step| {
-        if correlated { (after - before) * (a - (after + before) / 2.0) } else { (after - before) * (a - b) / 2.0 }
-    };
-    let mean = |steps: &Vec<Step>| steps.iter().map(explained).sum::<f64>() / steps.len() as f64;
     let (variance, carriers) = (ratio::paired_variance(&ends), ratio::carriers(outputs, &ends));
     let failed = outputs.iter().filter(|v| !v.is_finite()).count();
     let mut result = Effects { effects: vec![], used: vec![], failed };
-    for steps in &terms {
-        let part = Parts::of(steps.iter().map(mean));
+    for terms in &terms {
+        let part = Parts::of(terms.iter().copied());
         result.used.push(part.used());
         result.effects.push(ratio::estimate(&part, &variance, 0.0, carriers)?);
     }
     Some(result)
 }
 
-/// The outputs before and after an order adds a parameter, and those of A and B.
-type Step = [f64; 4];
+/// What the parameters explain at each pair of a [`design`] with the same seed.
+#[derive(Clone, Debug)]
+pub struct Explained {
+    correlated: bool,
+    /// By pair, parameter and order: the places, among the values of the pair, of the points before and after it is added.
+    steps: Vec<Vec<Vec<[usize; 2]>>>,
+}
 
-/// The steps of a base point, for each parameter one in each order.
-fn steps(values: &[f64], orders: &[Vec<usize>]) -> Vec<Vec<Step>> {
+impl Explained {
+    /// Of so many pairs.
+    pub fn new(parameters: usize, pairs: usize, correlated: bool, seed: u64) -> Self {
+        let mut random = Random::new(seed, Purpose::Order, 0);
+        let steps = (0..pairs).map(|_| steps(&orders(parameters, correlated, &mut random))).collect();
+        Self { correlated, steps }
+    }
+
+    /// What each parameter explains of the variance, by the values of a pair, in its mean over the orders.
+    pub fn at(&self, pair: usize, values: &[f64]) -> Vec<f64> {
+        let [a, b] = [values[0], values[1]];
+        let one = |[before, after]: &[usize; 2]| {
+            let [before, after] = [values[*before], values[*after]];
+            if self.correlated {
+                (after - before) * (a - (after + before) / 2.0)
+            } else {
+                (after - before) * (a - b) / 2.0
+            }
+        };
+        self.steps[pair].iter().map(|steps| steps.iter().map(one).sum::<f64>() / steps.len() as f64).collect()
+    }
+}
+
+fn steps(orders: &[Vec<usize>]) -> Vec<Vec<[usize; 2]>> {
     let sets = beginnings(orders);
-    let [a, b] = [values[0], values[1]];
     let mut steps = vec![Vec::new(); orders[0].len()];
     for order in orders {
-        let mut before = b;
+        // From B to the whole set, which is A.
+        let mut before = 1;
         for (count, &added) in (1..).zip(order) {
             let place = sets.iter().position(|set| *set == beginning(order, count));
-            // The whole set is A.
-            let after = place.map_or(a, |place| values[2 + place]);
-            steps[added].push([before, after, a, b]);
+            let after = place.map_or(0, |place| 2 + place);
+            steps[added].push([before, after]);
             before = after;
         }
     }

@@ -1,36 +1,31 @@
-//! Sobol indices from the points of a finished study, by a surrogate of them.
+//! Sobol indices and Shapley effects from the points of a finished study, by a surrogate of them.
 
 use std::path::Path;
 
-use super::outputs::{Output, Sensitivity, from_indices};
+use super::outputs::{Output, Sensitivity, by_surrogate};
+use super::{CORRELATED, space};
 use crate::error::Error;
 use crate::methods::known;
 use crate::results::surrogate::{limits, reason};
 use crate::session::Session;
 use ::sensitivity::Estimate;
+use ::sensitivity::shapley::{self, Effects, Explained};
 use ::sensitivity::sobol::Indices;
 use conformity::conclusion::grouped;
 use parameter_regions::table::PointTable;
-use run_budget::{Doubt, Index, Run, Surrogate, Unfit, indices};
+use run_budget::{Design, Doubt, Index, Run, Surrogate, Unfit, indices, measures};
 use sampling::design;
 
 /// A fit takes the cube of the number of points; more of them tell little more.
 const MOST: usize = 250;
-/// Pairs of points at which the surrogate is asked.
+/// Pairs of points at which the surrogate is asked, and those of them that tell Shapley effects.
 const PAIRS: u64 = 8192;
+const OF_SHAPLEY: usize = 4096;
 const CONFIDENCE: f64 = 0.95;
 
 /// The result of a finished study's points in `folder`.
 pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensitivity, Error> {
     let Session { study, plan, judge, .. } = session;
-    if !plan.is_independent() {
-        let message = format!(
-            "the parameters are correlated, or drawn together from a sample, and these indices are those of independent ones; use \
-             `orchestrator sensitivity {} --shapley 1000`",
-            study.path().display()
-        );
-        return Err(Error::option("from", message));
-    }
     let (_, table) = known::points_of(folder, study)?;
     let varied = plan.varied();
     let inputs = plan.inputs.iter().map(|input| table.parameters.iter().find(|p| p.name == input.name));
@@ -46,18 +41,39 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
     let runs: Vec<Run> = (0..MOST.min(table.len())).map(run).collect();
     let dimensions = varied.len();
     let net = design::cube(2 * dimensions, PAIRS, seed, 1).map_err(|message| study.error(message))?;
-    let half = |half: usize| -> Vec<Vec<f64>> {
-        net.iter().map(|u| plan.coordinates(&plan.from_cube(&u[half * dimensions..][..dimensions]))).collect()
-    };
-    let [a, b] = [half(0), half(1)];
-    let told = |found: Result<Vec<[Index; 2]>, Doubt>| {
-        found.map_err(|doubt| reason(judge, doubt)).map(|found| of_varied(&found, &varied, runs.len()))
-    };
+    let of_cube = |u: &[f64]| plan.coordinates(&plan.from_cube(u));
+    let correlation = space(plan).correlation;
+    let pairs = &net[..OF_SHAPLEY];
+    let rows = shapley::design(pairs, correlation.as_ref(), seed).map_err(|message| study.error(message))?;
+    let points: Vec<Vec<f64>> = rows.iter().map(|u| of_cube(u)).collect();
+    let explained = Explained::new(dimensions, pairs.len(), correlation.is_some(), seed);
+    let explained = |pair, values: &[f64]| explained.at(pair, values).into_iter().map(|x| [x, 0.0]).collect();
+    let design = Design { points: &points, width: points.len() / pairs.len(), explained: &explained };
+    let like: Vec<Vec<f64>> = points.iter().step_by(design.width).cloned().collect();
     let names = judge.criteria.iter().map(|criterion| criterion.name.clone()).chain(["verified".to_owned()]);
     let names: Vec<String> = names.collect();
-    let found: Vec<Result<Indices, String>> = match Surrogate::fit(&runs, &a, None, seed) {
+    let limits = limits(judge, 0.0);
+    let found: Vec<Result<(Option<Indices>, Effects), String>> = match Surrogate::fit(&runs, &like, None, seed) {
         Ok(surrogate) => {
-            indices(&surrogate, &limits(judge, 0.0), &runs, [&a, &b], CONFIDENCE).into_iter().map(told).collect()
+            let half = |half: usize| -> Vec<Vec<f64>> {
+                net.iter().map(|u| of_cube(&u[half * dimensions..][..dimensions])).collect()
+            };
+            let sobol = match correlation {
+                Some(_) => vec![None; names.len()],
+                None => {
+                    let found = indices(&surrogate, &limits, &runs, [&half(0), &half(1)], CONFIDENCE);
+                    found.into_iter().map(|found| Some(of_varied(&found.ok()?, &varied, runs.len()))).collect()
+                }
+            };
+            let told = |(found, sobol): (Result<Vec<Index>, Doubt>, _)| match found {
+                Ok(found) => {
+                    let effects = found.iter().map(estimate).collect();
+                    Ok((sobol, Effects { effects, used: vec![runs.len(); dimensions], failed: 0 }))
+                }
+                Err(doubt) => Err(reason(judge, doubt)),
+            };
+            let effects = measures(&surrogate, &limits, &runs, &design, CONFIDENCE);
+            effects.into_iter().zip(sobol).map(told).collect()
         }
         Err(Unfit::TooFew { runs, needed }) => {
             let study = study.path().display();
@@ -73,6 +89,9 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
     let mut outputs: Vec<Output> = Vec::new();
     let failed = runs.iter().filter(|run| run.values.is_none()).count();
     let mut warnings = Vec::new();
+    if correlation.is_some() {
+        warnings.push(CORRELATED.to_owned());
+    }
     if failed > 0 {
         warnings.push(format!(
             "{failed} of {} points failed: indices are of the criteria as the others continue them into where runs fail, which only \
@@ -90,8 +109,9 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
                 study.path().display()
             ));
         }
-        outputs.push(from_indices(name, found.ok(), &parameters, seed));
+        outputs.push(by_surrogate(name, found.ok(), &parameters, seed));
     }
+    let of_what = if correlation.is_some() { "Shapley effects" } else { "Sobol indices and Shapley effects" };
     let of_all = match runs.len() < table.len() {
         true => format!("{} of the {} points", runs.len(), grouped(table.len() as u64)),
         false => format!("the {} points", runs.len()),
@@ -102,7 +122,7 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
     Ok(Sensitivity {
         units: units.collect(),
         parameters,
-        method: format!("Sobol indices by surrogate from {of_all}, no further run"),
+        method: format!("{of_what} by surrogate from {of_all}, no further run"),
         runs: runs.len(),
         failed,
         warnings,
@@ -115,13 +135,12 @@ fn values(table: &PointTable, row: usize) -> Option<Vec<f64>> {
     values.iter().all(|value| value.is_finite()).then_some(values)
 }
 
+fn estimate(index: &Index) -> Estimate {
+    let Index { estimate: value, interval: [low, high] } = *index;
+    Estimate { value, low, high }
+}
+
 fn of_varied(found: &[[Index; 2]], varied: &[usize], runs: usize) -> Indices {
-    let of = |which: usize| -> Vec<Estimate> {
-        let one = |k: &usize| {
-            let Index { estimate: value, interval: [low, high] } = found[*k][which];
-            Estimate { value, low, high }
-        };
-        varied.iter().map(one).collect()
-    };
+    let of = |which: usize| varied.iter().map(|k| estimate(&found[*k][which])).collect();
     Indices { first: of(0), total: of(1), used: vec![runs; varied.len()], failed: 0 }
 }

@@ -96,7 +96,7 @@ pub fn run(options: &Options) -> Result<Delivery> {
 fn of_points(options: &Options, from: &Path, seed: u64) -> Result<Delivery> {
     let work = &options.work;
     let request = Request { study: work.study.clone(), fmu: work.means.fmu.clone(), ..Request::default() };
-    let session = Session::open(request)?;
+    let session = asking::session(request, Takes { correlations: true, samples: false })?;
     let result = from_points::find(&session, from, seed)?;
     let origin = asking::origin(&session)?;
     let text = document(&result).as_text();

@@ -5,9 +5,11 @@ use parameter_regions::table::PointTable;
 use sensitivity::{
     Estimate, RUNS, dominant,
     method::{FromRuns, Measure, Settled, Told},
+    shapley::Effects,
     sobol::Indices,
 };
 use serde::{Deserialize, Serialize};
+use serde_json::json;
 use std::collections::BTreeMap;
 
 /// The sensitivity of a study's outputs to its parameters.
@@ -127,14 +129,21 @@ pub fn from_runs(method: &dyn FromRuns, design: &[Vec<f64>], rows: &PointTable, 
     }
 }
 
-/// Indices that a surrogate told of an output, if it told any.
-pub fn from_indices(name: String, indices: Option<Indices>, parameters: &[String], seed: u64) -> Output {
+/// Sobol indices of independent parameters and Shapley effects that a surrogate told of an output, if it told any.
+pub fn by_surrogate(
+    name: String,
+    found: Option<(Option<Indices>, Effects)>,
+    parameters: &[String],
+    seed: u64,
+) -> Output {
     let mut told = unused(seed);
-    if let Some(indices) = indices {
-        told.insert("sobol".to_owned(), serde_json::json!(indices));
+    if let Some((indices, effects)) = found {
+        told.insert("sobol".to_owned(), json!(indices));
+        told.insert("shapley".to_owned(), json!(effects));
     }
-    let shown: Vec<Measure> = RUNS.iter().flat_map(|method| method.shown(&told)).collect();
-    Output { missing: 0, dominant: most_important(&shown, parameters), name, told }
+    let mut output = Output { missing: 0, dominant: None, name, told };
+    output.dominant = most_important(&output.shown(), parameters);
+    output
 }
 
 /// The parameters whose first-order index lies above the total one by more than the error of both.
@@ -171,9 +180,6 @@ fn outputs(table: &PointTable) -> Vec<(String, Vec<f64>)> {
 
 #[cfg(test)]
 mod tests {
-    use sensitivity::shapley::Effects;
-    use serde_json::json;
-
     use super::*;
 
     /// An output with these two indices.
