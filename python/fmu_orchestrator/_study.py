@@ -185,18 +185,17 @@ class Study:
         *,
         base: int | None = None,
         morris: int | None = None,
-        shapley: int | None = None,
         budget: int | None = None,
         seed: int | None = None,
         output: StrPath | None = None,
         **running: Unpack[Running],
     ) -> Sensitivity:
-        """Tells which parameter matters: Sobol indices of ``base`` points, screening by ``morris`` trajectories, or Shapley effects
-        of ``shapley`` base points, which take correlated parameters, too. ``budget`` is the most runs, whose indices a surrogate
-        tells. ``points_of`` takes the points of a finished study instead, without a further run.
+        """Tells which parameter matters: Sobol indices of ``base`` points, or screening by ``morris`` trajectories.
+        ``budget`` is the most runs, from which a surrogate tells Sobol indices and Shapley effects; the latter take correlated
+        parameters, too. ``points_of`` takes the points of a finished study instead, without a further run.
         """
         source, folder = self._folders(points_of, output)
-        options: dict[str, Value] = {"from": source, "base": base, "morris": morris, "shapley": shapley}
+        options: dict[str, Value] = {"from": source, "base": base, "morris": morris}
         options |= {"budget": budget, "seed": seed}
         done = self._run("sensitivity", folder, options, running, state="sensitivity")
         return Sensitivity(folder, done.text)

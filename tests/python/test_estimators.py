@@ -7,7 +7,7 @@ import subprocess
 import numpy as np
 import openturns as ot
 import pytest
-from SALib.analyze import morris, shapley
+from SALib.analyze import morris
 from test_acceptance import PROGRAM, ROOT
 
 STUDY = ROOT / "studies" / "paper-table3.toml"
@@ -99,39 +99,6 @@ def test_elementary_effects_equal_salib(tmp_path):
         assert np.allclose([e["mu"] for e in effects], expected["mu"], rtol=0, atol=1e-10 * scale)
         assert np.allclose([e["mu_star"]["value"] for e in effects], expected["mu_star"], rtol=0, atol=1e-10 * scale)
         assert np.allclose([e["sigma"] for e in effects], expected["sigma"], rtol=0, atol=1e-10 * scale)
-
-
-def test_shapley_effects_are_the_mean_of_salibs_in_both_directions(tmp_path):
-    orchestrator("sensitivity", STUDY, "--shapley", "64", "--output", tmp_path)
-    outputs, columns, names = results(tmp_path)
-    width = PARAMETERS + 1
-    # Our order is A, B, then B with one parameter after another from A; SALib's goes from one end to the other.
-    order = [1, *range(2, width), 0]
-
-    def trajectories(values, direction):
-        return values.reshape(64, width, -1)[:, order[::direction]].reshape(64 * width, -1)
-
-    x = np.column_stack([columns[name] for name in names])
-    for name in [*CRITERIA, "verified"]:
-        found = outputs[name]["shapley"]["effects"]
-        theirs = [
-            shapley.analyze(problem(names), trajectories(x, way), trajectories(columns[name], way)[:, 0])
-            for way in (1, -1)
-        ]
-        expected = np.mean([each["shapley_normalized"] for each in theirs], axis=0)
-        np.testing.assert_allclose(values(found), expected, rtol=0, atol=1e-10)
-        assert abs(values(found).sum() - 1) < 1e-10
-        # The mean of both scatters no more than either. Ours comes from sixteen nets: Student's factor of 15 degrees of freedom
-        # over 1.96, is 1.09; it is wider the fewer runs carry the variance.
-        squares = (columns[name] - columns[name].mean()) ** 2
-        carriers = 2 * 64 / squares.size * squares.sum() ** 2 / (squares**2).sum()
-        assert (found[0]["high"] is None) == (carriers < 8)
-        if carriers < 8:
-            continue
-        half = np.array([(estimate["high"] - estimate["low"]) / 2 for estimate in found])
-        widest = np.max([each["shapley_normalized_conf"] for each in theirs], axis=0)
-        few = 3.7 / carriers if carriers < 12 else 0
-        assert np.all(half <= 1.02 * 1.09 * (1 + 16 / carriers) * widest + few), (half, widest)
 
 
 def test_the_clearance_dominates_the_bearing_temperature(tmp_path):

@@ -79,6 +79,6 @@ def test_the_share_is_that_of_the_sample_and_of_the_posterior(study, tmp_path):
 
 
 def test_what_moves_one_parameter_alone_is_refused(study, tmp_path):
-    for refused in ({"shapley": 8}, {"morris": 8}, {"base": 8}):
+    for refused in ({"morris": 8}, {"base": 8}):
         with pytest.raises(OrchestratorError, match="x1, x2 are drawn together from a sample"):
             study.sensitivity(**refused, output=tmp_path)

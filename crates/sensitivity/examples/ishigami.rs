@@ -3,18 +3,17 @@
 mod functions;
 
 use functions::{ishigami, ishigami_indices};
-use sensitivity::method::{FirstOrder, FromRuns, Settled, Space};
+use sensitivity::method::{FirstOrder, FromRuns, Settled};
 use sensitivity::sobol::{Sobol, indices};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    let space = Space { parameters: 3, correlation: None };
     let (first, total) = ishigami_indices();
     let mut held = 0;
     for seed in 1..=10 {
         let settled = Settled { size: 1024, seed };
 
         // Points in the unit cube: map them to the distributions of your parameters, run the model, keep the order.
-        let design = Sobol.design(&space, &settled)?;
+        let design = Sobol.design(3, &settled)?;
         let values: Vec<f64> = design.iter().map(|point| ishigami(point)).collect();
 
         let found = indices(&values, 3, FirstOrder::default()).ok_or("too few runs")?;

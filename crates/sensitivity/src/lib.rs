@@ -20,7 +20,7 @@ use method::FromRuns;
 // the terminal and the page show its results.
 
 /// The methods; the first one is the usual one.
-pub const RUNS: &[&dyn FromRuns] = &[&sobol::Sobol, &morris::Morris, &shapley::Shapley];
+pub const RUNS: &[&dyn FromRuns] = &[&sobol::Sobol, &morris::Morris];
 
 /// The method of this name.
 ///
@@ -49,7 +49,7 @@ pub fn dominant(estimates: &[Estimate]) -> Option<usize> {
 mod tests {
     use super::*;
     use crate::functions::{ishigami, ishigami_indices, sobol_g, sobol_g_indices};
-    use crate::method::{FirstOrder, Space};
+    use crate::method::FirstOrder;
     use crate::testing::{lattice, near, settled};
 
     #[test]
@@ -58,19 +58,14 @@ mod tests {
             let output = |u: &Vec<f64>| u[0] + 2.0 * u[1] * u[1] - u[2];
             design.iter().map(output).collect()
         };
-        let settled = settled(64, 1);
         let pairs = lattice(64, 6);
         let of_sobol = outputs(sobol::design(&pairs));
-        let of_shapley = outputs(shapley::design(&pairs, None, 1).expect("they are independent"));
         let told = |unit: f64| {
             let in_unit = |values: &[f64]| values.iter().map(|v| unit * v).collect::<Vec<f64>>();
-            (
-                sobol::indices(&in_unit(&of_sobol), 3, FirstOrder::default()),
-                shapley::effects(&in_unit(&of_shapley), 3, &settled),
-            )
+            sobol::indices(&in_unit(&of_sobol), 3, FirstOrder::default())
         };
         let usual = told(1.0);
-        assert!(usual.0.as_ref().is_some_and(|indices| indices.total[0].value > 0.1));
+        assert!(usual.as_ref().is_some_and(|indices| indices.total[0].value > 0.1));
         // Powers of two, so that no digit changes.
         assert_eq!(told(2.0_f64.powi(1000)), usual);
         assert_eq!(told(2.0_f64.powi(-900)), usual);
@@ -94,14 +89,12 @@ mod tests {
     /// The texts that people read and write: names in a study and on the command line, sizes, and how a study is told.
     #[test]
     fn methods_are_called_by_name_and_say_what_they_do() {
-        let space = Space { parameters: 4, correlation: None };
         let words = |name: &str| {
             let method = named(name).unwrap();
-            let runs = method.runs(&space, 7);
+            let runs = method.runs(4, 7);
             let done = method.done(runs as usize, &settled(7, 1));
             let facts = method.facts();
             assert_eq!(facts.name, name);
-            assert_eq!(facts.takes_correlations, name == "shapley");
             (facts.option, facts.usual_size, runs, method.title(7), done)
         };
         let sobol = "Sobol indices from 7 base points";
@@ -110,11 +103,8 @@ mod tests {
         let morris = "Morris screening by 7 trajectories";
         let done = "Morris screening, 35 runs".to_owned();
         assert_eq!(words("morris"), ("morris", 20, 35, morris.to_owned(), done));
-        let shapley = "Shapley effects from 7 base points";
-        let done = format!("{shapley} (35 runs)");
-        assert_eq!(words("shapley"), ("shapley", 256, 35, shapley.to_owned(), done));
         let unknown = named("Sobol").map(|method| method.facts().name);
-        let message = "unknown method `Sobol`; there are sobol, morris, shapley";
+        let message = "unknown method `Sobol`; there are sobol, morris";
         assert!(unknown.is_err_and(|error| error.starts_with(message)));
     }
 

@@ -1,6 +1,5 @@
 //! The interface of a sensitivity method.
 
-use nalgebra::DMatrix;
 use serde_json::{Map, Value};
 
 use sampling::statistics::estimate::Estimate;
@@ -22,15 +21,6 @@ pub enum FirstOrder {
     /// mean(f_B (f_AB - f_A)): Saltelli et al. (2010), table 2 (b). Surer for a parameter without
     /// influence, of which it is exactly 0.
     Saltelli,
-}
-
-/// The parameters that vary.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Space {
-    /// How many they are.
-    pub parameters: usize,
-    /// The correlations of their normal scores, where there are any.
-    pub correlation: Option<DMatrix<f64>>,
 }
 
 /// How much is run, and how it is analysed.
@@ -55,8 +45,6 @@ pub struct Facts {
     pub usual_size: u64,
     /// The least size at which its intervals were tried on functions with known indices.
     pub tried_size: u64,
-    /// Whether it keeps correlated parameters together.
-    pub takes_correlations: bool,
 }
 
 /// A method that needs runs of its own design.
@@ -71,13 +59,13 @@ pub trait FromRuns: Sync {
     }
 
     /// How many runs this size needs for these parameters.
-    fn runs(&self, space: &Space, size: u64) -> u64;
+    fn runs(&self, parameters: usize, size: u64) -> u64;
 
     /// The points to be run, in the unit cube of the parameters.
     ///
     /// # Errors
     /// When there is no design of this size for these parameters.
-    fn design(&self, space: &Space, settled: &Settled) -> Result<Vec<Vec<f64>>, String>;
+    fn design(&self, parameters: usize, settled: &Settled) -> Result<Vec<Vec<f64>>, String>;
 
     /// Method and cost in words, after `runs` runs.
     fn done(&self, runs: usize, settled: &Settled) -> String {

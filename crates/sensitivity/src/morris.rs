@@ -5,7 +5,7 @@
 //! "An effective screening design for sensitivity analysis of large models",
 //! Environmental Modelling & Software 22, 1509-1518.
 
-use crate::method::{Facts, FromRuns, Measure, Settled, Space, Told, read};
+use crate::method::{Facts, FromRuns, Measure, Settled, Told, read};
 use conformity::interval::clopper_pearson;
 use sampling::{
     random::{Purpose, Random},
@@ -33,18 +33,17 @@ impl FromRuns for Morris {
             words: ["Morris screening by", "trajectories"],
             usual_size: 20,
             tried_size: 10,
-            takes_correlations: false,
         }
     }
 
-    fn runs(&self, space: &Space, size: u64) -> u64 {
-        size * (space.parameters as u64 + 1)
+    fn runs(&self, parameters: usize, size: u64) -> u64 {
+        size * (parameters as u64 + 1)
     }
 
     /// The ends of a distribution may reach far; the grid covers its middle 98 %.
-    fn design(&self, space: &Space, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
+    fn design(&self, parameters: usize, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
         let trajectories = usize::try_from(settled.size).map_err(|error| error.to_string())?;
-        Ok(design(space.parameters, trajectories, LEVELS, settled.seed)
+        Ok(design(parameters, trajectories, LEVELS, settled.seed)
             .iter()
             .map(|row| row.iter().map(|u| 0.01 + 0.98 * u).collect())
             .collect())
@@ -303,9 +302,8 @@ mod tests {
     /// end of the grid to the other.
     #[test]
     fn a_study_of_a_linear_function_shows_its_slopes() {
-        let space = Space { parameters: 2, correlation: None };
-        let rows = Morris.design(&space, &settled(10, 3)).unwrap();
-        assert_eq!(rows.len() as u64, Morris.runs(&space, 10));
+        let rows = Morris.design(2, &settled(10, 3)).unwrap();
+        assert_eq!(rows.len() as u64, Morris.runs(2, 10));
         let on_grid = |u: &f64| {
             let place = 3.0 * (u - 0.01) / 0.98;
             (place - place.round()).abs() < 1e-9 && (0.0..=3.0).contains(&place.round())

@@ -6,7 +6,7 @@
 //! parameter i the sample A_B^(i), which is A with column i from B.
 
 use crate::{
-    method::{Facts, FirstOrder, FromRuns, Measure, Settled, Space, Told, read},
+    method::{Facts, FirstOrder, FromRuns, Measure, Settled, Told, read},
     pairs::pairs,
     ratio::{self, Combined, Parts},
 };
@@ -26,16 +26,15 @@ impl FromRuns for Sobol {
             words: ["Sobol indices from", "base points"],
             usual_size: 256,
             tried_size: 64,
-            takes_correlations: false,
         }
     }
 
-    fn runs(&self, space: &Space, size: u64) -> u64 {
-        size * (space.parameters as u64 + 2)
+    fn runs(&self, parameters: usize, size: u64) -> u64 {
+        size * (parameters as u64 + 2)
     }
 
-    fn design(&self, space: &Space, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
-        let pairs = pairs(space.parameters, settled.size, settled.seed)?;
+    fn design(&self, parameters: usize, settled: &Settled) -> Result<Vec<Vec<f64>>, String> {
+        let pairs = pairs(parameters, settled.size, settled.seed)?;
         Ok(design(&pairs))
     }
 
@@ -448,9 +447,8 @@ mod tests {
     /// The way of a study: the design has A, A_B of each parameter, and B; what is told comes back when it is shown.
     #[test]
     fn a_study_shows_the_indices_of_its_design() {
-        let space = Space { parameters: 2, correlation: None };
-        let rows = Sobol.design(&space, &settled(64, 5)).unwrap();
-        assert_eq!(rows.len() as u64, Sobol.runs(&space, 64));
+        let rows = Sobol.design(2, &settled(64, 5)).unwrap();
+        assert_eq!(rows.len() as u64, Sobol.runs(2, 64));
         for rows in rows.chunks(4) {
             let (a, b) = (&rows[0], &rows[3]);
             assert_eq!(rows[1..3], [vec![b[0], a[1]], vec![a[0], b[1]]]);

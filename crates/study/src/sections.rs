@@ -11,9 +11,9 @@ use fmu_import::quantity::Quantity;
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct SensitivityText {
-    /// The method: `sobol`, `morris`, or `shapley`.
+    /// The method: `sobol` or `morris`.
     pub method: Option<Spanned<String>>,
-    /// How much is run: base points of `sobol` and `shapley`, trajectories of `morris`.
+    /// How much is run: base points of `sobol`, trajectories of `morris`.
     pub size: Option<Spanned<u64>>,
     /// The seed of the runs.
     pub seed: Option<u64>,

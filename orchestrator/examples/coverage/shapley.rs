@@ -1,22 +1,26 @@
-//! Shapley effects: how often their intervals hold the exact effects, and how large the error is.
+//! Shapley effects by a surrogate of few runs: how often their intervals hold the exact effects, and how large the error is.
 
 use crate::functions::{ishigami, ishigami_indices, sobol_g};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
+use run_budget::{Design, Limit, Run, Surrogate, measures};
 use sampling::design::cube;
-use sensitivity::method::Settled;
-use sensitivity::pairs::pairs;
-use sensitivity::shapley::{design, effects};
+use sensitivity::shapley::{Explained, design};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use crate::{G, percent};
 
 type Function = fn(&[f64]) -> f64;
 
+/// Pairs of points at which a surrogate is asked.
+const PAIRS: usize = 4096;
+
 /// A function of places in the unit cube, with the correlations of their scores and the exact effects.
 struct Case {
     name: &'static str,
     function: Function,
+    /// Whether its parameters are normal scores rather than places.
+    normal: bool,
     correlation: Option<DMatrix<f64>>,
     exact: Vec<f64>,
 }
@@ -26,8 +30,8 @@ pub fn print(repetitions: u64) -> Result<(), String> {
         "\nShapley effects: % of {repetitions} intervals that hold the exact effect, one by one; their mean width; error"
     );
     for case in &cases()? {
-        for base in [64, 256, 1024] {
-            held(case, base, repetitions)?;
+        for runs in [60, 100] {
+            held(case, runs, repetitions)?;
         }
     }
     Ok(())
@@ -58,12 +62,15 @@ fn cases() -> Result<Vec<Case>, String> {
     }
     let mut cases: Vec<Case> = cases
         .into_iter()
-        .map(|(name, function, correlation, exact)| Case { name, function, correlation, exact })
+        .map(|(name, function, correlation, exact)| {
+            let normal = name == "linear" || name == "x1 x2 + x1";
+            Case { name, function, normal, correlation, exact }
+        })
         .collect();
     // No closed form: nested averages over a grid-like net, another way than that of the method.
     for (name, function, matrix) in [("Ishigami", ishigami as Function, three), ("Sobol's g", g, four)] {
         let exact = nested(function, &matrix)?;
-        cases.push(Case { name, function, correlation: Some(matrix), exact });
+        cases.push(Case { name, function, normal: false, correlation: Some(matrix), exact });
     }
     Ok(cases)
 }
@@ -155,29 +162,42 @@ fn nested(function: Function, matrix: &DMatrix<f64>) -> Result<Vec<f64>, String>
     Ok(of_subsets(d, explained))
 }
 
-fn held(case: &Case, base: u64, repetitions: u64) -> Result<(), String> {
+fn held(case: &Case, runs: u64, repetitions: u64) -> Result<(), String> {
     let d = case.exact.len();
-    let one = |seed: u64| -> Result<[Vec<f64>; 3], String> {
-        let settled = Settled { size: base, seed };
-        let pairs = pairs(d, base, 7000 + seed)?;
+    let one = |seed: u64| -> Result<Option<[Vec<f64>; 3]>, String> {
+        let pairs = cube(2 * d, PAIRS as u64, 7000 + seed, 1)?;
         let rows = design(&pairs, case.correlation.as_ref(), seed)?;
-        let outputs: Vec<f64> = rows.iter().map(|u| (case.function)(u)).collect();
-        let found = effects(&outputs, d, &settled).ok_or("too few points")?.effects;
+        let place = |u: &[f64]| if case.normal { scores(u).collect() } else { u.to_vec() };
+        let points: Vec<Vec<f64>> = rows.iter().map(|u| place(u)).collect();
+        let width = rows.len() / PAIRS;
+        // The plain points of a design of its own.
+        let plain = design(&cube(2 * d, runs, seed, 1)?, case.correlation.as_ref(), seed)?;
+        let run = |u: &Vec<f64>| Run { point: place(u), values: Some(vec![(case.function)(u)]) };
+        let runs: Vec<Run> = plain.iter().step_by(width).map(run).collect();
+        let like: Vec<Vec<f64>> = points.iter().step_by(width).cloned().collect();
+        let surrogate = Surrogate::fit(&runs, &like, None, seed).map_err(|unfit| unfit.to_string())?;
+        let explained = Explained::new(d, PAIRS, case.correlation.is_some(), seed);
+        let explained = |pair, values: &[f64]| explained.at(pair, values).into_iter().map(|x| [x, 0.0]).collect();
+        let asked = Design { points: &points, width, explained: &explained };
+        let limits = [Limit { output: 0, range: [f64::NEG_INFINITY, f64::INFINITY] }];
+        let Ok(found) = &measures(&surrogate, &limits, &runs, &asked, 0.95)[0] else { return Ok(None) };
         let all = || found.iter().zip(&case.exact);
-        Ok([
-            all().map(|(e, &x)| f64::from(u8::from(e.contains(x)))).collect(),
-            all().map(|(e, _)| e.high - e.low).collect(),
-            all().map(|(e, x)| (e.value - x).powi(2)).collect(),
-        ])
+        Ok(Some([
+            all().map(|(e, &x)| f64::from(u8::from(e.interval[0] <= x && x <= e.interval[1]))).collect(),
+            all().map(|(e, _)| e.interval[1] - e.interval[0]).collect(),
+            all().map(|(e, x)| (e.estimate - x).powi(2)).collect(),
+        ]))
     };
-    let all: Vec<[Vec<f64>; 3]> = (0..repetitions).into_par_iter().map(one).collect::<Result<_, _>>()?;
-    let mean = |what: usize, k: usize| all.iter().map(|r| r[what][k]).sum::<f64>() / repetitions as f64;
+    let all: Vec<Option<[Vec<f64>; 3]>> = (0..repetitions).into_par_iter().map(one).collect::<Result<_, _>>()?;
+    let all: Vec<[Vec<f64>; 3]> = all.into_iter().flatten().collect();
+    let mean = |what: usize, k: usize| all.iter().map(|r| r[what][k]).sum::<f64>() / all.len() as f64;
     let held: Vec<f64> = (0..d).map(|k| percent(mean(0, k))).collect();
     let over = |what: usize| (0..d).map(|k| mean(what, k)).sum::<f64>() / d as f64;
     println!(
-        "  {:<10} {} {base:>5} base points: {held:.1?}; width {:.3}, rms error {:.4}",
+        "  {:<10} {} {runs:>5} runs, told {}: {held:.1?}; width {:.3}, rms error {:.4}",
         case.name,
         if case.correlation.is_some() { "correlated " } else { "independent" },
+        all.len(),
         over(1),
         over(2).sqrt()
     );

@@ -194,7 +194,7 @@ pub(super) fn session(request: Request, takes: Takes) -> Result<Session> {
             .study
             .error(format!(
                 "this analysis takes every parameter on its own, and correlated ones cannot be changed alone; remove \
-                       [[correlations]], or use `orchestrator sensitivity {} --shapley 1000`, which keeps them together",
+                       [[correlations]], or use `orchestrator sensitivity {} --budget 100`, which keeps them together",
                 session.study.path().display()
             ))
             .into());

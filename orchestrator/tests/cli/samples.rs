@@ -67,10 +67,9 @@ tolerance = 0.03
     // The rows of one half are verified, and half of the rows stay inside.
     let region = &result["region"];
     assert!((region["share"].as_f64().unwrap() - 0.5).abs() < 0.06, "{region}");
-    let one_alone: [&[&str]; 4] = [
+    let one_alone: [&[&str]; 3] = [
         &["sensitivity", "study.toml"],
         &["sensitivity", "study.toml", "--morris", "8"],
-        &["sensitivity", "study.toml", "--shapley", "8"],
         &["verify", "study.toml", "--rare", "verified"],
     ];
     for command in one_alone {

@@ -115,16 +115,16 @@ fn shapley_effects_divide_the_variance_among_correlated_parameters() {
     let study = format!("{HEAD}{}{correlated}", criteria(&["linear", "first"]));
     bench.write("study.toml", &study);
     let sobol = bench.run(&["sensitivity", "study.toml", "--base", "16"]);
-    sobol.is_mistake(&["correlated ones cannot be changed alone", "study.toml --shapley 1000"]);
-    let (said, found) = sensitive(&bench, &study, &["--shapley", "256"]);
-    assert_eq!(found["runs"], 256 * 8);
+    sobol.is_mistake(&["correlated ones cannot be changed alone", "study.toml --budget 100"]);
+    let (said, found) = sensitive(&bench, &study, &["--budget", "60"]);
+    assert!(number(&found["runs"]) <= 60.0);
     assert!(said.out.contains("warning: the parameters are correlated"), "{}", said.out);
     let effects = |name: &str| -> Vec<f64> {
         let effects = output(&found, name)["shapley"]["effects"].as_array().unwrap();
         effects.iter().map(|effect| number(&effect["value"])).collect()
     };
     for name in ["linear", "first"] {
-        assert!((effects(name).iter().sum::<f64>() - 1.0).abs() < 1e-9);
+        assert!((effects(name).iter().sum::<f64>() - 1.0).abs() < 0.01);
     }
     // x1 explains all of its own output, and x4 some 0.8 of it; half of what both explain goes to each.
     let first = effects("first");

@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use super::outputs::{Output, Sensitivity, by_surrogate};
-use super::{CORRELATED, space};
 use crate::error::Error;
 use crate::methods::known;
 use crate::results::surrogate::{limits, reason};
@@ -12,6 +11,7 @@ use ::sensitivity::Estimate;
 use ::sensitivity::shapley::{self, Effects, Explained};
 use ::sensitivity::sobol::Indices;
 use conformity::conclusion::grouped;
+use nalgebra::DMatrix;
 use parameter_regions::table::PointTable;
 use run_budget::{Design, Doubt, Index, Run, Surrogate, Unfit, indices, measures};
 use sampling::design;
@@ -22,6 +22,9 @@ const MOST: usize = 250;
 const PAIRS: u64 = 8192;
 const OF_SHAPLEY: usize = 4096;
 const CONFIDENCE: f64 = 0.95;
+/// The meaning of the numbers where parameters are correlated.
+const CORRELATED: &str = "the parameters are correlated, so Shapley effects divide among them what they explain together: one \
+    without any influence on the model has a part of what its partners explain";
 
 /// The result of a finished study's points in `folder`.
 pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensitivity, Error> {
@@ -42,7 +45,9 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
     let dimensions = varied.len();
     let net = design::cube(2 * dimensions, PAIRS, seed, 1).map_err(|message| study.error(message))?;
     let of_cube = |u: &[f64]| plan.coordinates(&plan.from_cube(u));
-    let correlation = space(plan).correlation;
+    let correlation = plan.correlation.as_ref().map(|correlation| {
+        DMatrix::from_fn(dimensions, dimensions, |a, b| correlation.coefficient(varied[a], varied[b]))
+    });
     let pairs = &net[..OF_SHAPLEY];
     let rows = shapley::design(pairs, correlation.as_ref(), seed).map_err(|message| study.error(message))?;
     let points: Vec<Vec<f64>> = rows.iter().map(|u| of_cube(u)).collect();
@@ -68,7 +73,7 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
             let told = |(found, sobol): (Result<Vec<Index>, Doubt>, _)| match found {
                 Ok(found) => {
                     let effects = found.iter().map(estimate).collect();
-                    Ok((sobol, Effects { effects, used: vec![runs.len(); dimensions], failed: 0 }))
+                    Ok((sobol, Effects { effects }))
                 }
                 Err(doubt) => Err(reason(judge, doubt)),
             };

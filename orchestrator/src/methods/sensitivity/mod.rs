@@ -8,7 +8,6 @@ mod outputs;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use nalgebra::DMatrix;
 
 use super::{
     asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes},
@@ -22,7 +21,7 @@ use crate::{
 };
 use ::sensitivity::{
     RUNS,
-    method::{self, Settled, Space},
+    method::{self, Settled},
     named,
 };
 use number_tables::csv_file;
@@ -33,17 +32,13 @@ use point_journal::{
     pipeline::Pipeline,
 };
 use result_document::Document;
-use study::{Study, plan::Plan};
+use study::Study;
 
 pub use document::document;
 pub use outputs::Sensitivity;
 
 /// The result's file in a folder of results.
 pub const FILE: &str = "sensitivity.json";
-
-/// The meaning of the numbers where parameters are correlated.
-const CORRELATED: &str = "the parameters are correlated, so Shapley effects divide among them what they explain together: one \
-    without any influence on the model has a part of what its partners explain";
 
 /// Options of `sensitivity`.
 #[derive(Debug, Args)]
@@ -53,20 +48,17 @@ pub struct Options {
     #[command(flatten)]
     pub work: Work,
     /// Indices by a surrogate of the points of a finished study, without a further run
-    #[arg(long, value_name = "DIR", conflicts_with_all = ["base", "morris", "shapley"])]
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["base", "morris"])]
     pub from: Option<PathBuf>,
     /// The same from at most N runs of the FMU in all: those of `verify --budget N` in this folder, where they are there
-    #[arg(long, value_name = "N", conflicts_with_all = ["from", "base", "morris", "shapley"])]
+    #[arg(long, value_name = "N", conflicts_with_all = ["from", "base", "morris"])]
     pub budget: Option<u64>,
     /// Sobol indices from N base points: N (d + 2) runs for d parameters [default: what the study says, or 256]
-    #[arg(long, value_name = "N", conflicts_with_all = ["morris", "shapley"])]
+    #[arg(long, value_name = "N", conflicts_with = "morris")]
     pub base: Option<u64>,
     /// Morris screening with R trajectories: R (d + 1) runs
-    #[arg(long, value_name = "R", conflicts_with = "shapley")]
+    #[arg(long, value_name = "R")]
     pub morris: Option<u64>,
-    /// Shapley effects (also of correlated parameters) from N base points: N (d + 1) runs, correlated N 2 d
-    #[arg(long, value_name = "N")]
-    pub shapley: Option<u64>,
     /// The seed [default: the study's, or 1]
     #[arg(long, value_name = "S")]
     pub seed: Option<u64>,
@@ -120,7 +112,7 @@ impl Asked {
         let method =
             said.method.as_ref().map(|name| named(name.as_ref()).map_err(|message| study.error_at(name, message)));
         let usual = method.transpose()?.unwrap_or(RUNS[0]);
-        let sizes = [options.base, options.morris, options.shapley];
+        let sizes = [options.base, options.morris];
         let asked = RUNS.iter().zip(sizes).find_map(|(method, size)| Some((*method, Some(size?))));
         let (method, size) = match asked {
             Some(asked) => asked,
@@ -153,8 +145,7 @@ impl Analysis for Asked {
     type Source = Session;
 
     fn open(&self, request: Request) -> Result<Session> {
-        let takes = Takes { correlations: self.method()?.facts().takes_correlations, samples: false };
-        asking::session(request, takes)
+        asking::session(request, Takes { correlations: false, samples: false })
     }
 
     fn points(&self, session: &Session) -> Result<PointSet> {
@@ -162,7 +153,7 @@ impl Analysis for Asked {
         enough(self.size).map_err(|message| Error::option(method.facts().option, message))?;
         Ok(PointSet {
             seed: self.seed,
-            points: Some(method.runs(&space(&session.plan), self.size)),
+            points: Some(method.runs(session.plan.varied().len(), self.size)),
             method: method.title(self.size),
             table: None,
         })
@@ -171,14 +162,11 @@ impl Analysis for Asked {
     fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult> {
         let method = self.method()?;
         let design = method
-            .design(&space(&session.plan), &self.settled())
+            .design(session.plan.varied().len(), &self.settled())
             .map_err(|message| Error::option(method.facts().option, message))?;
         let rows = simulate(session, pipeline, &design)?;
         keep_runs(folder, &rows)?;
-        let mut result = from_runs(method, &design, &rows, &self.settled());
-        if !session.plan.is_independent() {
-            result.warnings.insert(0, CORRELATED.to_owned());
-        }
+        let result = from_runs(method, &design, &rows, &self.settled());
         Ok(AnalysisResult::new(&result, asking::origin(session)?, document(&result).as_text(), FILE))
     }
 }
@@ -186,15 +174,6 @@ impl Analysis for Asked {
 /// One base point or trajectory tells nothing of how sure it is.
 fn enough(size: u64) -> Result<(), String> {
     if size < 2 { Err(format!("{size} is too few; at least 2 are needed")) } else { Ok(()) }
-}
-
-/// The parameters that vary, with their correlations.
-fn space(plan: &Plan) -> Space {
-    let varied = plan.varied();
-    let correlation = plan.correlation.as_ref().map(|correlation| {
-        DMatrix::from_fn(varied.len(), varied.len(), |a, b| correlation.coefficient(varied[a], varied[b]))
-    });
-    Space { parameters: varied.len(), correlation }
 }
 
 /// Simulates points of the unit cube of the parameters that vary.

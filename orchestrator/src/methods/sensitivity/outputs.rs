@@ -5,7 +5,7 @@ use parameter_regions::table::PointTable;
 use sensitivity::{
     Estimate, RUNS, dominant,
     method::{FromRuns, Measure, Settled, Told},
-    shapley::Effects,
+    shapley::{self, Effects},
     sobol::Indices,
 };
 use serde::{Deserialize, Serialize};
@@ -51,7 +51,7 @@ pub struct Output {
 impl Output {
     /// The measures to show, of the method that was used.
     pub fn shown(&self) -> Vec<Measure> {
-        RUNS.iter().flat_map(|method| method.shown(&self.told)).collect()
+        RUNS.iter().flat_map(|method| method.shown(&self.told)).chain(shapley::shown(&self.told)).collect()
     }
 
     /// Why no parameter is called the most important.
@@ -139,7 +139,7 @@ pub fn by_surrogate(
     let mut told = unused(seed);
     if let Some((indices, effects)) = found {
         told.insert("sobol".to_owned(), json!(indices));
-        told.insert("shapley".to_owned(), json!(effects));
+        told.insert(shapley::KEY.to_owned(), json!(effects));
     }
     let mut output = Output { missing: 0, dominant: None, name, told };
     output.dominant = most_important(&output.shown(), parameters);
@@ -184,8 +184,8 @@ mod tests {
 
     /// An output with these two indices.
     fn output(effects: [Estimate; 2]) -> Output {
-        let effects = Effects { effects: effects.to_vec(), used: vec![8; 2], failed: 0 };
-        Output { told: Told::from_iter([("shapley".to_owned(), json!(effects))]), ..Output::default() }
+        let effects = Effects { effects: effects.to_vec() };
+        Output { told: Told::from_iter([(shapley::KEY.to_owned(), json!(effects))]), ..Output::default() }
     }
 
     #[test]
