@@ -9,7 +9,7 @@ use statrs::distribution::{ContinuousCDF, StudentsT};
 const EACH: usize = 8;
 /// Parts of the points, each of which gives indices of its own: they scatter by the error of the points.
 const PARTS: usize = 16;
-/// Pairs of points at which functions are drawn. At all others, which tell of the tails, the most probable one takes their place.
+/// Pairs of points at which functions are drawn for Sobol indices.
 const DRAWN: usize = 1024;
 
 /// An index with its interval.
@@ -21,15 +21,20 @@ pub struct Index {
     pub interval: [f64; 2],
 }
 
+/// By number of a pair and the values at its points: numbers [x, y] of each measure. A measure is the mean of x - m y over the variance,
+/// where m is the mean value.
+pub type Explained<'a> = &'a dyn Fn(usize, &[f64]) -> Vec<[f64; 2]>;
+
 /// Points at which the surrogate is asked, and what their values tell of an output's variance.
 pub struct Design<'a> {
     /// For each pair of independent plain points these two, then others that are made of them.
     pub points: &'a [Vec<f64>],
     /// Points of each pair.
     pub width: usize,
-    /// By number of a pair and the values at its points: numbers [x, y] of each measure. A measure is the mean of x - m y over the
-    /// variance, where m is the mean value.
-    pub explained: &'a dyn Fn(usize, &[f64]) -> Vec<[f64; 2]>,
+    /// Pairs at which functions are drawn. At all others, which tell of the tails, the most probable one takes their place.
+    pub drawn: usize,
+    /// What these values explain.
+    pub explained: Explained<'a>,
 }
 
 /// First and total index of each parameter in every output and, last, in whether a point is good: it keeps all limits and does not
@@ -61,7 +66,7 @@ pub fn indices(
         };
         values[2..].iter().flat_map(of).collect()
     };
-    let design = Design { points: &points, width: dimensions + 2, explained: &explained };
+    let design = Design { points: &points, width: dimensions + 2, drawn: DRAWN, explained: &explained };
     let both = |found: Vec<Index>| found.chunks(2).map(|index| [index[0], index[1]]).collect();
     measures(surrogate, limits, runs, &design, confidence).into_iter().map(|found| found.map(both)).collect()
 }
@@ -93,7 +98,7 @@ pub fn measures(
         design.points[..count * design.width].chunks(size * design.width).enumerate().map(part).collect()
     };
     let likely = |points: &[Vec<f64>]| Possible::likely(surrogate, points);
-    let few = pairs.min(DRAWN);
+    let few = pairs.min(design.drawn);
     let functions = Drawn::new(surrogate, EACH);
     let drawn = parts(few, &|points| functions.at(points, false));
     let [near, all] = [few, pairs].map(|count| parts(count, &likely));

@@ -11,7 +11,7 @@ mod refine;
 mod share;
 mod surrogate;
 
-pub use indices::{Design, Index, indices, measures};
+pub use indices::{Design, Explained, Index, indices, measures};
 pub use output::{Check, Functions};
 pub use rare::{Answer, Search, Unknown};
 pub use refine::most_open;

@@ -178,7 +178,7 @@ fn held(case: &Case, runs: u64, repetitions: u64) -> Result<(), String> {
         let surrogate = Surrogate::fit(&runs, &like, None, seed).map_err(|unfit| unfit.to_string())?;
         let explained = Explained::new(d, PAIRS, case.correlation.is_some(), seed);
         let explained = |pair, values: &[f64]| explained.at(pair, values).into_iter().map(|x| [x, 0.0]).collect();
-        let asked = Design { points: &points, width, explained: &explained };
+        let asked = Design { points: &points, width, drawn: PAIRS / 8, explained: &explained };
         let limits = [Limit { output: 0, range: [f64::NEG_INFINITY, f64::INFINITY] }];
         let Ok(found) = &measures(&surrogate, &limits, &runs, &asked, 0.95)[0] else { return Ok(None) };
         let all = || found.iter().zip(&case.exact);

@@ -113,6 +113,5 @@ pub fn from_runs(
             .iter()
             .map(|o| o.as_ref().map_or_else(|failure| failure.to_string().into(), |_| "ok".into()))
             .collect(),
-        ..PointTable::default()
     }
 }

@@ -140,7 +140,6 @@ mod tests {
             criteria: vec![criterion(0.0, 1.0), criterion(1.0, 0.5)],
             verified: vec![false; x.len()],
             status: vec!["ok".into(); x.len()],
-            ..PointTable::default()
         }
     }
 

@@ -44,7 +44,6 @@ fn table(n: usize) -> PointTable {
         criteria: (0..2).map(criterion).collect(),
         verified: points.iter().map(|x| verified(x)).collect(),
         status: vec!["ok".into(); n],
-        ..PointTable::default()
     }
 }
 
