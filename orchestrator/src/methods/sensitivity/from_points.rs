@@ -53,7 +53,8 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
     let points: Vec<Vec<f64>> = rows.iter().map(|u| of_cube(u)).collect();
     let explained = Explained::new(dimensions, pairs.len(), correlation.is_some(), seed);
     let explained = |pair, values: &[f64]| explained.at(pair, values).into_iter().map(|x| [x, 0.0]).collect();
-    let design = Design { points: &points, width: points.len() / pairs.len(), drawn: OF_SHAPLEY / 8, explained: &explained };
+    let design =
+        Design { points: &points, width: points.len() / pairs.len(), drawn: OF_SHAPLEY / 8, explained: &explained };
     let like: Vec<Vec<f64>> = points.iter().step_by(design.width).cloned().collect();
     let names = judge.criteria.iter().map(|criterion| criterion.name.clone()).chain(["verified".to_owned()]);
     let names: Vec<String> = names.collect();
