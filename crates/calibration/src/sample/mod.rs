@@ -390,8 +390,10 @@ impl<'a> Walk<'a> {
             .flat_map(|part| std::iter::repeat_n(part / size as f64, size))
             .collect();
         self.movers.truncate(2);
-        self.shape(&weights);
-        self.particles = resampled(&self.particles, &weights, self.particles.len(), &mut self.random);
+        let count = self.particles.len();
+        self.particles = resampled(&self.particles, &weights, count, &mut self.random);
+        // Neither half has ancestors of the other, but for one group.
+        self.shape(&vec![(count as f64).recip(); count]);
         self.settle(UNMOVED[1], observe)
     }
 
