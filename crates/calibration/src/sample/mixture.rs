@@ -97,11 +97,16 @@ impl Mixture {
         (!parts.is_empty()).then_some(Self { parts })
     }
 
+    /// Whether weighted points are enough for one part at least.
+    pub(super) fn enough(points: &[&[f64]], weights: &[f64]) -> bool {
+        points.first().is_some_and(|point| effective(weights) >= PARTICLES * (point.len() + 1) as f64)
+    }
+
     /// A mixture that has the shape of weighted points: each part has mean and covariance of the points nearest to one
     /// of them.
     pub(super) fn fitted(points: &[&[f64]], weights: &[f64], random: &mut Random) -> Option<Self> {
         let d = points.first()?.len();
-        let effective = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
+        let effective = effective(weights);
         let count = (effective / (PARTICLES * (d + 1) as f64)).floor();
         let count = count.clamp(1.0, MOST_PARTS) as usize;
         let all: Vec<usize> = (0..points.len()).collect();
@@ -171,6 +176,11 @@ impl Mixture {
             self.parts.iter().zip(self.shares(from)).map(|(part, share)| share + part.log_between(from, to, scale));
         ln_sum(&logs.collect::<Vec<_>>())
     }
+}
+
+/// How many points of equal weight tell as much; the sum of the weights is 1.
+fn effective(weights: &[f64]) -> f64 {
+    1.0 / weights.iter().map(|w| w * w).sum::<f64>()
 }
 
 /// The index at which the weights' sum reaches a level from 0 to 1.

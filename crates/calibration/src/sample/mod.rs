@@ -41,12 +41,11 @@ use mixture::{Mixture, chosen};
 use moves::Mover;
 use target::Target;
 
-/// The groups that the particles form: two in each part.
+/// The groups that the particles form: pairs, of which each shapes the other's moves. Shaped by the particles that they move,
+/// leaps would know where these stand in the tails, not where else they could stand: tails would be left more easily than
+/// entered, and the sample too narrow. Were moves shaped by all, a mode that one pair has found would come to the others
+/// through them, and all would agree although none is right.
 pub const GROUPS: usize = 8;
-
-/// Parts of the sample whose moves are shaped by their own particles alone. Were they shaped by all, a mode that one part
-/// has found would come to the others through the moves, and all would agree although none is right.
-const PARTS: usize = 4;
 
 /// The smallest number of particles: below it a group's moments say nothing.
 pub const FEWEST: u64 = 200;
@@ -57,8 +56,8 @@ const EFFECTIVE: f64 = 0.5;
 /// The prior's part of the particles, where the start is a mixture with the optima.
 const DEFENCE: f64 = 0.5;
 
-/// The optima's covariances are widened by this factor: a start should be wider than its target.
-const WIDER: f64 = 1.5;
+/// The optima's covariances are widened by these factors: a start should be wider than its target, and have its tails.
+const WIDER: [f64; 2] = [1.5, 6.0];
 
 /// Particles are moved until no more than this part of them stands where it stood: on the way, and at the end.
 const UNMOVED: [f64; 2] = [0.1, 0.02];
@@ -235,7 +234,7 @@ struct Walk<'a> {
     particles: Vec<Particle>,
     /// The logarithm of each group's evidence.
     evidences: Vec<f64>,
-    /// The moves of each part.
+    /// The moves of each group; of each half, when groups are joined.
     movers: Vec<Mover>,
     stages: Vec<Stage>,
 }
@@ -286,7 +285,7 @@ impl<'a> Walk<'a> {
             exponent: 0.0,
             particles: Vec::new(),
             evidences: vec![0.0; GROUPS],
-            movers: vec![Mover::new(target.before.len()); PARTS],
+            movers: vec![Mover::new(target.before.len()); GROUPS],
             stages: Vec::new(),
         };
         walk.particles = walk.weighed(places)?;
@@ -362,18 +361,21 @@ impl<'a> Walk<'a> {
         self.settle(UNMOVED[usize::from(last)], observe)
     }
 
-    /// Shapes each part's moves after its weighted particles.
+    /// Shapes moves after the weighted particles of the other of a pair; after both, where those are too few.
     fn shape(&mut self, weights: &[f64]) {
         let size = self.particles.len() / self.movers.len();
-        let parts = self.particles.chunks(size).zip(weights.chunks(size));
-        for (mover, (particles, weights)) in self.movers.iter_mut().zip(parts) {
-            let all: f64 = weights.iter().sum();
-            let weights: Vec<f64> = weights.iter().map(|weight| weight / all).collect();
-            let places: Vec<&[f64]> = particles.iter().map(|particle| &particle.places[..]).collect();
-            if all > 0.0 {
-                let fitted = Mixture::fitted(&places, &weights, &mut self.random);
-                mover.mixture = fitted.or(mover.mixture.take());
-            }
+        for (number, mover) in self.movers.iter_mut().enumerate() {
+            let (other, first) = ((number ^ 1) * size, (number & !1) * size);
+            let shape = |range: std::ops::Range<usize>, few: bool, random: &mut Random| {
+                let all: f64 = weights[range.clone()].iter().sum();
+                let weights: Vec<f64> = weights[range.clone()].iter().map(|weight| weight / all).collect();
+                let places: Vec<&[f64]> = self.particles[range].iter().map(|each| &each.places[..]).collect();
+                (all > 0.0 && (few || Mixture::enough(&places, &weights)))
+                    .then(|| Mixture::fitted(&places, &weights, random))?
+            };
+            let fitted = shape(other..other + size, false, &mut self.random)
+                .or_else(|| shape(first..first + 2 * size, true, &mut self.random));
+            mover.mixture = fitted.or(mover.mixture.take());
         }
     }
 
@@ -387,9 +389,11 @@ impl<'a> Walk<'a> {
             .map(|log| (log - all).exp())
             .flat_map(|part| std::iter::repeat_n(part / size as f64, size))
             .collect();
-        self.movers.truncate(1);
-        self.shape(&weights);
-        self.particles = resampled(&self.particles, &weights, self.particles.len(), &mut self.random);
+        self.movers.truncate(2);
+        let count = self.particles.len();
+        self.particles = resampled(&self.particles, &weights, count, &mut self.random);
+        // Neither half has ancestors of the other, but for one group.
+        self.shape(&vec![(count as f64).recip(); count]);
         self.settle(UNMOVED[1], observe)
     }
 
@@ -494,9 +498,9 @@ impl<'a> Walk<'a> {
 fn seeds(optima: &[Optimum]) -> Option<Mixture> {
     // Their weights are estimates: none should start with next to nothing.
     const LEAST: f64 = 0.05;
-    let parts = optima.iter().map(|optimum| {
+    let parts = optima.iter().flat_map(|optimum| {
         let mean = DVector::from_vec(optimum.minimum.places.clone());
-        (optimum.weight.max(LEAST), mean, &optimum.posterior.covariance * WIDER)
+        WIDER.map(|wider| (optimum.weight.max(LEAST), mean.clone(), &optimum.posterior.covariance * wider))
     });
     Mixture::new(parts.collect())
 }

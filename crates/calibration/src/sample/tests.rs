@@ -178,6 +178,28 @@ fn a_curved_valley_has_its_moments() {
     }
 }
 
+/// Densities 1 / cosh x have deviations of pi / 2, and normal approximations at their optimum of 1: what the start has of
+/// their tails is little, and moves shaped by the particles that they move lose it.
+#[test]
+fn tails_beyond_the_normal_approximation_are_sampled() {
+    let problem = one_case(&[(-15.0, 15.0); 4], &[(0.0, 1.0); 4]);
+    let model =
+        |_: usize, p: &[f64], _: &[f64]| Ok(p.iter().map(|x| x.signum() * (2.0 * x.cosh().ln()).sqrt()).collect());
+    let objective = Objective::new(&problem, &model, 1e-5);
+    let optima = optima(&objective, &[vec![0.45; 4]]);
+    let mut ratios = Vec::new();
+    for seed in 0..8 {
+        let sample = sample(&objective, &optima, &settings(1000, seed), &|_, _| ()).unwrap();
+        for k in 0..4 {
+            // The mean is 0.
+            let squares = sample.places(k).map(|place| (30.0 * place - 15.0).powi(2));
+            ratios.push((squares.sum::<f64>() / sample.particles.len() as f64).sqrt() / std::f64::consts::FRAC_PI_2);
+        }
+    }
+    let mean = ratios.iter().sum::<f64>() / ratios.len() as f64;
+    assert!((mean - 1.0).abs() < 0.03, "{mean} {ratios:?}");
+}
+
 #[test]
 fn latent_unknowns_are_sampled_within_their_intervals() {
     // y = a + l with a within 0 and 10, l within 2 and 3, y = 7 +- 0.01: a + l is known, l is not.
