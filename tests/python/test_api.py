@@ -114,7 +114,9 @@ def test_remarks_are_warnings(tmp_path):
     assert said[: len(remarks)] == remarks and {warning.filename for warning in ours} == {__file__}
     # Doubts that only the result shows follow; each is told once.
     doubts = [concern["text"] for concern in result.summary["concerns"] if concern["severity"] == "warning"]
-    assert len(doubts) > 1 and all(sum(doubt in one for one in said) == 1 for doubt in doubts)
+    assert all(sum(doubt in one for one in said) == 1 for doubt in doubts)
+    # The best point is run once more within two seconds, which a busy machine may not have; the result says so then.
+    assert len(doubts) > 1 or result.summary.get("left_out")
 
 
 def test_sensitivity_is_the_command_lines(tmp_path):
