@@ -65,9 +65,17 @@ fn told(message: &str) -> String {
 
 /// What clap cannot know of an argument that it does not expect.
 fn elsewhere(fault: &str) -> Option<String> {
+    /// Options of earlier versions, with what takes their place.
+    const GONE: [(&str, &str); 5] = [
+        ("-in-process", "it is called `--isolation none` now"),
+        ("-shapley", "`--budget N` and `--from DIR` tell Shapley effects"),
+        ("-surrogate", "`--budget N` takes its place"),
+        ("-time-limit", "`--budget N` takes its place"),
+        ("-cross-validate", "cases with `held-out = true` take its place"),
+    ];
     let option = fault.strip_prefix("unexpected argument '-")?;
-    if option.starts_with("-in-process'") {
-        return Some("unexpected argument '--in-process' found; it is called `--isolation none` now".to_owned());
+    if let Some((name, instead)) = GONE.iter().find(|(name, _)| option.starts_with(&format!("{name}'"))) {
+        return Some(format!("unexpected argument '-{name}' found; {instead}"));
     }
     // Clap tells the first letter of a name behind one hyphen.
     let letter = option.split('\'').next().filter(|letter| letter.chars().all(char::is_alphabetic))?;
@@ -190,6 +198,10 @@ mod tests {
             (
                 "o verify s --in-process",
                 "unexpected argument '--in-process' found; it is called `--isolation none` now",
+            ),
+            (
+                "o sensitivity s --shapley 100",
+                "unexpected argument '--shapley' found; `--budget N` and `--from DIR` tell Shapley effects",
             ),
             ("o verify s --output", "a value is required for '--output <DIR>' but none was supplied"),
         ] {

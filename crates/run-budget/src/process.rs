@@ -8,7 +8,6 @@ use crate::arithmetic::cosine;
 use crate::kernel::{Kernel, LEAST_NUGGET, Places, Smoothness};
 use nalgebra::{DMatrix, DMatrixViewMut, DVector};
 use sampling::random::Random;
-use std::collections::HashMap;
 use std::f64::consts::TAU;
 
 /// Random waves of a draw from the prior.
@@ -211,19 +210,31 @@ impl Process {
     fn cross(&self, points: &DMatrix<f64>) -> DMatrix<f64> {
         let n = self.solved.weights.len();
         let mut cross = DMatrix::repeat(n, points.ncols(), 1.0);
-        let mut unasked = [vec![0.0; n], vec![0.0; n]];
+        let (mut factors, mut unasked) = (vec![0.0; n], [vec![0.0; n], vec![0.0; n]]);
         for (of_runs, of_points) in self.places.iter().zip(&self.kernel.places(points)) {
             let of_runs = of_runs.each_ref().map(|of| &**of);
-            let mut known: HashMap<u64, DVector<f64>> = HashMap::new();
-            for (j, mut values) in cross.column_iter_mut().enumerate() {
-                let point = of_points.each_ref().map(|of| of[j]);
-                let factors = known.entry(point[0].to_bits()).or_insert_with(|| {
-                    let mut factors = DVector::repeat(n, 1.0);
-                    let unasked = unasked.each_mut().map(|of| &mut **of);
-                    self.kernel.multiply::<false>(of_runs, point, factors.as_mut_slice(), unasked);
-                    factors
-                });
-                values.component_mul_assign(factors);
+            let mut multiply = |j: usize, values: &mut [f64]| {
+                let unasked = unasked.each_mut().map(|of| &mut **of);
+                self.kernel.multiply::<false>(of_runs, of_points.each_ref().map(|of| of[j]), values, unasked);
+            };
+            let [at, ..] = of_points;
+            let mut order: Vec<usize> = (0..at.len()).collect();
+            order.sort_unstable_by(|a, b| at[*a].total_cmp(&at[*b]));
+            for equal in order.chunk_by(|a, b| at[*a] == at[*b]) {
+                if let [one] = equal {
+                    multiply(*one, cross.column_mut(*one).as_mut_slice());
+                    continue;
+                }
+                factors.fill(1.0);
+                multiply(equal[0], &mut factors);
+                for j in equal {
+                    cross
+                        .column_mut(*j)
+                        .as_mut_slice()
+                        .iter_mut()
+                        .zip(&factors)
+                        .for_each(|(value, factor)| *value *= factor);
+                }
             }
         }
         cross

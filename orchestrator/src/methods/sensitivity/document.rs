@@ -60,7 +60,12 @@ fn cell(measure: &Measure, parameter: usize) -> String {
     if low.is_nan() {
         return value;
     }
-    format!("{value} ({} .. {})", number(low, 2), number(high, 2))
+    // Rounded away from the value: an interval that is shown holds what it held.
+    let bound = |end: f64, round: fn(f64) -> f64| {
+        let last = 10f64.powf(end.abs().log10().floor() - 1.0);
+        number(if end == 0.0 { end } else { round(end / last) * last }, 2)
+    };
+    format!("{value} ({} .. {})", bound(low, f64::floor), bound(high, f64::ceil))
 }
 
 /// Horizontal bars with whiskers, the most important parameter on top.
@@ -105,4 +110,21 @@ fn bars(output: &str, parameters: &[String], shown: &[Measure]) -> String {
     }
     let title = format!("Sensitivity of {output}; the table below tells the same in numbers");
     picture("plot", [width, height], &title, &out)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_interval_that_is_shown_holds_the_value() {
+        let shown = |value, low, high| {
+            let estimates = vec![Estimate { value, low, high }];
+            cell(&Measure::drawn("total", estimates), 0)
+        };
+        assert_eq!(shown(0.997, 0.9965, 0.9977), "0.997 (0.99 .. 1)");
+        assert_eq!(shown(0.0341, -0.00712, 0.0751), "0.0341 (−0.0072 .. 0.076)");
+        assert_eq!(shown(0.0, 0.0, 0.0), "0 (0 .. 0)");
+        assert_eq!(shown(0.5, f64::NAN, f64::NAN), "0.5");
+    }
 }

@@ -109,8 +109,11 @@ impl Asked {
     /// The settings from the options, else from the study, else the defaults.
     fn new(options: &Options, study: &Study) -> Result<Self> {
         let said = &study.sensitivity;
-        let method =
-            said.method.as_ref().map(|name| named(name.as_ref()).map_err(|message| study.error_at(name, message)));
+        let method = said.method.as_ref().map(|name| {
+            named(name.as_ref()).map_err(|message| {
+                study.error_at(name, format!("{message}; Shapley effects come with --budget N and --from DIR"))
+            })
+        });
         let usual = method.transpose()?.unwrap_or(RUNS[0]);
         let sizes = [options.base, options.morris];
         let asked = RUNS.iter().zip(sizes).find_map(|(method, size)| Some((*method, Some(size?))));
