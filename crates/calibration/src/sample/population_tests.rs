@@ -7,6 +7,7 @@ use super::super::testing::{free, one_case, settings};
 use super::outcome::PosteriorOutcome;
 use super::{Sample, sample};
 use sampling::random::{Purpose, Random};
+use statrs::distribution::{ContinuousCDF, Normal};
 
 /// Specimens with clearances between 5 and 35 um, about 20 +- 5 um before the measurement, each measured to `accuracy`.
 fn specimens(values: &[f64], accuracy: f64) -> Problem {
@@ -31,17 +32,25 @@ fn sampled(problem: &Problem, particles: u64, seed: u64) -> (Sample, PosteriorOu
     (sample, outcome)
 }
 
-/// Mean and standard deviation of the population's mean and spread by the trapezoidal rule on a grid. The values are
-/// integrated out in closed form, as their bounds are 5 standard deviations and more away: each measured value is normal
-/// about the mean with the squares of spread and accuracy added.
+/// Mean and standard deviation of the population's mean and spread by the midpoint rule on a grid. The values are integrated out
+/// in closed form: each measured value is normal about the mean with the squares of spread and accuracy added, times the part of
+/// the true value's distribution that lies within its bounds, over that before the measurement.
 fn on_grid(values: &[f64], accuracy: f64) -> [[f64; 2]; 2] {
+    let normal = Normal::standard();
+    let within =
+        |mean: f64, deviation: f64| normal.cdf((45.0 - mean) / deviation) - normal.cdf((-5.0 - mean) / deviation);
     let mut sums = [0.0; 5];
-    for i in 0..600 {
-        let mean = 10.0 + 20.0 * (f64::from(i) + 0.5) / 600.0;
-        for k in 0..1000 {
-            let spread = 25.0 * (f64::from(k) + 0.5) / 1000.0;
+    for i in 0..200 {
+        let mean = 5.0 + 30.0 * (f64::from(i) + 0.5) / 200.0;
+        for k in 0..500 {
+            let spread = 25.0 * (f64::from(k) + 0.5) / 500.0;
             let variance = spread * spread + accuracy * accuracy;
-            let misfit = values.iter().map(|y| (y - mean).powi(2) / variance + variance.ln());
+            let before = within(mean, spread);
+            let misfit = values.iter().map(|y| {
+                let told = spread * spread / variance;
+                let after = within(mean + told * (y - mean), accuracy * told.sqrt());
+                (y - mean).powi(2) / variance + variance.ln() - 2.0 * (after / before).ln()
+            });
             let squares = misfit.sum::<f64>() + ((mean - 20.0) / 5.0).powi(2) + (spread / 5.0).powi(2);
             let density = (-0.5 * squares).exp();
             for (sum, power) in sums.iter_mut().zip([1.0, mean, mean * mean, spread, spread * spread]) {
