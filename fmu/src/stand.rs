@@ -27,13 +27,15 @@ mod stiff;
 mod stuck;
 mod validity;
 
-use crate::bearing::{Bearing, Drift, Film, Flows, Setup, Situation};
-use crate::drive::{Command, Drive};
-use crate::load::Load;
-use crate::multirate::Departure;
-use crate::oil::{Nearby, Oil, Properties};
-use crate::sensors::{self, Readings, Sensed, TurnMeans};
-use crate::thermal::{Heat, Temperatures, Thermal};
+use crate::{
+    bearing::{Bearing, Drift, Film, Flows, Setup, Situation},
+    drive::{Command, Drive},
+    load::Load,
+    multirate::Departure,
+    oil::{Nearby, Oil, Properties},
+    sensors::{self, Readings, Sensed, TurnMeans},
+    thermal::{Heat, Temperatures, Thermal},
+};
 use fmu_export::model::{self, Exchange, Experiment, Fault, Info, Log, Model, Variable};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};

@@ -1,19 +1,22 @@
 //! A worker's child, in which the FMU runs.
 
-use std::collections::BTreeSet;
-use std::fs;
-use std::time::{Duration, Instant};
+use std::{
+    collections::BTreeSet,
+    fs,
+    time::{Duration, Instant},
+};
 
-use crate::failure::Failure;
-use crate::join;
-use crate::notices::Notices;
-use crate::points::{Job, Simulated};
-use crate::runner::Runner;
-use crate::single::ERRAND;
-use crate::system;
-use crate::wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read};
-use fmu_import::isolation::Place;
-use fmu_import::{Handle, Package, Value};
+use crate::{
+    failure::Failure,
+    join,
+    notices::Notices,
+    points::{Job, Simulated},
+    runner::Runner,
+    single::ERRAND,
+    system,
+    wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read},
+};
+use fmu_import::{Handle, Package, Value, isolation::Place};
 
 /// Replies of many points are held back for this time at most, when the next point is done.
 const HOLD: Duration = Duration::from_millis(1);

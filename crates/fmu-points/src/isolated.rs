@@ -5,23 +5,29 @@
 //! counts while the unpacked FMU is as it came. Once the FMU changes its own folder, each point has a folder of its own, and
 //! points that were under way run again.
 
-use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::{
+    collections::BTreeMap,
+    sync::{
+        Arc, Mutex,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::{Duration, Instant},
+};
 
 use tempfile::TempDir;
 
-use crate::failure::Failure;
-use crate::ground::Ground;
-use crate::licences::{Licences, Wait};
-use crate::locked::locked;
-use crate::points::{Event, Job, Limits, Post, RunError, Worker, is_same};
-use crate::process::{Gone, Process};
-use crate::quiet::Quiet;
-use crate::room::Room;
-use crate::task::Case;
-use crate::wire::{Order, Origin, Outcome, Reply, Trouble};
+use crate::{
+    failure::Failure,
+    ground::Ground,
+    licences::{Licences, Wait},
+    locked::locked,
+    points::{Event, Job, Limits, Post, RunError, Worker, is_same},
+    process::{Gone, Process},
+    quiet::Quiet,
+    room::Room,
+    task::Case,
+    wire::{Order, Origin, Outcome, Reply, Trouble},
+};
 
 /// The byte that fills unwritten memory where a point runs again.
 const FILL: u8 = 0x55;

@@ -1,5 +1,4 @@
-use super::smooth::Smoothing;
-use super::*;
+use super::{smooth::Smoothing, *};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
 use std::f64::consts::TAU;

@@ -12,8 +12,10 @@ use fmu_export::model::{Enumeration, Fault, Item};
 use journal_bearing::reynolds::Coefficients;
 use serde::{Deserialize, Serialize};
 
-use super::journal::{Drift, JournalFilm, Motion, Press, Setup, Situation, Strain, TransientFilm};
-use super::parameters::Bearing;
+use super::{
+    journal::{Drift, JournalFilm, Motion, Press, Setup, Situation, Strain, TransientFilm},
+    parameters::Bearing,
+};
 
 /// Makes the choice of the film models, and the film in use, from lines of name, value, type and meaning.
 macro_rules! films {

@@ -5,9 +5,11 @@
 //! carries its journal along.
 
 use fmu_export::model::{Experiment, Fault};
-use journal_bearing::contact::Contact;
-use journal_bearing::reynolds::{Coefficients, HeatExchange, HeatGiven};
-use journal_bearing::rheology::Rheology;
+use journal_bearing::{
+    contact::Contact,
+    reynolds::{Coefficients, HeatExchange, HeatGiven},
+    rheology::Rheology,
+};
 use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::LOG2_E;

@@ -1,9 +1,14 @@
 //! The journal's orbits over the film's viscosity: found where they are needed, with polynomials between them.
 
-use super::orbit::{Orbit, Piece};
-use super::{Departure, NoLeap, TwoScales, reach, stiff};
-use crate::bearing::Flows;
-use crate::solver::{Budget, DormandPrince, Failure};
+use super::{
+    Departure, NoLeap, TwoScales,
+    orbit::{Orbit, Piece},
+    reach, stiff,
+};
+use crate::{
+    bearing::Flows,
+    solver::{Budget, DormandPrince, Failure},
+};
 use nalgebra::{Matrix2, SMatrix, Vector2};
 
 /// Orbits over the logarithm of the viscosity.

@@ -7,10 +7,7 @@
 //! A steady start needs less: turns that are resolved refine its temperatures. There, parabolas pass through the
 //! [differences](super::differences) between the orbits at three clearances.
 
-use super::curve::Curve;
-use super::differences::Differences;
-use super::orbit::Orbit;
-use super::{Departure, NoLeap, TwoScales};
+use super::{Departure, NoLeap, TwoScales, curve::Curve, differences::Differences, orbit::Orbit};
 use nalgebra::{SMatrix, SVector, Vector2};
 
 /// The quantity between the clearances.

@@ -1,9 +1,7 @@
 //! Differences between the journal's orbits at one clearance and those at another, over the viscosity. They change little with it, so
 //! that few orbits tell them.
 
-use super::curve::Curve;
-use super::orbit::Orbit;
-use super::{NoLeap, TwoScales};
+use super::{NoLeap, TwoScales, curve::Curve, orbit::Orbit};
 use nalgebra::SVector;
 
 /// The differences at one clearance.

@@ -1,12 +1,13 @@
 //! The stand for hosts that integrate it themselves (Model Exchange): shaft angle, eccentricity, temperatures and wear depth
 //! are their states, and the stand gives the rates.
 
-use fmu_export::model::{Complete, Continuous, Fault, State};
-use fmu_export::units;
+use fmu_export::{
+    model::{Complete, Continuous, Fault, State},
+    units,
+};
 use nalgebra::{ComplexField, Vector2};
 
-use super::validity::Seen;
-use super::{Stand, temperatures, unknowns};
+use super::{Stand, temperatures, unknowns, validity::Seen};
 
 /// A state that hosts see as it is: its name, what it is, its unit and that of its rate, a typical magnitude, and where it stands.
 macro_rules! state {

@@ -1,15 +1,21 @@
 //! Communication steps: turn by turn, or with a leap over whole turns, in whole [cycles](super::cycle).
 
-use super::inputs::INPUTS;
-use super::scout::Turn;
-use super::validity::{Passing, Seen};
-use super::{EVENTS, SCALES, Stand, State, Unknowns, temperatures, unknowns, worn};
-use crate::bearing::{FilmEnergy, Flows, Interval, Passed};
-use crate::multirate::{self, Departure, NoLeap, TwoScales};
-use crate::oil::Nearby;
-use crate::sensors::{SENSORS, Sensed, TurnMeans};
-use crate::solver::{Budget, DormandPrince, Passage};
-use crate::thermal::Temperatures;
+use super::{
+    EVENTS, SCALES, Stand, State, Unknowns,
+    inputs::INPUTS,
+    scout::Turn,
+    temperatures, unknowns,
+    validity::{Passing, Seen},
+    worn,
+};
+use crate::{
+    bearing::{FilmEnergy, Flows, Interval, Passed},
+    multirate::{self, Departure, NoLeap, TwoScales},
+    oil::Nearby,
+    sensors::{SENSORS, Sensed, TurnMeans},
+    solver::{Budget, DormandPrince, Passage},
+    thermal::Temperatures,
+};
 use fmu_export::model::{Fault, Log};
 use journal_bearing::reynolds::{HeatExchange, HeatGiven};
 use std::cell::RefCell;

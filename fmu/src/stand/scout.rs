@@ -12,9 +12,11 @@
 //! Where speed and load repeat themselves only after several turns of the shaft, a turn here is all of these.
 
 use super::Stand;
-use crate::bearing::{Film, Flows};
-use crate::multirate::{self, CLOSEST, Correction, Departure, NoLeap};
-use crate::thermal::Temperatures;
+use crate::{
+    bearing::{Film, Flows},
+    multirate::{self, CLOSEST, Correction, Departure, NoLeap},
+    thermal::Temperatures,
+};
 use fmu_export::model::Fault;
 
 /// Turns at the most until the film is on its orbit.

@@ -5,11 +5,11 @@
 //! averaged over the journal's periodic orbit at each film temperature; for a film that takes steps of its own, the orbit of
 //! the mobility film.
 
-use super::inputs::INPUTS;
-use super::validity::Seen;
-use super::{Stand, unknowns};
-use crate::bearing::{Film, Flows};
-use crate::multirate::{self, Departure, Vector4};
+use super::{Stand, inputs::INPUTS, unknowns, validity::Seen};
+use crate::{
+    bearing::{Film, Flows},
+    multirate::{self, Departure, Vector4},
+};
 use fmu_export::model::Fault;
 use std::sync::{Mutex, PoisonError};
 

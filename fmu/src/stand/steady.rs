@@ -18,13 +18,14 @@
 
 mod newton;
 
-use super::validity::Seen;
-use super::{EVENTS, Stand, State, Unknowns, unknowns};
-use crate::drive::MOST_TURNS;
-use crate::multirate::{self, Across, Departure, Equilibrium, Matrix4, NoEquilibrium, NoLeap, Vector4, vector};
-use crate::sensors::{Sensed, TurnMeans};
-use crate::solver::{Budget, DormandPrince, Failure};
-use crate::thermal::Initialization;
+use super::{EVENTS, Stand, State, Unknowns, unknowns, validity::Seen};
+use crate::{
+    drive::MOST_TURNS,
+    multirate::{self, Across, Departure, Equilibrium, Matrix4, NoEquilibrium, NoLeap, Vector4, vector},
+    sensors::{Sensed, TurnMeans},
+    solver::{Budget, DormandPrince, Failure},
+    thermal::Initialization,
+};
 use fmu_export::model::{Fault, Log};
 use nalgebra::Vector2;
 use newton::{Newton, Turn, lasting};

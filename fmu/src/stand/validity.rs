@@ -1,13 +1,17 @@
 //! Limits of the stand's laws: beyond them a run goes on, and `status.validity` and the log say so.
 
 use super::{Stand, State};
-use crate::bearing::{Feeding, FilmModel, Press, Situation, Strain};
-use crate::multirate::Departure;
-use crate::sensors::Worst;
-use crate::thermal::Temperatures;
+use crate::{
+    bearing::{Feeding, FilmModel, Press, Situation, Strain},
+    multirate::Departure,
+    sensors::Worst,
+    thermal::Temperatures,
+};
 use fmu_export::model::{Fault, Log};
-use journal_bearing::contact::{Contact, f_5_2};
-use journal_bearing::mobility::FINEST;
+use journal_bearing::{
+    contact::{Contact, f_5_2},
+    mobility::FINEST,
+};
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 /// The log category.

@@ -1,8 +1,10 @@
 //! Short forms for the access to the stand's variables.
 
 use crate::stand::Stand;
-use fmu_export::model::{Access, Kind, Quantity, Variable};
-use fmu_export::units::ONE;
+use fmu_export::{
+    model::{Access, Kind, Quantity, Variable},
+    units::ONE,
+};
 
 pub(super) type V = Variable<Stand>;
 

@@ -4,20 +4,15 @@ mod measured;
 mod run;
 mod write;
 
-use std::path::Path;
-use std::process::ExitCode;
+use std::{path::Path, process::ExitCode};
 
-use super::isolated::Isolated;
-use super::{output, simulate};
-use crate::cli::Init;
-use crate::error::Error;
-use crate::options::relative;
+use super::{isolated::Isolated, output, simulate};
+use crate::{cli::Init, error::Error, options::relative};
 use fmu_import::{Causality, Description, Kind, Package, Variability, Variable};
 use fmu_points::task::{Schedule, Task};
 use measured::Measured;
 use point_journal::files::write_text;
-use study::Setting;
-use study::plan::value_of;
+use study::{Setting, plan::value_of};
 use write::{Criteria, Shown};
 
 pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {

@@ -19,8 +19,7 @@ use fmu_import::{Description, Package, quantity::Scale, units::Conversion};
 use fmu_points::failure::{Failure, Partial};
 use number_tables::Table;
 use point_journal::{Lock, files::write_text, lines, pipeline::folder::Earlier};
-use study::Study;
-use study::judge::Judge;
+use study::{Study, judge::Judge};
 
 pub(super) fn run(options: &cli::Judge) -> Result<ExitCode> {
     let begun = Instant::now();

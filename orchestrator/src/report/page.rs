@@ -1,26 +1,29 @@
 //! Puts the page together: the numbers of the report as the template wants them.
 
-use super::Report;
-use super::best::{best_rows, heading};
-use super::counted::{cases, risks};
-use super::counts::{Headline, count_rows};
-use super::figures;
-use super::from_results::{provenance, remarks};
-use super::payload::{self, PlotColumn};
-use super::planes::planes;
-use crate::error::Error;
-use crate::results::Summary;
-use crate::results::answer::Sign;
-use crate::results::summary::FailureKind;
-use crate::results::words::counted;
+use super::{
+    Report,
+    best::{best_rows, heading},
+    counted::{cases, risks},
+    counts::{Headline, count_rows},
+    figures,
+    from_results::{provenance, remarks},
+    payload::{self, PlotColumn},
+    planes::planes,
+};
+use crate::{
+    error::Error,
+    results::{Summary, answer::Sign, summary::FailureKind, words::counted},
+};
 use base64::{Engine, engine::general_purpose::STANDARD};
-use conformity::conclusion::grouped;
-use conformity::risk::Risk;
+use conformity::{conclusion::grouped, risk::Risk};
 use fmu_points::tell::is_hidden;
 use minijinja::{Environment, Value, context, value::Serde};
 use parameter_regions::table::PointTable;
-use result_document::format::{count, number, percent, with_unit};
-use result_document::{Document, marked};
+use result_document::{
+    Document,
+    format::{count, number, percent, with_unit},
+    marked,
+};
 use sampling::statistics::moments::{deviation, mean};
 use std::borrow::Cow;
 

@@ -8,8 +8,10 @@ use conformity::validation::{Comparison, Numerical, Refined, Scatter, refined};
 use fmu_points::task::Case;
 use point_journal::pipeline::Model;
 use result_document::format::number;
-use study::concern::{Code, Concern};
-use study::judge::Criterion;
+use study::{
+    concern::{Code, Concern},
+    judge::Criterion,
+};
 
 /// So many points are refined.
 const POINTS: u64 = 3;

@@ -17,9 +17,9 @@ use fmu_points::task::{Probe, Schedule, Task};
 use result_document::format::number;
 use rig_signals::motion::{Motion, motion};
 use sampling::statistics::{Accumulator, Statistic, Trend};
-use study::judge::Criterion;
 use study::{
     concern::{Code, Concern},
+    judge::Criterion,
     plan::Plan,
 };
 

@@ -5,15 +5,20 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
-use super::asides::Asides;
-use super::by_surrogate::BySurrogate;
-use super::settled::Settled;
-use super::summary::{CriterionCount, FailureKind};
-use super::surrogate;
-use super::words::{accepted, beyond_validity, capitalised, few, guard, looked, unknown};
-use super::{Summary, resampled::presumed};
-use conformity::conclusion::{Conclusion, Requirement, grouped, percent};
-use conformity::decision::Decision;
+use super::{
+    Summary,
+    asides::Asides,
+    by_surrogate::BySurrogate,
+    resampled::presumed,
+    settled::Settled,
+    summary::{CriterionCount, FailureKind},
+    surrogate,
+    words::{accepted, beyond_validity, capitalised, few, guard, looked, unknown},
+};
+use conformity::{
+    conclusion::{Conclusion, Requirement, grouped, percent},
+    decision::Decision,
+};
 use fmu_points::Conduct;
 use result_document::{Block, Document, format::number};
 use study::concern::{Concern, Severity};

@@ -3,8 +3,10 @@
 use std::f64::consts::{PI, TAU};
 
 use fmu_import::units::{Conversion, known};
-use study::concern::{Code, Concern};
-use study::judge::Criterion;
+use study::{
+    concern::{Code, Concern},
+    judge::Criterion,
+};
 
 /// Fewer points may miss a measured value by chance.
 pub const FEWEST: u64 = 10;

@@ -11,8 +11,10 @@ use conformity::{
     conclusion::Conclusion, decision::Decision, measured::Measurement, risk::Risk, validation::Comparison,
 };
 use fmu_points::Conduct;
-use study::concern::Concern;
-use study::judge::{Criterion, Judge};
+use study::{
+    concern::Concern,
+    judge::{Criterion, Judge},
+};
 
 /// The content of `summary.json`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]

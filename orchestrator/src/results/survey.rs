@@ -11,9 +11,9 @@ use conformity::{
     validation::{Comparison, Numerical, Spread},
 };
 use point_journal::Outcome;
-use study::judge::Judge;
 use study::{
     concern::{Code, Concern},
+    judge::Judge,
     plan::Plan,
 };
 

@@ -25,8 +25,10 @@ use fmu_points::{
     notices::{Notices, Replicates},
 };
 use point_journal::Outcome;
-use study::Study;
-use study::judge::{Judge, PointVerdict};
+use study::{
+    Study,
+    judge::{Judge, PointVerdict},
+};
 
 /// How the points represent the space.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,15 +2,15 @@
 
 use std::cell::Cell;
 
-use rand::rngs::StdRng;
-use rand::{RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
 use sampling::design::cube;
 
-use super::super::problem::{Free, Interval, Prediction, Query, Spacing};
-use super::super::sample::outcome::PosteriorOutcome;
-use super::super::sample::{Sample, sample};
-use super::super::testing::{decay, effort, free, measured, named, problem, settings, unknown_decay};
+use super::super::{
+    problem::{Free, Interval, Prediction, Query, Spacing},
+    sample::{Sample, outcome::PosteriorOutcome, sample},
+    testing::{decay, effort, free, measured, named, problem, settings, unknown_decay},
+};
 use super::*;
 
 /// Surrogates of a model from so many places.

@@ -1,7 +1,6 @@
 //! The surrogates in words.
 
-use super::super::digits::rounded;
-use super::super::failures::words;
+use super::super::{digits::rounded, failures::words};
 use super::outcome::SurrogateOutcome;
 
 /// An error counted that is larger than this part of the accuracy widens intervals by 12 %.

@@ -1,8 +1,10 @@
 use super::*;
-use crate::joint::JointNormal;
-use crate::measured::{Limits, Measured};
-use crate::normal::between;
-use crate::uncertainty::Uncertainty;
+use crate::{
+    joint::JointNormal,
+    measured::{Limits, Measured},
+    normal::between,
+    uncertainty::Uncertainty,
+};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// A normal population of model values, a criterion for them, and the published risks.

@@ -3,9 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::boxes::SEARCHES;
-use super::region::Region;
-use super::{Robustness, Stand, TRUSTED};
+use super::{Robustness, Stand, TRUSTED, boxes::SEARCHES, region::Region};
 use conformity::interval::clopper_pearson;
 
 /// No box is seen where the surrogates give no place as high a probability as this.

@@ -1,8 +1,12 @@
 //! The largest part of the parameter space with a verification probability above a level.
 
-use sampling::random::{Purpose, Random};
-use sampling::statistics::moments::{mean, quantile, sorted};
-use sampling::statistics::share::Fraction;
+use sampling::{
+    random::{Purpose, Random},
+    statistics::{
+        moments::{mean, quantile, sorted},
+        share::Fraction,
+    },
+};
 use serde::{Deserialize, Serialize};
 
 /// How many of the study's own points a region holds, and how many of them are verified.

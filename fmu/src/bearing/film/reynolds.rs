@@ -1,16 +1,18 @@
 //! The Reynolds film at work in the stand: it takes steps of its own and carries its journal along.
 
-use crate::bearing::friction::Boundary;
-use crate::bearing::journal::{
-    Drift, Flows, Interval, JournalFilm, Motion, Passed, Press, Setup, Situation, Strain, TransientFilm,
+use crate::bearing::{
+    friction::Boundary,
+    journal::{Drift, Flows, Interval, JournalFilm, Motion, Passed, Press, Setup, Situation, Strain, TransientFilm},
+    parameters::{Bearing, FilmEnergy, Resolution},
 };
-use crate::bearing::parameters::{Bearing, FilmEnergy, Resolution};
 use fmu_export::model::{Experiment, Fault};
-use journal_bearing::contact::ContactFamily;
-use journal_bearing::profile::Profile;
-use journal_bearing::reynolds::{
-    Cavitation, Coefficients, Drive, FilmError, FilmSettings, FilmState, Grid, HeatExchange, PeriodicSearch,
-    ReynoldsFilm, RoughFilm,
+use journal_bearing::{
+    contact::ContactFamily,
+    profile::Profile,
+    reynolds::{
+        Cavitation, Coefficients, Drive, FilmError, FilmSettings, FilmState, Grid, HeatExchange, PeriodicSearch,
+        ReynoldsFilm, RoughFilm,
+    },
 };
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};

@@ -2,15 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use super::run::Signal;
-use super::{is_number, is_real};
-use crate::commands::simulate::recorded::{ONE_TIME, may_be_time, split};
-use crate::error::Error;
-use fmu_import::quantity::Scale;
-use fmu_import::{Causality, Description, Variable};
+use super::{is_number, is_real, run::Signal};
+use crate::{
+    commands::simulate::recorded::{ONE_TIME, may_be_time, split},
+    error::Error,
+};
+use fmu_import::{Causality, Description, Variable, quantity::Scale};
 use fmu_points::names::{did_you_mean, nearest};
-use number_tables::Table;
-use number_tables::recorded::RecordedTable;
+use number_tables::{Table, recorded::RecordedTable};
 
 /// The columns of a table of measured values that are outputs of the FMU.
 #[derive(Debug)]

@@ -2,13 +2,13 @@
 
 use std::time::{Duration, Instant};
 
-use crate::cli::Init;
-use crate::commands::isolated::Isolated;
-use crate::commands::simulate::advised;
-use crate::error::Error;
+use crate::{
+    cli::Init,
+    commands::{isolated::Isolated, simulate::advised},
+    error::Error,
+};
 use fmu_import::{Description, Handle, Value, Variable};
-use fmu_points::failure::Failure;
-use fmu_points::task::Task;
+use fmu_points::{failure::Failure, task::Task};
 use sampling::statistics::{Accumulator, Statistic};
 
 /// The longest time of the run.

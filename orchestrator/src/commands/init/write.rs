@@ -2,17 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use super::measured::{Column, Measured};
-use super::run::{SMALL, Signal, TOLERANCE};
-use crate::error::Error;
-use crate::results::points::number;
+use super::{
+    measured::{Column, Measured},
+    run::{SMALL, Signal, TOLERANCE},
+};
+use crate::{error::Error, results::points::number};
 use curves::Metric;
-use fmu_import::units::Conversion;
-use fmu_import::{Description, Kind, Variable};
-use fmu_points::task::Schedule;
-use fmu_points::tell::one_line;
-use sampling::design::Method;
-use sampling::statistics::moments::{deviation, mean};
+use fmu_import::{Description, Kind, Variable, units::Conversion};
+use fmu_points::{task::Schedule, tell::one_line};
+use sampling::{
+    design::Method,
+    statistics::moments::{deviation, mean},
+};
 
 /// More lines nobody reads.
 const MOST_LINES: usize = 60;

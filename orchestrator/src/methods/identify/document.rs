@@ -2,21 +2,25 @@
 
 use std::{ops::Range, path::Path};
 
-use calibration::digits::{cleared, enough};
-use calibration::fit::Fit;
-use calibration::influence::Group;
-use calibration::local::End;
-use calibration::outcome::{FreeOutcome, IdentificationOutcome, OptimumOutcome, Residual};
-use calibration::sample;
-use calibration::surrogate::text::sentences;
-use calibration::text;
+use calibration::{
+    digits::{cleared, enough},
+    fit::Fit,
+    influence::Group,
+    local::End,
+    outcome::{FreeOutcome, IdentificationOutcome, OptimumOutcome, Residual},
+    sample,
+    surrogate::text::sentences,
+    text,
+};
 
-use crate::error::Error;
-use crate::identify::bind::Bound;
-use crate::plain;
-use result_document::format::{count, number};
-use result_document::svg::{Frame, area, envelope, path};
-use result_document::{Block, Document, Figure, Key, Table, numbers, words};
+use crate::{error::Error, identify::bind::Bound, plain};
+use result_document::{
+    Block, Document, Figure, Key, Table,
+    format::{count, number},
+    numbers,
+    svg::{Frame, area, envelope, path},
+    words,
+};
 
 /// Most rows of the table of values, and curves that are drawn.
 const MOST_ROWS: usize = 200;

@@ -7,8 +7,10 @@ use crate::{
 use conformity::risk::Guard;
 use parameter_regions::tolerances::stated::Wanted;
 use std::path::Path;
-use study::Study;
-use study::judge::{Judge, share};
+use study::{
+    Study,
+    judge::{Judge, share},
+};
 
 /// A share of accepted points, or a conformance probability.
 #[derive(Clone, Copy, Debug)]

@@ -3,8 +3,10 @@
 use nalgebra::Vector2;
 
 use super::cells::Cells;
-use crate::reynolds::lanes::{LANES, smallest};
-use crate::roughness::{NO_CONTACT, RoughFilm, Table, table};
+use crate::{
+    reynolds::lanes::{LANES, smallest},
+    roughness::{NO_CONTACT, RoughFilm, Table, table},
+};
 
 /// All that shapes the gap apart from the eccentricity.
 #[derive(Clone, Debug, Default, PartialEq)]
