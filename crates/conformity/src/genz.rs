@@ -284,10 +284,8 @@ mod tests {
                 row.iter_mut().for_each(|x| *x /= length);
             }
             let rest = |row: &[f64]| (1.0 - row.iter().map(|x| x * x).sum::<f64>()).sqrt();
-            let entry = |i: usize, j: usize| match i == j {
-                true => 1.0,
-                false => rows[i].iter().zip(&rows[j]).map(|(a, b)| a * b).sum(),
-            };
+            let entry =
+                |i: usize, j: usize| if i == j { 1.0 } else { rows[i].iter().zip(&rows[j]).map(|(a, b)| a * b).sum() };
             let row = |i| (0..size).map(|j| entry(i, j)).collect();
             let matrix: Vec<Vec<f64>> = (0..size).map(row).collect();
             let lower: Vec<f64> = (0..size).map(|_| random.random_range(-3.0..-0.5)).collect();

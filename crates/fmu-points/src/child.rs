@@ -161,10 +161,7 @@ fn reply(index: u64, runner: &Runner, answer: Result<&[f64], &Failure>) -> Reply
     let notices = &runner.notices;
     let answer = answer.map(|values| Simulated::new(values.to_vec(), notices));
     let answer = answer.map_err(|failure| Trouble {
-        from: match runner.refused {
-            true => Origin::Refusal { licence: false },
-            false => Origin::Fmu,
-        },
+        from: if runner.refused { Origin::Refusal { licence: false } } else { Origin::Fmu },
         failure: failure.clone(),
         notices: Box::new(Notices {
             warnings: notices.warnings,

@@ -338,9 +338,10 @@ impl Isolated {
         let is_one = jobs.len() == 1;
         for job in lost {
             let floor = common.quiet.beside_others();
-            let reply = match is_one {
-                true => Reply::new(job.index, Err(Trouble::lost(failure.clone()))),
-                false => self.once(way, job, post)?,
+            let reply = if is_one {
+                Reply::new(job.index, Err(Trouble::lost(failure.clone())))
+            } else {
+                self.once(way, job, post)?
             };
             drop(floor);
             match reply.answer {

@@ -322,10 +322,7 @@ impl<'a> Case<'a> {
         out += &format!(
             "[[cases]]\nname = {}\n{}{}simulation = {{ stop = {} }}\n",
             quoted(frame.name),
-            match doubts.is_empty() {
-                true => String::new(),
-                false => format!("concerns = {}\n", toml::Value::from(doubts)),
-            },
+            if doubts.is_empty() { String::new() } else { format!("concerns = {}\n", toml::Value::from(doubts)) },
             if frame.held_out { "held-out = true\n" } else { "" },
             up(last.min(end) + early)
         );
@@ -416,14 +413,15 @@ impl<'a> Case<'a> {
                     "# late after the load by {words}, {whose}\n\
                  delay = \"{:.4} ms\"\n{}",
                     1e3 * late,
-                    match reach > 0.0 {
-                        true => format!(
+                    if reach > 0.0 {
+                        format!(
                             "# identify finds the rest with the parameters: both follow from the same rows\n\
                          lag = {{ min = \"{0:.4} ms\", max = \"{1:.4} ms\" }}\n",
                             -1e3 * reach,
                             1e3 * reach
-                        ),
-                        false => String::new(),
+                        )
+                    } else {
+                        String::new()
                     }
                 )
             })

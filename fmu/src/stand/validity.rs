@@ -229,12 +229,11 @@ impl Stand {
     /// both.
     fn overpressed(&self, _: &Seen, strain: &Strain) -> Option<String> {
         let (film, limit) = (strain.film_pressure(), self.bearing.pressure_limit);
-        let asperities = match strain.contact.normal > 0.0 {
-            true => {
-                let surface = &self.bearing.surface;
-                surface.pressure_scale() * f_5_2(strain.distance / surface.roughness).0
-            }
-            false => 0.0,
+        let asperities = if strain.contact.normal > 0.0 {
+            let surface = &self.bearing.surface;
+            surface.pressure_scale() * f_5_2(strain.distance / surface.roughness).0
+        } else {
+            0.0
         };
         let pressure = film + asperities;
         (pressure > limit).then(|| {

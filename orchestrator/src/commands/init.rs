@@ -94,10 +94,7 @@ fn measurable(fmu: &Description) -> Vec<&Variable> {
     let found = found.unwrap_or_default();
     // Whole numbers count something.
     let reals = found.iter().copied().filter(|variable| is_real(variable));
-    match found.iter().any(|variable| is_real(variable)) {
-        true => reals.collect(),
-        false => found,
-    }
+    if found.iter().any(|variable| is_real(variable)) { reals.collect() } else { found }
 }
 
 fn is_real(variable: &Variable) -> bool {

@@ -92,10 +92,7 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
         ),
         whatif => report.whatif.is_some(),
         data,
-        bytes => match packed {
-            true => super::packed(&bytes).map_err(serde_json::Error::io)?,
-            false => STANDARD.encode(&bytes),
-        },
+        bytes => if packed { super::packed(&bytes).map_err(serde_json::Error::io)? } else { STANDARD.encode(&bytes) },
         packed,
         remarks => Serde(remarks(summary, whole.len())),
         sign => match answer.sign {
@@ -105,10 +102,7 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
             Sign::Open => "M7.5 9.2a4.6 4.6 0 1 1 6.7 4.1c-1.5.8-2.2 1.5-2.2 3.2M12 20.2v.3",
         },
         answer => Serde(answer),
-        word => match judgement.is_guarded() {
-            true => "accepted",
-            false => summary.met(),
-        },
+        word => if judgement.is_guarded() { "accepted" } else { summary.met() },
         guarded => judgement.is_guarded(),
         n => count(total),
         headline => Serde(Headline::new(judgement)),

@@ -413,11 +413,10 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
             list.extend((!summary.parameters.is_empty()).then(|| SENSITIVE.to_owned()));
         }
         Decision::NotVerified => {
-            let told = match summary.causes.is_empty() {
-                true => "finds the parameters that fit best, and what would explain that none does",
-                false => {
-                    "tells the evidence, as Identification on the page does: correct what is wrong, and verify again"
-                }
+            let told = if summary.causes.is_empty() {
+                "finds the parameters that fit best, and what would explain that none does"
+            } else {
+                "tells the evidence, as Identification on the page does: correct what is wrong, and verify again"
             };
             list.push(format!("`orchestrator identify {{study}}{{output}}` {told}."));
             list.extend(nearest(summary));

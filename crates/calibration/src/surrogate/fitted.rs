@@ -176,10 +176,7 @@ fn together(cases: &[OfCase]) -> f64 {
     }
     let matrix = DMatrix::from_columns(&columns);
     // Both products have the same eigenvalues but for zeros.
-    let product = match matrix.nrows() < matrix.ncols() {
-        true => &matrix * matrix.transpose(),
-        false => matrix.tr_mul(&matrix),
-    };
+    let product = if matrix.nrows() < matrix.ncols() { &matrix * matrix.transpose() } else { matrix.tr_mul(&matrix) };
     product.symmetric_eigenvalues().max().max(1.0)
 }
 

@@ -4,10 +4,7 @@ use thiserror::Error;
 
 /// Refuses a value unless it is usable.
 pub(super) fn within(name: &'static str, value: f64, usable: bool, must: &'static str) -> Result<(), FilmError> {
-    match usable {
-        true => Ok(()),
-        false => Err(FilmError::Setting { name, value, must }),
-    }
+    if usable { Ok(()) } else { Err(FilmError::Setting { name, value, must }) }
 }
 
 /// Refuses what is not positive.

@@ -179,12 +179,11 @@ impl JournalFilm for MobilityFilm {
         let &Press { log_peak, force, contact, ratio, touches } = press;
         let roughness = bearing.surface.roughness;
         let distance = at.clearance * (1.0 - ratio);
-        let (contact_reach, gap) = match touches {
-            true => {
-                let crossed = (at.clearance * (ratio - 1.0) / roughness).max(0.0);
-                (crossed, mean_gap(distance / roughness) * roughness)
-            }
-            false => (0.0, distance),
+        let (contact_reach, gap) = if touches {
+            let crossed = (at.clearance * (ratio - 1.0) / roughness).max(0.0);
+            (crossed, mean_gap(distance / roughness) * roughness)
+        } else {
+            (0.0, distance)
         };
         Strain {
             log_peak,

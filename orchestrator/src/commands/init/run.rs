@@ -74,10 +74,7 @@ impl<'a> Signal<'a> {
     /// A statistic that tells of it, and its value. Of what still swings at the end, one instant says little; of what is next
     /// to nothing, its tolerance could be no part.
     pub(super) fn value(&self) -> (Statistic, f64) {
-        let mut statistic = match self.turns > 1 {
-            true => Statistic::Mean,
-            false => Statistic::Final,
-        };
+        let mut statistic = if self.turns > 1 { Statistic::Mean } else { Statistic::Final };
         if self.of(statistic).abs() < SMALL * (self.most - self.least) {
             statistic = Statistic::Rms;
         }

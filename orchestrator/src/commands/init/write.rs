@@ -63,10 +63,7 @@ impl<'a> View<'a> {
     fn value(&self, value: f64) -> f64 {
         let (zero, shown) = (self.to_variable.inverse().value(0.0), self.to_variable.inverse().value(value));
         // At an offset such as that of degF a zero is rounded.
-        match shown.abs() < 1e-12 * zero.abs() {
-            true => 0.0,
-            false => shown,
-        }
+        if shown.abs() < 1e-12 * zero.abs() { 0.0 } else { shown }
     }
 
     fn key(&self) -> String {
@@ -224,9 +221,10 @@ fn own(signal: &Signal<'_>, fmu: &Description) -> Vec<String> {
 
 /// A part of the value; where that is next to nothing, of the range.
 fn tolerance(nominal: f64, range: f64) -> String {
-    match nominal.abs() < SMALL * range {
-        true => format!("tolerance = {}", number(rounded(TOLERANCE * range))),
-        false => format!("tolerance = \"{} %\"", 100.0 * TOLERANCE),
+    if nominal.abs() < SMALL * range {
+        format!("tolerance = {}", number(rounded(TOLERANCE * range)))
+    } else {
+        format!("tolerance = \"{} %\"", 100.0 * TOLERANCE)
     }
 }
 
@@ -298,10 +296,7 @@ fn reading(column: &Column<'_>) -> Vec<String> {
         lines.push(format!("noise = {noise} # the standard deviation of one row"));
         lines.push(format!("repeats = {count}"));
     }
-    lines.push(match value == 0.0 {
-        true => "tolerance = 0.1".to_owned(),
-        false => "tolerance = \"5 %\"".to_owned(),
-    });
+    lines.push(if value == 0.0 { "tolerance = 0.1".to_owned() } else { "tolerance = \"5 %\"".to_owned() });
     let unit = column.unit.as_deref();
     lines.extend(unit.map(|unit| format!("unit = {}", quoted(unit))));
     lines
@@ -358,9 +353,10 @@ impl Study<'_> {
     /// What to do with it.
     pub(super) fn told(&self, path: &Path) -> String {
         let path = path.display();
-        let next = match self.criteria.own {
-            true => "no measured value yet: write yours in place of the nominal values, and remove `nominal-from`\n",
-            false => "the tolerances are a guess: write how far the model may be from the true values\n",
+        let next = if self.criteria.own {
+            "no measured value yet: write yours in place of the nominal values, and remove `nominal-from`\n"
+        } else {
+            "the tolerances are a guess: write how far the model may be from the true values\n"
         };
         let plural = if self.criteria.count == 1 { "on" } else { "a" };
         format!("{path}: {} criteri{plural}; `orchestrator verify {path}` runs it\n{next}", self.criteria.count)

@@ -268,9 +268,10 @@ pub(super) fn document(outcome: &IdentificationOutcome) -> Option<Document> {
         return None;
     }
     let mut told = Document::new("causes", "Causes", "What would explain the misfit");
-    told.say(match first.explains() {
-        true => "Each of these alone, the likeliest first, with the parameters fitted again.",
-        false => "Nothing that was tried explains all of it. Most of it goes with these, each alone.",
+    told.say(if first.explains() {
+        "Each of these alone, the likeliest first, with the parameters fitted again."
+    } else {
+        "Nothing that was tried explains all of it. Most of it goes with these, each alone."
     });
     let sentences = rivals.into_iter().take(SHOWN).map(|suspect| format!("{}: {}.", sentence(suspect), falls(suspect)));
     told.blocks.push(Block::List(sentences.collect()));

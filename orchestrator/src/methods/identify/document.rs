@@ -173,9 +173,10 @@ impl Page<'_> {
         if (rows.is_empty() || is_long) && !self.outcome.is_farthest_doubtful() {
             text::largest(self.outcome).into_iter().for_each(|sentence| told.say(sentence));
         }
-        match is_long && !rows.is_empty() {
-            true => told.blocks.push(Block::Folded("All values".into(), false, vec![Block::Table(values(rows))])),
-            false => told.table(values(rows)),
+        if is_long && !rows.is_empty() {
+            told.blocks.push(Block::Folded("All values".into(), false, vec![Block::Table(values(rows))]))
+        } else {
+            told.table(values(rows))
         }
         list(&mut told, text::excluded(self.outcome));
         list(&mut told, self.outcome.surrogate.as_ref().map(sentences).unwrap_or_default());
@@ -224,17 +225,15 @@ impl Page<'_> {
         const NOTHING: f64 = 0.9;
         let rows = self.outcome.optima.iter().enumerate().flat_map(|(place, optimum)| {
             optimum.free.iter().map(move |free| {
-                let name = match self.outcome.has_several() {
-                    true => format!("{}, optimum {}", free.name, place + 1),
-                    false => free.name.clone(),
+                let name = if self.outcome.has_several() {
+                    format!("{}, optimum {}", free.name, place + 1)
+                } else {
+                    free.name.clone()
                 };
                 let [value, low, high] = self::told(free);
                 vec![
                     name,
-                    match free.left > NOTHING {
-                        true => "the data do not tell".to_owned(),
-                        false => with_unit(value, free),
-                    },
+                    if free.left > NOTHING { "the data do not tell".to_owned() } else { with_unit(value, free) },
                     match free.at_bound {
                         Some(side) => format!("{low} .. {high}, at its {side} bound"),
                         None => format!("{low} .. {high}"),
@@ -364,12 +363,10 @@ fn fitted(name: &str, unit: &str, times: &[f64], rows: &[&Residual]) -> Option<F
     let bottom = frame.wrap(&format!("{name}: residuals in standard deviations"), &out);
     let squares: f64 = missed.iter().map(|m| m * m).sum();
     let shared = rows.iter().map(|r| r.shared).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
-    let taken = match shared == 0.0 {
-        true => String::new(),
-        false => format!(
-            "; shared errors of up to {} are taken out of them",
-            format!("{} {unit}", number(shared, 2)).trim_end()
-        ),
+    let taken = if shared == 0.0 {
+        String::new()
+    } else {
+        format!("; shared errors of up to {} are taken out of them", format!("{} {unit}", number(shared, 2)).trim_end())
     };
     Some(Figure {
         file: format!("fit-{name}"),

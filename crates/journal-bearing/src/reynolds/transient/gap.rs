@@ -129,10 +129,7 @@ impl Gap {
 
     /// Computes the gap at the eccentricity ratio `eps` of the middle plane.
     pub fn update(&mut self, cells: &Cells, form: &Form, eps: Vector2<f64>) {
-        self.alike = match form.tilt == Vector2::zeros() {
-            true => cells.stride,
-            false => 1,
-        };
+        self.alike = if form.tilt == Vector2::zeros() { cells.stride } else { 1 };
         let was_rough = self.rough;
         if form.is_plain() {
             // The narrowest point may lie between two grid points.

@@ -166,10 +166,7 @@ impl Geometry {
 
     /// How far, in roughnesses, the mean planes of rough surfaces cross anywhere.
     pub fn crossing(&self, eps: Vector2<f64>) -> f64 {
-        match self.form.roughness > 0.0 {
-            true => (-self.smallest_distance(eps) / self.form.roughness).max(0.0),
-            false => 0.0,
-        }
+        if self.form.roughness > 0.0 { (-self.smallest_distance(eps) / self.form.roughness).max(0.0) } else { 0.0 }
     }
 
     /// Whether smooth surfaces touch by tilt or form error.
