@@ -22,7 +22,7 @@ use fmu_import::{Handle, Package, Value, isolation::Place};
 const HOLD: Duration = Duration::from_millis(1);
 
 /// All that a worker gives its children.
-pub(crate) struct Estate<'a> {
+pub struct Estate<'a> {
     pub(crate) setup: &'a mut Setup,
     pub(crate) package: Option<&'a mut Package>,
     /// What runs points, where the worker has loaded the FMU for them: a fork has a copy of its own.
@@ -30,14 +30,14 @@ pub(crate) struct Estate<'a> {
 }
 
 /// A worker's child.
-pub(crate) struct Child<'a> {
+pub struct Child<'a> {
     pub(crate) place: Place,
     pub(crate) estate: Estate<'a>,
 }
 
 impl Child<'_> {
     /// Does what the worker wants.
-    pub(crate) fn obey(mut self, order: &Order) {
+    pub fn obey(mut self, order: &Order) {
         let alone = match order {
             Order::New(jobs) | Order::Forked(jobs) => jobs.first(),
             Order::Used(_) | Order::Recorded(..) | Order::Errand(_) => None,
@@ -228,7 +228,7 @@ impl Belongings {
 }
 
 /// Lets the C library fill memory that is handed out or given back, so that what depends on it shows.
-pub(crate) fn fill_memory(byte: u8) {
+pub fn fill_memory(byte: u8) {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     {
         const M_PERTURB: i32 = -6;

@@ -39,7 +39,7 @@ const PAUSES: [Duration; 3] = [Duration::from_millis(50), Duration::from_millis(
 
 /// What the workers of a run share.
 #[derive(Debug)]
-pub(crate) struct Common {
+pub struct Common {
     pub(crate) ground: Ground,
     /// Whether the user wants points to share processes.
     pub(crate) shared: bool,
@@ -66,7 +66,7 @@ enum Start {
 }
 
 impl Common {
-    pub(crate) fn new(ground: Ground, shared: bool, tool: bool, company: bool) -> Self {
+    pub fn new(ground: Ground, shared: bool, tool: bool, company: bool) -> Self {
         Self {
             ground,
             shared,
@@ -81,7 +81,7 @@ impl Common {
 
 /// A worker with processes of its own.
 #[derive(Debug)]
-pub(crate) struct Isolated {
+pub struct Isolated {
     common: Arc<Common>,
     /// Where points find nothing but themselves; none until the first one comes.
     room: Option<Arc<Room>>,
@@ -103,7 +103,7 @@ pub(crate) struct Isolated {
 impl Isolated {
     /// A worker; with `again`, its points run in new processes whose unwritten memory holds other bytes, from another
     /// copy of the unpacked FMU.
-    pub(crate) fn new(common: &Arc<Common>, here: bool, cases: &[Case], limits: Limits, again: bool) -> Self {
+    pub fn new(common: &Arc<Common>, here: bool, cases: &[Case], limits: Limits, again: bool) -> Self {
         let ground = &common.ground;
         let worker = |lasting| {
             let mut worker = Process::new(&ground.shared, &ground.name, cases, limits);

@@ -110,7 +110,7 @@ fn memory() -> f64 {
 
 /// Which bins belong to which harmonic.
 #[derive(Clone, Debug)]
-pub(crate) struct Comb {
+pub struct Comb {
     /// The width of a bin, Hz.
     bin: f64,
     /// The frequency of the shaft in bins, where it turns.

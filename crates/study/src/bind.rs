@@ -21,13 +21,13 @@ use number_tables::files::FileError;
 use sampling::{design::Joint, statistics::Statistic};
 
 /// Finds variables and checks values for one FMU.
-pub(super) struct Binder<'a> {
+pub struct Binder<'a> {
     pub(super) study: &'a Study,
     pub(super) fmu: &'a Description,
 }
 
 /// A simulation with what belongs to it.
-pub(super) struct Bound {
+pub struct Bound {
     /// From the FMU's units to the study's, a criterion each.
     pub(super) outputs: Vec<Conversion>,
     /// The simulation.
@@ -40,7 +40,7 @@ pub(super) struct Bound {
 
 impl Binder<'_> {
     /// The simulation of a point, or of one of its cases.
-    pub(super) fn task(&self, case: Option<&CaseText>, varied: Vec<Slot>) -> Result<Bound, FileError> {
+    pub fn task(&self, case: Option<&CaseText>, varied: Vec<Slot>) -> Result<Bound, FileError> {
         let mut schedule = self.schedule().map_err(|message| match case {
             None => self.study.error(format!("[simulation] {message}")),
             Some(case) => {
@@ -67,7 +67,7 @@ impl Binder<'_> {
         find(self.fmu, name.as_ref().as_ref()).map_err(|message| self.study.error_at(name, message))
     }
 
-    pub(super) fn parameters(&self) -> Result<(Vec<Input>, Vec<Slot>), FileError> {
+    pub fn parameters(&self) -> Result<(Vec<Input>, Vec<Slot>), FileError> {
         self.study
             .parameters
             .iter()
@@ -82,7 +82,7 @@ impl Binder<'_> {
     }
 
     /// Reads the parameters that come from samples, and gives each its distribution.
-    pub(super) fn samples(&self, inputs: &mut [Input]) -> Result<Vec<Joint>, FileError> {
+    pub fn samples(&self, inputs: &mut [Input]) -> Result<Vec<Joint>, FileError> {
         let samples = samples::read(self.study, inputs)?;
         let mut joints = Vec::new();
         for Together { joint, alone } in samples {
@@ -95,7 +95,7 @@ impl Binder<'_> {
     }
 
     /// Checks that the FMU takes the middle of each distribution.
-    pub(super) fn within(&self, inputs: &[Input], slots: &[Slot]) -> Result<(), FileError> {
+    pub fn within(&self, inputs: &[Input], slots: &[Slot]) -> Result<(), FileError> {
         let pairs = inputs.iter().zip(slots);
         for ((input, slot), name) in pairs.zip(self.study.parameters.keys()) {
             let value = input.conversion.value(input.distribution.median());

@@ -34,7 +34,7 @@ struct Recorded {
 }
 
 /// A criterion on a curve that is tied to an FMU.
-pub(super) struct Binder<'a> {
+pub struct Binder<'a> {
     pub(super) study: &'a Study,
     pub(super) name: &'a Name,
     pub(super) text: &'a CriterionText,
@@ -49,7 +49,7 @@ pub(super) struct Binder<'a> {
 
 impl Binder<'_> {
     /// Reads the measured curve.
-    pub(super) fn bind(&self) -> Result<MeasuredCurve, FileError> {
+    pub fn bind(&self) -> Result<MeasuredCurve, FileError> {
         let named = |message| self.study.error_of(self.name, message);
         let Recorded { curve, expanded, first } = self.read()?;
         let delay = self.text.delay.as_ref().map_or(Ok(0.0), seconds).map_err(named)?;
@@ -341,7 +341,7 @@ impl Binder<'_> {
 }
 
 /// What makes a criterion on a measured curve hardly refuse anything.
-pub(super) fn doubt(name: &str, curve: &MeasuredCurve, (ideal, tolerance, _): (f64, f64, String)) -> Option<Concern> {
+pub fn doubt(name: &str, curve: &MeasuredCurve, (ideal, tolerance, _): (f64, f64, String)) -> Option<Concern> {
     const COVERAGE: f64 = 2.0;
     let MeasuredCurve { metric, times, values, band, errors, normaliser, .. } = curve;
     if times.len() < 3 {

@@ -57,7 +57,7 @@ type Place = (Unknowns, [f64; INPUTS], [f64; 2]);
 
 /// The rates where the last step ended: the last stage that it took is the first one of the next step.
 #[derive(Debug)]
-pub(super) struct Arrival {
+pub struct Arrival {
     at: Place,
     rates: (Unknowns, Sensed),
 }

@@ -22,7 +22,7 @@ const GRAIN: f64 = 0.1;
 const WEAR_GRAIN: f64 = 1e-10;
 
 /// The time constant that was computed last, s, and for what. It is `None` where there is no orbit.
-pub(super) type Last = Mutex<Option<(Key, Option<f64>)>>;
+pub type Last = Mutex<Option<(Key, Option<f64>)>>;
 
 /// Temperatures and wear depth in grains, and the inputs.
 type Key = ([i64; 4], i64, [u64; INPUTS]);

@@ -15,7 +15,7 @@ use journal_bearing::{
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 /// The log category.
-pub(super) const VALIDITY: &str = "validity";
+pub const VALIDITY: &str = "validity";
 
 /// The laminar film ends at this Reynolds number over the root of R/c: the root of 1,708, the Taylor number at which vortices begin
 /// in a narrow gap between concentric cylinders (Taylor 1923, Phil. Trans. R. Soc. A 223, 289-343),

@@ -15,7 +15,7 @@ use point_journal::files::write_text;
 use study::{Setting, plan::value_of};
 use write::{Criteria, Shown};
 
-pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {
+pub fn run(options: &Init) -> Result<ExitCode, Error> {
     if let Some(path) = options.output.as_ref().filter(|path| path.exists()) {
         let message = format!("{} exists already; choose another name", path.display());
         return Err(Error::option("output", message));

@@ -39,7 +39,7 @@ struct Run {
 
 /// Adds to the summary whether the best point's values had settled, and writes its trajectory, a file a case; says what is left
 /// out. A failure here takes nothing away from the verdict.
-pub(super) fn observe(reruns: &Reruns<'_>, folder: &Path, summary: &mut Summary) -> Vec<String> {
+pub fn observe(reruns: &Reruns<'_>, folder: &Path, summary: &mut Summary) -> Vec<String> {
     let plan = reruns.plan();
     // An earlier run may have left files, which are of another point or of another case.
     [history::file(None), history::file(Some(0))]

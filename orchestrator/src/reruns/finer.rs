@@ -8,7 +8,7 @@ const FEWEST: u64 = 2500;
 
 /// Finer steps than those of a study: shorter by the golden ratio at least. A period of which the study's step is a
 /// multiple is then met at all its phases, as no ratio is worse approximated by a fraction (Hurwitz 1891).
-pub(super) fn golden(schedule: &Schedule) -> Option<Schedule> {
+pub fn golden(schedule: &Schedule) -> Option<Schedule> {
     let mut schedule = *schedule;
     // Where only the final value counts, a leap may leave nothing to look at.
     schedule.leap &= schedule.window_start < schedule.stop;
@@ -28,7 +28,7 @@ pub(super) fn golden(schedule: &Schedule) -> Option<Schedule> {
 }
 
 /// The same steps up to a later end: twice as late, or so that the steps are three times as many.
-pub(super) fn longer(schedule: &Schedule) -> Schedule {
+pub fn longer(schedule: &Schedule) -> Schedule {
     const LONGER: f64 = 3.0;
     let begin = schedule.points().at(schedule.first_even());
     let further = (schedule.stop - schedule.start).min(LONGER * (schedule.stop - begin));
@@ -37,7 +37,7 @@ pub(super) fn longer(schedule: &Schedule) -> Schedule {
 }
 
 /// The case with a finer setting, so many times.
-pub(super) fn refined_case(case: &Case, by: Refined, times: u32) -> Case {
+pub fn refined_case(case: &Case, by: Refined, times: u32) -> Case {
     let mut case = case.clone();
     let tolerance = &mut case.task.schedule.tolerance;
     match by {

@@ -12,10 +12,10 @@ use study::{
 };
 
 /// How far the signals of a run move at the end of the study, by their criteria.
-pub(super) type Moves = Vec<(usize, Motion)>;
+pub type Moves = Vec<(usize, Motion)>;
 
 /// How far the signal of a criterion moves.
-pub(super) fn moves_of(plan: &Plan, criterion: usize, time: &[f64], signal: &[f64]) -> Option<Motion> {
+pub fn moves_of(plan: &Plan, criterion: usize, time: &[f64], signal: &[f64]) -> Option<Motion> {
     let (case, probe) = plan.placed_probes().nth(criterion)?;
     moves(time, signal, plan.cases[case].task.schedule, probe)
 }
@@ -64,7 +64,7 @@ fn growth(time: &[f64], signal: &[f64], statistic: Statistic, [from, to]: [f64; 
 
 /// The meaning of a motion for the number that is compared with the measured value. Without extra runs the drift is that
 /// at the rate of the end.
-pub(super) fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Concern> {
+pub fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Concern> {
     let Criterion { name, statistic, .. } = criterion;
     let (tolerance, stated) = (criterion.room(), criterion.allowed());
     let unit = criterion.unit_behind();

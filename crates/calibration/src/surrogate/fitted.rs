@@ -24,7 +24,7 @@ pub(super) struct Run {
 }
 
 /// The ends of a box, an unknown each.
-pub(super) type Bounds = Vec<[f64; 2]>;
+pub type Bounds = Vec<[f64; 2]>;
 
 fn within(places: &[f64], bounds: &[[f64; 2]]) -> bool {
     places.iter().zip(bounds).all(|(place, [low, high])| (low..=high).contains(&place))

@@ -84,7 +84,7 @@ impl LookUp {
 
 /// Cosine and sine of the angle by which the load is ahead of the eccentricity.
 #[inline]
-pub(super) fn ahead(eps: Vector2<f64>, e: f64, direction: Vector2<f64>) -> [f64; 2] {
+pub fn ahead(eps: Vector2<f64>, e: f64, direction: Vector2<f64>) -> [f64; 2] {
     if e > 0.0 {
         let inverse = 1.0 / e;
         [eps.dot(&direction) * inverse, eps.perp(&direction) * inverse]

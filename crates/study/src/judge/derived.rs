@@ -8,7 +8,7 @@ use number_tables::files::FileError;
 
 /// A criterion whose error follows from others'.
 #[derive(Clone, Debug)]
-pub(super) struct Derived {
+pub struct Derived {
     /// Its number.
     number: usize,
     /// The factors' numbers, each with the product over its value.

@@ -19,11 +19,7 @@ use fmu_import::{Causality, Variable, quantity::Quantity};
 use number_tables::files::FileError;
 
 /// Refuses a criterion on what the study sets itself: it would only judge the sampling.
-pub(super) fn check_variable(
-    study: &Study,
-    text: &CriterionText,
-    variable: Option<&Variable>,
-) -> Result<(), FileError> {
+pub fn check_variable(study: &Study, text: &CriterionText, variable: Option<&Variable>) -> Result<(), FileError> {
     let name = text.variable.as_ref().as_str();
     let kind = match variable.map(|variable| variable.causality) {
         Some(Causality::Input) => "an input",

@@ -14,12 +14,7 @@ use number_tables::files::FileError;
 use sampling::statistics::Statistic;
 
 /// The criterion on one number.
-pub(super) fn criterion(
-    study: &Study,
-    name: &Name,
-    text: &CriterionText,
-    scale: &Scale<'_>,
-) -> Result<Criterion, FileError> {
+pub fn criterion(study: &Study, name: &Name, text: &CriterionText, scale: &Scale<'_>) -> Result<Criterion, FileError> {
     let at = |message| study.error_of(name, message);
     curve::refuse_keys(text).map_err(at)?;
     let alone = match (&text.at_most, &text.at_least) {
@@ -81,7 +76,7 @@ pub(super) fn criterion(
 
 /// In what a distance from a limit that stands alone counts: the expanded uncertainty, how far the measured value is inside,
 /// or else the limit itself.
-pub(super) fn distance_unit(criterion: &Criterion) -> f64 {
+pub fn distance_unit(criterion: &Criterion) -> f64 {
     let measured = criterion.measured();
     let inside = measured.value.map(|value| criterion.limits.rest(value));
     measured.error.map(|error| error.expanded).or(inside.filter(|rest| *rest > 0.0)).unwrap_or(

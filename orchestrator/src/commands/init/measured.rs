@@ -13,7 +13,7 @@ use number_tables::{Table, recorded::RecordedTable};
 
 /// The columns of a table of measured values that are outputs of the FMU.
 #[derive(Debug)]
-pub(super) struct Measured<'a> {
+pub struct Measured<'a> {
     pub(super) file: PathBuf,
     /// The column of the time; where there is none, the rows are single readings.
     pub(super) time: Option<String>,
@@ -28,7 +28,7 @@ pub(super) struct Measured<'a> {
 
 /// A column of measured values.
 #[derive(Debug)]
-pub(super) struct Column<'a> {
+pub struct Column<'a> {
     pub(super) header: String,
     pub(super) unit: Option<String>,
     pub(super) variable: &'a Variable,
@@ -40,7 +40,7 @@ impl<'a> Measured<'a> {
     ///
     /// # Errors
     /// When it cannot be read, or its times do not grow.
-    pub(super) fn read(path: &Path, fmu: &'a Description) -> Result<Self, Error> {
+    pub fn read(path: &Path, fmu: &'a Description) -> Result<Self, Error> {
         let recorded = RecordedTable::read(path)?;
         let may_be = may_be_time(fmu);
         // Of operating points a duration does not rise from row to row.
@@ -100,7 +100,7 @@ impl<'a> Measured<'a> {
     }
 
     /// Leaves out columns of which the FMU computes no finite values, in their order.
-    pub(super) fn leave_out_infinite(&mut self, signals: &[Signal<'_>]) {
+    pub fn leave_out_infinite(&mut self, signals: &[Signal<'_>]) {
         let left = &mut self.left;
         let mut signals = signals.iter();
         self.columns.retain(|column| {
@@ -117,7 +117,7 @@ impl<'a> Measured<'a> {
     ///
     /// # Errors
     /// When nothing is left.
-    pub(super) fn tell(&self) -> Result<(), Error> {
+    pub fn tell(&self) -> Result<(), Error> {
         let file = self.file.display();
         if self.columns.is_empty() {
             let reasons: Vec<String> = self.left.iter().map(|(name, reason)| format!("{name}: {reason}")).collect();

@@ -24,7 +24,7 @@ const CRITERIA: usize = 3;
 
 /// A study to be written.
 #[derive(Debug)]
-pub(super) struct Study<'a> {
+pub struct Study<'a> {
     pub(super) fmu: &'a Description,
     /// The FMU's path, as seen from the study.
     pub(super) path: PathBuf,
@@ -37,7 +37,7 @@ pub(super) struct Study<'a> {
 
 /// The lines of the criteria, and how many criteria these are.
 #[derive(Debug)]
-pub(super) struct Criteria {
+pub struct Criteria {
     lines: Vec<String>,
     /// What drives the model as it was measured.
     inputs: Vec<String>,
@@ -78,7 +78,7 @@ fn rounded(value: f64) -> f64 {
 
 /// A parameter's range in the unit in which people read it.
 #[derive(Debug)]
-pub(super) struct Shown<'a> {
+pub struct Shown<'a> {
     view: View<'a>,
     ends: [f64; 2],
 }
@@ -86,7 +86,7 @@ pub(super) struct Shown<'a> {
 impl<'a> Shown<'a> {
     /// 10 % to both sides of the start value, within the FMU's own limits. None of what is no number, has no start value
     /// or 0, or has no room.
-    pub(super) fn about_start(fmu: &Description, variable: &'a Variable) -> Option<Self> {
+    pub fn about_start(fmu: &Description, variable: &'a Variable) -> Option<Self> {
         match variable.kind {
             Kind::Real { start: Some(start), .. } => Self::about(fmu, variable, start),
             _ => None,
@@ -94,7 +94,7 @@ impl<'a> Shown<'a> {
     }
 
     /// The same about another value, in the variable's own unit.
-    pub(super) fn about(fmu: &Description, variable: &'a Variable, start: f64) -> Option<Self> {
+    pub fn about(fmu: &Description, variable: &'a Variable, start: f64) -> Option<Self> {
         const PART: f64 = 0.1;
         let Kind::Real { min, max, .. } = variable.kind else {
             return None;
@@ -127,7 +127,7 @@ impl<'a> Shown<'a> {
 
 impl Criteria {
     /// The first outputs that move, with what they do in a run of the model.
-    pub(super) fn of_model(signals: &[Signal<'_>], fmu: &Description, path: &Path) -> Result<Self, Error> {
+    pub fn of_model(signals: &[Signal<'_>], fmu: &Description, path: &Path) -> Result<Self, Error> {
         let mut moving: Vec<_> = signals.iter().filter(|signal| signal.moves()).collect();
         let stands = moving.is_empty();
         if stands {
@@ -157,7 +157,7 @@ impl Criteria {
     }
 
     /// The columns of a table, as curves where it has a column of the time.
-    pub(super) fn of_table(table: &Measured<'_>, path: &Path) -> Self {
+    pub fn of_table(table: &Measured<'_>, path: &Path) -> Self {
         let tolerance = "# The tolerances are a guess: they say how far the model may be from the true values. Add the accuracy \
                          of the";
         let is_of_points = table.time.is_none() && !table.inputs.is_empty();
@@ -304,7 +304,7 @@ fn reading(column: &Column<'_>) -> Vec<String> {
 
 impl Study<'_> {
     /// The text.
-    pub(super) fn text(&self) -> String {
+    pub fn text(&self) -> String {
         let Schedule { start, stop, step, .. } = self.schedule;
         let fmu = self.fmu;
         let mut lines = vec![
@@ -351,7 +351,7 @@ impl Study<'_> {
     }
 
     /// What to do with it.
-    pub(super) fn told(&self, path: &Path) -> String {
+    pub fn told(&self, path: &Path) -> String {
         let path = path.display();
         let next = if self.criteria.own {
             "no measured value yet: write yours in place of the nominal values, and remove `nominal-from`\n"

@@ -33,7 +33,7 @@ use crate::{
 ///
 /// # Errors
 /// When the run was stopped.
-pub(super) fn ask(
+pub fn ask(
     (bound, fmu): (&Bound, &Description),
     task: &Task<'_>,
     searched: &Searched,
@@ -257,7 +257,7 @@ fn found(bound: &Bound, fmu: &Description) -> Vec<Known> {
 }
 
 /// What would explain the misfit, for people.
-pub(super) fn document(outcome: &IdentificationOutcome) -> Option<Document> {
+pub fn document(outcome: &IdentificationOutcome) -> Option<Document> {
     const SHOWN: usize = 4;
     let suspects = outcome.suspects.as_ref()?;
     let first = suspects.first()?;
@@ -288,7 +288,7 @@ const NOTHING: &str = "Nothing that was tried explains it: no parameter beyond i
                        error, gain, delay or unit of a sensor. Something is probably missing in the model, or in the stated uncertainties.";
 
 /// The likeliest cause in a sentence.
-pub(super) fn headline(outcome: &IdentificationOutcome) -> Option<String> {
+pub fn headline(outcome: &IdentificationOutcome) -> Option<String> {
     /// Sums of squares this near do not tell causes apart.
     const NEAR: f64 = 4.0;
     let Some(suspects) = &outcome.suspects else {
@@ -341,7 +341,7 @@ fn coarse(outcome: &IdentificationOutcome) -> Option<String> {
 
 /// What explains that points miss the measured values, for the first screen of the study: a cause, that nothing was found, or
 /// that the parameters alone do. Nothing where the search has no one answer.
-pub(super) fn causes(outcome: &IdentificationOutcome) -> Vec<String> {
+pub fn causes(outcome: &IdentificationOutcome) -> Vec<String> {
     /// Of a parameter that the data determine they leave less of the prior's deviation.
     const DETERMINED: f64 = 0.5;
     if outcome.end != End::Converged || outcome.fit() != Fit::Good || outcome.has_several() {

@@ -29,7 +29,7 @@ const MOST_CURVES: usize = 24;
 const MANY_CASES: usize = 6;
 
 /// An identification for its page.
-pub(super) struct Page<'a> {
+pub struct Page<'a> {
     pub(super) title: &'a str,
     pub(super) bound: &'a Bound,
     pub(super) outcome: &'a IdentificationOutcome,
@@ -43,12 +43,12 @@ fn group(bound: &Bound, name: &str, quantities: Range<usize>) -> Group {
 }
 
 /// The measured curves.
-pub(super) fn curves(bound: &Bound) -> Vec<Group> {
+pub fn curves(bound: &Bound) -> Vec<Group> {
     bound.curves.iter().map(|curve| group(bound, &curve.name, curve.quantities.clone())).collect()
 }
 
 /// What was measured together: the curves, and the single quantities.
-pub(super) fn groups(bound: &Bound) -> Vec<Group> {
+pub fn groups(bound: &Bound) -> Vec<Group> {
     let singles = singles(bound).map(|k| group(bound, &bound.problem.quantities[k].name, k..k + 1));
     curves(bound).into_iter().chain(singles).collect()
 }
@@ -68,7 +68,7 @@ impl Page<'_> {
     }
 
     /// The result as a section of a page.
-    pub(super) fn section(&self) -> Document {
+    pub fn section(&self) -> Document {
         let (_, headline, told) = self.headline();
         let mut section = Document::new("identification", "Identification", "Which parameters fit the measured values");
         section.warn(&self.warnings());
@@ -85,7 +85,7 @@ impl Page<'_> {
     ///
     /// # Errors
     /// When the system says no.
-    pub(super) fn write(&self, folder: &Path) -> Result<(), Error> {
+    pub fn write(&self, folder: &Path) -> Result<(), Error> {
         let (is_good, headline, _) = self.headline();
         let page = plain::Page {
             kicker: "Identification",

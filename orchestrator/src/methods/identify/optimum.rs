@@ -24,7 +24,7 @@ use crate::{error::Result, identify::bind::Bound, options::relative};
 ///
 /// # Errors
 /// When the study's text cannot be read.
-pub(super) fn study(
+pub fn study(
     (study, fmu): (&Study, &Path),
     outcome: &IdentificationOutcome,
     (place, bound): (usize, &Bound),
