@@ -9,11 +9,6 @@ use conformity::interval::clopper_pearson;
 /// No box is seen where the surrogates give no place as high a probability as this.
 const CEILING: f64 = 0.01;
 
-/// Results of earlier versions do not have it.
-fn all() -> f64 {
-    1.0
-}
-
 /// Whether there is a box that holds the level.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "answer")]
@@ -35,7 +30,6 @@ pub enum Answer {
         highest: f64,
     },
     /// The surrogates see none, and none of the study's points is verified.
-    #[serde(alias = "impossible")]
     NoneSeen {
         /// Places at which the surrogates were asked.
         places: usize,
@@ -44,10 +38,8 @@ pub enum Answer {
         /// The criterion that is met least.
         criterion: String,
         /// The study's points.
-        #[serde(default)]
         points: usize,
         /// So large a part of the space may be verified, at a confidence of 95 %.
-        #[serde(default = "all")]
         at_most: f64,
     },
 }

@@ -48,11 +48,6 @@ impl Confirmed {
     }
 }
 
-/// Results of earlier versions have no interval.
-const fn unknown() -> [f64; 2] {
-    [0.0, 1.0]
-}
-
 /// A sample of the space, with the probability of verification at each point.
 #[derive(Clone, Copy)]
 pub struct Sample<'a> {
@@ -83,7 +78,6 @@ pub struct Region {
     /// The part of it that is verified: by the surrogates, corrected by the study's own points.
     pub probability: f64,
     /// Its 95 % interval.
-    #[serde(default = "unknown")]
     pub interval: [f64; 2],
     /// Check against the study's own points.
     pub confirmed: Confirmed,
@@ -101,7 +95,7 @@ impl Region {
             limits,
             share: held.len() as f64 / sample.points.len() as f64,
             probability: mean(&held),
-            interval: unknown(),
+            interval: [0.0, 1.0],
             confirmed: Confirmed::default(),
             fresh: None,
         }
