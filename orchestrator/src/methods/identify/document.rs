@@ -135,8 +135,10 @@ impl Page<'_> {
     }
 
     fn warnings(&self) -> Vec<String> {
-        let concerns = super::concerns(self.outcome).into_iter();
-        concerns.map(|concern| concern.to_string().trim_end_matches('.').to_owned()).collect()
+        super::concerns(self.outcome)
+            .into_iter()
+            .map(|concern| concern.to_string().trim_end_matches('.').to_owned())
+            .collect()
     }
 
     fn residual(&self, case: usize, quantity: usize) -> &Residual {
