@@ -1,6 +1,7 @@
 //! The stand for hosts that integrate it themselves (Model Exchange): shaft angle, eccentricity, temperatures and wear depth
 //! are their states, and the stand gives the rates.
 
+use crate::Result;
 use fmu_export::{
     model::{Complete, Continuous, Fault, State},
     units,
@@ -91,7 +92,7 @@ impl Continuous for Stand {
         stand.state.validity != before
     });
 
-    fn allow(&self) -> Result<(), Fault> {
+    fn allow(&self) -> Result {
         if !self.film.is_transient() {
             return Ok(());
         }
@@ -108,7 +109,7 @@ impl Continuous for Stand {
 
     /// Without the cache of the viscosity, whose last digits depend on the calls before, and with the viscosity's scale as
     /// the host has set it last.
-    fn rates(&self, rates: &mut [f64]) -> Result<(), Fault> {
+    fn rates(&self, rates: &mut [f64]) -> Result {
         let mut y = unknowns(&self.state);
         for temperature in &mut y[2..6] {
             *temperature = temperature.clamp(COLDEST, WARMEST);

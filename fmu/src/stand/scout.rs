@@ -13,11 +13,11 @@
 
 use super::Stand;
 use crate::{
+    Result,
     bearing::{Film, Flows},
     multirate::{self, CLOSEST, Correction, Departure, NoLeap},
     thermal::Temperatures,
 };
-use fmu_export::model::Fault;
 
 /// Turns at the most until the film is on its orbit.
 const ORBIT_TURNS: usize = 40;
@@ -90,7 +90,7 @@ pub struct Scout {
 
 impl Scout {
     /// A scout that knows nothing yet, at the stand's present place.
-    pub fn new(stand: &Stand) -> Result<Self, Fault> {
+    pub fn new(stand: &Stand) -> Result<Self> {
         let mut ahead = stand.clone();
         ahead.thermal.isothermal = true;
         Ok(Self {

@@ -7,10 +7,10 @@
 
 use super::{Stand, inputs::INPUTS, unknowns, validity::Seen};
 use crate::{
+    Result,
     bearing::{Film, Flows},
     multirate::{self, Departure, Vector4},
 };
-use fmu_export::model::Fault;
 use std::sync::{Mutex, PoisonError};
 
 /// The tolerance of the orbits.
@@ -81,7 +81,7 @@ impl Stand {
 
     /// The same stand with the mobility film in place of one that takes steps of its own, which would need seconds for
     /// its orbits.
-    pub(super) fn with_a_fast_film(mut self) -> Result<Self, Fault> {
+    pub(super) fn with_a_fast_film(mut self) -> Result<Self> {
         if self.film.is_transient() {
             self.assumed_feed = self.feed_after_a_turn();
             self.film = Film::mobility(&self.bearing)?;
