@@ -27,7 +27,7 @@ use rig_signals::{
 use study::exactly_two;
 
 /// The settings of a recording.
-#[derive(Debug, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Settings {
     /// The file.
@@ -91,7 +91,7 @@ struct TimeColumn {
 }
 
 /// Which of several rows with one time counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Repeated {
     First,
@@ -99,7 +99,7 @@ enum Repeated {
 }
 
 /// Samples that may be none of the signal.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Doubtful {
     Clipped,
@@ -107,7 +107,7 @@ enum Doubtful {
 }
 
 /// How a file is written.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FileLayout {
     time: Option<TimeColumn>,

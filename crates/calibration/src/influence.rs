@@ -41,7 +41,7 @@ pub struct Farthest {
 }
 
 /// What a parameter's variance consists of.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Serialize)]
 pub struct Influence {
     /// The parameter.
     pub parameter: String,

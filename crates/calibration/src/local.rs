@@ -110,7 +110,6 @@ fn moved(places: &[f64], step: &DVector<f64>) -> Vec<f64> {
 }
 
 /// Levenberg's damping after Nielsen: little where the linearised problem predicts well.
-#[derive(Debug)]
 struct Damping {
     value: f64,
     growth: f64,

@@ -6,7 +6,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 use super::problem::Estimate;
 
 /// The order of the residuals along a curve.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Serialize)]
 pub struct Order {
     /// The curve.
     pub name: String,

@@ -185,7 +185,6 @@ impl PointTable {
 }
 
 /// A point's place among the others.
-#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ranked {
     /// Index of the point.
     pub point: usize,

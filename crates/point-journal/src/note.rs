@@ -8,7 +8,7 @@ use fmu_points::{Conduct, failure::Failure};
 pub type Outcome = Result<Vec<f64>, Failure>;
 
 /// A line about many points.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub enum Note {
     /// How the points so far were computed.
     Conduct(Conduct),

@@ -24,7 +24,6 @@ pub struct Aligned<'a> {
 }
 
 /// Turns and blocks of a signal at even times.
-#[derive(Clone, Copy, Debug)]
 pub struct Grid {
     /// The first sample's time and the time between samples, s.
     pub time: [f64; 2],

@@ -11,7 +11,6 @@ use super::{
 };
 
 /// Settings by which a recording becomes a case.
-#[derive(Clone, Debug)]
 pub struct Frame<'a> {
     /// The case's name.
     pub name: &'a str,

@@ -79,7 +79,6 @@ impl Holes {
 }
 
 /// A signal's turns.
-#[derive(Clone, Debug, PartialEq)]
 pub struct Turns {
     /// The samples of those that count.
     pub values: Vec<f64>,

@@ -108,7 +108,6 @@ fn memory() -> f64 {
 }
 
 /// Which bins belong to which harmonic.
-#[derive(Clone, Debug)]
 pub struct Comb {
     /// The width of a bin, Hz.
     bin: f64,

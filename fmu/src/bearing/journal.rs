@@ -281,7 +281,6 @@ pub struct Interval {
 }
 
 /// What an interval has brought.
-#[derive(Clone, Copy, Debug)]
 pub struct Passed {
     /// The mean flows over it.
     pub flows: Flows,

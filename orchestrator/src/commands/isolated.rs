@@ -23,7 +23,6 @@ use fmu_points::{
 use number_tables::csv_file;
 
 /// The variables that a trajectory shows.
-#[derive(Debug)]
 pub struct Columns {
     variables: Vec<Variable>,
     handles: Vec<Handle>,
@@ -78,7 +77,6 @@ fn cell(value: &Value) -> String {
 }
 
 /// An FMU of which single points run in a process of its own.
-#[derive(Debug)]
 pub struct Isolated {
     fmu: PathBuf,
     name: PathBuf,

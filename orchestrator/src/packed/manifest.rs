@@ -4,7 +4,6 @@ use fmu_import::xml;
 use result_document::format::escape;
 
 /// A file that is listed.
-#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Related {
     /// Its media type.
     pub(super) kind: String,

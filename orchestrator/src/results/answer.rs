@@ -120,7 +120,7 @@ impl Answer {
 }
 
 /// Study and folder as one names them in a command.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Names {
     /// The study.
     pub study: String,

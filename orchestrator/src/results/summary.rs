@@ -282,7 +282,6 @@ pub struct BestPoint {
 }
 
 /// A point as it was judged.
-#[derive(Clone, Debug)]
 pub(super) struct Kept {
     label: u64,
     parameters: Vec<f64>,

@@ -26,7 +26,6 @@ const ONE_JOB: &str = "Compare with `--jobs 1`, where one point runs at a time."
 const PLACED: usize = 4096;
 
 /// Looks at points one by one, in constant memory.
-#[derive(Debug)]
 pub struct Survey<'a> {
     judge: &'a Judge,
     plan: Option<&'a Plan>,

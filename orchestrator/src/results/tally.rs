@@ -57,7 +57,6 @@ impl Sample {
 type Passed = Vec<u64>;
 
 /// Counts points one by one, in constant memory.
-#[derive(Clone, Debug)]
 pub struct Tally<'a> {
     judge: &'a Judge,
     replicates: usize,
@@ -83,7 +82,6 @@ pub struct Tally<'a> {
 }
 
 /// Counts of points.
-#[derive(Clone, Debug)]
 struct Counts {
     verified: Passed,
     criteria: Vec<Passed>,

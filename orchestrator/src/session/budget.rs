@@ -140,7 +140,6 @@ fn values(outcome: &Outcome) -> Option<Vec<f64>> {
 }
 
 /// What the points of a budget tell.
-#[derive(Debug)]
 pub struct Told {
     /// The points, as places in the net.
     pub places: Vec<u64>,

@@ -13,7 +13,6 @@ use study::{
 };
 
 /// A share of accepted points, or a conformance probability.
-#[derive(Clone, Copy, Debug)]
 pub struct Goal<'a> {
     judge: &'a Judge,
     /// Which of both.
