@@ -198,7 +198,8 @@ mod tests {
                 scope.spawn(|| {
                     for _ in 0..200 {
                         remove_abandoned(place.path());
-                        let file = Scratch::within(place.path()).unwrap().path().join("file");
+                        let scratch = Scratch::within(place.path()).unwrap();
+                        let file = scratch.path().join("file");
                         fs::write(&file, "x").unwrap();
                         std::thread::yield_now();
                         assert!(file.exists());
