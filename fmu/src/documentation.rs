@@ -1,7 +1,9 @@
 //! The documentation page of the FMU: a text, and a table of all variables.
 
-use crate::stand::Stand;
-use crate::variables::{listing, table};
+use crate::{
+    stand::Stand,
+    variables::{listing, table},
+};
 use fmu_export::model::{Kind, Quantity, Role, Variable};
 use std::fmt::Write;
 

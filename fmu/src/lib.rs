@@ -20,4 +20,7 @@ pub mod stand;
 pub mod thermal;
 pub mod variables;
 
+/// What a block has computed, or why it cannot.
+pub type Result<T = (), E = fmu_export::model::Fault> = std::result::Result<T, E>;
+
 fmu_export::export!(stand::Stand);

@@ -1,10 +1,11 @@
 //! What is the same for all instances is computed when the library is loaded. Studies load it once and fork a process for each
 //! point, which would compute all of it again.
 
-use crate::bearing::sommerfeld;
-use crate::stand::Stand;
-use fmu_export::description::{Interface, Version, fingerprint};
-use fmu_export::model::{Experiment, Model};
+use crate::{bearing::sommerfeld, stand::Stand};
+use fmu_export::{
+    description::{Interface, Version, fingerprint},
+    model::{Experiment, Model},
+};
 use std::panic::catch_unwind;
 
 /// A function in the list of those that the system calls after it has mapped the library.

@@ -21,9 +21,11 @@ mod equilibrium;
 mod orbit;
 mod stiff;
 
-use crate::bearing::Flows;
-use crate::solver::{Budget, Failure, Rodas3};
-use crate::thermal::Temperatures;
+use crate::{
+    bearing::Flows,
+    solver::{Budget, Failure, Rodas3},
+    thermal::Temperatures,
+};
 pub use correction::{CLOSEST, Correction};
 pub use curves::Across;
 use curves::Curves;

@@ -2,8 +2,10 @@
 
 use std::sync::Mutex;
 
-use journal_bearing::nalgebra::Vector2;
-use journal_bearing::reynolds::{Boundary, Grid, QuasiStatic};
+use journal_bearing::{
+    nalgebra::Vector2,
+    reynolds::{Boundary, Grid, QuasiStatic},
+};
 
 /// Cells around the bush, and from the middle to one end.
 const CELLS: [usize; 2] = [96, 12];

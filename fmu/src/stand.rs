@@ -27,13 +27,16 @@ mod stiff;
 mod stuck;
 mod validity;
 
-use crate::bearing::{Bearing, Drift, Film, Flows, Setup, Situation};
-use crate::drive::{Command, Drive};
-use crate::load::Load;
-use crate::multirate::Departure;
-use crate::oil::{Nearby, Oil, Properties};
-use crate::sensors::{self, Readings, Sensed, TurnMeans};
-use crate::thermal::{Heat, Temperatures, Thermal};
+use crate::{
+    Result,
+    bearing::{Bearing, Drift, Film, Flows, Setup, Situation},
+    drive::{Command, Drive},
+    load::Load,
+    multirate::Departure,
+    oil::{Nearby, Oil, Properties},
+    sensors::{self, Readings, Sensed, TurnMeans},
+    thermal::{Heat, Temperatures, Thermal},
+};
 use fmu_export::model::{self, Exchange, Experiment, Fault, Info, Log, Model, Variable};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
@@ -171,7 +174,7 @@ impl Stand {
 
     /// The time derivatives of the outputs at the present communication point, per second: differences over a short
     /// step of a copy.
-    fn differences(&self) -> Result<Readings, Fault> {
+    fn differences(&self) -> Result<Readings> {
         const AHEAD: f64 = 1e-6;
         let mut ahead = self.clone();
         let mut later = || {
@@ -414,7 +417,7 @@ impl Model for Stand {
         crate::variables::listing().to_vec()
     }
 
-    fn initialise(&mut self, experiment: &Experiment<'_>, log: &mut dyn Log) -> Result<(), Fault> {
+    fn initialise(&mut self, experiment: &Experiment<'_>, log: &mut dyn Log) -> Result {
         model::check_ranges(self)?;
         Self::check_time(experiment.start).map_err(Fault::Invalid)?;
         if let Some(tolerance) = experiment.tolerance {
@@ -468,7 +471,7 @@ impl Model for Stand {
         Ok(())
     }
 
-    fn update(&mut self) -> Result<(), Fault> {
+    fn update(&mut self) -> Result {
         self.arrival = Remembered::default();
         self.slowest = Remembered::default();
         self.resting = Remembered::default();
@@ -478,14 +481,14 @@ impl Model for Stand {
         Ok(())
     }
 
-    fn differentiate(&mut self) -> Result<(), Fault> {
+    fn differentiate(&mut self) -> Result {
         self.rates = self.differences().map_err(|stuck| {
             Fault::Failed(format!("the outputs have no time derivatives here: a short step ahead failed: {stuck}"))
         })?;
         Ok(())
     }
 
-    fn advance(&mut self, time: f64, step: f64, log: &mut dyn Log) -> Result<(), Fault> {
+    fn advance(&mut self, time: f64, step: f64, log: &mut dyn Log) -> Result {
         Self::check_time(time + step).map_err(Fault::Failed)?;
         self.check_inputs_after(step)?;
         self.state.time = time;
@@ -515,7 +518,7 @@ impl Model for Stand {
         Ok(())
     }
 
-    fn restore(&mut self, bytes: &[u8]) -> Result<(), Fault> {
+    fn restore(&mut self, bytes: &[u8]) -> Result {
         let mut saved: Self = postcard::from_bytes(bytes)
             .map_err(|error| Fault::Invalid(format!("the saved state cannot be read: {error}")))?;
         if saved.film.is_running() {

@@ -6,12 +6,16 @@
 #[macro_use]
 mod declare;
 
-use crate::bearing::{FILM, Feeding, FilmEnergy, FilmModel, ThermalClearance};
-use crate::stand::Stand;
-use crate::thermal::Initialization;
+use crate::{
+    bearing::{FILM, Feeding, FilmEnergy, FilmModel, ThermalClearance},
+    stand::Stand,
+    thermal::Initialization,
+};
 use declare::{V, computed, flag, label, real, whole};
-use fmu_export::model::{Access, Kind, Quantity, Role};
-use fmu_export::units::{self, KELVIN_DIFFERENCE};
+use fmu_export::{
+    model::{Access, Kind, Quantity, Role},
+    units::{self, KELVIN_DIFFERENCE},
+};
 use journal_bearing::rheology::{DensityLaw, PressureLaw, ShearLaw};
 use std::sync::LazyLock;
 

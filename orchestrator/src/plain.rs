@@ -9,7 +9,6 @@ use point_journal::files::write_text;
 use result_document::Document;
 
 /// A page of documents under one answer.
-#[derive(Clone, Copy, Debug)]
 pub struct Page<'a> {
     /// Its kind.
     pub kicker: &'a str,

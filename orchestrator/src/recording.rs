@@ -27,7 +27,7 @@ use rig_signals::{
 use study::exactly_two;
 
 /// The settings of a recording.
-#[derive(Debug, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields, rename_all = "kebab-case")]
 pub struct Settings {
     /// The file.
@@ -91,7 +91,7 @@ struct TimeColumn {
 }
 
 /// Which of several rows with one time counts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Repeated {
     First,
@@ -99,7 +99,7 @@ enum Repeated {
 }
 
 /// Samples that may be none of the signal.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Doubtful {
     Clipped,
@@ -107,7 +107,7 @@ enum Doubtful {
 }
 
 /// How a file is written.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct FileLayout {
     time: Option<TimeColumn>,
@@ -362,8 +362,8 @@ impl Recorded<'_> {
         let unit = match (&time.unit, &table.column(name)?.unit) {
             (None, None) => {
                 let units = "say time = { unit = \"ms\" }";
-                let doubt = clocks::doubt(table.path(), name, &values, table.has_days(), units);
-                doubt.map_or(Ok("s".to_owned()), |message| Err(settings.wrong(message)))?
+                clocks::doubt(table.path(), name, &values, table.has_days(), units)
+                    .map_or(Ok("s".to_owned()), |message| Err(settings.wrong(message)))?
             }
             (unit, _) => table.unit(name, unit.as_deref())?,
         };

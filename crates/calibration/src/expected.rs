@@ -12,7 +12,7 @@ use super::problem::{Estimate, Problem};
 /// Rows that share their noise count for fewer. Each curve's part of the sum, over its degrees of freedom, has Snedecor's
 /// distribution; so has the whole, nearly, with the degrees of freedom that give its variance (Welch & Satterthwaite) and
 /// scaled to its mean.
-pub(crate) struct Expected {
+pub struct Expected {
     /// The sum's degrees of freedom.
     pub freedom: f64,
     /// Those of the noise that it is compared with; infinite where that is known.

@@ -41,7 +41,7 @@ impl Failures {
 }
 
 /// The region that a search avoids because runs failed there.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Serialize)]
 pub struct Excluded {
     /// Places that were asked for.
     pub asked: u64,

@@ -110,7 +110,6 @@ fn moved(places: &[f64], step: &DVector<f64>) -> Vec<f64> {
 }
 
 /// Levenberg's damping after Nielsen: little where the linearised problem predicts well.
-#[derive(Debug)]
 struct Damping {
     value: f64,
     growth: f64,
@@ -255,10 +254,8 @@ mod tests {
     #[test]
     fn says_where_failing_simulations_end_the_way_down() {
         let problem = one_case(&[(0.0, 10.0)], &[(2.0, 1.0)]);
-        let fragile = |_: usize, p: &[f64], _: &[f64]| match p[0] < 3.0 {
-            true => Err("too thin".to_owned()),
-            false => Ok(vec![p[0]]),
-        };
+        let fragile =
+            |_: usize, p: &[f64], _: &[f64]| if p[0] < 3.0 { Err("too thin".to_owned()) } else { Ok(vec![p[0]]) };
         let objective = Objective::new(&problem, &fragile, 1e-5);
         let minimum = minimise(&objective, vec![0.9], &[], Differences::Central, &limits(200, 1e-12)).unwrap();
         let values = problem.free_values(&minimum.places);

@@ -2,12 +2,14 @@
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::objective::Objective;
-use super::optima::Optimum;
-use super::outcome::IdentificationOutcome;
-use super::problem::{Problem, Simulate};
-use super::search::search;
-use super::testing::{effort, one_case, said, starts};
+use super::{
+    objective::Objective,
+    optima::Optimum,
+    outcome::IdentificationOutcome,
+    problem::{Problem, Simulate},
+    search::search,
+    testing::{effort, one_case, said, starts},
+};
 
 /// The optima in the order of the first parameter, and the outcome.
 fn solved(problem: &Problem, model: &dyn Simulate) -> (Vec<Optimum>, IdentificationOutcome) {

@@ -28,7 +28,7 @@ const AT_BOUND: f64 = 1e-6;
 
 /// The result of an identification. Where there are several optima, `free`, `correlations`, `directions`, `cases`,
 /// `worst` and the sums are those of the first of them, which has the largest part of the posterior.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Serialize)]
 pub struct IdentificationOutcome {
     /// What is assumed beyond what is stated, a sentence each.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -93,7 +93,7 @@ pub struct IdentificationOutcome {
 }
 
 /// A set of parameters that could be the right one: a minimum of the sum of squares.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Serialize)]
 pub struct OptimumOutcome {
     /// Its part of the posterior probability of all optima found, by their Gaussian approximations.
     pub weight: f64,
@@ -170,7 +170,7 @@ fn shared(problem: &Problem, known: &[[f64; 2]]) -> Vec<SharedOutcome> {
 }
 
 /// A combination of free parameters.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Serialize)]
 pub struct DirectionOutcome {
     /// Posterior over prior standard deviation: 1 where the data say nothing.
     pub left: f64,
@@ -182,7 +182,7 @@ pub struct DirectionOutcome {
 }
 
 /// A measured case.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Serialize)]
 pub struct CaseOutcome {
     /// Name, for people.
     pub label: String,
@@ -206,7 +206,7 @@ pub struct LatentOutcome {
 }
 
 /// A measured value and its prediction.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Serialize)]
 pub struct Residual {
     /// The quantity.
     pub quantity: String,
@@ -231,7 +231,7 @@ impl Residual {
 }
 
 /// The local searches.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Serialize)]
 pub struct SearchOutcome {
     /// How many starts were screened.
     pub screened: usize,

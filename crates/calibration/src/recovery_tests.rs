@@ -4,13 +4,15 @@ use std::cell::{Cell, RefCell};
 
 use statrs::distribution::{ContinuousCDF, Normal};
 
-use super::local::Minimum;
-use super::objective::Objective;
-use super::optima::Optimum;
-use super::posterior::{Direction, Posterior, UNDETERMINED};
-use super::problem::{Case, Interval, Measured, NoPrediction, Prediction, Problem, Query, Simulate, Spacing};
-use super::search::{SearchError, search};
-use super::testing::{effort, free, named, starts};
+use super::{
+    local::Minimum,
+    objective::Objective,
+    optima::Optimum,
+    posterior::{Direction, Posterior, UNDETERMINED},
+    problem::{Case, Interval, Measured, NoPrediction, Prediction, Problem, Query, Simulate, Spacing},
+    search::{SearchError, search},
+    testing::{effort, free, named, starts},
+};
 
 /// Independent standard normal numbers by the splitmix64 sequence (Steele, Lea, Flood 2014).
 struct Noise(u64);

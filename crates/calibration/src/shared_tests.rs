@@ -2,15 +2,15 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::errors::Errors;
-
-use super::objective::{Differences, Objective};
-use super::outcome::IdentificationOutcome;
-use super::problem::{Channel, Effect, Prior, Problem, SharedKind, Simulate, Source, Spacing};
-use super::sample::outcome::PosteriorOutcome;
-use super::sample::sample;
-use super::search::search;
-use super::testing::{self, effort, free, measured, problem, settings};
+use super::{
+    errors::Errors,
+    objective::{Differences, Objective},
+    outcome::IdentificationOutcome,
+    problem::{Channel, Effect, Prior, Problem, SharedKind, Simulate, Source, Spacing},
+    sample::{outcome::PosteriorOutcome, sample},
+    search::search,
+    testing::{self, effort, free, measured, problem, settings},
+};
 
 /// Adds an offset of all values of the given cases, with a channel that tells of it.
 fn with_offset(problem: &mut Problem, name: &str, cases: &[usize], standard: f64) {

@@ -20,7 +20,7 @@ use super::{
 const LIMIT: f64 = 1.732_050_807_568_877_2;
 
 /// What is beyond normal errors.
-pub(crate) struct Stated {
+pub struct Stated {
     values: Vec<NotNormal>,
     rectangles: Vec<Rectangle>,
 }
@@ -33,7 +33,7 @@ struct Rectangle {
 }
 
 impl Stated {
-    pub(crate) fn new(problem: &Problem, errors: &Errors) -> Self {
+    pub fn new(problem: &Problem, errors: &Errors) -> Self {
         /// The ends of a rectangle are rounded by this part of its half-width: a sample cannot find its way to where the
         /// density is 0 almost everywhere.
         const ROUNDED: f64 = 0.02;
@@ -48,7 +48,7 @@ impl Stated {
     }
 
     /// What the logarithm of the likelihood has beyond that of normal errors, given the sources' most probable values by these.
-    pub(crate) fn ln_beyond(&self, problem: &Problem, errors: &Errors, predicted: &[Vec<f64>], sources: &[f64]) -> f64 {
+    pub fn ln_beyond(&self, problem: &Problem, errors: &Errors, predicted: &[Vec<f64>], sources: &[f64]) -> f64 {
         self.values
             .iter()
             .map(|value| {
@@ -63,13 +63,12 @@ impl Stated {
     }
 
     /// Mean and standard deviation of each channel's error, given those by normal errors.
-    pub(crate) fn channels(&self, problem: &Problem, mut known: Vec<[f64; 2]>, sources: &[f64]) -> Vec<[f64; 2]> {
+    pub fn channels(&self, problem: &Problem, mut known: Vec<[f64; 2]>, sources: &[f64]) -> Vec<[f64; 2]> {
         for rectangle in &self.rectangles {
             let normal = [sources[rectangle.source], rectangle.variance()];
             let cut = rectangle.moments(sources);
             for (channel, [mean, deviation]) in problem.channels.iter().zip(&mut known) {
-                let weights = channel.weights(sources.len());
-                let slope = weights.dot(&rectangle.covariances) / rectangle.variance();
+                let slope = channel.weights(sources.len()).dot(&rectangle.covariances) / rectangle.variance();
                 *mean += slope * (cut[0] - normal[0]);
                 let variance = deviation.powi(2) + slope.powi(2) * (cut[1] - normal[1]);
                 *deviation = variance.max(0.0).sqrt();

@@ -1,18 +1,21 @@
 //! Errors that are not normal, against grids.
 
 use conformity::uncertainty::{Law, Uncertainty};
-use rand::rngs::StdRng;
-use rand::{RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
 
-use super::objective::Objective;
-use super::optima::Optimum;
-use super::outcome::IdentificationOutcome;
-use super::problem::{Channel, Effect, Measured, NotNormal, Problem, SharedKind, Source, Spacing};
-use super::sample::outcome::{Evidence, PosteriorOutcome};
-use super::sample::sample;
-use super::search::search;
-use super::testing::{effort, free, problem, settings, starts};
+use super::{
+    objective::Objective,
+    optima::Optimum,
+    outcome::IdentificationOutcome,
+    problem::{Channel, Effect, Measured, NotNormal, Problem, SharedKind, Source, Spacing},
+    sample::{
+        outcome::{Evidence, PosteriorOutcome},
+        sample,
+    },
+    search::search,
+    testing::{effort, free, problem, settings, starts},
+};
 
 /// The answer of a search, a sample and its evidence.
 fn answer(

@@ -1,13 +1,14 @@
 //! Faults planted one at a time in the records of a decay.
 
-use rand::rngs::StdRng;
-use rand::{RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
 
-use super::super::fit::Fit;
-use super::super::problem::{Channel, Measured, Prior};
-use super::super::rounds::{Searched, Task, searched};
-use super::super::testing::{effort, free, problem, starts};
+use super::super::{
+    fit::Fit,
+    problem::{Channel, Measured, Prior},
+    rounds::{Searched, Task, searched},
+    testing::{effort, free, problem, starts},
+};
 use super::*;
 
 const ROWS: usize = 40;

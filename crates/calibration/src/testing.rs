@@ -1,11 +1,13 @@
 //! Problems, starts and settings that several tests use.
 
-use super::local::Limits;
-use super::outcome::IdentificationOutcome;
-use super::problem::{Case, Free, Measured, Named, Problem, Spacing};
-use super::sample::Settings;
-use super::search::Effort;
-use super::text;
+use super::{
+    local::Limits,
+    outcome::IdentificationOutcome,
+    problem::{Case, Free, Measured, Named, Problem, Spacing},
+    sample::Settings,
+    search::Effort,
+    text,
+};
 
 /// When the values of [`decay`] are measured.
 pub const TIMES: [f64; 6] = [0.3, 0.6, 1.0, 1.5, 2.2, 3.0];

@@ -24,10 +24,7 @@ pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome,
         of => format!(
             "# Optimum {} of {of} of {study}: {}.\n[fixed]\n",
             place + 1,
-            match misses {
-                true => "all miss the measured values",
-                false => "the data do not tell which",
-            }
+            if misses { "all miss the measured values" } else { "the data do not tell which" }
         ),
     };
     for free in
@@ -199,9 +196,14 @@ fn apart(free: &FreeOutcome, sampled: &[[f64; 2]]) -> f64 {
 /// What the shared errors of the measured channels are, by the data.
 pub fn shared(outcome: &IdentificationOutcome) -> Vec<String> {
     // The sample's, where there is one to rely on.
-    let sampled = outcome.posterior.as_ref().filter(|sample| sample.trusted);
-    let all = sampled.map_or(&outcome.shared, |sample| &sample.shared);
-    all.iter().map(|error| of_channel(error, outcome.interval())).collect()
+    outcome
+        .posterior
+        .as_ref()
+        .filter(|sample| sample.trusted)
+        .map_or(&outcome.shared, |sample| &sample.shared)
+        .iter()
+        .map(|error| of_channel(error, outcome.interval()))
+        .collect()
 }
 
 /// A shared error in a line.
@@ -237,9 +239,10 @@ fn of_channel(error: &SharedOutcome, interval: &str) -> String {
         if side < 0.0 { "low" } else { "high" },
         if error.kind == SharedKind::Gain { ", as a part of the value" } else { "" },
         if ends[0] <= 0.0 { ", which includes 0" } else { "" },
-        match (error.coverage.powi(2) - 3.0).abs() < 1e-6 {
-            true => format!("its limits of error are +-{limit}"),
-            false => format!("its data sheet allows +-{limit} (k = {})", rounded(error.coverage, 3)),
+        if (error.coverage.powi(2) - 3.0).abs() < 1e-6 {
+            format!("its limits of error are +-{limit}")
+        } else {
+            format!("its data sheet allows +-{limit} (k = {})", rounded(error.coverage, 3))
         }
     )
 }

@@ -27,7 +27,7 @@ const SINGULAR: f64 = 1e-9;
 
 /// The lower triangle of the Cholesky factor of a correlation matrix. `None` when no random numbers
 /// have such correlations, or when one of them follows from the others.
-pub(super) fn cholesky(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
+pub fn cholesky(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
     let size = matrix.len();
     let mut factor = vec![vec![0.0; size]; size];
     for j in 0..size {
@@ -50,7 +50,7 @@ pub(super) fn cholesky(matrix: &[Vec<f64>]) -> Option<Vec<Vec<f64>>> {
 /// Graphical Statistics 1: the box becomes the unit cube by conditioning each number on those
 /// before it. Few numbers are integrated one after the other by Gauss-Legendre rules; more of them, and such that nearly
 /// follow from others, on a [lattice](Lattice).
-pub(super) fn probability(correlation: &[Vec<f64>], lower: &[f64], upper: &[f64]) -> f64 {
+pub fn probability(correlation: &[Vec<f64>], lower: &[f64], upper: &[f64]) -> f64 {
     let alone = lower.iter().zip(upper).map(|(&a, &b)| between(a, b));
     let most = alone.clone().fold(1.0, f64::min);
     let least = 1.0 - alone.map(|p| 1.0 - p).sum::<f64>();
@@ -284,10 +284,8 @@ mod tests {
                 row.iter_mut().for_each(|x| *x /= length);
             }
             let rest = |row: &[f64]| (1.0 - row.iter().map(|x| x * x).sum::<f64>()).sqrt();
-            let entry = |i: usize, j: usize| match i == j {
-                true => 1.0,
-                false => rows[i].iter().zip(&rows[j]).map(|(a, b)| a * b).sum(),
-            };
+            let entry =
+                |i: usize, j: usize| if i == j { 1.0 } else { rows[i].iter().zip(&rows[j]).map(|(a, b)| a * b).sum() };
             let row = |i| (0..size).map(|j| entry(i, j)).collect();
             let matrix: Vec<Vec<f64>> = (0..size).map(row).collect();
             let lower: Vec<f64> = (0..size).map(|_| random.random_range(-3.0..-0.5)).collect();

@@ -19,7 +19,7 @@ const GENERATORS: [u64; 10] = [1, 182_667, 469_891, 498_753, 110_745, 446_247, 2
 
 /// A box whose numbers are conditioned on those before them (Genz 1992): the factor of their correlations and their
 /// limits, in the order of the integral.
-pub(super) struct Lattice {
+pub struct Lattice {
     factor: Vec<Vec<f64>>,
     limits: Vec<[f64; 2]>,
     /// For each number those after it that nearly follow from it and earlier ones, with their standard deviations given
@@ -28,7 +28,7 @@ pub(super) struct Lattice {
 }
 
 impl Lattice {
-    pub(super) fn new(factor: Vec<Vec<f64>>, limits: Vec<[f64; 2]>) -> Self {
+    pub fn new(factor: Vec<Vec<f64>>, limits: Vec<[f64; 2]>) -> Self {
         let size = factor.len();
         let left = |row: &[f64]| row.iter().map(|part| part * part).sum::<f64>().sqrt();
         let of = |k: usize| {
@@ -44,7 +44,7 @@ impl Lattice {
     /// embedded lattice rules for multivariate integration", SIAM J. Scientific Computing 28) with the tent
     /// transformation (Hickernell 2002). Its shifts are random but always the same, so that equal boxes have equal
     /// probabilities.
-    pub(super) fn probability(&self, accuracy: f64) -> f64 {
+    pub fn probability(&self, accuracy: f64) -> f64 {
         let first = self.first_points();
         let mut sums = [0.0; SHIFTS];
         let mut points = first;

@@ -16,14 +16,14 @@ static RULE: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| GaussLegendre::new(20).o
 
 /// Standard normal numbers, each the common part times its loading plus an independent part.
 #[derive(Clone, Debug)]
-pub(super) struct OneFactor {
+pub struct OneFactor {
     loadings: Vec<f64>,
 }
 
 impl OneFactor {
     /// The common part of numbers with these correlations; none if there is no such one. Correlations of three numbers
     /// have one if the product of the three is positive and each product of two is no larger than the third.
-    pub(super) fn of(correlation: &[Vec<f64>]) -> Option<Self> {
+    pub fn of(correlation: &[Vec<f64>]) -> Option<Self> {
         const ROUNDING: f64 = 1e-12;
         let [first, second, _, ..] = correlation else { return None };
         // Each correlation is the product of two loadings.
@@ -42,7 +42,7 @@ impl OneFactor {
     }
 
     /// The probability that every one of the correlated numbers lies between its own limits.
-    pub(super) fn probability(&self, lower: &[f64], upper: &[f64]) -> f64 {
+    pub fn probability(&self, lower: &[f64], upper: &[f64]) -> f64 {
         let numbers = || self.loadings.iter().zip(lower.iter().zip(upper));
         let (mut from, mut to) = (-FAR, FAR);
         let mut cuts: Vec<f64> = Vec::new();

@@ -22,7 +22,7 @@ static TABLE: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
 
 /// The probability that a standard normal number is below `z`, to 4e-9: by Hermite's cubic between the table's
 /// values.
-pub(super) fn cdf(z: f64) -> f64 {
+pub fn cdf(z: f64) -> f64 {
     if z <= -FAR {
         return 0.0;
     }
@@ -41,7 +41,7 @@ pub(super) fn cdf(z: f64) -> f64 {
 
 /// The quantile of a standard normal number, to 1e-7 of its value (Wichura 1988, "Algorithm AS 241: The percentage
 /// points of the normal distribution", Applied Statistics 37, PPND7).
-pub(super) fn quantile(probability: f64) -> f64 {
+pub fn quantile(probability: f64) -> f64 {
     const SPLIT: f64 = 0.425;
     let q = probability - 0.5;
     if q.abs() <= SPLIT {

@@ -4,7 +4,7 @@
 use crate::document::{Document, Firsts, Scalar, Sort};
 
 /// Only one of them can be set, and have a start value; they agree in constancy.
-pub(crate) fn alias(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn alias(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let earlier = Earlier::of(scalar, document)?;
     let first = earlier.first(Sort::Any)?;
     let when = |is: bool, sort| earlier.first(sort).filter(|_| is);
@@ -30,7 +30,7 @@ pub(crate) fn alias(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Stri
 }
 
 /// They agree in their unit, too.
-pub(crate) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let earlier = Earlier::of(scalar, document)?;
     let other = earlier.first(Sort::WithUnit)?;
     let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit"));
@@ -38,7 +38,7 @@ pub(crate) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Strin
 }
 
 /// One of them with a unit and another without.
-pub(crate) fn without_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn without_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let earlier = Earlier::of(scalar, document)?;
     let other = earlier.first(Sort::Any)?;
     let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit").is_some());
@@ -49,7 +49,7 @@ pub(crate) fn without_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Opti
 }
 
 /// They may change at the same times.
-pub(crate) fn variability(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn variability(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let earlier = Earlier::of(scalar, document)?;
     let other = earlier.first(Sort::Any)?;
     let (reference, one, two) = (earlier.reference, other.variability, scalar.variability);

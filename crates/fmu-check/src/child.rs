@@ -15,11 +15,11 @@ use crate::probe::{Report, Setup, Told};
 const MEMORY: u64 = 8 << 30;
 
 /// The fate of a probe that takes too long.
-pub(crate) const TIMEOUT: &str = "timeout";
+pub const TIMEOUT: &str = "timeout";
 
 /// The outcome of a probe.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Outcome {
+pub struct Outcome {
     /// Its observations, up to where it came.
     pub(crate) report: Option<Report>,
     /// How its process ended, where that was not in order, and during which call.
@@ -28,7 +28,7 @@ pub(crate) struct Outcome {
 }
 
 /// Runs a probe. `fill` is what fresh and freed memory is filled with.
-pub(crate) fn run(setup: &Setup, scratch: &Path, patience: Duration, fill: Option<u8>) -> io::Result<Outcome> {
+pub fn run(setup: &Setup, scratch: &Path, patience: Duration, fill: Option<u8>) -> io::Result<Outcome> {
     let recorder = Recorder {
         fmu: &setup.fmu,
         name: &setup.fmu,

@@ -10,7 +10,7 @@ const CAUSALITIES: [&str; 7] =
 const VARIABILITIES: [&str; 5] = ["constant", "fixed", "tunable", "discrete", "continuous"];
 
 /// Whether the words are known. The reader remarks on others, and nothing follows from them.
-pub(crate) fn are_known(version: Version, causality: &str, variability: &str) -> bool {
+pub fn are_known(version: Version, causality: &str, variability: &str) -> bool {
     let causalities = match version {
         Version::Two => &CAUSALITIES[1..],
         Version::Three => &CAUSALITIES,
@@ -19,7 +19,7 @@ pub(crate) fn are_known(version: Version, causality: &str, variability: &str) ->
 }
 
 /// The variabilities that a variable of a causality may have.
-pub(crate) fn variabilities(causality: &str) -> &'static [&'static str] {
+pub fn variabilities(causality: &str) -> &'static [&'static str] {
     match causality {
         "parameter" | "calculatedParameter" | "structuralParameter" => &["fixed", "tunable"],
         "input" => &["discrete", "continuous"],
@@ -30,7 +30,7 @@ pub(crate) fn variabilities(causality: &str) -> &'static [&'static str] {
 }
 
 /// The values of `initial` that are allowed, the usual one first.
-pub(crate) fn initials(version: Version, causality: &str, variability: &str) -> &'static [&'static str] {
+pub fn initials(version: Version, causality: &str, variability: &str) -> &'static [&'static str] {
     match (causality, variability) {
         ("independent", _) => &[],
         ("input", _) if version == Version::Two => &[],
@@ -41,7 +41,7 @@ pub(crate) fn initials(version: Version, causality: &str, variability: &str) -> 
 }
 
 /// The remedy for an `initial` that is none of those allowed.
-pub(crate) fn remedy(initials: &[&str]) -> String {
+pub fn remedy(initials: &[&str]) -> String {
     match initials {
         [] => "remove it".to_owned(),
         some => format!("set it to {}", some.join(" or ")),

@@ -22,7 +22,7 @@ fn are_same(one: &Value, other: &Value) -> bool {
 }
 
 /// Where two runs differ first. Zero is zero with either sign.
-pub(crate) fn difference(columns: &[&Variable], one: &Run, other: &Run) -> Option<String> {
+pub fn difference(columns: &[&Variable], one: &Run, other: &Run) -> Option<String> {
     for (row, (first, second)) in one.rows.iter().zip(&other.rows).enumerate() {
         for (place, variable) in columns.iter().enumerate() {
             let (first, second) = (&first[place], &second[place]);
@@ -39,14 +39,14 @@ pub(crate) fn difference(columns: &[&Variable], one: &Run, other: &Run) -> Optio
 
 /// By how much a variable changes between two runs, in parts of its range.
 #[derive(Debug)]
-pub(crate) struct Change<'a> {
+pub struct Change<'a> {
     pub(crate) name: &'a str,
     pub(crate) most: f64,
     pub(crate) mean: f64,
 }
 
 /// The real variables that change between two runs at the times that both have; infinitely where only one is finite.
-pub(crate) fn changes<'a>(columns: &[&'a Variable], one: &Run, other: &Run) -> Vec<Change<'a>> {
+pub fn changes<'a>(columns: &[&'a Variable], one: &Run, other: &Run) -> Vec<Change<'a>> {
     /// The least range, as a part of the largest value: what is constant but for a solver's tolerance has hardly any.
     const LEAST: f64 = 1e-3;
     let pairs: Vec<_> = one

@@ -13,7 +13,7 @@ use crate::{
 
 /// Of each parent the first element that has an attribute's value of an earlier one: of several attributes, the first by
 /// which two are alike. `path` leads from the root to the elements, with `*` for those of any name.
-pub(crate) fn alike(document: &Document<'_>, path: &'static str, attributes: &[&'static str]) -> Vec<Hit> {
+pub fn alike(document: &Document<'_>, path: &'static str, attributes: &[&'static str]) -> Vec<Hit> {
     let is = |node: &Node<'_, '_>, step: &str| step == "*" || node.tag_name().name() == step;
     let mut steps = path.split('/');
     let last = steps.next_back().unwrap_or_default();
@@ -30,7 +30,7 @@ pub(crate) fn alike(document: &Document<'_>, path: &'static str, attributes: &[&
 }
 
 /// Units are converted by a factor.
-pub(crate) fn factors(document: &Document<'_>) -> Vec<Hit> {
+pub fn factors(document: &Document<'_>) -> Vec<Hit> {
     document
         .all("UnitDefinitions", "Unit")
         .flat_map(elements)
@@ -44,7 +44,7 @@ pub(crate) fn factors(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Units and ranges of types that cannot be.
-pub(crate) fn type_attributes(document: &Document<'_>) -> Vec<Hit> {
+pub fn type_attributes(document: &Document<'_>) -> Vec<Hit> {
     let types = document.all("TypeDefinitions", "SimpleType").flat_map(elements);
     let wrong = |node: Node<'_, '_>| {
         let number = |name| node.attribute(name)?.trim().parse::<f64>().ok();
@@ -70,7 +70,7 @@ pub(crate) fn type_attributes(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// States can only be turned into bytes where there are states.
-pub(crate) fn serialized_states(document: &Document<'_>) -> Vec<Hit> {
+pub fn serialized_states(document: &Document<'_>) -> Vec<Hit> {
     let capabilities = &document.read.capabilities;
     let is_wrong = capabilities.can_serialize_fmu_state && !capabilities.can_get_and_set_fmu_state;
     let state = match document.read.standard {
@@ -83,7 +83,7 @@ pub(crate) fn serialized_states(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// The fault of a display unit without a unit.
-pub(crate) fn unit_missing(shown: &str) -> String {
+pub fn unit_missing(shown: &str) -> String {
     format!("displayUnit \"{shown}\" without a unit: add the unit")
 }
 
@@ -96,7 +96,7 @@ fn twice<'a>(nodes: impl Iterator<Item = Node<'a, 'a>>, attribute: &str) -> Opti
     Some(at(node, format!("a second `{element}` with {attribute}=\"{value}\": rename or remove it")))
 }
 
-pub(crate) fn types_and_variables(document: &Document<'_>) -> Vec<Hit> {
+pub fn types_and_variables(document: &Document<'_>) -> Vec<Hit> {
     let names: HashSet<&str> = document.known().map(|scalar| scalar.name).collect();
     let mut types = document.all("TypeDefinitions", "SimpleType");
     let same = types.find_map(|node| Some((node, names.get(node.attribute("name")?)?)));
@@ -106,7 +106,7 @@ pub(crate) fn types_and_variables(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// The date of the generation is an `xs:dateTime`.
-pub(crate) fn date(document: &Document<'_>) -> Vec<Hit> {
+pub fn date(document: &Document<'_>) -> Vec<Hit> {
     let text = document.root.attribute("generationDateAndTime");
     let wrong = text.filter(|text| !is_date(text.trim()));
     Vec::from_iter(wrong.map(|text| {
@@ -135,7 +135,7 @@ fn is_date(text: &str) -> bool {
 }
 
 /// Attributes that only FMUs for Model Exchange may have.
-pub(crate) fn exchange_only(document: &Document<'_>) -> Vec<Hit> {
+pub fn exchange_only(document: &Document<'_>) -> Vec<Hit> {
     if named(document.root, "ModelExchange").next().is_some() {
         return Vec::new();
     }
@@ -164,7 +164,7 @@ pub(crate) fn exchange_only(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// `reinit` of something else than a state, which is what a derivative is one of: by its index, in FMI 3.0 by its reference.
-pub(crate) fn reinit(document: &Document<'_>) -> Vec<Hit> {
+pub fn reinit(document: &Document<'_>) -> Vec<Hit> {
     let of = |scalar: &Scalar<'_>| scalar.typed.attribute("derivative")?.trim().parse::<usize>().ok();
     let states: HashSet<usize> = document.known().filter_map(of).collect();
     let number = |scalar: &Scalar<'_>| match document.read.standard {

@@ -17,7 +17,7 @@ const KINDS: [&str; 2] = ["dependent", "constant"];
 const LATER_KINDS: [&str; 3] = ["fixed", "tunable", "discrete"];
 
 /// Dependencies are on variables, with a kind each where kinds are given.
-pub(crate) fn dependencies(document: &Document<'_>) -> Vec<Hit> {
+pub fn dependencies(document: &Document<'_>) -> Vec<Hit> {
     every(document, |name, unknown| {
         let strange =
             dependencies_on(unknown).find(|(_, place)| place.is_none_or(|place| place >= document.scalars.len()));
@@ -48,7 +48,7 @@ fn kinds(list: &str, unknown: Node<'_, '_>) -> Option<String> {
 }
 
 /// Dependencies are sorted by index, each there once.
-pub(crate) fn unsorted(document: &Document<'_>) -> Vec<Hit> {
+pub fn unsorted(document: &Document<'_>) -> Vec<Hit> {
     every(document, |_, unknown| {
         let places: Vec<usize> = dependencies_on(unknown).filter_map(|(_, place)| place).collect();
         let pair = places.windows(2).find(|pair| pair[0] >= pair[1])?;
@@ -57,7 +57,7 @@ pub(crate) fn unsorted(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Only Reals depend on something by a factor.
-pub(crate) fn factors(document: &Document<'_>) -> Vec<Hit> {
+pub fn factors(document: &Document<'_>) -> Vec<Hit> {
     let wrong = every(document, |_, unknown| {
         let scalar = scalar_of(document, unknown.attribute("index")?)?;
         let factor = unknown.attribute("dependenciesKind")?.split_whitespace().find(|kind| *kind != "dependent")?;
@@ -69,7 +69,7 @@ pub(crate) fn factors(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Dependencies are on variables that are known: not on what is computed itself.
-pub(crate) fn unknown(document: &Document<'_>) -> Vec<Hit> {
+pub fn unknown(document: &Document<'_>) -> Vec<Hit> {
     let states = states(document);
     let wrong = every(document, |name, unknown| {
         let computed = dependencies_on(unknown).find_map(|(_, place)| {

@@ -9,7 +9,7 @@ pub(crate) use fmu_import::xml::{children as named, elements};
 use fmu_import::{Description, Version, description::About};
 
 /// The name of the file.
-pub(crate) const NAME: &str = "modelDescription.xml";
+pub const NAME: &str = "modelDescription.xml";
 
 /// A model description, as it is written and as it was read.
 pub(crate) struct Document<'a> {
@@ -26,11 +26,11 @@ pub(crate) struct Document<'a> {
 }
 
 /// The place of a value in the binary: the type of the calls that reach it, and its reference.
-pub(crate) type Place<'a> = (&'a str, &'a str);
+pub type Place<'a> = (&'a str, &'a str);
 
 /// What is looked for among the names of a variable.
 #[derive(Clone, Copy)]
-pub(crate) enum Sort {
+pub enum Sort {
     Any,
     Settable,
     Independent,
@@ -39,7 +39,7 @@ pub(crate) enum Sort {
 }
 
 /// The position of the first name of each [`Sort`]: a variable may have a hundred thousand names, each of which asks.
-pub(crate) type Firsts = [Option<usize>; 5];
+pub type Firsts = [Option<usize>; 5];
 
 /// Notes a further name of a variable.
 fn note(firsts: &mut Firsts, scalar: &Scalar<'_>, document: &Document<'_>) {
@@ -148,7 +148,7 @@ fn starts_of_lines(text: &str) -> Vec<usize> {
 }
 
 /// A finding at an element.
-pub(crate) fn at(node: Node<'_, '_>, text: impl Into<String>) -> Hit {
+pub fn at(node: Node<'_, '_>, text: impl Into<String>) -> Hit {
     Hit { position: Some(node.range().start), ..Hit::of(NAME, text) }
 }
 

@@ -4,7 +4,7 @@ use fmu_import::{Causality, Description, Handle, Kind, Value, Variability, Varia
 use fmu_points::task::Schedule;
 
 /// All outputs and parameters; without outputs, local variables.
-pub(crate) fn columns(fmu: &Description) -> Vec<&Variable> {
+pub fn columns(fmu: &Description) -> Vec<&Variable> {
     const LOCALS: usize = 100;
     let mut columns: Vec<&Variable> = fmu.with(Causality::Output).collect();
     if columns.is_empty() {
@@ -23,12 +23,12 @@ pub(crate) fn columns(fmu: &Description) -> Vec<&Variable> {
 const STEPS: f64 = 10.0;
 
 /// A few steps of an experiment.
-pub(crate) fn first_steps(whole: Schedule) -> Schedule {
+pub fn first_steps(whole: Schedule) -> Schedule {
     Schedule { stop: whole.stop.min(whole.start + STEPS * whole.step), ..whole }
 }
 
 /// The suggested experiment, or another where that is of no use, with this step or the suggested one.
-pub(crate) fn schedule(fmu: &Description, step: Option<f64>) -> Schedule {
+pub fn schedule(fmu: &Description, step: Option<f64>) -> Schedule {
     let mut schedule = Schedule::suggested(fmu);
     schedule.step = step.unwrap_or(schedule.step);
     let passes = schedule.stop > schedule.start;
@@ -43,18 +43,18 @@ pub(crate) fn schedule(fmu: &Description, step: Option<f64>) -> Schedule {
 }
 
 /// When the last step of a schedule's size ends before the suggested stop time, s: a shorter one may be refused.
-pub(crate) fn last_whole_step(fmu: &Description, schedule: &Schedule) -> f64 {
+pub fn last_whole_step(fmu: &Description, schedule: &Schedule) -> f64 {
     let Schedule { start, step, .. } = *schedule;
     start + ((self::schedule(fmu, None).stop - start) / step + 1e-6).floor() * step
 }
 
 /// The same number of steps, of another size.
-pub(crate) fn with_step(schedule: Schedule, step: f64) -> Schedule {
+pub fn with_step(schedule: Schedule, step: f64) -> Schedule {
     Schedule { step, stop: schedule.start + STEPS * step, ..schedule }
 }
 
 /// Other values of real parameters: a little more than the start, within the range.
-pub(crate) fn changed(fmu: &Description) -> Vec<(u32, Value)> {
+pub fn changed(fmu: &Description) -> Vec<(u32, Value)> {
     const MORE: f64 = 1.01;
     fmu.with(Causality::Parameter)
         .filter(|variable| variable.is_settable())

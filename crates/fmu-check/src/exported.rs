@@ -4,7 +4,7 @@ use fmu_import::{Description, Interface, Version};
 
 /// The functions of an FMU's version and interface, without their prefix: a binary has them all, even those of
 /// capabilities that it has not (FMI 2.0.5, section 2.1.1; FMI 3.0.2, section 2.5.1).
-pub(crate) fn functions(fmu: &Description) -> Vec<&'static str> {
+pub fn functions(fmu: &Description) -> Vec<&'static str> {
     let lists: &[&str] = match (fmu.standard, fmu.interface) {
         (Version::Two, Interface::CoSimulation) => &[COMMON, CO_SIMULATION],
         (Version::Two, Interface::ModelExchange) => &[COMMON, MODEL_EXCHANGE],

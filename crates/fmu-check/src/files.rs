@@ -13,7 +13,7 @@ use crate::{
 use fmu_import::{Description, FmuError, Interface, Package, Version};
 
 /// Faults of the files, and whether this machine's binary has one.
-pub(crate) struct Faults {
+pub struct Faults {
     pub(crate) findings: Vec<Breach>,
     pub(crate) fatal: bool,
 }
@@ -50,7 +50,7 @@ fn extension(format: BinaryFormat) -> &'static str {
     }
 }
 
-pub(crate) fn broken(package: &mut Package) -> Result<Faults, FmuError> {
+pub fn broken(package: &mut Package) -> Result<Faults, FmuError> {
     let entries = package.entries();
     let identifier = package.description().model_identifier.clone();
     let (mut findings, mut fatal) = (Vec::new(), false);

@@ -1,7 +1,7 @@
 //! The place and the text of a finding.
 
 /// A breach of the rule of this name.
-pub(crate) type Breach = (&'static str, Hit);
+pub type Breach = (&'static str, Hit);
 
 /// A breach of a rule: where, and what to do about it.
 #[derive(Clone, Debug, Default)]

@@ -6,7 +6,7 @@ use crate::{
 };
 
 /// A naming convention that is none.
-pub(crate) fn convention(document: &Document<'_>) -> Vec<Hit> {
+pub fn convention(document: &Document<'_>) -> Vec<Hit> {
     let other =
         document.root.attribute("variableNamingConvention").filter(|word| !["flat", "structured"].contains(word));
     let text = |word: &str| format!("variableNamingConvention is \"{word}\": it is flat or structured");
@@ -14,7 +14,7 @@ pub(crate) fn convention(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Names of which nothing can be made: empty ones, and such with line breaks or tabs.
-pub(crate) fn legal(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub fn legal(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     if scalar.name.is_empty() {
         return Some("an empty name: give the variable a name".to_owned());
     }
@@ -22,7 +22,7 @@ pub(crate) fn legal(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
 }
 
 /// Derivatives, by their structured names, that are no Reals.
-pub(crate) fn of_real(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn of_real(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let structured = document.root.attribute("variableNamingConvention") == Some("structured");
     let derivative = structured && scalar.name.starts_with("der(") && scalar.kind() != "Real";
     derivative
@@ -30,7 +30,7 @@ pub(crate) fn of_real(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<St
 }
 
 /// The first name that the naming convention does not allow.
-pub(crate) fn structured(document: &Document<'_>) -> Vec<Hit> {
+pub fn structured(document: &Document<'_>) -> Vec<Hit> {
     let convention = document.root.attribute("variableNamingConvention");
     if convention != Some("structured") {
         return Vec::new();

@@ -20,7 +20,7 @@ use fmu_points::{
 
 /// Kinds of probes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) enum Life {
+pub enum Life {
     /// One simulation.
     Alone,
     /// Two on one instance, reset between.
@@ -35,7 +35,7 @@ pub(crate) enum Life {
 
 /// The task.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Setup {
+pub struct Setup {
     pub(crate) fmu: PathBuf,
     /// Whether it keeps the user's working directory.
     pub(crate) here: bool,
@@ -53,7 +53,7 @@ pub(crate) struct Setup {
 
 /// An end of a simulation before its stop time, which is no failure.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct End {
+pub struct End {
     /// After so many steps.
     pub(crate) steps: Option<u64>,
     /// After so long.
@@ -62,7 +62,7 @@ pub(crate) struct End {
 
 /// What a probe tells.
 #[derive(Debug, Serialize, Deserialize)]
-pub(crate) enum Told {
+pub enum Told {
     /// What comes next.
     Stage(String),
     /// What has been seen so far.
@@ -71,7 +71,7 @@ pub(crate) enum Told {
 
 /// Observations of a process.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct Report {
+pub struct Report {
     /// Why the binary cannot be loaded.
     pub(crate) unloadable: Option<String>,
     pub(crate) version: Option<String>,
@@ -85,7 +85,7 @@ pub(crate) struct Report {
 
 /// Observations of one simulation.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
-pub(crate) struct Run {
+pub struct Run {
     pub(crate) times: Vec<f64>,
     /// A row per time: the value of each column.
     pub(crate) rows: Vec<Vec<Value>>,
@@ -100,7 +100,7 @@ pub(crate) struct Run {
 }
 
 /// Runs the probe that a text describes.
-pub(crate) fn serve(package: &mut Package, setup: &[u8], tell: &mut dyn FnMut(Vec<u8>)) {
+pub fn serve(package: &mut Package, setup: &[u8], tell: &mut dyn FnMut(Vec<u8>)) {
     let setup: Setup = read(setup).expect("this program has written it");
     let mut probe = Probe {
         report: Report::default(),

@@ -25,7 +25,7 @@ use tempfile::TempDir;
 const FILLS: [u8; 2] = [0x55, 0xaa];
 
 /// An FMU that is probed.
-pub(crate) struct Probes<'a> {
+pub struct Probes<'a> {
     fmu: &'a Description,
     columns: Vec<&'a Variable>,
     setup: Setup,
@@ -40,12 +40,7 @@ pub(crate) struct Probes<'a> {
 
 impl<'a> Probes<'a> {
     /// Probes of the FMU unpacked in a folder; `scratch` is a folder for notes.
-    pub(crate) fn new(
-        package: &'a Package,
-        unpacked: &Path,
-        scratch: &'a Path,
-        conditions: &Conditions,
-    ) -> io::Result<Self> {
+    pub fn new(package: &'a Package, unpacked: &Path, scratch: &'a Path, conditions: &Conditions) -> io::Result<Self> {
         let fmu = package.description();
         let columns = experiment::columns(fmu);
         let setup = Setup {
@@ -111,7 +106,7 @@ impl<'a> Probes<'a> {
     }
 
     /// The first file of its own folder that the FMU has changed.
-    pub(crate) fn changed_file(&mut self) -> Option<&Path> {
+    pub fn changed_file(&mut self) -> Option<&Path> {
         if self.changed.is_none() {
             self.changed = self.files.difference(&Snapshot::of(&self.setup.fmu));
         }
@@ -120,7 +115,7 @@ impl<'a> Probes<'a> {
     }
 
     /// All that the probes find. `described_well` says that the start values of the description count.
-    pub(crate) fn findings(&mut self, described_well: bool) -> io::Result<Vec<Breach>> {
+    pub fn findings(&mut self, described_well: bool) -> io::Result<Vec<Breach>> {
         let (alone, refused) = self.alone()?;
         let (since, setup) = (Instant::now(), self.setup.clone());
         let mut breaches = simulated::remarks(self.fmu, alone.report.as_ref());

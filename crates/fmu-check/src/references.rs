@@ -33,7 +33,7 @@ const ROLES: &str = "document requirement specification model parameter system t
     signature serialized-state meta-data other";
 
 /// The breaches in both files, as far as they are there.
-pub(crate) fn broken(package: &mut Package) -> Result<Vec<Breach>, FmuError> {
+pub fn broken(package: &mut Package) -> Result<Vec<Breach>, FmuError> {
     let version = package.description().fmi_version.clone();
     let mut breaches = in_file(package, TERMINALS, "terminals-version", move |root| {
         let theirs = root.attribute("fmiVersion").unwrap_or_default();

@@ -41,7 +41,7 @@ fn rule(row: &'static str) -> Rule {
 }
 
 /// The rule of this name, which one of the files of this crate writes.
-pub(crate) fn named(id: &str) -> &'static Rule {
+pub fn named(id: &str) -> &'static Rule {
     RULES.iter().find(|rule| rule.id == id).unwrap_or_else(|| panic!("there is no rule `{id}`"))
 }
 

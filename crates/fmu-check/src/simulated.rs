@@ -8,7 +8,7 @@ use crate::{
 use fmu_import::{Causality, Description, Variable, Version};
 
 /// The FMU's declarations and remarks, apart from its values.
-pub(crate) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach> {
+pub fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach> {
     let mut breaches = Vec::new();
     let mut tell = |rule, text| breaches.push((rule, Hit::plain(text)));
     if fmu.capabilities.needs_execution_tool {
@@ -71,7 +71,7 @@ pub(crate) fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach>
 
 /// Values that cannot be right: infinite ones, ones beyond their range, and, where the description counts, start values
 /// that are not the binary's.
-pub(crate) fn values(columns: &[&Variable], run: &Run, described_well: bool) -> Vec<Breach> {
+pub fn values(columns: &[&Variable], run: &Run, described_well: bool) -> Vec<Breach> {
     let (mut breaches, mut infinite) = (Vec::new(), Vec::new());
     for (place, variable) in columns.iter().enumerate() {
         if variable.causality == Causality::Parameter || variable.number_handle().is_none() {

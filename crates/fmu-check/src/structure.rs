@@ -30,18 +30,18 @@ fn has_list(document: &Document<'_>, name: &'static str) -> bool {
     structure(document).is_some_and(|node| named(node, name).next().is_some())
 }
 
-pub(crate) fn outputs(document: &Document<'_>) -> Vec<Hit> {
+pub fn outputs(document: &Document<'_>) -> Vec<Hit> {
     list(document, "Outputs", &|scalar| (!is_output(scalar)).then_some("is no output"))
 }
 
-pub(crate) fn outputs_missing(document: &Document<'_>) -> Vec<Hit> {
+pub fn outputs_missing(document: &Document<'_>) -> Vec<Hit> {
     if !outputs(document).is_empty() {
         return Vec::new();
     }
     missing(document, "Outputs", &is_output)
 }
 
-pub(crate) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
+pub fn derivatives(document: &Document<'_>) -> Vec<Hit> {
     list(document, "Derivatives", &|scalar| {
         if !scalar.typed.has_attribute("derivative") {
             return Some("has no attribute derivative");
@@ -53,7 +53,7 @@ pub(crate) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// State derivatives that do not change continuously.
-pub(crate) fn derivatives_discrete(document: &Document<'_>) -> Vec<Hit> {
+pub fn derivatives_discrete(document: &Document<'_>) -> Vec<Hit> {
     if !derivatives(document).is_empty() {
         return Vec::new();
     }
@@ -64,7 +64,7 @@ pub(crate) fn derivatives_discrete(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// States are declared, but no state derivatives.
-pub(crate) fn derivatives_missing(document: &Document<'_>) -> Vec<Hit> {
+pub fn derivatives_missing(document: &Document<'_>) -> Vec<Hit> {
     if has_list(document, "Derivatives") {
         return Vec::new();
     }
@@ -76,7 +76,7 @@ pub(crate) fn derivatives_missing(document: &Document<'_>) -> Vec<Hit> {
     })
 }
 
-pub(crate) fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
+pub fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
     list(document, "InitialUnknowns", &|scalar| match scalar.causality {
         "parameter" => Some("is a parameter, so known initially"),
         "input" => Some("is an input, so known initially"),
@@ -85,7 +85,7 @@ pub(crate) fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Outputs, calculated parameters, states and their derivatives that are computed initially.
-pub(crate) fn initial_unknowns_missing(document: &Document<'_>) -> Vec<Hit> {
+pub fn initial_unknowns_missing(document: &Document<'_>) -> Vec<Hit> {
     if !initial_unknowns(document).is_empty() {
         return Vec::new();
     }
@@ -102,7 +102,7 @@ fn states_and_derivatives(document: &Document<'_>) -> HashSet<usize> {
 }
 
 /// The positions of the states: the variables of which `Derivatives` lists the derivatives.
-pub(crate) fn states(document: &Document<'_>) -> HashSet<usize> {
+pub fn states(document: &Document<'_>) -> HashSet<usize> {
     entries(document, "Derivatives").filter_map(|scalar| Some(state_of(document, scalar)?.position)).collect()
 }
 
@@ -112,7 +112,7 @@ fn state_of<'d, 'a>(document: &'d Document<'a>, scalar: &Scalar<'_>) -> Option<&
 }
 
 /// The variable of an index.
-pub(crate) fn scalar_of<'d, 'a>(document: &'d Document<'a>, index: &str) -> Option<&'d Scalar<'a>> {
+pub fn scalar_of<'d, 'a>(document: &'d Document<'a>, index: &str) -> Option<&'d Scalar<'a>> {
     document.scalars[position(index, &document.scalars)?].as_ref()
 }
 
@@ -122,7 +122,7 @@ fn entries<'d, 'a>(document: &'d Document<'a>, name: &'static str) -> impl Itera
 }
 
 /// Entries that the list is not made for.
-pub(crate) fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
+pub fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
     let Some(structure) = structure(document) else { return Vec::new() };
     if !initial_unknowns(document).is_empty() {
         return Vec::new();
@@ -146,7 +146,7 @@ pub(crate) fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
     Vec::from_iter((!names.is_empty()).then(|| at(structure, text)))
 }
 
-pub(crate) fn initial_unknowns_unsorted(document: &Document<'_>) -> Vec<Hit> {
+pub fn initial_unknowns_unsorted(document: &Document<'_>) -> Vec<Hit> {
     if !initial_unknowns(document).is_empty() {
         return Vec::new();
     }
@@ -154,7 +154,7 @@ pub(crate) fn initial_unknowns_unsorted(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Nothing is forbidden about it, but a study has to look elsewhere.
-pub(crate) fn no_outputs(document: &Document<'_>) -> Vec<Hit> {
+pub fn no_outputs(document: &Document<'_>) -> Vec<Hit> {
     if document.known().any(is_output) {
         return Vec::new();
     }
@@ -163,7 +163,7 @@ pub(crate) fn no_outputs(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// The unknowns of one list, where there is a `ModelStructure`.
-pub(crate) fn listed<'a>(document: &Document<'a>, name: &'static str) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
+pub fn listed<'a>(document: &Document<'a>, name: &'static str) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
     structure(document).into_iter().flat_map(move |node| named(node, name).flat_map(|list| named(list, "Unknown")))
 }
 
@@ -231,7 +231,7 @@ fn missing(document: &Document<'_>, name: &'static str, wanted: &dyn Fn(&Scalar<
 }
 
 /// The first few of many.
-pub(crate) fn short(names: &[String]) -> String {
+pub fn short(names: &[String]) -> String {
     const FEW: usize = 5;
     let mut text = names[..names.len().min(FEW)].join(", ");
     if names.len() > FEW {

@@ -26,20 +26,20 @@ fn declared_encoding<'a>(document: &Document<'a>) -> Option<&'a str> {
 }
 
 /// An encoding that FMI does not know.
-pub(crate) fn other_encoding(document: &Document<'_>) -> Vec<Hit> {
+pub fn other_encoding(document: &Document<'_>) -> Vec<Hit> {
     let other = declared_encoding(document).filter(|name| !name.eq_ignore_ascii_case("utf-8"));
     let text = |name| format!("the encoding is {name}: save the file as UTF-8");
     Vec::from_iter(other.map(|name| Hit::plain(text(name))))
 }
 
 /// A file that does not name its encoding.
-pub(crate) fn no_encoding(document: &Document<'_>) -> Vec<Hit> {
+pub fn no_encoding(document: &Document<'_>) -> Vec<Hit> {
     let text = "the first line does not name the encoding: begin with <?xml version=\"1.0\" encoding=\"UTF-8\"?>";
     let missing = declared_encoding(document).is_none();
     Vec::from_iter(missing.then(|| Hit::plain(text)))
 }
 
-pub(crate) fn version(document: &Document<'_>) -> Vec<Hit> {
+pub fn version(document: &Document<'_>) -> Vec<Hit> {
     let version = &document.read.fmi_version;
     let text = format!("fmiVersion is {version}; FMI 2.0 is needed, which calls itself 2.0");
     Vec::from_iter((version != "2.0").then(|| Hit::of(NAME, text)))
@@ -51,19 +51,19 @@ fn experiment(text: Option<String>) -> Vec<Hit> {
 }
 
 /// A number of the experiment that must be greater than 0.
-pub(crate) fn positive(name: &str, number: Option<f64>) -> Vec<Hit> {
+pub fn positive(name: &str, number: Option<f64>) -> Vec<Hit> {
     let wrong = number.filter(|number| !(*number > 0.0 && number.is_finite()));
     experiment(wrong.map(|number| format!("{name} is {number}; it must be greater than 0")))
 }
 
-pub(crate) fn stop(document: &Document<'_>) -> Vec<Hit> {
+pub fn stop(document: &Document<'_>) -> Vec<Hit> {
     let times = document.read.default_experiment;
     let start = times.start.unwrap_or(0.0);
     let wrong = times.stop.filter(|stop| *stop <= start || !(stop - start).is_finite());
     experiment(wrong.map(|stop| format!("stopTime is {stop}; it must be later than startTime, {start}")))
 }
 
-pub(crate) fn long_step(document: &Document<'_>) -> Vec<Hit> {
+pub fn long_step(document: &Document<'_>) -> Vec<Hit> {
     let times = document.read.default_experiment;
     let length = times.stop.map(|stop| stop - times.start.unwrap_or(0.0));
     let wrong = times.step.zip(length).filter(|(step, length)| *length > 0.0 && step > length && step.is_finite());
@@ -87,13 +87,13 @@ fn numbers(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<[Option<f64>;
     }
 }
 
-pub(crate) fn range(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn range(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let [_, min, max] = numbers(scalar, document)?;
     let (min, max) = min.zip(max).filter(|(min, max)| min > max)?;
     Some(format!("min {min} is greater than max {max}: exchange or correct them"))
 }
 
-pub(crate) fn start(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn start(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let [start, min, max] = numbers(scalar, document)?;
     let start = start?;
     let (bound, what) = match (min, max) {
@@ -104,20 +104,20 @@ pub(crate) fn start(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Stri
     Some(format!("start {start} is {what} {bound}: correct one of them"))
 }
 
-pub(crate) fn infinite(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn infinite(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let [start, ..] = numbers(scalar, document)?;
     let start = start.filter(|start| !start.is_finite())?;
     Some(format!("start is {start}: it must be a finite number"))
 }
 
-pub(crate) fn nominal(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn nominal(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let Kind::Real { nominal, .. } = &document.read.variables.get(scalar.name)?.kind else { return None };
     let nominal = nominal.filter(|nominal| nominal.is_nan() || *nominal <= 0.0)?;
     Some(format!("nominal is {nominal}: it must be greater than 0, as importers divide by it"))
 }
 
 /// A variable may narrow the range of its type, not widen it.
-pub(crate) fn beyond_type(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn beyond_type(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let declared = document.declared(scalar)?;
     let number = |text: &str| text.trim().parse::<f64>().ok();
     let both = |name| Some((number(scalar.typed.attribute(name)?)?, number(declared.attribute(name)?)?));
@@ -130,25 +130,25 @@ pub(crate) fn beyond_type(scalar: &Scalar<'_>, document: &Document<'_>) -> Optio
     Some(format!("{name} {number} goes beyond its type's {name} of {of_type}: narrow it"))
 }
 
-pub(crate) fn item(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn item(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let Kind::Enumeration { start, items } = &document.read.variables.get(scalar.name)?.kind else { return None };
     let start = (*start)?;
     let none = !items.is_empty() && items.iter().all(|(_, value)| *value != start);
     none.then(|| format!("start {start} is none of its type's items: choose one of them"))
 }
 
-pub(crate) fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     document.undefined_unit(document.effective(scalar, "unit")?)
 }
 
 /// A display unit says nothing without a unit.
-pub(crate) fn display_unit_alone(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn display_unit_alone(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let shown = document.effective(scalar, "displayUnit")?;
     document.effective(scalar, "unit").is_none().then(|| unit_missing(shown))
 }
 
 /// An undefined display unit is ignored, as the standard says.
-pub(crate) fn display_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn display_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let shown = document.effective(scalar, "displayUnit")?;
     let unit = document.effective(scalar, "unit")?;
     let defined = document.read.units.0.get(unit)?;

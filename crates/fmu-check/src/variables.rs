@@ -10,19 +10,19 @@ use crate::{
 use fmu_points::names::{did_you_mean, nearest};
 
 /// Whether the words are known. The reader remarks on others, and nothing follows from them.
-pub(crate) fn is_clear(scalar: &Scalar<'_>, version: Version) -> bool {
+pub fn is_clear(scalar: &Scalar<'_>, version: Version) -> bool {
     combinations::are_known(version, scalar.causality, scalar.variability)
 }
 
 /// There can be one independent variable.
-pub(crate) fn independents(document: &Document<'_>) -> Vec<Hit> {
+pub fn independents(document: &Document<'_>) -> Vec<Hit> {
     let mut all = document.known().filter(|s| s.causality == "independent");
     let text = "a second independent variable: there can be one, the time";
     Vec::from_iter(all.nth(1).map(|scalar| scalar.finding(text)))
 }
 
 /// The combination of causality and variability (section 2.2.7, the table of allowed combinations).
-pub(crate) fn kind(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub fn kind(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     let (causality, variability) = (scalar.causality, scalar.variability);
     let article = match causality {
         "input" | "output" | "independent" => "an",
@@ -34,7 +34,7 @@ pub(crate) fn kind(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
 }
 
 /// Only a Real is continuous, and the time is a Real.
-pub(crate) fn continuous(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub fn continuous(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     let kind = scalar.kind();
     if kind == "Real" {
         return None;
@@ -48,7 +48,7 @@ pub(crate) fn continuous(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String
 }
 
 /// The default is continuous, which only a Real can be; tools mean discrete.
-pub(crate) fn variability_missing(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub fn variability_missing(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     let kind = scalar.kind();
     let missing = kind != "Real" && !scalar.node.has_attribute("variability");
     missing.then(|| {
@@ -57,7 +57,7 @@ pub(crate) fn variability_missing(scalar: &Scalar<'_>, _: &Document<'_>) -> Opti
 }
 
 /// Allowed values of `initial` (section 2.2.7, the table of allowed combinations; FMI 3.0.2, section 2.4.7).
-pub(crate) fn initial(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn initial(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let Scalar { node, causality, variability, initial, .. } = *scalar;
     let version = document.read.standard;
     let initials = combinations::initials(version, causality, variability);
@@ -75,14 +75,14 @@ pub(crate) fn initial(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<St
 }
 
 /// Start values that must be there.
-pub(crate) fn startless(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub fn startless(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     let reason = needs_start(scalar)?;
     (scalar.start().is_none() && is_clear(scalar, Version::Two))
         .then(|| format!("no start value, which {reason} needs: add start"))
 }
 
 /// Start values that must not be there.
-pub(crate) fn started(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub fn started(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     if scalar.start().is_none() || needs_start(scalar).is_some() || !is_clear(scalar, Version::Two) {
         return None;
     }
@@ -110,7 +110,7 @@ fn needs_start(scalar: &Scalar<'_>) -> Option<String> {
 }
 
 /// Types that are declared nowhere.
-pub(crate) fn undeclared(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn undeclared(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let name = scalar.typed.attribute("declaredType")?;
     let known = || document.types.keys().copied();
     (!document.types.contains_key(name)).then(|| {
@@ -122,7 +122,7 @@ pub(crate) fn undeclared(scalar: &Scalar<'_>, document: &Document<'_>) -> Option
 }
 
 /// Types of another kind.
-pub(crate) fn mistyped(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn mistyped(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let wanted = scalar.kind();
     let kind = document.declared(scalar)?.tag_name().name();
     let name = scalar.typed.attribute("declaredType")?;
@@ -132,7 +132,7 @@ pub(crate) fn mistyped(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<S
 }
 
 /// `derivative` is the index of the continuous Real of which this is the derivative.
-pub(crate) fn derivative(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn derivative(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let scalars = &document.scalars;
     let text = scalar.typed.attribute("derivative")?;
     let index = text.trim().parse::<usize>().ok();

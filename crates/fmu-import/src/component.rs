@@ -96,7 +96,7 @@ impl Base {
 }
 
 /// A C string. A zero byte cannot be told to C: the text ends before it.
-pub(crate) fn c_string(text: &str) -> CString {
+pub fn c_string(text: &str) -> CString {
     let end = text.find('\0').unwrap_or(text.len());
     CString::new(&text[..end]).expect("the text ends before its first zero byte")
 }

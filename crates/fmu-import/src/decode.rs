@@ -26,7 +26,7 @@ impl Encoding {
 
 /// The text of the bytes: UTF-8 unless a byte-order mark, the XML declaration or the bytes
 /// themselves say that it is UTF-16 or Latin-1.
-pub(crate) fn decode(bytes: &[u8]) -> Cow<'_, str> {
+pub fn decode(bytes: &[u8]) -> Cow<'_, str> {
     let latin = || Cow::Owned(bytes.iter().map(|&byte| char::from(byte)).collect());
     match Encoding::of(bytes) {
         Encoding::Little => Cow::Owned(utf16(bytes, u16::from_le_bytes)),
@@ -54,7 +54,7 @@ fn declared(bytes: &[u8], names: &[&str]) -> bool {
 }
 
 /// The line in which bytes stop to be the encoding that they are declared to be, and what is wrong there.
-pub(crate) fn misread(bytes: &[u8]) -> Option<(usize, &'static str)> {
+pub fn misread(bytes: &[u8]) -> Option<(usize, &'static str)> {
     const UTF16: &str = "the bytes are UTF-16, but the file is declared as UTF-8: save it as UTF-8";
     const OTHER: &str = "not UTF-8, as which the file is declared: save it as UTF-8";
     match Encoding::of(bytes) {

@@ -29,7 +29,7 @@ impl Mode {
 /// The caller must not be inlined into code with floating-point numbers: the compiler may move such code between the
 /// FMU's return and the moment at which the usual mode is restored.
 #[inline(always)]
-pub(crate) fn within<T>(theirs: &mut Mode, call: impl FnOnce() -> T) -> T {
+pub fn within<T>(theirs: &mut Mode, call: impl FnOnce() -> T) -> T {
     if *theirs != Mode::USUAL {
         return apart(theirs, call);
     }

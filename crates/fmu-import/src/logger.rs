@@ -229,12 +229,12 @@ fn seat_of(ticket: usize) -> Option<(&'static Seat, bool)> {
 
 unsafe extern "C" {
     /// The C-variadic callback of `logger.c`; only its address is used here.
-    pub(crate) fn fmu_import_logger();
+    pub fn fmu_import_logger();
 }
 
 /// Takes a formatted message: from `logger.c`, or as the callback of FMI 3.0. The strings are zero-terminated or NULL.
 #[unsafe(no_mangle)]
-pub(crate) extern "C" fn fmu_import_log(
+pub extern "C" fn fmu_import_log(
     environment: *const c_void,
     status: c_int,
     category: *const c_char,
@@ -271,7 +271,7 @@ pub(crate) extern "C" fn fmu_import_log(
 }
 
 /// A text of an FMU with its middle left out where it is long: every point of a study may have one.
-pub(crate) fn shortened(text: String) -> String {
+pub fn shortened(text: String) -> String {
     const HEAD: usize = 200;
     const TAIL: usize = 80;
     let characters = text.chars().count();

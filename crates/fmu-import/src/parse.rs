@@ -57,7 +57,7 @@ pub enum DescriptionError {
 }
 
 /// Reads a model description, with these values of structural parameters.
-pub(crate) fn description(bytes: &[u8], sizes: &[(u32, u64)]) -> Result<Description, DescriptionError> {
+pub fn description(bytes: &[u8], sizes: &[(u32, u64)]) -> Result<Description, DescriptionError> {
     let content = decode(bytes);
     let document = xml::parse(&content)?;
     let root = document.root_element();
@@ -127,11 +127,11 @@ fn interface<'a>(root: Node<'a, 'a>) -> Result<(Interface, Node<'a, 'a>), Descri
 }
 
 /// A text of one line (`xs:normalizedString`), in which line ends and tabs are blanks.
-pub(crate) fn text(node: Node<'_, '_>, attribute: &str) -> Option<String> {
+pub fn text(node: Node<'_, '_>, attribute: &str) -> Option<String> {
     Some(node.attribute(attribute)?.replace(['\n', '\r', '\t'], " "))
 }
 
-pub(crate) fn line(node: Node<'_, '_>) -> u32 {
+pub fn line(node: Node<'_, '_>) -> u32 {
     node.document().text_pos_at(node.range().start).row
 }
 
@@ -162,18 +162,18 @@ fn log_categories(root: Node<'_, '_>) -> Vec<String> {
 }
 
 /// Attributes that a variable takes over from its declared type.
-pub(crate) type Types<'a> = HashMap<&'a str, Node<'a, 'a>>;
+pub type Types<'a> = HashMap<&'a str, Node<'a, 'a>>;
 
 /// Collects remarks on the way.
 #[derive(Default)]
-pub(crate) struct Reader {
+pub struct Reader {
     remarks: Vec<Remark>,
     /// Where the line of a variable was last counted: its position, and the lines before that.
     counted: (usize, u32),
 }
 
 impl Reader {
-    pub(crate) fn remark(&mut self, node: Node<'_, '_>, about: About, text: &str) {
+    pub fn remark(&mut self, node: Node<'_, '_>, about: About, text: &str) {
         const ENOUGH: usize = 100;
         if self.remarks.len() < ENOUGH {
             self.remarks.push(Remark { line: line(node) as usize, about, text: text.to_owned() });
@@ -182,7 +182,7 @@ impl Reader {
 
     /// The line of a variable. They come in their order: counted from the last one on, as counting from the start
     /// each time would take minutes for a hundred thousand.
-    pub(crate) fn line(&mut self, node: Node<'_, '_>) -> u32 {
+    pub fn line(&mut self, node: Node<'_, '_>) -> u32 {
         let start = node.range().start;
         let (position, lines) = self.counted;
         let passed = node.document().input_text().as_bytes().get(position..start);
@@ -193,7 +193,7 @@ impl Reader {
     }
 
     /// An optional attribute. One that cannot be read counts as missing, with a remark.
-    pub(crate) fn number<T: FromStr>(&mut self, node: Node<'_, '_>, name: &str) -> Option<T> {
+    pub fn number<T: FromStr>(&mut self, node: Node<'_, '_>, name: &str) -> Option<T> {
         let text = node.attribute(name)?.trim();
         let value = text.parse().ok();
         if value.is_none() {
@@ -220,7 +220,7 @@ impl Reader {
     }
 
     /// The item of an enumeration that an attribute names, or else the default.
-    pub(crate) fn choice<T: DeserializeOwned + Default>(&mut self, node: Node<'_, '_>, name: &str) -> T {
+    pub fn choice<T: DeserializeOwned + Default>(&mut self, node: Node<'_, '_>, name: &str) -> T {
         let Some(text) = node.attribute(name) else { return T::default() };
         item(text).unwrap_or_else(|| {
             self.remark(node, About::Value, &format!("unknown {name} \"{text}\""));
@@ -379,7 +379,7 @@ impl Reader {
     }
 
     /// The name of a variable.
-    pub(crate) fn name(&mut self, node: Node<'_, '_>) -> Option<String> {
+    pub fn name(&mut self, node: Node<'_, '_>) -> Option<String> {
         let name = text(node, "name");
         if name.is_none() {
             self.remark(node, About::Variable, "a variable without a name is left out");
@@ -388,7 +388,7 @@ impl Reader {
     }
 
     /// The value reference of a variable.
-    pub(crate) fn reference(&mut self, node: Node<'_, '_>, name: &str) -> Option<u32> {
+    pub fn reference(&mut self, node: Node<'_, '_>, name: &str) -> Option<u32> {
         let text = node.attribute("valueReference");
         let reference = text.and_then(|text| text.trim().parse().ok());
         if reference.is_none() {
@@ -405,7 +405,7 @@ impl Reader {
     }
 
     /// Adds a variable, unless there is one of its name.
-    pub(crate) fn add(&mut self, node: Node<'_, '_>, variable: Variable, into: &mut Description) {
+    pub fn add(&mut self, node: Node<'_, '_>, variable: Variable, into: &mut Description) {
         if into.variables.contains_key(&variable.name) {
             let name = &variable.name;
             let text = format!("a second variable `{name}`; the first one counts");
@@ -417,12 +417,7 @@ impl Reader {
 
     /// The type's attributes without the start value: the variable's own, or else those of its declared type. Whole
     /// numbers of FMI 3.0 have a `storage`; those of FMI 2.0 are of 32 bits.
-    pub(crate) fn kind(
-        &mut self,
-        node: Node<'_, '_>,
-        declared: Option<Node<'_, '_>>,
-        storage: Option<Storage>,
-    ) -> Kind {
+    pub fn kind(&mut self, node: Node<'_, '_>, declared: Option<Node<'_, '_>>, storage: Option<Storage>) -> Kind {
         let source = |name: &str| {
             declared.filter(|node| node.has_attribute(name)).filter(|_| !node.has_attribute(name)).unwrap_or(node)
         };
@@ -478,7 +473,7 @@ impl Reader {
 }
 
 /// A flag (`xs:boolean`).
-pub(crate) fn truth(text: &str) -> Option<bool> {
+pub fn truth(text: &str) -> Option<bool> {
     match text {
         "true" | "1" => Some(true),
         "false" | "0" => Some(false),
@@ -487,7 +482,7 @@ pub(crate) fn truth(text: &str) -> Option<bool> {
 }
 
 /// The item of an enumeration that a word names.
-pub(crate) fn item<T: DeserializeOwned>(word: &str) -> Option<T> {
+pub fn item<T: DeserializeOwned>(word: &str) -> Option<T> {
     let word: StrDeserializer<'_, serde::de::value::Error> = word.into_deserializer();
     T::deserialize(word).ok()
 }

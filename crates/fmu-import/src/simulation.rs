@@ -24,7 +24,7 @@ pub(crate) struct Experiment {
 
 /// All that an FMU is told when a component of it is created.
 #[derive(Debug)]
-pub(crate) struct Birth {
+pub struct Birth {
     /// The GUID, or the instantiation token.
     pub(crate) guid: String,
     /// The resources: a URI in FMI 2.0, a path in FMI 3.0.
@@ -39,13 +39,7 @@ pub(crate) struct Birth {
 
 impl Birth {
     /// What `function` has created. Where that is nothing, the FMU says why, or else the likely cause.
-    pub(crate) fn base(
-        &self,
-        component: Component,
-        common: Common,
-        caller: Caller,
-        function: &'static str,
-    ) -> Called<Base> {
+    pub fn base(&self, component: Component, common: Common, caller: Caller, function: &'static str) -> Called<Base> {
         if component.0.is_null() {
             let why = caller.log.last().unwrap_or_else(|| self.likely_cause());
             return Err(Call::impossible(function, why));
@@ -87,7 +81,7 @@ impl Batch<'_> {
 }
 
 /// What is done with a component in initialisation mode.
-pub(crate) type Within<'a> = &'a mut dyn FnMut(&mut dyn Simulation) -> Called;
+pub type Within<'a> = &'a mut dyn FnMut(&mut dyn Simulation) -> Called;
 
 /// A component of a binary, called by the functions of its version. [`Instance`](crate::Instance) documents the
 /// methods.

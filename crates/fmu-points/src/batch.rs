@@ -17,17 +17,16 @@ const MOST_AFAR: usize = 16_384;
 
 /// How fast a worker is.
 #[derive(Debug, Default)]
-pub(crate) struct Pace {
+pub struct Pace {
     size: usize,
 }
 
 impl Pace {
     /// Notes that a batch is done: how long it took, and how much of that beyond its computation.
-    pub(crate) fn end(&mut self, jobs: usize, took: Duration, overhead: Duration) {
+    pub fn end(&mut self, jobs: usize, took: Duration, overhead: Duration) {
         let (moment, most) =
             if overhead.is_zero() { (MOMENT, MOST) } else { ((overhead * TIMES).clamp(MOMENT, LONGEST), MOST_AFAR) };
-        let computed = took.saturating_sub(overhead);
-        let each = computed.as_secs_f64().max(1e-9) / jobs.max(1) as f64;
+        let each = took.saturating_sub(overhead).as_secs_f64().max(1e-9) / jobs.max(1) as f64;
         let wanted = (moment.as_secs_f64() / each) as usize;
         // At most fourfold at a time: the first points may be unusual.
         self.size = wanted.min(4 * jobs).clamp(1, most);
@@ -35,7 +34,7 @@ impl Pace {
 }
 
 /// The points that are left.
-pub(crate) struct Batches<I> {
+pub struct Batches<I> {
     jobs: I,
     workers: usize,
     /// Points that a worker gave back. Each is handed out alone: it may be the one that cost that worker.
@@ -47,12 +46,12 @@ pub(crate) struct Batches<I> {
 }
 
 impl<I: Iterator<Item = Job>> Batches<I> {
-    pub(crate) fn new(jobs: I, workers: usize) -> Self {
+    pub fn new(jobs: I, workers: usize) -> Self {
         Self { jobs, workers, returned: Vec::new(), out: 0, dry: false }
     }
 
     /// Takes the next batch; `false` when there is none at the moment.
-    pub(crate) fn take(&mut self, pace: &Pace, batch: &mut Vec<Job>) -> bool {
+    pub fn take(&mut self, pace: &Pace, batch: &mut Vec<Job>) -> bool {
         // Towards the end, what is left is shared.
         let fair = self.jobs.size_hint().1.map_or(MOST_AFAR, |left| left / (2 * self.workers.max(1)));
         let size = pace.size.min(fair).max(1);
@@ -67,13 +66,13 @@ impl<I: Iterator<Item = Job>> Batches<I> {
     }
 
     /// Notes that a batch is done but for these points.
-    pub(crate) fn end(&mut self, returned: Vec<Job>) {
+    pub fn end(&mut self, returned: Vec<Job>) {
         self.out -= 1;
         self.returned.extend(returned);
     }
 
     /// Whether no more points will be handed out.
-    pub(crate) fn is_over(&self) -> bool {
+    pub fn is_over(&self) -> bool {
         self.dry && self.out == 0 && self.returned.is_empty()
     }
 }

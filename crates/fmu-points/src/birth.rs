@@ -14,7 +14,7 @@ use crate::{child::Estate, wire::Order};
 /// # Safety
 /// This process has a single thread.
 #[cfg(unix)]
-pub(crate) unsafe fn child(keeper: &mut Keeper, estate: &mut Estate<'_>, order: &Order) -> io::Result<Child> {
+pub unsafe fn child(keeper: &mut Keeper, estate: &mut Estate<'_>, order: &Order) -> io::Result<Child> {
     // SAFETY: the caller promises that this process has a single thread.
     unsafe {
         keeper.fork(&mut |place| {

@@ -1,25 +1,28 @@
 //! A worker's child, in which the FMU runs.
 
-use std::collections::BTreeSet;
-use std::fs;
-use std::time::{Duration, Instant};
+use std::{
+    collections::BTreeSet,
+    fs,
+    time::{Duration, Instant},
+};
 
-use crate::failure::Failure;
-use crate::join;
-use crate::notices::Notices;
-use crate::points::{Job, Simulated};
-use crate::runner::Runner;
-use crate::single::ERRAND;
-use crate::system;
-use crate::wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read};
-use fmu_import::isolation::Place;
-use fmu_import::{Handle, Package, Value};
+use crate::{
+    failure::Failure,
+    join,
+    notices::Notices,
+    points::{Job, Simulated},
+    runner::Runner,
+    single::ERRAND,
+    system,
+    wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read},
+};
+use fmu_import::{Handle, Package, Value, isolation::Place};
 
 /// Replies of many points are held back for this time at most, when the next point is done.
 const HOLD: Duration = Duration::from_millis(1);
 
 /// All that a worker gives its children.
-pub(crate) struct Estate<'a> {
+pub struct Estate<'a> {
     pub(crate) setup: &'a mut Setup,
     pub(crate) package: Option<&'a mut Package>,
     /// What runs points, where the worker has loaded the FMU for them: a fork has a copy of its own.
@@ -27,14 +30,14 @@ pub(crate) struct Estate<'a> {
 }
 
 /// A worker's child.
-pub(crate) struct Child<'a> {
+pub struct Child<'a> {
     pub(crate) place: Place,
     pub(crate) estate: Estate<'a>,
 }
 
 impl Child<'_> {
     /// Does what the worker wants.
-    pub(crate) fn obey(mut self, order: &Order) {
+    pub fn obey(mut self, order: &Order) {
         let alone = match order {
             Order::New(jobs) | Order::Forked(jobs) => jobs.first(),
             Order::Used(_) | Order::Recorded(..) | Order::Errand(_) => None,
@@ -158,10 +161,7 @@ fn reply(index: u64, runner: &Runner, answer: Result<&[f64], &Failure>) -> Reply
     let notices = &runner.notices;
     let answer = answer.map(|values| Simulated::new(values.to_vec(), notices));
     let answer = answer.map_err(|failure| Trouble {
-        from: match runner.refused {
-            true => Origin::Refusal { licence: false },
-            false => Origin::Fmu,
-        },
+        from: if runner.refused { Origin::Refusal { licence: false } } else { Origin::Fmu },
         failure: failure.clone(),
         notices: Box::new(Notices {
             warnings: notices.warnings,
@@ -201,14 +201,15 @@ struct Belongings {
 impl Belongings {
     fn now() -> Self {
         let names = |folder: &str| -> BTreeSet<String> {
-            let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-            entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
+            fs::read_dir(folder)
+                .into_iter()
+                .flatten()
+                .flatten()
+                .map(|entry| entry.file_name().to_string_lossy().into_owned())
+                .collect()
         };
         let maps = fs::read_to_string("/proc/self/maps").unwrap_or_default();
-        let is_shared = |line: &&str| {
-            let access = line.split(' ').nth(1).unwrap_or("");
-            access.ends_with('s') || line.contains("/dev/")
-        };
+        let is_shared = |line: &&str| line.split(' ').nth(1).unwrap_or("").ends_with('s') || line.contains("/dev/");
         Self {
             threads: names("/proc/self/task").len(),
             descriptors: names("/proc/self/fd"),
@@ -228,7 +229,7 @@ impl Belongings {
 }
 
 /// Lets the C library fill memory that is handed out or given back, so that what depends on it shows.
-pub(crate) fn fill_memory(byte: u8) {
+pub fn fill_memory(byte: u8) {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     {
         const M_PERTURB: i32 = -6;

@@ -18,17 +18,17 @@ use crate::{
 };
 
 /// What a worker's first line begins with; JSON follows.
-pub(crate) const MAGIC: &str = "fmu-points worker ";
+pub const MAGIC: &str = "fmu-points worker ";
 
 /// The longest time between two messages where silence is suffered for so long: whoever has nothing to say says so.
-pub(crate) fn beat(patience: Duration) -> Duration {
+pub fn beat(patience: Duration) -> Duration {
     const USUAL: Duration = Duration::from_secs(5);
     USUAL.min(patience / 4)
 }
 
 /// Who a worker is.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Greeting {
+pub struct Greeting {
     /// The version of its program.
     pub(crate) version: String,
     /// The SHA-256 digest of its program.
@@ -39,7 +39,7 @@ pub(crate) struct Greeting {
 
 impl Greeting {
     /// That of this program.
-    pub(crate) fn own() -> Self {
+    pub fn own() -> Self {
         let digest = system::program().and_then(File::open).and_then(fmu_import::sha256);
         let named =
             std::fs::read_to_string("/proc/sys/kernel/hostname").ok().or_else(|| std::env::var("COMPUTERNAME").ok());
@@ -53,7 +53,7 @@ impl Greeting {
 
 /// What a worker needs to know before any task.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Terms {
+pub struct Terms {
     /// The number that marks all further frames.
     pub(crate) ticket: u64,
     /// How long the supervisor suffers silence; it may be silent itself for twice as long.
@@ -81,7 +81,7 @@ pub(crate) struct Terms {
 
 /// The points that follow.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Series {
+pub struct Series {
     pub(crate) cases: Vec<Case>,
     /// Whether they run again, to be compared.
     pub(crate) again: bool,
@@ -91,7 +91,7 @@ pub(crate) struct Series {
 
 /// A message to a worker.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) enum Order {
+pub enum Order {
     /// A part of the FMU's bytes; the last one is empty.
     Bytes(Vec<u8>),
     /// The points that follow are of this kind.
@@ -104,7 +104,7 @@ pub(crate) enum Order {
 
 /// A message of a worker.
 #[derive(Debug, Serialize, Deserialize)]
-pub(crate) enum Report {
+pub enum Report {
     /// It wants the next part of the FMU's bytes.
     Wanted,
     /// It has the FMU.
@@ -121,7 +121,7 @@ pub(crate) enum Report {
 
 /// An [`Event`] at a worker.
 #[derive(Debug, Serialize, Deserialize)]
-pub(crate) enum News {
+pub enum News {
     Result(u64, Simulated),
     Failed(u64, #[serde(with = "as_json")] Failure),
     Said(u64, #[serde(with = "as_json")] Box<Notices>),
@@ -129,7 +129,7 @@ pub(crate) enum News {
 
 impl News {
     /// The news of an event; none where that is not one of a worker.
-    pub(crate) fn of(event: Event) -> Option<Self> {
+    pub fn of(event: Event) -> Option<Self> {
         Some(match event {
             Event::Answer(index, Ok(result)) => Self::Result(index, result),
             Event::Answer(index, Err(failure)) => Self::Failed(index, failure),
@@ -139,7 +139,7 @@ impl News {
     }
 
     /// The event, where it can be one of points with so many results; else what is wrong.
-    pub(crate) fn event(self, results: usize) -> Result<Event, String> {
+    pub fn event(self, results: usize) -> Result<Event, String> {
         Ok(match self {
             Self::Result(index, result) if result.values.len() == results => Event::Answer(index, Ok(result)),
             Self::Result(index, result) => {
@@ -153,6 +153,6 @@ impl News {
 }
 
 /// Why a worker cannot go on, and whether another one there could not either.
-pub(crate) fn unable(error: &RunError) -> Report {
+pub fn unable(error: &RunError) -> Report {
     Report::Unable(error.to_string(), matches!(error, RunError::Unloadable(_)))
 }

@@ -16,7 +16,7 @@ use fmu_import::{FmuError, Package, isolation::watch::Watch};
 
 /// The FMU's unpacked files.
 #[derive(Debug)]
-pub(crate) struct Ground {
+pub struct Ground {
     /// The folder that points share.
     pub(crate) shared: PathBuf,
     /// The FMU's path as the user gave it.
@@ -36,14 +36,14 @@ struct State {
 }
 
 impl Ground {
-    pub(crate) fn new(shared: PathBuf, name: &Path, scratch: &Path) -> Self {
+    pub fn new(shared: PathBuf, name: &Path, scratch: &Path) -> Self {
         let state = Mutex::new(State { watch: Watch::on(&shared), changed: None, package: None });
         Self { shared, name: name.to_owned(), scratch: scratch.to_owned(), state }
     }
 
     /// The first change that the FMU has made in the folder that points share; `None` while all is as it was unpacked.
     /// Whatever a point has changed before its answer came is known here.
-    pub(crate) fn changed(&self) -> Option<String> {
+    pub fn changed(&self) -> Option<String> {
         // One at a time: who finds no further event must know of those that another has just taken.
         let mut state = locked(&self.state);
         if state.changed.is_none() {
@@ -57,18 +57,18 @@ impl Ground {
     }
 
     /// Takes it for known that the FMU changes this file.
-    pub(crate) fn know(&self, changed: &str) {
+    pub fn know(&self, changed: &str) {
         let mut state = locked(&self.state);
         state.changed.get_or_insert_with(|| changed.to_owned());
     }
 
     /// A copy of the files that points share: an FMU whose results depend on where or when it was unpacked shows it there.
-    pub(crate) fn copy(&self) -> Option<TempDir> {
+    pub fn copy(&self) -> Option<TempDir> {
         Package::open(&self.shared).ok()?.unpack_anew(&self.scratch).ok()
     }
 
     /// A new folder with the FMU as it came, for one process.
-    pub(crate) fn folder(&self) -> Result<TempDir, FmuError> {
+    pub fn folder(&self) -> Result<TempDir, FmuError> {
         let mut state = locked(&self.state);
         let package = match &mut state.package {
             Some(package) => package,

@@ -5,23 +5,29 @@
 //! counts while the unpacked FMU is as it came. Once the FMU changes its own folder, each point has a folder of its own, and
 //! points that were under way run again.
 
-use std::collections::BTreeMap;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::{
+    collections::BTreeMap,
+    sync::{
+        Arc, Mutex,
+        atomic::{AtomicBool, Ordering},
+    },
+    time::{Duration, Instant},
+};
 
 use tempfile::TempDir;
 
-use crate::failure::Failure;
-use crate::ground::Ground;
-use crate::licences::{Licences, Wait};
-use crate::locked::locked;
-use crate::points::{Event, Job, Limits, Post, RunError, Worker, is_same};
-use crate::process::{Gone, Process};
-use crate::quiet::Quiet;
-use crate::room::Room;
-use crate::task::Case;
-use crate::wire::{Order, Origin, Outcome, Reply, Trouble};
+use crate::{
+    failure::Failure,
+    ground::Ground,
+    licences::{Licences, Wait},
+    locked::locked,
+    points::{Event, Job, Limits, Post, RunError, Worker, is_same},
+    process::{Gone, Process},
+    quiet::Quiet,
+    room::Room,
+    task::Case,
+    wire::{Order, Origin, Outcome, Reply, Trouble},
+};
 
 /// The byte that fills unwritten memory where a point runs again.
 const FILL: u8 = 0x55;
@@ -33,7 +39,7 @@ const PAUSES: [Duration; 3] = [Duration::from_millis(50), Duration::from_millis(
 
 /// What the workers of a run share.
 #[derive(Debug)]
-pub(crate) struct Common {
+pub struct Common {
     pub(crate) ground: Ground,
     /// Whether the user wants points to share processes.
     pub(crate) shared: bool,
@@ -60,7 +66,7 @@ enum Start {
 }
 
 impl Common {
-    pub(crate) fn new(ground: Ground, shared: bool, tool: bool, company: bool) -> Self {
+    pub fn new(ground: Ground, shared: bool, tool: bool, company: bool) -> Self {
         Self {
             ground,
             shared,
@@ -75,7 +81,7 @@ impl Common {
 
 /// A worker with processes of its own.
 #[derive(Debug)]
-pub(crate) struct Isolated {
+pub struct Isolated {
     common: Arc<Common>,
     /// Where points find nothing but themselves; none until the first one comes.
     room: Option<Arc<Room>>,
@@ -97,7 +103,7 @@ pub(crate) struct Isolated {
 impl Isolated {
     /// A worker; with `again`, its points run in new processes whose unwritten memory holds other bytes, from another
     /// copy of the unpacked FMU.
-    pub(crate) fn new(common: &Arc<Common>, here: bool, cases: &[Case], limits: Limits, again: bool) -> Self {
+    pub fn new(common: &Arc<Common>, here: bool, cases: &[Case], limits: Limits, again: bool) -> Self {
         let ground = &common.ground;
         let worker = |lasting| {
             let mut worker = Process::new(&ground.shared, &ground.name, cases, limits);
@@ -332,9 +338,10 @@ impl Isolated {
         let is_one = jobs.len() == 1;
         for job in lost {
             let floor = common.quiet.beside_others();
-            let reply = match is_one {
-                true => Reply::new(job.index, Err(Trouble::lost(failure.clone()))),
-                false => self.once(way, job, post)?,
+            let reply = if is_one {
+                Reply::new(job.index, Err(Trouble::lost(failure.clone())))
+            } else {
+                self.once(way, job, post)?
             };
             drop(floor);
             match reply.answer {

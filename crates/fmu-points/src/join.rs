@@ -16,20 +16,20 @@ use crate::{
 };
 
 /// A point's simulations.
-pub(crate) fn split(job: &Job, cases: usize) -> impl Iterator<Item = Job> {
+pub fn split(job: &Job, cases: usize) -> impl Iterator<Item = Job> {
     let first = job.index * cases as u64;
     (first..first + cases as u64).map(|index| Job { index, values: job.values.clone() })
 }
 
 /// The number of the case of a simulation.
-pub(crate) fn case_of(index: u64, cases: usize) -> usize {
+pub fn case_of(index: u64, cases: usize) -> usize {
     // Less than the number of cases, which is none of 64 bits where there is another width.
     usize::try_from(index % (cases as u64).max(1)).unwrap_or(0)
 }
 
 /// The part of a case in the results of a point.
 #[derive(Clone, Debug)]
-pub(crate) struct Part {
+pub struct Part {
     /// The case's name.
     name: String,
     /// How many results it has.
@@ -37,7 +37,7 @@ pub(crate) struct Part {
 }
 
 /// The parts of all cases.
-pub(crate) fn parts(cases: &[Case]) -> Vec<Part> {
+pub fn parts(cases: &[Case]) -> Vec<Part> {
     cases
         .iter()
         .map(|case| Part { name: case.name.clone().unwrap_or_default(), results: case.task.observed.len() })
@@ -46,18 +46,18 @@ pub(crate) fn parts(cases: &[Case]) -> Vec<Part> {
 
 /// The simulations of points that are not complete yet.
 #[derive(Debug)]
-pub(crate) struct Join {
+pub struct Join {
     cases: Vec<Part>,
     open: BTreeMap<u64, Vec<Option<Reply>>>,
 }
 
 impl Join {
-    pub(crate) fn new(cases: &[Case]) -> Self {
+    pub fn new(cases: &[Case]) -> Self {
         Self { cases: parts(cases), open: BTreeMap::new() }
     }
 
     /// Takes the reply of a simulation; gives that of its point once it is the last one.
-    pub(crate) fn add(&mut self, reply: Reply) -> Option<Reply> {
+    pub fn add(&mut self, reply: Reply) -> Option<Reply> {
         let count = self.cases.len();
         if count == 1 {
             return Some(reply);
@@ -77,7 +77,7 @@ impl Join {
 
 /// The outcome of a point: that of its only case; or else the results of all cases, or the failure of the first one of the
 /// gravest kind.
-pub(crate) fn joined(cases: &[Part], mut outcomes: Vec<Outcome>) -> Outcome {
+pub fn joined(cases: &[Part], mut outcomes: Vec<Outcome>) -> Outcome {
     if outcomes.len() == 1 {
         return outcomes.remove(0);
     }

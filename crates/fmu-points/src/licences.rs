@@ -8,7 +8,7 @@ const FIRST_LICENCE: Duration = Duration::from_secs(60);
 
 /// The reaction to an instance that was refused.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Wait {
+pub enum Wait {
     /// It stays refused.
     No,
     /// Ask again.
@@ -21,7 +21,7 @@ pub(crate) enum Wait {
 
 /// What the workers of a run know of the FMU's licences.
 #[derive(Debug, Default)]
-pub(crate) struct Licences {
+pub struct Licences {
     /// Whether a tool stands behind the FMU.
     tool: bool,
     /// When an instance was made last.
@@ -33,12 +33,12 @@ pub(crate) struct Licences {
 
 impl Licences {
     /// Those of an FMU behind which a tool stands or not.
-    pub(crate) fn new(tool: bool) -> Self {
+    pub fn new(tool: bool) -> Self {
         Self { tool, ..Self::default() }
     }
 
     /// Notes that an instance was made.
-    pub(crate) fn note(&mut self) {
+    pub fn note(&mut self) {
         self.had = Some(Instant::now());
         self.hopeless = false;
     }
@@ -46,7 +46,7 @@ impl Licences {
     /// Whether a refused instance is to be asked for again: it spoke of a licence, or the tool behind the FMU gave one
     /// before. A point waits no longer than it may take, and where nobody got an instance for a whole round, no further one
     /// is waited for until somebody does.
-    pub(crate) fn wait(&mut self, spoken: bool, since: Instant, limit: Duration) -> Wait {
+    pub fn wait(&mut self, spoken: bool, since: Instant, limit: Duration) -> Wait {
         let wanted = spoken || self.tool && self.had.is_some();
         if !wanted || self.hopeless {
             return Wait::No;

@@ -23,7 +23,7 @@ use crate::{
 };
 
 /// The argument that makes this program a worker for a supervisor elsewhere.
-pub(crate) const REMOTE: &str = "fmu-points-remote";
+pub const REMOTE: &str = "fmu-points-remote";
 
 /// How often a waiting supervisor looks whether it is to stop.
 const LOOK: Duration = Duration::from_millis(100);
@@ -41,7 +41,7 @@ const MIXED: &str = "what came is not what a worker sends: the launcher must sta
 
 /// Why no message comes any more.
 #[derive(Debug)]
-pub(crate) enum Cut {
+pub enum Cut {
     /// The wait is over for another reason than the connection.
     Stopped,
     /// The connection is lost: how.
@@ -56,7 +56,7 @@ type Words = Arc<Mutex<VecDeque<String>>>;
 
 /// A worker's connection.
 #[derive(Debug)]
-pub(crate) struct Link {
+pub struct Link {
     child: Child,
     /// Frames on their way; gone when the worker is to end.
     orders: Option<Sender<Frame>>,
@@ -69,7 +69,7 @@ pub(crate) struct Link {
 
 impl Link {
     /// Starts a worker. It has not answered yet.
-    pub(crate) fn start(place: &Place, launcher: &Launcher) -> Result<Self, String> {
+    pub fn start(place: &Place, launcher: &Launcher) -> Result<Self, String> {
         let mut command = place.command(launcher, REMOTE);
         let mut child = system::set_apart(&mut command)
             .stdin(Stdio::piped())
@@ -103,7 +103,7 @@ impl Link {
     }
 
     /// Waits for the worker's greeting, whatever the launcher prints before it; none while there is none.
-    pub(crate) fn greeting(&mut self) -> Result<Option<Greeting>, String> {
+    pub fn greeting(&mut self) -> Result<Option<Greeting>, String> {
         if !system::is_ready(&mut self.reports, LOOK) {
             return Ok(None);
         }
@@ -128,7 +128,7 @@ impl Link {
     }
 
     /// What a launcher that has started no worker has printed so far.
-    pub(crate) fn last_words(&self) -> String {
+    pub fn last_words(&self) -> String {
         let words = locked(&self.words);
         let text = String::from_utf8_lossy(self.reports.seen());
         let printed = text.lines().rev().find(|line| !line.trim().is_empty());
@@ -137,14 +137,14 @@ impl Link {
     }
 
     /// Sends the first message; all further ones have this ticket.
-    pub(crate) fn open(&mut self, terms: Vec<u8>, ticket: u64) {
+    pub fn open(&mut self, terms: Vec<u8>, ticket: u64) {
         self.send(terms);
         self.ticket = ticket;
         self.reports.expect(ticket);
         self.order(&Order::Beat);
     }
 
-    pub(crate) fn order(&mut self, order: &Order) {
+    pub fn order(&mut self, order: &Order) {
         self.send(bytes(order));
         self.heard = Instant::now();
     }
@@ -157,7 +157,7 @@ impl Link {
     }
 
     /// The next message that says something.
-    pub(crate) fn wait(&mut self, stopped: &dyn Fn() -> bool) -> Result<Report, Cut> {
+    pub fn wait(&mut self, stopped: &dyn Fn() -> bool) -> Result<Report, Cut> {
         loop {
             while self.reports.seen().first() == Some(&b'\n') {
                 // Each frame ends its line.
@@ -197,7 +197,7 @@ impl Link {
     }
 
     /// Lets the worker end: it does, with all that it has started, when nobody can send it orders any more.
-    pub(crate) fn part(&mut self) {
+    pub fn part(&mut self) {
         self.orders = None;
     }
 }

@@ -3,6 +3,6 @@
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The content, whatever interrupted its last user: here, every change leaves it sound.
-pub(crate) fn locked<T>(what: &Mutex<T>) -> MutexGuard<'_, T> {
+pub fn locked<T>(what: &Mutex<T>) -> MutexGuard<'_, T> {
     what.lock().unwrap_or_else(PoisonError::into_inner)
 }

@@ -30,7 +30,7 @@ use fmu_import::isolation::{
 };
 
 /// The argument that makes this program a worker.
-pub(crate) const WORKER: &str = "fmu-points-worker";
+pub const WORKER: &str = "fmu-points-worker";
 
 /// How often a waiting supervisor looks whether it is to stop.
 const LOOK: Duration = Duration::from_millis(20);
@@ -78,7 +78,7 @@ impl From<Gone> for RunError {
 
 /// A worker, started when it is needed and replaced when it is lost.
 #[derive(Debug)]
-pub(crate) struct Process {
+pub struct Process {
     pub(crate) setup: Setup,
     /// The folders that its points have for themselves, once it has any.
     room: Option<Arc<Room>>,
@@ -100,7 +100,7 @@ struct Running {
 
 impl Process {
     /// A worker for the FMU unpacked in `fmu`, which the user calls `name`.
-    pub(crate) fn new(fmu: &Path, name: &Path, cases: &[Case], limits: Limits) -> Self {
+    pub fn new(fmu: &Path, name: &Path, cases: &[Case], limits: Limits) -> Self {
         let setup = Setup {
             fmu: std::path::absolute(fmu).unwrap_or_else(|_| fmu.to_owned()),
             name: name.to_owned(),
@@ -116,7 +116,7 @@ impl Process {
     }
 
     /// Gives its points folders of their own: one for temporary files, and a working directory unless they keep the user's.
-    pub(crate) fn live_in(&mut self, room: &Arc<Room>, here: bool) {
+    pub fn live_in(&mut self, room: &Arc<Room>, here: bool) {
         self.setup.temporary = Some(room.temporary());
         self.setup.place = (!here).then(|| room.work());
         self.room = Some(Arc::clone(room));
@@ -124,7 +124,7 @@ impl Process {
 
     /// Lets points be run, and hands over what comes of each while all is `sound`. `way` makes the order of the simulations of
     /// all cases.
-    pub(crate) fn run(
+    pub fn run(
         &mut self,
         way: impl FnOnce(Vec<Job>) -> Order,
         jobs: &[Job],
@@ -156,7 +156,7 @@ impl Process {
     }
 
     /// Sends an order, and hands over what is said to it, while `more` says that more is to come.
-    pub(crate) fn order(
+    pub fn order(
         &mut self,
         order: &Order,
         stopped: &dyn Fn() -> bool,
@@ -173,7 +173,7 @@ impl Process {
     }
 
     /// Ends the worker with all its children; the next order gets another one.
-    pub(crate) fn end(&mut self) {
+    pub fn end(&mut self) {
         self.running = None;
     }
 }
@@ -285,7 +285,7 @@ impl Running {
 }
 
 /// Waits for a process to end.
-pub(crate) fn wait_for_end(child: &mut Child, patience: Duration) -> Option<ExitStatus> {
+pub fn wait_for_end(child: &mut Child, patience: Duration) -> Option<ExitStatus> {
     let deadline = Instant::now() + patience;
     let mut pause = Duration::from_micros(50);
     loop {
@@ -341,7 +341,7 @@ fn family() -> MutexGuard<'static, Family> {
 /// The launchers of workers elsewhere, which end with this process's own workers.
 static LAUNCHERS: Mutex<BTreeSet<u32>> = Mutex::new(BTreeSet::new());
 
-pub(crate) fn launchers() -> MutexGuard<'static, BTreeSet<u32>> {
+pub fn launchers() -> MutexGuard<'static, BTreeSet<u32>> {
     locked(&LAUNCHERS)
 }
 

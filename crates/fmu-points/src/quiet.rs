@@ -18,7 +18,7 @@ const KINDS: usize = 32;
 
 /// Lets points run beside each other, or one alone.
 #[derive(Debug, Default)]
-pub(crate) struct Quiet {
+pub struct Quiet {
     floor: RwLock<()>,
     /// How many points in a row failed again, by the kind of failure.
     in_vain: Mutex<BTreeMap<String, u32>>,
@@ -26,17 +26,17 @@ pub(crate) struct Quiet {
 
 impl Quiet {
     /// While this is held, others may run, but none alone.
-    pub(crate) fn beside_others(&self) -> RwLockReadGuard<'_, ()> {
+    pub fn beside_others(&self) -> RwLockReadGuard<'_, ()> {
         self.floor.read().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// While this is held, nothing else runs.
-    pub(crate) fn alone(&self) -> RwLockWriteGuard<'_, ()> {
+    pub fn alone(&self) -> RwLockWriteGuard<'_, ()> {
         self.floor.write().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Whether a point that failed so is worth another try.
-    pub(crate) fn is_open(&self, failure: &Failure) -> bool {
+    pub fn is_open(&self, failure: &Failure) -> bool {
         let enough = match failure.cause() {
             // The FMU was not even asked.
             Failure::OutOfRange(_) => return false,
@@ -48,7 +48,7 @@ impl Quiet {
     }
 
     /// Notes what came of the other try.
-    pub(crate) fn note(&self, failure: &Failure, failed: bool) {
+    pub fn note(&self, failure: &Failure, failed: bool) {
         let mut in_vain = locked(&self.in_vain);
         let kind = kind(failure, &in_vain);
         if failed {

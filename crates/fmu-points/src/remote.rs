@@ -43,7 +43,7 @@ const PART: u64 = 1 << 18;
 
 /// All workers on other machines, and what they know together.
 #[derive(Debug)]
-pub(crate) struct Team {
+pub struct Team {
     launcher: Launcher,
     greeting: Greeting,
     terms: Terms,
@@ -115,12 +115,7 @@ enum End {
 
 impl Team {
     /// Workers for an FMU; none is started yet.
-    pub(crate) fn new(
-        package: &Package,
-        launcher: Launcher,
-        limits: Limits,
-        isolation: Isolation,
-    ) -> Result<Self, FmuError> {
+    pub fn new(package: &Package, launcher: Launcher, limits: Limits, isolation: Isolation) -> Result<Self, FmuError> {
         let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         let places = launcher.places();
         let terms = Terms {
@@ -153,17 +148,17 @@ impl Team {
     }
 
     /// How many points each host has answered.
-    pub(crate) fn answered(&self) -> BTreeMap<String, u64> {
+    pub fn answered(&self) -> BTreeMap<String, u64> {
         self.state().answered.clone()
     }
 
     /// The first change that the FMU has made in the folder that points shared, on whichever machine.
-    pub(crate) fn changed(&self) -> Option<String> {
+    pub fn changed(&self) -> Option<String> {
         self.state().changed.clone()
     }
 
     /// Takes it for known that the FMU changes this file.
-    pub(crate) fn know(&self, changed: &str) {
+    pub fn know(&self, changed: &str) {
         self.state().changed.get_or_insert_with(|| changed.to_owned());
     }
 
@@ -176,7 +171,7 @@ impl Team {
     }
 
     /// The host that answered a point last; it is asked for once.
-    pub(crate) fn take_host(&self, index: u64) -> Option<String> {
+    pub fn take_host(&self, index: u64) -> Option<String> {
         self.state().hosts.remove(&index)
     }
 
@@ -429,7 +424,7 @@ impl Drop for Team {
 
 /// A worker that has its processes on another machine.
 #[derive(Debug)]
-pub(crate) struct Remote {
+pub struct Remote {
     team: Arc<Team>,
     /// Its lane; none for one that takes any.
     lane: Option<usize>,
@@ -442,7 +437,7 @@ pub(crate) struct Remote {
 }
 
 impl Remote {
-    pub(crate) fn new(team: &Arc<Team>, lane: Option<usize>, cases: &[Case]) -> Self {
+    pub fn new(team: &Arc<Team>, lane: Option<usize>, cases: &[Case]) -> Self {
         static SERIES: AtomicU64 = AtomicU64::new(0);
         let here = cases.iter().any(|case| working_directory::is_named_in(&case.task));
         Self {
@@ -456,7 +451,7 @@ impl Remote {
     }
 
     /// A worker that runs points again, on another host than `but` where there is one.
-    pub(crate) fn again(team: &Arc<Team>, cases: &[Case], but: Option<&str>) -> Self {
+    pub fn again(team: &Arc<Team>, cases: &[Case], but: Option<&str>) -> Self {
         let mut worker = Self::new(team, None, cases);
         worker.series.again = true;
         worker.but = but.map(str::to_owned);

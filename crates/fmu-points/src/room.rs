@@ -11,14 +11,14 @@ use crate::{locked::locked, scratch::ScratchError};
 
 /// A working directory and a folder for temporary files, both empty for each point. Their paths are the same in every run.
 #[derive(Debug)]
-pub(crate) struct Room(PathBuf);
+pub struct Room(PathBuf);
 
 /// The rooms that are in use.
 static TAKEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 impl Room {
     /// The first room within a folder that nobody has.
-    pub(crate) fn take(within: &Path) -> Result<Self, ScratchError> {
+    pub fn take(within: &Path) -> Result<Self, ScratchError> {
         let within = std::path::absolute(within).map_err(ScratchError::at(within))?;
         let path =
             (1..).map(|number| within.join(format!("room-{number}"))).find(|path| locked(&TAKEN).insert(path.clone()));
@@ -29,15 +29,15 @@ impl Room {
         Ok(room)
     }
 
-    pub(crate) fn work(&self) -> PathBuf {
+    pub fn work(&self) -> PathBuf {
         self.0.join("work")
     }
 
-    pub(crate) fn temporary(&self) -> PathBuf {
+    pub fn temporary(&self) -> PathBuf {
         self.0.join("tmp")
     }
 
-    pub(crate) fn folders(&self) -> [PathBuf; 2] {
+    pub fn folders(&self) -> [PathBuf; 2] {
         [self.work(), self.temporary()]
     }
 }
@@ -64,7 +64,7 @@ fn make(folder: &Path) -> io::Result<()> {
 
 /// Empties a folder, whatever a point has left there. What cannot be removed stays. Where no folder stands any more, or one that
 /// nobody may write to, it is made anew: a link leads to what is not the FMU's.
-pub(crate) fn clear(folder: &Path) -> io::Result<()> {
+pub fn clear(folder: &Path) -> io::Result<()> {
     let found = fs::symlink_metadata(folder);
     if !found.is_ok_and(|found| found.is_dir() && !found.permissions().readonly()) {
         let _ = remove(folder);

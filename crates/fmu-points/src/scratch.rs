@@ -144,12 +144,10 @@ pub fn remove_starting_with(place: &Path, prefixes: &[&str]) {
 }
 
 fn starting_with<'a>(place: &Path, prefixes: &'a [&'a str]) -> impl Iterator<Item = PathBuf> + use<'a> {
-    let entries = fs::read_dir(place).into_iter().flatten().flatten();
-    entries.filter_map(|entry| {
+    fs::read_dir(place).into_iter().flatten().flatten().filter_map(|entry| {
         let name = entry.file_name();
         let name = name.to_string_lossy();
-        let wanted = prefixes.iter().any(|prefix| name.starts_with(prefix));
-        wanted.then(|| entry.path())
+        prefixes.iter().any(|prefix| name.starts_with(prefix)).then(|| entry.path())
     })
 }
 

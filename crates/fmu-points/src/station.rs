@@ -42,7 +42,7 @@ const LOOK: Duration = Duration::from_secs(1);
 ///
 /// # Errors
 /// When the supervisor cannot be understood or reached.
-pub(crate) fn serve() -> io::Result<()> {
+pub fn serve() -> io::Result<()> {
     let said = serde_json::to_string(&Greeting::own())?;
     // The line break ends what a login shell may have printed before, such as its prompt.
     io::stdout().write_all(format!("\n{MAGIC}{said}\n").as_bytes())?;

@@ -203,8 +203,7 @@ impl Probe {
             let curve = probe.curve.as_ref();
             curve.map(|curve| [curve.factor, curve.offset])
         };
-        let rows = self.row().zip(next.row());
-        rows.is_some_and(|(row, later)| row < later)
+        self.row().zip(next.row()).is_some_and(|(row, later)| row < later)
             && self.handle == next.handle
             && self.window == next.window
             && conversion(self) == conversion(next)

@@ -20,7 +20,7 @@ use fmu_import::{FmuError, Handle, Package, Value};
 
 /// The first message to a worker.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(crate) struct Setup {
+pub struct Setup {
     /// The folder of the unpacked FMU.
     pub(crate) fmu: PathBuf,
     /// The FMU's path as the user gave it.
@@ -43,7 +43,7 @@ pub(crate) struct Setup {
 
 impl Setup {
     /// Opens the FMU, with the sizes of the simulations.
-    pub(crate) fn open(&self) -> Result<Package, FmuError> {
+    pub fn open(&self) -> Result<Package, FmuError> {
         let mut package = Package::open(&self.fmu)?;
         if let Some(case) = self.cases.first() {
             package.resize(&case.task.sizes)?;
@@ -54,7 +54,7 @@ impl Setup {
 
 /// An order of a supervisor to a worker, and of a worker to a child.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Order {
+pub enum Order {
     /// Points in a child each, which loads the FMU itself.
     New(Vec<Job>),
     /// Points in a child each: a fork of the worker, which has loaded the FMU and never instantiated it.
@@ -69,7 +69,7 @@ pub(crate) enum Order {
 
 /// A message of a child to its worker, and of a worker to its supervisor.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) enum Said {
+pub enum Said {
     /// The FMU cannot be loaded, and why.
     Unloadable(String),
     /// The child has loaded it; whether its process may be forked.
@@ -88,7 +88,7 @@ pub(crate) enum Said {
 
 /// The outcome of a point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Reply {
+pub struct Reply {
     /// The index of the simulation.
     pub(crate) index: u64,
     /// Its results in the FMU's units, or why there are none.
@@ -99,17 +99,17 @@ pub(crate) struct Reply {
 
 impl Reply {
     /// An outcome of which no more is known.
-    pub(crate) fn new(index: u64, answer: Outcome) -> Self {
+    pub fn new(index: u64, answer: Outcome) -> Self {
         Self { index, answer, forkable: None }
     }
 }
 
 /// The outcome of a simulation.
-pub(crate) type Outcome = Result<Simulated, Trouble>;
+pub type Outcome = Result<Simulated, Trouble>;
 
 /// Why there are no results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Trouble {
+pub struct Trouble {
     /// Where the failure comes from.
     pub(crate) from: Origin,
     /// The failure as the results show it.
@@ -125,7 +125,7 @@ pub(crate) struct Trouble {
 /// Where a failure comes from. Of several, the first one decides: an FMU that cannot be loaded or gives no instance is no
 /// matter of one case.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
-pub(crate) enum Origin {
+pub enum Origin {
     /// The FMU cannot be loaded.
     Loading,
     /// The FMU refused an instance.
@@ -141,17 +141,17 @@ pub(crate) enum Origin {
 
 impl Trouble {
     /// A failure before which the FMU said nothing.
-    pub(crate) fn new(from: Origin, failure: Failure) -> Self {
+    pub fn new(from: Origin, failure: Failure) -> Self {
         Self { from, failure, notices: Box::default(), passing: false }
     }
 
     /// The FMU cannot be loaded.
-    pub(crate) fn unloadable(reason: String) -> Self {
+    pub fn unloadable(reason: String) -> Self {
         Self::new(Origin::Loading, Failure::Unloadable(reason))
     }
 
     /// The process was lost.
-    pub(crate) fn lost(failure: Failure) -> Self {
+    pub fn lost(failure: Failure) -> Self {
         Self::new(Origin::Process, failure)
     }
 }

@@ -42,7 +42,7 @@ const MUTE: &str = "the FMU closed descriptors that it did not open, or became a
 ///
 /// # Errors
 /// When the supervisor cannot be understood or reached.
-pub(crate) fn serve() -> io::Result<()> {
+pub fn serve() -> io::Result<()> {
     let (input, output, streams) = Streams::take()?;
     let mut orders = frame::Inbox::new(input, 0);
     let Some(setup) = orders.wait()? else { return Ok(()) };
@@ -441,7 +441,7 @@ impl Output {
 }
 
 /// Ends this process and all that it has started, at once: the FMU's own destructors have no say any more.
-pub(crate) fn end(result: io::Result<()>) -> ! {
+pub fn end(result: io::Result<()>) -> ! {
     system::end_all();
     system::leave(if result.is_err() { UNABLE } else { 0 })
 }

@@ -221,9 +221,12 @@ impl RecordedTable {
     /// Whether a column has days.
     pub fn has_days(&self) -> bool {
         self.columns.iter().any(|column| {
-            let text = column.texts.first().map(|(_, _, text)| text.clone());
-            let first = text.or_else(|| column.values.first().map(f64::to_string));
-            first.is_some_and(|cell| is_day(&column.bare, &cell))
+            column
+                .texts
+                .first()
+                .map(|(_, _, text)| text.clone())
+                .or_else(|| column.values.first().map(f64::to_string))
+                .is_some_and(|cell| is_day(&column.bare, &cell))
         })
     }
 
@@ -418,8 +421,8 @@ mod tests {
             ("u,v\n0,1\n2,3", None),
         ] {
             std::fs::write(&path, names).unwrap();
-            let read = Table::read_over_time(&path, None, Vec::new());
-            let found = read.map(|table| [table.rows[0][0], table.rows[1][0]]);
+            let found =
+                Table::read_over_time(&path, None, Vec::new()).map(|table| [table.rows[0][0], table.rows[1][0]]);
             match times {
                 Some(times) => assert_eq!(found.unwrap(), times, "{names}"),
                 None => assert!(found.unwrap_err().to_string().contains("say time = "), "{names}"),

@@ -39,7 +39,6 @@ pub trait Rows {
 }
 
 /// How a table is read.
-#[derive(Clone, Copy, Debug, Default)]
 pub struct How {
     /// Lines that begin with `#` are left out.
     pub comments: bool,

@@ -194,7 +194,6 @@ impl Finished {
 pub type Noted = (Outcome, Option<Notices>);
 
 /// Reads outcomes from a journal.
-#[derive(Debug)]
 pub struct Outcomes<'a> {
     finished: &'a Finished,
     lines: Lines,

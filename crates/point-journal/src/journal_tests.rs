@@ -1,13 +1,11 @@
 //! Tests of the journal: what was written comes back, damage costs its line.
 
-use rand::rngs::StdRng;
-use rand::{RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng, rngs::StdRng};
 use std::fs;
 
 use super::*;
 use crate::Error;
-use fmu_points::Conduct;
-use fmu_points::failure::Failure;
+use fmu_points::{Conduct, failure::Failure};
 
 fn header() -> Header {
     Header {

@@ -44,7 +44,6 @@ pub(crate) fn open(folder: &Path) -> Result<(Lines, Header)> {
 }
 
 /// A line of the file.
-#[derive(Debug, PartialEq, Eq)]
 pub(crate) enum Line<'a> {
     /// Its checksum is right; this is what stands behind it.
     Sound(&'a str),
@@ -55,7 +54,6 @@ pub(crate) enum Line<'a> {
 }
 
 /// Lines, one after the other.
-#[derive(Debug)]
 pub(crate) struct Lines {
     reader: BufReader<File>,
     line: Vec<u8>,

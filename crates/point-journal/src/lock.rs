@@ -19,7 +19,6 @@ const FILE: &str = "run.lock";
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// Holds a folder of results for one run.
-#[derive(Debug)]
 pub struct Lock(#[allow(dead_code)] File);
 
 impl Lock {

@@ -8,7 +8,7 @@ use fmu_points::{Conduct, failure::Failure};
 pub type Outcome = Result<Vec<f64>, Failure>;
 
 /// A line about many points.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub enum Note {
     /// How the points so far were computed.
     Conduct(Conduct),
@@ -17,8 +17,8 @@ pub enum Note {
 }
 
 /// Begins a line that says which points a set has.
-pub(crate) const SET: &str = "set";
+pub const SET: &str = "set";
 /// Begins the same line once more, for the case that the first one is damaged.
-pub(crate) const SAME_SET: &str = "same-set";
+pub const SAME_SET: &str = "same-set";
 /// Stands behind the index of a point that has results.
-pub(crate) const PASSED: &str = "ok";
+pub const PASSED: &str = "ok";

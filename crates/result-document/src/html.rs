@@ -63,7 +63,7 @@ fn emphasised(html: &str) -> String {
 }
 
 /// The parts of a text, each with whether it stands between two marks.
-pub(super) fn between<'a>(mut text: &'a str, open: &str, close: &str) -> Vec<(&'a str, bool)> {
+pub fn between<'a>(mut text: &'a str, open: &str, close: &str) -> Vec<(&'a str, bool)> {
     let mut parts = Vec::new();
     while let Some((before, (inside, after))) =
         text.split_once(open).and_then(|(before, from)| Some((before, from.split_once(close)?)))

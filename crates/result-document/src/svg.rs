@@ -94,7 +94,6 @@ pub fn ticks(low: f64, high: f64, count: usize) -> Vec<f64> {
 }
 
 /// A rectangular plot with two axes.
-#[derive(Clone, Copy, Debug)]
 pub struct Frame {
     /// Width of the whole picture.
     pub width: f64,

@@ -12,7 +12,7 @@ use super::{
 use sampling::statistics::moments::{mean, variance};
 
 /// The aligned signals over their common time.
-pub(crate) struct Aligned<'a> {
+pub struct Aligned<'a> {
     recording: &'a RigRecording,
     bearing: &'a Bearing,
     /// What is known so far.
@@ -24,8 +24,7 @@ pub(crate) struct Aligned<'a> {
 }
 
 /// Turns and blocks of a signal at even times.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Grid {
+pub struct Grid {
     /// The first sample's time and the time between samples, s.
     pub time: [f64; 2],
     /// Samples in one turn.
@@ -79,7 +78,7 @@ impl Grid {
 }
 
 impl<'a> Aligned<'a> {
-    pub(crate) fn new(
+    pub fn new(
         (recording, bearing): (&'a RigRecording, &'a Bearing),
         (load_raw, torque_raw): (Even, Even),
         load: &Even,
@@ -115,7 +114,7 @@ impl<'a> Aligned<'a> {
         }
     }
 
-    pub(crate) fn finish(
+    pub fn finish(
         self,
         [load_noise, torque_noise]: [Option<Noise>; 2],
         other: impl Fn(&Channel) -> Result<(DerivedCriterion, Option<String>), SignalError>,
@@ -184,7 +183,7 @@ impl<'a> Aligned<'a> {
 }
 
 /// The concern about a mean of what is not steady.
-pub(crate) fn unsteady(finding: &DerivedCriterion) -> Option<String> {
+pub fn unsteady(finding: &DerivedCriterion) -> Option<String> {
     let name = &finding.name;
     Some(match &finding.stationarity {
         None => format!("{name}: the window is too short to test whether it is steady"),

@@ -11,7 +11,6 @@ use super::{
 };
 
 /// Settings by which a recording becomes a case.
-#[derive(Clone, Debug)]
 pub struct Frame<'a> {
     /// The case's name.
     pub name: &'a str,
@@ -322,10 +321,7 @@ impl<'a> Case<'a> {
         out += &format!(
             "[[cases]]\nname = {}\n{}{}simulation = {{ stop = {} }}\n",
             quoted(frame.name),
-            match doubts.is_empty() {
-                true => String::new(),
-                false => format!("concerns = {}\n", toml::Value::from(doubts)),
-            },
+            if doubts.is_empty() { String::new() } else { format!("concerns = {}\n", toml::Value::from(doubts)) },
             if frame.held_out { "held-out = true\n" } else { "" },
             up(last.min(end) + early)
         );
@@ -416,14 +412,15 @@ impl<'a> Case<'a> {
                     "# late after the load by {words}, {whose}\n\
                  delay = \"{:.4} ms\"\n{}",
                     1e3 * late,
-                    match reach > 0.0 {
-                        true => format!(
+                    if reach > 0.0 {
+                        format!(
                             "# identify finds the rest with the parameters: both follow from the same rows\n\
                          lag = {{ min = \"{0:.4} ms\", max = \"{1:.4} ms\" }}\n",
                             -1e3 * reach,
                             1e3 * reach
-                        ),
-                        false => String::new(),
+                        )
+                    } else {
+                        String::new()
                     }
                 )
             })

@@ -8,7 +8,7 @@ const LEAST: f64 = 4.5;
 
 /// Begins and ends of the holes of a signal, s.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct Holes(Vec<[f64; 2]>);
+pub struct Holes(Vec<[f64; 2]>);
 
 impl Holes {
     /// Those of a signal at growing times.
@@ -79,8 +79,7 @@ impl Holes {
 }
 
 /// A signal's turns.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Turns {
+pub struct Turns {
     /// The samples of those that count.
     pub values: Vec<f64>,
     /// How many have a hole.

@@ -1,7 +1,6 @@
 //! A Gaussian kernel that gives a signal's value between its samples.
 
 /// A kernel over samples.
-#[derive(Clone, Copy, Debug)]
 pub struct Kernel {
     /// The standard deviation in samples.
     width: f64,

@@ -257,26 +257,9 @@ fn check(recording: &RigRecording) -> Result<(), SignalError> {
     Ok(())
 }
 
-/// Refuses times that do not grow, with the remedy for a clock that was set back, for stamps that are coarser than the rows, and
-/// for a row that comes twice.
+/// Refuses times that do not grow. Whoever read the recording has said what may be done about that.
 fn in_order(name: &str, time: &[f64]) -> Result<(), SignalError> {
-    const COARSE: usize = 20;
-    let pairs = || time.windows(2);
-    if let Some(pair) = pairs().find(|pair| pair[1] < pair[0]) {
-        return Err(SignalError::Setting(format!(
-            "the clock of signal '{name}' jumps back from {:.3} s to {:.3} s: cut the file there",
-            pair[0], pair[1]
-        )));
-    }
-    let equal = pairs().filter(|pair| pair[1] == pair[0]).count();
-    if COARSE * equal > time.len() {
-        return Err(SignalError::Setting(format!(
-            "{equal} of {} rows of signal '{name}' have the time of the row before: the time stamps are coarser than the rows; \
-             give the rate instead, time = {{ rate = \"... Hz\" }}",
-            time.len()
-        )));
-    }
-    match pairs().find(|pair| pair[1] <= pair[0]) {
+    match time.windows(2).find(|pair| pair[1] <= pair[0]) {
         Some(pair) => Err(SignalError::Unsorted { name: name.to_owned(), time: pair[1] }),
         None => Ok(()),
     }

@@ -11,7 +11,7 @@ use super::{
 use sampling::statistics::moments::mean;
 
 /// A unit behind a number: nothing of one without a unit.
-pub(crate) fn behind(unit: &str) -> String {
+pub fn behind(unit: &str) -> String {
     match unit {
         "1" => String::new(),
         unit => format!(" {unit}"),
@@ -97,7 +97,7 @@ impl Channel {
 }
 
 /// Why rows before the model's start are not used.
-pub(crate) const EARLY: &str = "before the model's start";
+pub const EARLY: &str = "before the model's start";
 
 /// What became of the rows of a channel: those that are used and those that are not are all of them.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -41,7 +41,6 @@ impl Smoothing {
 }
 
 /// A second-order section in direct form: b0 b1 b2 over 1 a1 a2.
-#[derive(Clone, Copy, Debug)]
 struct Section {
     b: [f64; 3],
     a: [f64; 2],

@@ -3,7 +3,7 @@
 use super::scatter::scatter;
 
 /// A polyline through a signal.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug)]
 pub struct Polyline {
     /// Times of the corners, s.
     pub time: Vec<f64>,

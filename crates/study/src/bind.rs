@@ -1,5 +1,6 @@
 //! Ties a study to an FMU: names become variables, units convert, numbers are checked.
 
+use crate::{Result, cases::SEPARATOR, concern::Concern};
 use std::{collections::HashSet, sync::Arc};
 
 use toml::Spanned;
@@ -14,20 +15,18 @@ use super::{
     ssv,
     values::{find, size_of, slot_of, value_of},
 };
-use crate::{cases::SEPARATOR, concern::Concern};
 use fmu_import::{Content, Description, Handle, Value, Variable, quantity::Scale, units::Conversion};
 use fmu_points::task::{Detail, MeasuredCurve, Probe, Product, Schedule, Slot, Task};
-use number_tables::files::FileError;
 use sampling::{design::Joint, statistics::Statistic};
 
 /// Finds variables and checks values for one FMU.
-pub(super) struct Binder<'a> {
+pub struct Binder<'a> {
     pub(super) study: &'a Study,
     pub(super) fmu: &'a Description,
 }
 
 /// A simulation with what belongs to it.
-pub(super) struct Bound {
+pub struct Bound {
     /// From the FMU's units to the study's, a criterion each.
     pub(super) outputs: Vec<Conversion>,
     /// The simulation.
@@ -40,7 +39,7 @@ pub(super) struct Bound {
 
 impl Binder<'_> {
     /// The simulation of a point, or of one of its cases.
-    pub(super) fn task(&self, case: Option<&CaseText>, varied: Vec<Slot>) -> Result<Bound, FileError> {
+    pub fn task(&self, case: Option<&CaseText>, varied: Vec<Slot>) -> Result<Bound> {
         let mut schedule = self.schedule().map_err(|message| match case {
             None => self.study.error(format!("[simulation] {message}")),
             Some(case) => {
@@ -63,11 +62,11 @@ impl Binder<'_> {
         Ok(Bound { outputs, task, errors, concerns })
     }
 
-    fn variable<T: AsRef<str>>(&self, name: &Spanned<T>) -> Result<&Variable, FileError> {
+    fn variable<T: AsRef<str>>(&self, name: &Spanned<T>) -> Result<&Variable> {
         find(self.fmu, name.as_ref().as_ref()).map_err(|message| self.study.error_at(name, message))
     }
 
-    pub(super) fn parameters(&self) -> Result<(Vec<Input>, Vec<Slot>), FileError> {
+    pub fn parameters(&self) -> Result<(Vec<Input>, Vec<Slot>)> {
         self.study
             .parameters
             .iter()
@@ -82,7 +81,7 @@ impl Binder<'_> {
     }
 
     /// Reads the parameters that come from samples, and gives each its distribution.
-    pub(super) fn samples(&self, inputs: &mut [Input]) -> Result<Vec<Joint>, FileError> {
+    pub fn samples(&self, inputs: &mut [Input]) -> Result<Vec<Joint>> {
         let samples = samples::read(self.study, inputs)?;
         let mut joints = Vec::new();
         for Together { joint, alone } in samples {
@@ -95,7 +94,7 @@ impl Binder<'_> {
     }
 
     /// Checks that the FMU takes the middle of each distribution.
-    pub(super) fn within(&self, inputs: &[Input], slots: &[Slot]) -> Result<(), FileError> {
+    pub fn within(&self, inputs: &[Input], slots: &[Slot]) -> Result {
         let pairs = inputs.iter().zip(slots);
         for ((input, slot), name) in pairs.zip(self.study.parameters.keys()) {
             let value = input.conversion.value(input.distribution.median());
@@ -120,7 +119,7 @@ impl Binder<'_> {
         })
     }
 
-    fn criteria(&self, schedule: &Schedule) -> Result<(Vec<Conversion>, Vec<Probe>), FileError> {
+    fn criteria(&self, schedule: &Schedule) -> Result<(Vec<Conversion>, Vec<Probe>)> {
         self.study
             .criteria
             .iter()
@@ -173,7 +172,7 @@ impl Binder<'_> {
         text: &CriterionText,
         variable: &Variable,
         schedule: &Schedule,
-    ) -> Result<Option<Detail>, FileError> {
+    ) -> Result<Option<Detail>> {
         let named = |message| self.study.error_of(name, message);
         let detail = text.detail().map_err(named)?;
         let needs_lines =
@@ -202,7 +201,7 @@ impl Binder<'_> {
     }
 
     /// The angle over whose whole turns the mean of a variable is taken.
-    fn turns(&self, name: &Spanned<String>, of: &Variable) -> Result<Detail, FileError> {
+    fn turns(&self, name: &Spanned<String>, of: &Variable) -> Result<Detail> {
         let at = |message| self.study.error_at(name, message);
         let angle = self.variable(name)?;
         let handle = angle.number_handle();
@@ -224,7 +223,7 @@ impl Binder<'_> {
         scale: &Scale<'_>,
         handle: &Handle,
         schedule: &Schedule,
-    ) -> Result<Option<Arc<MeasuredCurve>>, FileError> {
+    ) -> Result<Option<Arc<MeasuredCurve>>> {
         let (Some(reference), Some(metric)) = (&text.reference, text.metric) else { return Ok(None) };
         if handle.content != Content::Real {
             return Err(self.study.error_at(&text.variable, "only real variables can be compared with a curve"));
@@ -246,13 +245,13 @@ impl Binder<'_> {
     }
 
     /// The part of the run that a criterion looks at by itself, s.
-    fn stated_window(&self, text: &CriterionText, run: [f64; 2]) -> Result<Option<[f64; 2]>, FileError> {
+    fn stated_window(&self, text: &CriterionText, run: [f64; 2]) -> Result<Option<[f64; 2]>> {
         let Some(window) = &text.window else { return Ok(None) };
         window.as_ref().times(run).map(Some).map_err(|message| self.study.error_at(window, message))
     }
 
     /// The probes with their windows; what lies before the first window may be leapt over.
-    fn windows(&self, schedule: &mut Schedule, mut observed: Vec<Probe>) -> Result<Vec<Probe>, FileError> {
+    fn windows(&self, schedule: &mut Schedule, mut observed: Vec<Probe>) -> Result<Vec<Probe>> {
         let criteria = || self.study.criteria.values();
         let run = [schedule.start, schedule.stop];
         let general = [schedule.window_start, schedule.stop];
@@ -297,7 +296,7 @@ impl Binder<'_> {
         }
     }
 
-    fn fixed(&self) -> Result<Vec<(u32, Value)>, FileError> {
+    fn fixed(&self) -> Result<Vec<(u32, Value)>> {
         let mut values = self.set()?;
         for (name, setting) in &self.study.fixed {
             let at = |message| self.study.error_at(setting, message);
@@ -319,7 +318,7 @@ impl Binder<'_> {
     }
 
     /// The start values of a parameter set that the study does not give itself.
-    fn set(&self) -> Result<Vec<(u32, Value)>, FileError> {
+    fn set(&self) -> Result<Vec<(u32, Value)>> {
         let Some(file) = &self.study.fixed_from else { return Ok(Vec::new()) };
         let path = self.study.path_of(file.as_ref());
         let named = ssv::read(&path, self.fmu).map_err(|error| self.study.error_at(file, error.to_string()))?;

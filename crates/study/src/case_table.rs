@@ -4,7 +4,6 @@ use crate::{Identification, Name, Study};
 use number_tables::{Column, Table, files::FileError};
 
 /// The columns of the table that the section names, or a single case without any.
-#[derive(Debug)]
 pub struct CaseTable {
     names: Vec<String>,
     rows: Vec<Vec<f64>>,

@@ -3,12 +3,12 @@
 //! A study with cases is read as if its criteria stood in one list, those of the first case first. So whoever asks for
 //! values, columns or verdicts sees criteria as in any study; only who simulates asks for the study of a single case.
 
+use crate::Result;
 use indexmap::IndexMap;
 
 use toml::Spanned;
 
 use super::{CaseText, CriterionText, LagText, Name, Setting, Simulation, Study};
-use number_tables::files::FileError;
 
 /// Between the name of a case and that of a criterion.
 pub const SEPARATOR: char = '/';
@@ -16,7 +16,7 @@ pub const SEPARATOR: char = '/';
 impl Study {
     /// Puts the criteria of all cases into one list, with the names `CASE/NAME`. Criteria of the whole study hold in
     /// every case that has none of the same name.
-    pub(super) fn spread_criteria(&mut self) -> Result<(), FileError> {
+    pub(super) fn spread_criteria(&mut self) -> Result {
         if self.cases.is_empty() {
             return Ok(());
         }
@@ -41,7 +41,7 @@ impl Study {
         Ok(())
     }
 
-    fn check_cases(&self) -> Result<(), FileError> {
+    fn check_cases(&self) -> Result {
         for (number, case) in self.cases.iter().enumerate() {
             let name = case.name.as_ref();
             let wrong = |message| Err(self.error_at(&case.name, message));

@@ -39,13 +39,13 @@ pub enum OpenError {
 }
 
 /// A text in which errors have a place.
-pub(super) struct Place<'a> {
+pub struct Place<'a> {
     pub(super) path: &'a Path,
     pub(super) text: &'a str,
 }
 
 impl Place<'_> {
-    pub(super) fn error(&self, offset: usize, message: String) -> FileError {
+    pub fn error(&self, offset: usize, message: String) -> FileError {
         let before = self.text.get(..offset).unwrap_or(self.text);
         let line_start = before.rfind('\n').map_or(0, |index| index + 1);
         FileError::new(self.path, message)
@@ -54,7 +54,7 @@ impl Place<'_> {
     }
 
     /// The TOML reader's message on one line, with a remedy.
-    pub(super) fn toml(&self, error: &toml::de::Error) -> FileError {
+    pub fn toml(&self, error: &toml::de::Error) -> FileError {
         let message = suggest(error.message());
         match error.span() {
             Some(span) => {
@@ -80,7 +80,7 @@ impl Place<'_> {
     }
 
     /// An error at the section that its message names in brackets, and there at the key that it names first.
-    pub(super) fn named(&self, message: String) -> FileError {
+    pub fn named(&self, message: String) -> FileError {
         match self.place_of(&message) {
             Some(offset) => self.error(offset, message),
             None => FileError::new(self.path, message),

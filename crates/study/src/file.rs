@@ -168,9 +168,10 @@ impl Study {
     pub fn open_fmu(&self, instead: Option<&Path>) -> Result<Package, OpenError> {
         if instead.is_none() && self.fmu.as_ref().as_os_str().is_empty() {
             let message = "names no FMU: add fmu = \"my.fmu\" above all sections";
-            return Err(match self.fmu.span().is_empty() {
-                true => FileError::new(&self.path, message),
-                false => self.error_at(&self.fmu, "it is empty: name the FMU, such as fmu = \"my.fmu\""),
+            return Err(if self.fmu.span().is_empty() {
+                FileError::new(&self.path, message)
+            } else {
+                self.error_at(&self.fmu, "it is empty: name the FMU, such as fmu = \"my.fmu\"")
             }
             .into());
         }

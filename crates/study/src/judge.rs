@@ -8,6 +8,7 @@ mod scalar;
 
 pub use requirements::share;
 
+use crate::{NominalFrom, Result, Study, concern::Concern, plan::find};
 use std::{collections::HashSet, ops::Range};
 
 use serde::{Deserialize, Serialize};
@@ -26,10 +27,8 @@ use fmu_points::{
     names::{behind, did_you_mean, nearest},
     task::Detail,
 };
-use number_tables::files::FileError;
 use sampling::statistics::{Statistic, moments::length};
 
-use crate::{NominalFrom, Study, concern::Concern, plan::find};
 pub use scalar::sense;
 
 /// Measured value of one quantity with its tolerance, in the study's unit.
@@ -229,7 +228,7 @@ impl Judge {
     ///
     /// # Errors
     /// With line and column, when a number or a unit does not fit, and when there are no criteria.
-    pub fn new(study: &Study, fmu: Option<&Description>) -> Result<Self, FileError> {
+    pub fn new(study: &Study, fmu: Option<&Description>) -> Result<Self> {
         if study.criteria.is_empty() {
             return Err(study.error(
                 "no criteria: add at least one [criteria.NAME] with variable, nominal \
@@ -361,7 +360,7 @@ fn cases(study: &Study) -> Vec<JudgedCase> {
 }
 
 /// Refuses criteria whose columns in `points.csv` could not be told apart from other ones.
-fn check_columns(study: &Study) -> Result<(), FileError> {
+fn check_columns(study: &Study) -> Result {
     const OWN: [&str; 5] = ["point", "verified", "accepted", "conformance", "status"];
     let parameters = study.parameters.keys().map(|name| name.as_ref().as_str());
     let mut columns: HashSet<String> = OWN.into_iter().chain(parameters).map(String::from).collect();

@@ -44,3 +44,6 @@ pub use text::{
 };
 pub use tolerance::ToleranceText;
 pub use window::Window;
+
+/// What a study says, or the place where it says what cannot be used.
+pub type Result<T = (), E = number_tables::files::FileError> = std::result::Result<T, E>;

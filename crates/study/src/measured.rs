@@ -1,5 +1,9 @@
 //! Reads measured curves and ties them to an FMU.
 
+use crate::{
+    Result,
+    concern::{ACCEPTS_ZERO, Code, Concern},
+};
 use std::fmt::Display;
 
 use super::{
@@ -8,7 +12,6 @@ use super::{
     reference::{Normalise, OwnNormaliser, ReferenceText},
     window::seconds,
 };
-use crate::concern::{ACCEPTS_ZERO, Code, Concern};
 use conformity::uncertainty::{Distribution, Uncertainty};
 use curves::{Curve, Metric, Pair, iso18571};
 use fmu_import::{
@@ -34,7 +37,7 @@ struct Recorded {
 }
 
 /// A criterion on a curve that is tied to an FMU.
-pub(super) struct Binder<'a> {
+pub struct Binder<'a> {
     pub(super) study: &'a Study,
     pub(super) name: &'a Name,
     pub(super) text: &'a CriterionText,
@@ -49,7 +52,7 @@ pub(super) struct Binder<'a> {
 
 impl Binder<'_> {
     /// Reads the measured curve.
-    pub(super) fn bind(&self) -> Result<MeasuredCurve, FileError> {
+    pub fn bind(&self) -> Result<MeasuredCurve> {
         let named = |message| self.study.error_of(self.name, message);
         let Recorded { curve, expanded, first } = self.read()?;
         let delay = self.text.delay.as_ref().map_or(Ok(0.0), seconds).map_err(named)?;
@@ -92,7 +95,7 @@ impl Binder<'_> {
 
     /// How the curve is drawn anew within its uncertainty. Criteria on the same column see the same errors, as do those whose
     /// errors are fully correlated.
-    fn resampling(&self, errors: Option<CurveErrors>, first: u64) -> Result<Resampling, FileError> {
+    fn resampling(&self, errors: Option<CurveErrors>, first: u64) -> Result<Resampling> {
         let (ideal, tolerance, _) =
             limit(self.text, self.metric, self.scale).map_err(|message| self.study.error_of(self.name, message))?;
         let (sensor, sign) = self.study.sensor(self.name, self.text);
@@ -102,7 +105,7 @@ impl Binder<'_> {
     }
 
     /// The parts of the rows' errors (shared, gain, own), without noise and with it; none where no uncertainty is stated.
-    fn errors(&self, curve: &Curve, expanded: Option<&[f64]>) -> Result<Option<(CurveErrors, CurveErrors)>, FileError> {
+    fn errors(&self, curve: &Curve, expanded: Option<&[f64]>) -> Result<Option<(CurveErrors, CurveErrors)>> {
         let reference = self.reference;
         let named = |message| self.study.error_of(self.name, message);
         let is_rectangular = reference.uncertainty_distribution == Some(Distribution::Rectangular);
@@ -169,7 +172,7 @@ impl Binder<'_> {
     }
 
     /// The correlation of the errors of any two rows.
-    fn correlation(&self) -> Result<f64, FileError> {
+    fn correlation(&self) -> Result<f64> {
         if let Some(stated) = &self.reference.correlation
             && !(0.0..=1.0).contains(stated.as_ref())
         {
@@ -184,7 +187,7 @@ impl Binder<'_> {
     }
 
     /// The rows that count, and the expanded uncertainty of each, in the criterion's unit.
-    fn read(&self) -> Result<Recorded, FileError> {
+    fn read(&self) -> Result<Recorded> {
         let reference = self.reference;
         let named = |message| self.study.error_of(self.name, message);
         let at_file = |message| self.study.error_at(&reference.file, message);
@@ -222,7 +225,7 @@ impl Binder<'_> {
     }
 
     /// The rows inside the window that the study states.
-    fn cut(&self, curve: Curve, expanded: Option<Vec<f64>>) -> Result<Recorded, FileError> {
+    fn cut(&self, curve: Curve, expanded: Option<Vec<f64>>) -> Result<Recorded> {
         let is_width = |width: &f64| *width >= 0.0 && width.is_finite();
         let wrong = expanded.iter().flatten().position(|width| !is_width(width));
         if let Some(row) = wrong {
@@ -271,7 +274,7 @@ impl Binder<'_> {
     }
 
     /// The curve at even times, where the metric needs them, with the errors of its values where they are known there.
-    fn even(&self, curve: &Curve, errors: Option<&CurveErrors>) -> Result<(Curve, Option<CurveErrors>), FileError> {
+    fn even(&self, curve: &Curve, errors: Option<&CurveErrors>) -> Result<(Curve, Option<CurveErrors>)> {
         if !self.metric.needs_even_times() {
             return Ok((curve.clone(), errors.cloned()));
         }
@@ -322,7 +325,7 @@ impl Binder<'_> {
     }
 
     /// Refuses a measurement that the run does not cover.
-    fn check_span(&self, measured: &MeasuredCurve) -> Result<(), FileError> {
+    fn check_span(&self, measured: &MeasuredCurve) -> Result {
         let ([from, to], [start, stop]) = (measured.needs(), self.run);
         let rounding = 1e-9 * (start.abs() + stop.abs());
         if from >= start - rounding && to <= stop + rounding {
@@ -341,7 +344,7 @@ impl Binder<'_> {
 }
 
 /// What makes a criterion on a measured curve hardly refuse anything.
-pub(super) fn doubt(name: &str, curve: &MeasuredCurve, (ideal, tolerance, _): (f64, f64, String)) -> Option<Concern> {
+pub fn doubt(name: &str, curve: &MeasuredCurve, (ideal, tolerance, _): (f64, f64, String)) -> Option<Concern> {
     const COVERAGE: f64 = 2.0;
     let MeasuredCurve { metric, times, values, band, errors, normaliser, .. } = curve;
     if times.len() < 3 {

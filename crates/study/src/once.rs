@@ -1,10 +1,10 @@
 //! Every variable is set in one place: of two values for one variable the FMU would keep the one that it gets last.
 
+use crate::Result;
 use std::collections::HashMap;
 
 use super::{Name, Study};
 use fmu_import::Description;
-use number_tables::files::FileError;
 
 impl Study {
     /// The variables that the study sets, each with the section that does.
@@ -20,11 +20,7 @@ impl Study {
     ///
     /// # Errors
     /// At the second place, with the section of the first.
-    pub fn once<'a>(
-        &self,
-        fmu: &Description,
-        set: impl Iterator<Item = (&'a Name, &'static str)>,
-    ) -> Result<(), FileError> {
+    pub fn once<'a>(&self, fmu: &Description, set: impl Iterator<Item = (&'a Name, &'static str)>) -> Result {
         let mut seen: HashMap<_, (&str, &str)> = HashMap::new();
         for (name, section) in set {
             let key = name.as_ref().as_str();

@@ -1,5 +1,9 @@
 //! A study that fits an FMU: its points in the FMU's units, their results in those of the study.
 
+use crate::{
+    Result,
+    concern::{Code, Concern},
+};
 use std::{
     collections::BTreeSet,
     ops::Range,
@@ -12,13 +16,11 @@ use super::{
     inputs::{InputError, taken_as_exact},
     points,
 };
-use crate::concern::{Code, Concern};
 use fmu_import::{Description, units::Conversion};
 use fmu_points::{
     names::behind,
     task::{Case, Probe, Slot},
 };
-use number_tables::files::FileError;
 use sampling::{
     design::{self, Design, Joint, Sampling, correlation::Correlation},
     distribution::Distribution,
@@ -56,7 +58,7 @@ impl Plan {
     ///
     /// # Errors
     /// With line and column, when a name, a unit or a number of the study doesn't fit.
-    pub fn new(study: &Study, fmu: &Description) -> Result<Self, FileError> {
+    pub fn new(study: &Study, fmu: &Description) -> Result<Self> {
         let mut from_case_to_case = study.parameters.values().filter_map(|text| text.varies.as_ref());
         if let Some(varies) = from_case_to_case.next() {
             return Err(study.error_at(

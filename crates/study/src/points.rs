@@ -1,17 +1,17 @@
 //! Number of points of a study, and correlations between its parameters.
 
+use crate::Result;
 use toml::Spanned;
 
 use super::{Name, Pair, Shape, Study};
 use fmu_points::names::{did_you_mean, nearest};
-use number_tables::files::FileError;
 use sampling::design::correlation::Correlation;
 
 /// Refuses a study whose points are all the same, which would make a share of them look certain.
 ///
 /// # Errors
 /// When no parameter varies.
-pub fn varies(study: &Study) -> Result<(), FileError> {
+pub fn varies(study: &Study) -> Result {
     let mut parameters = study.parameters.iter();
     let is_uncertain = |study: &Study| study.inputs.values().any(|recording| recording.uncertainty.is_some());
     if parameters.any(|(_, parameter)| parameter.distribution != Shape::Fixed)
@@ -38,10 +38,10 @@ pub type Pairs = Vec<(usize, usize, f64)>;
 pub fn pairs(
     study: &Study,
     entries: &[Spanned<Pair>],
-    place: impl Fn(&Name) -> Result<usize, FileError>,
+    place: impl Fn(&Name) -> Result<usize>,
     alone: &str,
     limits: (impl Fn(f64) -> bool, &str),
-) -> Result<Pairs, FileError> {
+) -> Result<Pairs> {
     let mut pairs = Pairs::new();
     for entry in entries {
         let Pair { between: [a, b], coefficient, .. } = entry.as_ref();
@@ -62,7 +62,7 @@ pub fn pairs(
 }
 
 /// The correlations of a study's parameters, the first ones among `count` values of a point.
-pub(super) fn correlation(study: &Study, count: usize) -> Result<Option<Correlation>, FileError> {
+pub(super) fn correlation(study: &Study, count: usize) -> Result<Option<Correlation>> {
     let pairs = pairs(
         study,
         &study.correlations,

@@ -24,7 +24,7 @@ struct Member<'a> {
 }
 
 /// Parameters that are drawn together.
-pub(super) struct Together {
+pub struct Together {
     /// The sample.
     pub(super) joint: Joint,
     /// The distribution of each by itself, with its place among the parameters.
@@ -35,7 +35,7 @@ pub(super) struct Together {
 ///
 /// # Errors
 /// With the place in the study, when a file cannot be read, has no such column, or has it in another unit.
-pub(super) fn read(study: &Study, inputs: &[Input]) -> Result<Vec<Together>, FileError> {
+pub fn read(study: &Study, inputs: &[Input]) -> Result<Vec<Together>, FileError> {
     let mut files: IndexMap<PathBuf, (&Spanned<PathBuf>, Vec<Member<'_>>)> = IndexMap::new();
     for (index, (name, text)) in study.parameters.iter().enumerate() {
         if text.distribution != Shape::Sample {

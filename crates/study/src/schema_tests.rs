@@ -1,15 +1,16 @@
 //! `studies/study.schema.json` says what the reader reads: the same keys, the same words.
 
-use std::collections::BTreeSet;
-use std::fs;
-use std::path::{Path, PathBuf};
+use std::{
+    collections::BTreeSet,
+    fs,
+    path::{Path, PathBuf},
+};
 
 use serde_json::Value;
 
 use super::Study;
 use curves::Metric;
-use sampling::design::Method;
-use sampling::statistics::Statistic;
+use sampling::{design::Method, statistics::Statistic};
 use sensitivity::RUNS;
 
 fn studies() -> PathBuf {

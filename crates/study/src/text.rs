@@ -65,9 +65,10 @@ impl LagText {
     /// When they are no times, or no range.
     pub fn ends(&self) -> Result<[f64; 2], String> {
         let ends = [window::seconds(&self.min)?, window::seconds(&self.max)?];
-        match ends[0] < ends[1] && ends.iter().all(|end| end.is_finite()) {
-            true => Ok(ends),
-            false => Err(format!("the lags from {} to {} are no range: `min` is the smaller one", self.min, self.max)),
+        if ends[0] < ends[1] && ends.iter().all(|end| end.is_finite()) {
+            Ok(ends)
+        } else {
+            Err(format!("the lags from {} to {} are no range: `min` is the smaller one", self.min, self.max))
         }
     }
 }

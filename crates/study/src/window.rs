@@ -49,12 +49,12 @@ impl Window {
 }
 
 /// A time in seconds.
-pub(super) fn seconds(quantity: &Quantity) -> Result<f64, String> {
+pub fn seconds(quantity: &Quantity) -> Result<f64, String> {
     Ok(to_own(quantity.unit.as_deref().unwrap_or("s"), "s")?.value(quantity.number))
 }
 
 /// Reads a time: a number of seconds, or a text with a unit such as `2 ms`.
-pub(super) fn time<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
+pub fn time<'de, D: serde::Deserializer<'de>>(from: D) -> Result<Option<f64>, D::Error> {
     let time = Quantity::deserialize(from)?;
     seconds(&time).map(Some).map_err(serde::de::Error::custom)
 }

@@ -8,12 +8,15 @@ mod reynolds;
 
 pub use mobility::sommerfeld;
 
-use fmu_export::model::{Enumeration, Fault, Item};
+use crate::Result;
+use fmu_export::model::{Enumeration, Item};
 use journal_bearing::reynolds::Coefficients;
 use serde::{Deserialize, Serialize};
 
-use super::journal::{Drift, JournalFilm, Motion, Press, Setup, Situation, Strain, TransientFilm};
-use super::parameters::Bearing;
+use super::{
+    journal::{Drift, JournalFilm, Motion, Press, Setup, Situation, Strain, TransientFilm},
+    parameters::Bearing,
+};
 
 /// Makes the choice of the film models, and the film in use, from lines of name, value, type and meaning.
 macro_rules! films {
@@ -35,7 +38,7 @@ macro_rules! films {
             /// All film models; the first one is the default.
             pub const ALL: &[Self] = &[$(Self::$model),*];
 
-            fn start(self, setup: &Setup<'_>) -> Result<Running, Fault> {
+            fn start(self, setup: &Setup<'_>) -> Result<Running> {
                 match self {
                     $(Self::$model => <$film as JournalFilm>::new(setup).map(Running::$model),)*
                 }
@@ -123,7 +126,7 @@ impl Film {
     ///
     /// # Errors
     /// When a parameter or a file is not usable.
-    pub fn start(&mut self, setup: &Setup<'_>) -> Result<(), Fault> {
+    pub fn start(&mut self, setup: &Setup<'_>) -> Result {
         self.running = self.model.start(setup)?;
         Ok(())
     }
@@ -137,7 +140,7 @@ impl Film {
     ///
     /// # Errors
     /// When a parameter is not usable.
-    pub fn mobility(bearing: &Bearing) -> Result<Self, Fault> {
+    pub fn mobility(bearing: &Bearing) -> Result<Self> {
         let mut film = mobility::MobilityFilm::default();
         film.prepare(bearing)?;
         Ok(Self { model: FilmModel::Mobility, running: Running::Mobility(film) })
@@ -147,7 +150,7 @@ impl Film {
     ///
     /// # Errors
     /// When a parameter is not usable.
-    pub fn prepare(&mut self, bearing: &Bearing) -> Result<(), Fault> {
+    pub fn prepare(&mut self, bearing: &Bearing) -> Result {
         (self.running.film_mut()).map_or(Ok(()), |film| film.prepare(bearing))
     }
 

@@ -4,10 +4,13 @@
 //! together with the temperatures. A [`TransientFilm`] remembers how its oil is distributed; it takes steps of its own and
 //! carries its journal along.
 
-use fmu_export::model::{Experiment, Fault};
-use journal_bearing::contact::Contact;
-use journal_bearing::reynolds::{Coefficients, HeatExchange, HeatGiven};
-use journal_bearing::rheology::Rheology;
+use crate::Result;
+use fmu_export::model::Experiment;
+use journal_bearing::{
+    contact::Contact,
+    reynolds::{Coefficients, HeatExchange, HeatGiven},
+    rheology::Rheology,
+};
 use nalgebra::{Matrix2, Vector2};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::LOG2_E;
@@ -194,7 +197,7 @@ pub trait JournalFilm {
     ///
     /// # Errors
     /// When a parameter or a file is not usable, or no such film exists.
-    fn new(setup: &Setup<'_>) -> Result<Self, Fault>
+    fn new(setup: &Setup<'_>) -> Result<Self>
     where
         Self: Sized;
 
@@ -203,7 +206,7 @@ pub trait JournalFilm {
     ///
     /// # Errors
     /// As for [`new`](Self::new).
-    fn prepare(&mut self, bearing: &Bearing) -> Result<(), Fault>;
+    fn prepare(&mut self, bearing: &Bearing) -> Result;
 
     /// The journal's motion, with all that sensors read.
     fn motion(&self, bearing: &Bearing, at: &Situation) -> Motion;
@@ -278,7 +281,6 @@ pub struct Interval {
 }
 
 /// What an interval has brought.
-#[derive(Clone, Copy, Debug)]
 pub struct Passed {
     /// The mean flows over it.
     pub flows: Flows,
@@ -302,7 +304,7 @@ pub trait TransientFilm {
         bearing: &Bearing,
         interval: &Interval,
         exchange: Option<&HeatExchange<'_>>,
-    ) -> Result<Passed, Fault>;
+    ) -> Result<Passed>;
 
     /// Begins the search for the periodic orbit under a load that repeats itself: the first turn starts here.
     fn seek_orbit(&mut self);

@@ -1,8 +1,6 @@
 //! The bearing's parameters.
 
-use super::hot::Expansion;
-use super::supply::Supply;
-use super::wear::Wear;
+use super::{hot::Expansion, supply::Supply, wear::Wear};
 use journal_bearing::contact::Surface;
 use serde::{Deserialize, Serialize};
 

@@ -1,11 +1,9 @@
 //! Writes the files that follow from the stand's variable table: the model descriptions and the documentation page.
 
-use std::path::Path;
-use std::process::ExitCode;
+use std::{path::Path, process::ExitCode};
 
 use fmu_export::description::{self, Interface, Version};
-use plain_bearing_stand::documentation;
-use plain_bearing_stand::stand::Stand;
+use plain_bearing_stand::{documentation, stand::Stand};
 
 fn main() -> ExitCode {
     let here = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -1,13 +1,18 @@
 //! The journal's orbits over the film's viscosity: found where they are needed, with polynomials between them.
 
-use super::orbit::{Orbit, Piece};
-use super::{Departure, NoLeap, TwoScales, reach, stiff};
-use crate::bearing::Flows;
-use crate::solver::{Budget, DormandPrince, Failure};
+use super::{
+    Departure, NoLeap, TwoScales,
+    orbit::{Orbit, Piece},
+    reach, stiff,
+};
+use crate::{
+    bearing::Flows,
+    solver::{Budget, DormandPrince, Failure},
+};
 use nalgebra::{Matrix2, SMatrix, Vector2};
 
 /// Orbits over the logarithm of the viscosity.
-pub(super) struct Curve<'a, M> {
+pub struct Curve<'a, M> {
     model: &'a M,
     /// The clearance of all its orbits, m.
     clearance: f64,
@@ -95,7 +100,7 @@ impl Aim {
 
 impl<'a, M: TwoScales> Curve<'a, M> {
     /// A curve at a clearance, m, with its first orbit.
-    pub(super) fn new(model: &'a M, tolerance: f64, clearance: f64, from: &Departure) -> Result<(Self, Orbit), NoLeap> {
+    pub fn new(model: &'a M, tolerance: f64, clearance: f64, from: &Departure) -> Result<(Self, Orbit), NoLeap> {
         let viscosity = model.viscosity(from.temperatures.film);
         let end = Vector2::from(from.eccentricity);
         let (_, flows) = model.journal(clearance)(0.0, from.eccentricity, viscosity);
@@ -130,7 +135,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
     }
 
     /// In how many turns the journal comes to its first orbit from the departure, if these are too many for a leap over `turns`.
-    pub(super) fn far(&self, from: &Departure, turns: usize) -> Result<Option<f64>, Failure> {
+    pub fn far(&self, from: &Departure, turns: usize) -> Result<Option<f64>, Failure> {
         let [start, first] = [Vector2::from(from.eccentricity), self.nodes[0].1.place()];
         let off = first - start;
         if off.norm() <= self.noise() {
@@ -153,12 +158,12 @@ impl<'a, M: TwoScales> Curve<'a, M> {
     }
 
     /// The same at another clearance, m, and `slack` times the tolerance, still without orbits.
-    pub(super) fn at_clearance(&self, clearance: f64, slack: f64) -> Self {
+    pub fn at_clearance(&self, clearance: f64, slack: f64) -> Self {
         Self { clearance, tolerance: slack * self.tolerance, nodes: Vec::new(), piece: None, ..*self }
     }
 
     /// The same at another clearance, m, with an orbit at a viscosity that begins near `guess`.
-    pub(super) fn with_orbit(&self, clearance: f64, viscosity: f64, guess: Vector2<f64>) -> Result<Self, NoLeap> {
+    pub fn with_orbit(&self, clearance: f64, viscosity: f64, guess: Vector2<f64>) -> Result<Self, NoLeap> {
         let mut curve = self.at_clearance(clearance, 1.0);
         let first = curve.orbit(viscosity, guess)?;
         curve.latest = viscosity.ln();
@@ -167,12 +172,12 @@ impl<'a, M: TwoScales> Curve<'a, M> {
     }
 
     /// The orbit at a viscosity that begins near `guess`, searched for.
-    pub(super) fn orbit(&mut self, viscosity: f64, guess: Vector2<f64>) -> Result<Orbit, NoLeap> {
+    pub fn orbit(&mut self, viscosity: f64, guess: Vector2<f64>) -> Result<Orbit, NoLeap> {
         self.search(viscosity, guess, Aim::Heat)
     }
 
     /// The clearance, m.
-    pub(super) fn clearance(&self) -> f64 {
+    pub fn clearance(&self) -> f64 {
         self.clearance
     }
 
@@ -182,7 +187,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
     }
 
     /// The orbit at a viscosity; finds further orbits until the polynomial's last term hardly matters.
-    pub(super) fn at(&mut self, viscosity: f64) -> Result<Orbit, NoLeap> {
+    pub fn at(&mut self, viscosity: f64) -> Result<Orbit, NoLeap> {
         const MOST: usize = 100;
         let x = viscosity.ln();
         while self.nodes.len() < MOST && x.is_finite() {
@@ -212,7 +217,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
 
     /// Where the journal is when the orbit at a viscosity begins: on the polynomial where its last term hardly matters
     /// there, too, else searched for.
-    pub(super) fn place(&mut self, viscosity: f64) -> Result<Vector2<f64>, NoLeap> {
+    pub fn place(&mut self, viscosity: f64) -> Result<Vector2<f64>, NoLeap> {
         let near = self.at(viscosity)?.place();
         if let Some(piece) = &self.piece {
             let (orbit, last) = piece.at(viscosity.ln());
@@ -225,7 +230,7 @@ impl<'a, M: TwoScales> Curve<'a, M> {
     }
 
     /// Approximate derivative of a turn's end and flows over its beginning, at the latest orbit.
-    pub(super) fn slope(&self) -> SMatrix<f64, 5, 2> {
+    pub fn slope(&self) -> SMatrix<f64, 5, 2> {
         self.slope
     }
 

@@ -7,10 +7,7 @@
 //! A steady start needs less: turns that are resolved refine its temperatures. There, parabolas pass through the
 //! [differences](super::differences) between the orbits at three clearances.
 
-use super::curve::Curve;
-use super::differences::Differences;
-use super::orbit::Orbit;
-use super::{Departure, NoLeap, TwoScales};
+use super::{Departure, NoLeap, TwoScales, curve::Curve, differences::Differences, orbit::Orbit};
 use nalgebra::{SMatrix, SVector, Vector2};
 
 /// The quantity between the clearances.
@@ -24,7 +21,7 @@ pub enum Across {
 }
 
 /// Curves over the logarithm of the clearance.
-pub(super) struct Curves<'a, M> {
+pub struct Curves<'a, M> {
     /// The logarithm of the departure's clearance.
     middle: f64,
     /// The distance of neighbouring curves in the logarithm of the clearance.
@@ -51,7 +48,7 @@ const USUAL: f64 = 1e-6;
 
 impl<'a, M: TwoScales> Curves<'a, M> {
     /// The curve at the clearance of the departure, with its first orbit.
-    pub(super) fn new(model: &'a M, tolerance: f64, across: Across, from: &Departure) -> Result<(Self, Orbit), NoLeap> {
+    pub fn new(model: &'a M, tolerance: f64, across: Across, from: &Departure) -> Result<(Self, Orbit), NoLeap> {
         let clearance = model.clearance(&from.temperatures, from.worn);
         let (curve, first) = Curve::new(model, tolerance, clearance, from)?;
         let curves = Self {
@@ -67,7 +64,7 @@ impl<'a, M: TwoScales> Curves<'a, M> {
     }
 
     /// The orbit at a viscosity and a clearance.
-    pub(super) fn at(&mut self, viscosity: f64, clearance: f64) -> Result<Orbit, NoLeap> {
+    pub fn at(&mut self, viscosity: f64, clearance: f64) -> Result<Orbit, NoLeap> {
         let x = (clearance.ln() - self.middle) / self.spacing;
         if x == 0.0 {
             self.latest = 0;
@@ -131,7 +128,7 @@ impl<'a, M: TwoScales> Curves<'a, M> {
     }
 
     /// Where the journal is when the orbit at a viscosity and a clearance begins.
-    pub(super) fn place(&mut self, viscosity: f64, clearance: f64) -> Result<Vector2<f64>, NoLeap> {
+    pub fn place(&mut self, viscosity: f64, clearance: f64) -> Result<Vector2<f64>, NoLeap> {
         let near = self.at(viscosity, clearance)?.place();
         let curve = &mut self.curves[self.latest].1;
         if curve.clearance() == clearance {
@@ -141,12 +138,12 @@ impl<'a, M: TwoScales> Curves<'a, M> {
     }
 
     /// In how many turns the journal comes to its orbit from the departure, if these are too many for a leap over `turns`.
-    pub(super) fn far(&self, from: &Departure, turns: usize) -> Result<Option<f64>, NoLeap> {
+    pub fn far(&self, from: &Departure, turns: usize) -> Result<Option<f64>, NoLeap> {
         Ok(self.curves[0].1.far(from, turns)?)
     }
 
     /// Approximate derivative of a turn's end and flows over its beginning, at the latest orbit.
-    pub(super) fn slope(&self) -> SMatrix<f64, 5, 2> {
+    pub fn slope(&self) -> SMatrix<f64, 5, 2> {
         self.curves[self.latest].1.slope()
     }
 

@@ -1,13 +1,11 @@
 //! Differences between the journal's orbits at one clearance and those at another, over the viscosity. They change little with it, so
 //! that few orbits tell them.
 
-use super::curve::Curve;
-use super::orbit::Orbit;
-use super::{NoLeap, TwoScales};
+use super::{NoLeap, TwoScales, curve::Curve, orbit::Orbit};
 use nalgebra::SVector;
 
 /// The differences at one clearance.
-pub(super) struct Differences<'a, M> {
+pub struct Differences<'a, M> {
     curve: Curve<'a, M>,
     /// Pairs of ln(viscosity) and difference, in ascending order, with straight lines between them.
     nodes: Vec<(f64, SVector<f64, 5>)>,
@@ -20,12 +18,12 @@ const ASIDE: f64 = 5.0;
 
 impl<'a, M: TwoScales> Differences<'a, M> {
     /// The differences at a clearance, m, from the departure's curve.
-    pub(super) fn new(departure: &Curve<'a, M>, clearance: f64) -> Self {
+    pub fn new(departure: &Curve<'a, M>, clearance: f64) -> Self {
         Self { curve: departure.at_clearance(clearance, ASIDE), nodes: Vec::new() }
     }
 
     /// The difference at a viscosity from the departure's orbit there; `guess` tells it where none is known yet.
-    pub(super) fn at(
+    pub fn at(
         &mut self,
         viscosity: f64,
         departure: &Orbit,
@@ -51,7 +49,7 @@ impl<'a, M: TwoScales> Differences<'a, M> {
     }
 
     /// On the line through the two nodes next to `x`, or at the only one.
-    pub(super) fn line(&self, x: f64) -> SVector<f64, 5> {
+    pub fn line(&self, x: f64) -> SVector<f64, 5> {
         let nodes = &self.nodes;
         let above = nodes.partition_point(|(node, _)| *node <= x);
         match nodes.get(above.clamp(1, nodes.len().max(2) - 1) - 1..) {

@@ -9,12 +9,12 @@
 //!
 //! The equilibrium is stable if all eigenvalues of the linearised drift have negative real parts (Lyapunov's first method).
 
-use super::orbit::Orbit;
-use super::{Across, Averaged, Departure, Matrix4, NoLeap, TwoScales, Vector4, temperatures, vector};
-use crate::solver::{Budget, Rodas3};
-use crate::thermal::Temperatures;
-use nalgebra::linalg::Schur;
-use nalgebra::{Matrix2, SMatrix};
+use super::{Across, Averaged, Departure, Matrix4, NoLeap, TwoScales, Vector4, orbit::Orbit, temperatures, vector};
+use crate::{
+    solver::{Budget, Rodas3},
+    thermal::Temperatures,
+};
+use nalgebra::{Matrix2, SMatrix, linalg::Schur};
 use thiserror::Error;
 
 /// Why no equilibrium was found.

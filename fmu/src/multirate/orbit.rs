@@ -6,7 +6,7 @@ use nalgebra::{SVector, Vector2};
 /// A periodic orbit: where it begins, and the logarithms of its flows averaged over the turn. The flows
 /// go nearly as powers of the viscosity, so their logarithms are nearly straight over its logarithm.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Orbit(pub(super) SVector<f64, 5>);
+pub struct Orbit(pub SVector<f64, 5>);
 
 /// Boundary heat is stored on top of this part of the viscous heat: a logarithm wants no zero.
 const PEDESTAL: f64 = 1e-3;
@@ -14,7 +14,7 @@ const PEDESTAL: f64 = 1e-3;
 const LEAST: f64 = 1e-18;
 
 impl Orbit {
-    pub(super) fn new(place: [f64; 2], flows: &Flows) -> Self {
+    pub fn new(place: [f64; 2], flows: &Flows) -> Self {
         let viscous = flows.viscous.max(LEAST);
         let boundary = flows.boundary.max(0.0) + PEDESTAL * viscous;
         let side_flow = flows.side_flow.max(0.0) + LEAST;
@@ -22,11 +22,11 @@ impl Orbit {
         Self([x, y, viscous.ln(), boundary.ln(), side_flow.ln()].into())
     }
 
-    pub(super) fn place(&self) -> Vector2<f64> {
+    pub fn place(&self) -> Vector2<f64> {
         self.0.fixed_rows::<2>(0).into()
     }
 
-    pub(super) fn flows(&self) -> Flows {
+    pub fn flows(&self) -> Flows {
         let viscous = self.0[2].exp();
         Flows { viscous, boundary: self.0[3].exp() - PEDESTAL * viscous, side_flow: self.0[4].exp() - LEAST, feed: 0.0 }
     }
@@ -42,7 +42,7 @@ impl Orbit {
 
 /// A polynomial through the nodes next to a gap between nodes, in Newton's form.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Piece {
+pub struct Piece {
     /// How many nodes are below the gap.
     pub(super) gap: usize,
     /// How many nodes it passes through.
@@ -58,7 +58,7 @@ pub(super) struct Piece {
 
 impl Piece {
     /// Through up to four of the nodes next to the gap above the first `gap` of them.
-    pub(super) fn new(nodes: &[(f64, Orbit)], gap: usize) -> Self {
+    pub fn new(nodes: &[(f64, Orbit)], gap: usize) -> Self {
         // From the gap outwards, the nearer one first.
         let (mut below, mut above) = (gap, gap);
         let (mut x, mut coefficients) = ([0.0; 4], [SVector::zeros(); 4]);
@@ -87,14 +87,14 @@ impl Piece {
     }
 
     /// Relative change of the heat or of the side flow, whichever is larger, by a small difference of orbits.
-    pub(super) fn weigh(&self, difference: &SVector<f64, 5>) -> f64 {
+    pub fn weigh(&self, difference: &SVector<f64, 5>) -> f64 {
         let [viscous, boundary] = self.weights;
         let of_heat = difference[2] * viscous + difference[3] * boundary;
         of_heat.abs().max(difference[4].abs())
     }
 
     /// The orbit at `x`, and what the highest order adds.
-    pub(super) fn at(&self, x: f64) -> (Orbit, SVector<f64, 5>) {
+    pub fn at(&self, x: f64) -> (Orbit, SVector<f64, 5>) {
         let (mut sum, mut last) = (self.coefficients[0], self.coefficients[0]);
         let mut product = 1.0;
         for i in 1..self.count {

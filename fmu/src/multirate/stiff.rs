@@ -12,7 +12,7 @@ const NUDGE: f64 = 1e-8;
 
 /// Where a turn from `start` ends, at a film viscosity, Pa.s, and a clearance, m, and the integrals of its flows. `allowed` is the
 /// error allowed per step in place and heat.
-pub(super) fn turn<M: TwoScales>(
+pub fn turn<M: TwoScales>(
     model: &M,
     [viscosity, clearance]: [f64; 2],
     start: [f64; 2],

@@ -4,7 +4,6 @@
 use super::{Budget, Failure, Work, worst};
 
 /// An integrator of `dy/dt = f(t, y)` for N unknowns.
-#[derive(Clone, Copy, Debug)]
 pub struct DormandPrince<const N: usize> {
     /// The error allowed in each unknown per step, in its unit.
     pub allowed: [f64; N],

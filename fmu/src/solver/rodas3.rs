@@ -5,7 +5,6 @@ use super::{Budget, Failure, Work, worst};
 use nalgebra::{Const, DimMin, SMatrix, SVector, ToTypenum};
 
 /// An integrator of the autonomous system `dy/dt = f(y)` for N unknowns.
-#[derive(Clone, Copy, Debug)]
 pub struct Rodas3<const N: usize> {
     /// The error allowed in each unknown per step, in its unit.
     pub allowed: [f64; N],

@@ -1,7 +1,7 @@
 //! The clearance that the film sees, and its end: the seizure of a bearing whose shaft outgrows its bush.
 
 use super::Stand;
-use crate::thermal::Temperatures;
+use crate::{Result, thermal::Temperatures};
 use fmu_export::model::Fault;
 
 impl Stand {
@@ -33,13 +33,13 @@ impl Stand {
     }
 
     /// Refuses a state whose clearance is closed.
-    pub(super) fn check_clearance(&self) -> Result<(), Fault> {
+    pub(super) fn check_clearance(&self) -> Result {
         let seizure = self.seizure(&self.state.temperatures, self.state.worn);
         seizure.map_or(Ok(()), Err)
     }
 
     /// Refuses a start whose clearance is closed, and wear whose cause cannot be told.
-    pub(super) fn check_wear_and_clearance(&self) -> Result<(), Fault> {
+    pub(super) fn check_wear_and_clearance(&self) -> Result {
         if self.bearing.wear.coefficient > 0.0 && self.bearing.surface.boundary_friction == 0.0 {
             return Err(Fault::Invalid(
                 "bearing.wearCoefficient > 0 needs bearing.boundaryFriction > 0: wear follows from the asperities' \

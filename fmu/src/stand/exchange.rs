@@ -1,12 +1,14 @@
 //! The stand for hosts that integrate it themselves (Model Exchange): shaft angle, eccentricity, temperatures and wear depth
 //! are their states, and the stand gives the rates.
 
-use fmu_export::model::{Complete, Continuous, Fault, State};
-use fmu_export::units;
+use crate::Result;
+use fmu_export::{
+    model::{Complete, Continuous, Fault, State},
+    units,
+};
 use nalgebra::{ComplexField, Vector2};
 
-use super::validity::Seen;
-use super::{Stand, temperatures, unknowns};
+use super::{Stand, temperatures, unknowns, validity::Seen};
 
 /// A state that hosts see as it is: its name, what it is, its unit and that of its rate, a typical magnitude, and where it stands.
 macro_rules! state {
@@ -90,7 +92,7 @@ impl Continuous for Stand {
         stand.state.validity != before
     });
 
-    fn allow(&self) -> Result<(), Fault> {
+    fn allow(&self) -> Result {
         if !self.film.is_transient() {
             return Ok(());
         }
@@ -107,7 +109,7 @@ impl Continuous for Stand {
 
     /// Without the cache of the viscosity, whose last digits depend on the calls before, and with the viscosity's scale as
     /// the host has set it last.
-    fn rates(&self, rates: &mut [f64]) -> Result<(), Fault> {
+    fn rates(&self, rates: &mut [f64]) -> Result {
         let mut y = unknowns(&self.state);
         for temperature in &mut y[2..6] {
             *temperature = temperature.clamp(COLDEST, WARMEST);

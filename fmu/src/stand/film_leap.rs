@@ -1,8 +1,10 @@
 //! Leaps of a film that takes steps of its own: turns of its approach to its orbit, the leap, and the turns of its landing. Turns
 //! are those of its [scout](super::scout).
 
-use super::scout::{SETTLED, Scout, Turn, share};
-use super::{EVENTS, Stand};
+use super::{
+    EVENTS, Stand,
+    scout::{SETTLED, Scout, Turn, share},
+};
 use crate::multirate::NoLeap;
 use fmu_export::model::{Fault, Log};
 

@@ -24,7 +24,7 @@ impl Input {
 }
 
 /// The number of inputs.
-pub(super) const INPUTS: usize = 6;
+pub const INPUTS: usize = 6;
 
 /// The inputs, which the host sets.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,15 +1,22 @@
 //! Communication steps: turn by turn, or with a leap over whole turns, in whole [cycles](super::cycle).
 
-use super::inputs::INPUTS;
-use super::scout::Turn;
-use super::validity::{Passing, Seen};
-use super::{EVENTS, SCALES, Stand, State, Unknowns, temperatures, unknowns, worn};
-use crate::bearing::{FilmEnergy, Flows, Interval, Passed};
-use crate::multirate::{self, Departure, NoLeap, TwoScales};
-use crate::oil::Nearby;
-use crate::sensors::{SENSORS, Sensed, TurnMeans};
-use crate::solver::{Budget, DormandPrince, Passage};
-use crate::thermal::Temperatures;
+use super::{
+    EVENTS, SCALES, Stand, State, Unknowns,
+    inputs::INPUTS,
+    scout::Turn,
+    temperatures, unknowns,
+    validity::{Passing, Seen},
+    worn,
+};
+use crate::{
+    Result,
+    bearing::{FilmEnergy, Flows, Interval, Passed},
+    multirate::{self, Departure, NoLeap, TwoScales},
+    oil::Nearby,
+    sensors::{SENSORS, Sensed, TurnMeans},
+    solver::{Budget, DormandPrince, Passage},
+    thermal::Temperatures,
+};
 use fmu_export::model::{Fault, Log};
 use journal_bearing::reynolds::{HeatExchange, HeatGiven};
 use std::cell::RefCell;
@@ -51,19 +58,19 @@ type Place = (Unknowns, [f64; INPUTS], [f64; 2]);
 
 /// The rates where the last step ended: the last stage that it took is the first one of the next step.
 #[derive(Debug)]
-pub(super) struct Arrival {
+pub struct Arrival {
     at: Place,
     rates: (Unknowns, Sensed),
 }
 
 impl Stand {
     /// Lets `span` seconds pass with every turn resolved.
-    pub(super) fn resolve(&mut self, span: f64) -> Result<(), Fault> {
+    pub(super) fn resolve(&mut self, span: f64) -> Result {
         self.resolve_within(1.0, span)
     }
 
     /// Lets `span` seconds pass at `slack` times the solver's tolerance.
-    fn resolve_within(&mut self, slack: f64, span: f64) -> Result<(), Fault> {
+    fn resolve_within(&mut self, slack: f64, span: f64) -> Result {
         let slack = slack.min(LOOSEST / self.solver.tolerance).max(1.0);
         if self.film.is_transient() {
             return self.resolve_transient(span, 1.0).map(|_| ());
@@ -144,13 +151,13 @@ impl Stand {
     }
 
     /// Lets a cycle pass with a transient film, in longer steps than those of other cycles: its mean heat hardly depends on them.
-    pub(super) fn resolve_cycle(&mut self) -> Result<Turn, Fault> {
+    pub(super) fn resolve_cycle(&mut self) -> Result<Turn> {
         self.resolve_transient(self.cycle(), ROUGH_STEPS)
     }
 
     /// Lets `span` seconds pass with a transient film, in steps that are `longer` by a factor: in each of them first the film
     /// advances, then the temperatures. Returns means over the span.
-    fn resolve_transient(&mut self, span: f64, longer: f64) -> Result<Turn, Fault> {
+    fn resolve_transient(&mut self, span: f64, longer: f64) -> Result<Turn> {
         if span < SHORTEST_FILM_STEP {
             self.arrive(span, self.state.eccentricity, self.state.temperatures);
             return Ok(Turn::default());
@@ -239,7 +246,7 @@ impl Stand {
     }
 
     /// The temperatures after `span` seconds under constant flows.
-    fn warm(&self, span: f64, flows: &Flows) -> Result<Temperatures, Fault> {
+    fn warm(&self, span: f64, flows: &Flows) -> Result<Temperatures> {
         let integrator =
             DormandPrince { allowed: [100.0 * self.solver.tolerance; 4], budget: Budget::of(WARMING_STEPS) };
         let mut t = self.state.temperatures.array();
@@ -263,7 +270,7 @@ impl Stand {
     }
 
     /// Refuses a temperature around the bearing in a stand whose temperatures stay as they are.
-    pub(super) fn check_energy(&self) -> Result<(), Fault> {
+    pub(super) fn check_energy(&self) -> Result {
         let around = self.bearing.resolution.energy == FilmEnergy::Circumferential;
         if around && self.thermal.isothermal {
             return Err(Fault::Invalid(
@@ -293,7 +300,7 @@ impl Stand {
 
     /// The temperatures after `span` seconds beside a film that gave this heat away and is now as warm as this, K. The surfaces
     /// change far more slowly than a step, so that its heat stays as it was at their temperatures before.
-    fn warm_beside(&self, span: f64, flows: &Flows, given: &HeatGiven, film: f64) -> Result<Temperatures, Fault> {
+    fn warm_beside(&self, span: f64, flows: &Flows, given: &HeatGiven, film: f64) -> Result<Temperatures> {
         let before = self.state.temperatures;
         let clearance = self.clearance(&before, self.state.worn);
         let heat = self.heat_of(0.0, &before, clearance, flows);
@@ -315,7 +322,7 @@ impl Stand {
     /// Lets `span` seconds pass with a leap over most of its cycles: cycles until the journal is near its orbit are
     /// resolved, then it leaps, and the last cycles are resolved. If there is no leap, the log says why, and all turns
     /// are resolved.
-    pub(super) fn leap(&mut self, span: f64, log: &mut dyn Log) -> Result<(), Fault> {
+    pub(super) fn leap(&mut self, span: f64, log: &mut dyn Log) -> Result {
         if self.film.is_transient() {
             return self.leap_with_film(span, log);
         }

@@ -2,10 +2,11 @@
 //!
 //! The standard is for a constant load. Here the worst of the last turn counts, as the stand's own film and heat balance give it.
 
-use super::validity::Seen;
-use super::{Stand, unknowns};
-use crate::bearing::{self, Strain};
-use crate::sensors::Worst;
+use super::{Stand, unknowns, validity::Seen};
+use crate::{
+    bearing::{self, Strain},
+    sensors::Worst,
+};
 use serde::{Deserialize, Serialize};
 
 /// What is permitted.

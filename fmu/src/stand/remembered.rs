@@ -2,7 +2,7 @@
 
 /// A value that a clone does not take along: it may get other parameters, so that it computes anew.
 #[derive(Debug, Default)]
-pub(super) struct Remembered<T>(pub T);
+pub struct Remembered<T>(pub T);
 
 impl<T: Default> Clone for Remembered<T> {
     fn clone(&self) -> Self {

@@ -12,15 +12,17 @@
 //! Where speed and load repeat themselves only after several turns of the shaft, a turn here is all of these.
 
 use super::Stand;
-use crate::bearing::{Film, Flows};
-use crate::multirate::{self, CLOSEST, Correction, Departure, NoLeap};
-use crate::thermal::Temperatures;
-use fmu_export::model::Fault;
+use crate::{
+    Result,
+    bearing::{Film, Flows},
+    multirate::{self, CLOSEST, Correction, Departure, NoLeap},
+    thermal::Temperatures,
+};
 
 /// Turns at the most until the film is on its orbit.
 const ORBIT_TURNS: usize = 40;
 /// The heat repeats itself when one turn differs from the next by less than this many relative tolerances, of its own size.
-pub(super) const SETTLED: f64 = 100.0;
+pub const SETTLED: f64 = 100.0;
 /// The film is on its orbit if the search moves its next beginning by less than this: eccentricity ratio and content.
 const NEAR: f64 = 5e-4;
 /// The correction is known if a new temperature changes it by less than this share of the heat, at a relative tolerance of one.
@@ -54,7 +56,7 @@ impl Turn {
 
 /// The film's approach to its orbit after a departure.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Approach {
+pub struct Approach {
     /// The flows in the last turn before it beyond those of the orbit.
     excess: Flows,
     /// The excess of its heat as a share of the turn's.
@@ -71,7 +73,7 @@ impl Approach {
 }
 
 /// The film's averages during a leap.
-pub(super) struct Scout {
+pub struct Scout {
     /// The same stand with the mobility film.
     mobility: Stand,
     /// The same stand at constant temperatures, whose turns go ahead of the leap.
@@ -88,7 +90,7 @@ pub(super) struct Scout {
 
 impl Scout {
     /// A scout that knows nothing yet, at the stand's present place.
-    pub(super) fn new(stand: &Stand) -> Result<Self, Fault> {
+    pub fn new(stand: &Stand) -> Result<Self> {
         let mut ahead = stand.clone();
         ahead.thermal.isothermal = true;
         Ok(Self {
@@ -104,7 +106,7 @@ impl Scout {
 
     /// Resolves turns at these temperatures until the film's heat repeats itself. The correction then holds there. Returns by
     /// how much of the heat it had been wrong.
-    pub(super) fn look(&mut self, at: Temperatures) -> Result<f64, NoLeap> {
+    pub fn look(&mut self, at: Temperatures) -> Result<f64, NoLeap> {
         self.ahead.state.temperatures = at;
         if let Some(film) = self.nearest(&at) {
             self.ahead.film = film;
@@ -149,7 +151,7 @@ impl Scout {
     }
 
     /// Of the films that have settled on their orbits, the one at the viscosity nearest to that at these temperatures.
-    pub(super) fn nearest(&self, to: &Temperatures) -> Option<Film> {
+    pub fn nearest(&self, to: &Temperatures) -> Option<Film> {
         let viscosity = self.ahead.fluid.viscosity(to.film);
         let distance = |(known, _): &&(f64, Film)| (known / viscosity).ln().abs();
         let known = self.known.iter();
@@ -166,7 +168,7 @@ impl Scout {
 
     /// Takes over the rest of the film's approach to its orbit, after some resolved turns. It shrinks from turn to turn as it did between
     /// these. Turns count in pairs, since a whirl at half the shaft's speed alternates from turn to turn.
-    pub(super) fn see_the_approach(&mut self, resolved: &[Turn]) -> Result<(), NoLeap> {
+    pub fn see_the_approach(&mut self, resolved: &[Turn]) -> Result<(), NoLeap> {
         let [.., a, b, c, d] = resolved else {
             return Ok(());
         };
@@ -191,7 +193,7 @@ impl Scout {
     }
 
     /// Turns until what is left of the approach warms or cools the film by less than this, K; `None` if it does already.
-    pub(super) fn turns_until_left(&self, warming: f64) -> Option<usize> {
+    pub fn turns_until_left(&self, warming: f64) -> Option<usize> {
         let approach = self.approach.as_ref()?;
         let now = &self.ahead.state.temperatures;
         let left = (self.warmed(now, &approach.heat(1.0)).film - now.film).abs();
@@ -203,7 +205,7 @@ impl Scout {
     /// Turns before `end`, `turns` after the departure, that have to be resolved because the film is behind its orbit: as the orbit
     /// moves, the film follows it as slowly as it came near it in its first approach. What is left of the heat that it is off
     /// shrinks with each of them.
-    pub(super) fn landing(&self, first: Option<Approach>, turns: usize, end: &Temperatures) -> Result<usize, NoLeap> {
+    pub fn landing(&self, first: Option<Approach>, turns: usize, end: &Temperatures) -> Result<usize, NoLeap> {
         let Some(approach) = first else {
             return Ok(0);
         };
@@ -219,7 +221,7 @@ impl Scout {
     }
 
     /// The temperatures `turns` whole turns later, from where the scout began to look.
-    pub(super) fn lead(&mut self, turns: usize, from: &Departure) -> Result<Temperatures, NoLeap> {
+    pub fn lead(&mut self, turns: usize, from: &Departure) -> Result<Temperatures, NoLeap> {
         let close = share(KNOWN, &self.ahead);
         while self.known.len() < PLACES {
             let way = self.way(turns, from)?;
@@ -307,6 +309,6 @@ impl Stand {
 }
 
 /// A share of the heat, from its value at a relative tolerance of one.
-pub(super) fn share(at_one: f64, stand: &Stand) -> f64 {
+pub fn share(at_one: f64, stand: &Stand) -> f64 {
     (at_one * stand.solver.tolerance).clamp(LEAST, MOST)
 }

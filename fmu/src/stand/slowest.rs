@@ -5,12 +5,12 @@
 //! averaged over the journal's periodic orbit at each film temperature; for a film that takes steps of its own, the orbit of
 //! the mobility film.
 
-use super::inputs::INPUTS;
-use super::validity::Seen;
-use super::{Stand, unknowns};
-use crate::bearing::{Film, Flows};
-use crate::multirate::{self, Departure, Vector4};
-use fmu_export::model::Fault;
+use super::{Stand, inputs::INPUTS, unknowns, validity::Seen};
+use crate::{
+    Result,
+    bearing::{Film, Flows},
+    multirate::{self, Departure, Vector4},
+};
 use std::sync::{Mutex, PoisonError};
 
 /// The tolerance of the orbits.
@@ -22,7 +22,7 @@ const GRAIN: f64 = 0.1;
 const WEAR_GRAIN: f64 = 1e-10;
 
 /// The time constant that was computed last, s, and for what. It is `None` where there is no orbit.
-pub(super) type Last = Mutex<Option<(Key, Option<f64>)>>;
+pub type Last = Mutex<Option<(Key, Option<f64>)>>;
 
 /// Temperatures and wear depth in grains, and the inputs.
 type Key = ([i64; 4], i64, [u64; INPUTS]);
@@ -81,7 +81,7 @@ impl Stand {
 
     /// The same stand with the mobility film in place of one that takes steps of its own, which would need seconds for
     /// its orbits.
-    pub(super) fn with_a_fast_film(mut self) -> Result<Self, Fault> {
+    pub(super) fn with_a_fast_film(mut self) -> Result<Self> {
         if self.film.is_transient() {
             self.assumed_feed = self.feed_after_a_turn();
             self.film = Film::mobility(&self.bearing)?;

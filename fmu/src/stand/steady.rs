@@ -18,13 +18,15 @@
 
 mod newton;
 
-use super::validity::Seen;
-use super::{EVENTS, Stand, State, Unknowns, unknowns};
-use crate::drive::MOST_TURNS;
-use crate::multirate::{self, Across, Departure, Equilibrium, Matrix4, NoEquilibrium, NoLeap, Vector4, vector};
-use crate::sensors::{Sensed, TurnMeans};
-use crate::solver::{Budget, DormandPrince, Failure};
-use crate::thermal::Initialization;
+use super::{EVENTS, Stand, State, Unknowns, unknowns, validity::Seen};
+use crate::{
+    Result,
+    drive::MOST_TURNS,
+    multirate::{self, Across, Departure, Equilibrium, Matrix4, NoEquilibrium, NoLeap, Vector4, vector},
+    sensors::{Sensed, TurnMeans},
+    solver::{Budget, DormandPrince, Failure},
+    thermal::Initialization,
+};
 use fmu_export::model::{Fault, Log};
 use nalgebra::Vector2;
 use newton::{Newton, Turn, lasting};
@@ -65,7 +67,7 @@ const STEPS: usize = 1_000_000;
 impl Stand {
     /// Starts in the steady state, if the parameters ask for it. Isothermal temperatures are steady as they are; only the
     /// journal then starts on its orbit.
-    pub(super) fn settle(&mut self, log: &mut dyn Log) -> Result<(), Fault> {
+    pub(super) fn settle(&mut self, log: &mut dyn Log) -> Result {
         if self.thermal.initialization == Initialization::Given {
             return Ok(());
         }
@@ -77,7 +79,7 @@ impl Stand {
         settled
     }
 
-    fn settle_unworn(&mut self, log: &mut dyn Log) -> Result<(), Fault> {
+    fn settle_unworn(&mut self, log: &mut dyn Log) -> Result {
         let from = self.state.departure();
         let (drift, turns) = if self.film.is_transient() {
             self.settle_across(Across::Cubics, &from)?
@@ -106,7 +108,7 @@ impl Stand {
     }
 
     /// Returns the linearised heat balance, and the number of turns that refined its equilibrium.
-    fn settle_across(&mut self, across: Across, from: &Departure) -> Result<(Matrix4, usize), Fault> {
+    fn settle_across(&mut self, across: Across, from: &Departure) -> Result<(Matrix4, usize)> {
         let fast = self.clone().with_a_fast_film()?;
         let equilibrium = multirate::equilibrium(&fast, AVERAGED, across, from).map_err(|why| self.refuse(&why))?;
         let turns = if self.film.is_transient() {
@@ -118,7 +120,7 @@ impl Stand {
     }
 
     /// Refuses what has no steady state: there must be a turn that repeats, and heat must be able to leave.
-    fn check_steadiness(&self) -> Result<(), Fault> {
+    fn check_steadiness(&self) -> Result {
         if self.inputs.speed.value == 0.0 {
             return Err(refusal(
                 "drive.speed is 0, so that there is no turn over which heat could be averaged: set a speed",
@@ -159,7 +161,7 @@ impl Stand {
     }
 
     /// Newton's method on resolved turns. Returns their number.
-    fn refine(&mut self, equilibrium: &Equilibrium) -> Result<usize, Fault> {
+    fn refine(&mut self, equilibrium: &Equilibrium) -> Result<usize> {
         self.state.eccentricity = equilibrium.eccentricity;
         self.state.temperatures = equilibrium.temperatures;
         let period = self.cycle();
@@ -202,7 +204,7 @@ impl Stand {
     /// The same for a film that takes steps of its own. Its oil and its journal settle by themselves from turn to turn;
     /// only the temperatures are set. `fast` is the same stand with the mobility film, whose heat changes over the
     /// temperature in nearly the same way.
-    fn refine_transient(&mut self, fast: &Self, equilibrium: &Equilibrium) -> Result<usize, Fault> {
+    fn refine_transient(&mut self, fast: &Self, equilibrium: &Equilibrium) -> Result<usize> {
         let begin = self.state;
         let mut t = vector(&equilibrium.temperatures);
         let (mut share, mut last) = (1.0_f64, None::<Vector4>);
@@ -247,7 +249,7 @@ impl Stand {
     }
 
     /// Newton's change of the temperatures `t`, which a turn has moved by `miss`.
-    fn warmer(&self, t: &Vector4, miss: &Vector4) -> Result<Vector4, Fault> {
+    fn warmer(&self, t: &Vector4, miss: &Vector4) -> Result<Vector4> {
         if self.thermal.isothermal {
             return Ok(Vector4::zeros());
         }
@@ -276,7 +278,7 @@ impl Stand {
 
     /// The sensors' means over the shaft's last turn, from those over all turns of a cycle. If there are several, another cycle
     /// shows the last one.
-    fn last_turn(&self, means: Sensed) -> Result<TurnMeans, Fault> {
+    fn last_turn(&self, means: Sensed) -> Result<TurnMeans> {
         if self.turns_of_a_cycle() == 1 {
             return Ok(TurnMeans::after(means));
         }

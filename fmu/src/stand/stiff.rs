@@ -1,11 +1,12 @@
 //! Implicit steps for stiff cases, in which one unknown settles far faster than the others move: a journal on hard, rough
 //! surfaces in thin oil, or a film almost without heat capacity.
 
-use super::validity::Seen;
-use super::{FIRST_STEP, SCALES, Stand, Unknowns, unknowns};
-use crate::oil::Nearby;
-use crate::sensors::SENSORS;
-use crate::solver::{Budget, Failure, Passage, Rodas3};
+use super::{FIRST_STEP, SCALES, Stand, Unknowns, unknowns, validity::Seen};
+use crate::{
+    oil::Nearby,
+    sensors::SENSORS,
+    solver::{Budget, Failure, Passage, Rodas3},
+};
 use nalgebra::{SMatrix, SVector};
 
 /// The unknowns and the time, s: with the time among the unknowns, the system is autonomous.

@@ -1,9 +1,7 @@
 //! Reasons why a step failed: which unknown changes too fast, and which parameter makes it so.
 
-use super::validity::Seen;
-use super::{SCALES, Stand, Unknowns, temperatures, worn};
-use crate::oil::Nearby;
-use crate::solver::Failure;
+use super::{SCALES, Stand, Unknowns, temperatures, validity::Seen, worn};
+use crate::{oil::Nearby, solver::Failure};
 use fmu_export::model::{Fault, Kind, Model, Quantity};
 use std::ops::Range;
 

@@ -1,17 +1,21 @@
 //! Limits of the stand's laws: beyond them a run goes on, and `status.validity` and the log say so.
 
 use super::{Stand, State};
-use crate::bearing::{Feeding, FilmModel, Press, Situation, Strain};
-use crate::multirate::Departure;
-use crate::sensors::Worst;
-use crate::thermal::Temperatures;
+use crate::{
+    bearing::{Feeding, FilmModel, Press, Situation, Strain},
+    multirate::Departure,
+    sensors::Worst,
+    thermal::Temperatures,
+};
 use fmu_export::model::{Fault, Log};
-use journal_bearing::contact::{Contact, f_5_2};
-use journal_bearing::mobility::FINEST;
+use journal_bearing::{
+    contact::{Contact, f_5_2},
+    mobility::FINEST,
+};
 use std::f64::consts::{FRAC_PI_4, PI, TAU};
 
 /// The log category.
-pub(super) const VALIDITY: &str = "validity";
+pub const VALIDITY: &str = "validity";
 
 /// The laminar film ends at this Reynolds number over the root of R/c: the root of 1,708, the Taylor number at which vortices begin
 /// in a narrow gap between concentric cylinders (Taylor 1923, Phil. Trans. R. Soc. A 223, 289-343),
@@ -225,12 +229,11 @@ impl Stand {
     /// both.
     fn overpressed(&self, _: &Seen, strain: &Strain) -> Option<String> {
         let (film, limit) = (strain.film_pressure(), self.bearing.pressure_limit);
-        let asperities = match strain.contact.normal > 0.0 {
-            true => {
-                let surface = &self.bearing.surface;
-                surface.pressure_scale() * f_5_2(strain.distance / surface.roughness).0
-            }
-            false => 0.0,
+        let asperities = if strain.contact.normal > 0.0 {
+            let surface = &self.bearing.surface;
+            surface.pressure_scale() * f_5_2(strain.distance / surface.roughness).0
+        } else {
+            0.0
         };
         let pressure = film + asperities;
         (pressure > limit).then(|| {

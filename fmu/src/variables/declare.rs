@@ -1,34 +1,36 @@
 //! Short forms for the access to the stand's variables.
 
 use crate::stand::Stand;
-use fmu_export::model::{Access, Kind, Quantity, Variable};
-use fmu_export::units::ONE;
+use fmu_export::{
+    model::{Access, Kind, Quantity, Variable},
+    units::ONE,
+};
 
-pub(super) type V = Variable<Stand>;
+pub type V = Variable<Stand>;
 
 /// A real number; the table has its unit and range.
-pub(super) fn real(access: Access<Stand, f64, f64>) -> Kind<Stand> {
+pub fn real(access: Access<Stand, f64, f64>) -> Kind<Stand> {
     Kind::Real(Quantity::of(access, &ONE))
 }
 
 /// A real number that the stand computes.
-pub(super) fn computed(get: fn(&Stand) -> f64) -> Quantity<Stand> {
+pub fn computed(get: fn(&Stand) -> f64) -> Quantity<Stand> {
     Quantity::of(Access { get, set: None }, &ONE)
 }
 
 /// A whole number; the table has its range.
-pub(super) fn whole(access: Access<Stand, i32, i32>) -> Kind<Stand> {
+pub fn whole(access: Access<Stand, i32, i32>) -> Kind<Stand> {
     let (min, max) = (None, None);
     Kind::Integer { access, min, max }
 }
 
 /// True or false.
-pub(super) fn flag(access: Access<Stand, bool, bool>) -> Kind<Stand> {
+pub fn flag(access: Access<Stand, bool, bool>) -> Kind<Stand> {
     Kind::Boolean { access }
 }
 
 /// A text.
-pub(super) fn label(access: Access<Stand, str, String>) -> Kind<Stand> {
+pub fn label(access: Access<Stand, str, String>) -> Kind<Stand> {
     Kind::String { access }
 }
 

@@ -9,7 +9,7 @@ use study::{plan::Plan, ssv};
 const SET: &str = "best.ssv";
 
 /// Writes `best.ssv` with all start values of the best point.
-pub(super) fn write(folder: &Path, plan: &Plan, fmu: &Description, summary: &Summary) -> Result {
+pub fn write(folder: &Path, plan: &Plan, fmu: &Description, summary: &Summary) -> Result {
     let Some(best) = &summary.best_point else {
         // An earlier run may have left one.
         let _ = std::fs::remove_file(folder.join(SET));

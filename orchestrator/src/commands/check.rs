@@ -37,7 +37,7 @@ struct Entry {
     reason: String,
 }
 
-pub(super) fn run(options: &Check) -> Result<ExitCode> {
+pub fn run(options: &Check) -> Result<ExitCode> {
     let begun = Instant::now();
     let known = options.ignore.as_deref().map(known).transpose()?;
     let patience = Duration::try_from_secs_f64(options.patience).unwrap_or(Duration::MAX);

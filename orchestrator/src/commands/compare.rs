@@ -10,7 +10,7 @@ use crate::{
     junit,
 };
 
-pub(super) fn run(options: &cli::Compare) -> Result<ExitCode> {
+pub fn run(options: &cli::Compare) -> Result<ExitCode> {
     let comparison = compare(&options.old, &options.new)?;
     if let Some(folder) = &options.output {
         write(&comparison, folder)?;

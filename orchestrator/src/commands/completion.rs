@@ -7,7 +7,7 @@ use clap::CommandFactory;
 use super::output;
 use crate::cli::{Cli, Completion};
 
-pub(super) fn run(options: &Completion) -> ExitCode {
+pub fn run(options: &Completion) -> ExitCode {
     let mut script = Vec::new();
     clap_complete::generate(options.shell, &mut Cli::command(), "orchestrator", &mut script);
     output::print(&String::from_utf8_lossy(&script));

@@ -25,7 +25,7 @@ const POINTS: usize = 1024;
 const ENOUGH: Duration = Duration::from_secs(3);
 
 /// The estimate for people, or why there is none.
-pub(super) fn of(verification: &mut Verification, means: &Means, jobs: usize) -> Result<String> {
+pub fn of(verification: &mut Verification, means: &Means, jobs: usize) -> Result<String> {
     let scratch = stop::scratch().map_err(Error::from)?;
     let place = match means.place(jobs)? {
         Place::Processes(limits, isolation) => {
@@ -68,19 +68,18 @@ fn text(point: f64, points: u64, jobs: usize) -> String {
 }
 
 /// A time in the unit that people would use.
-pub(super) fn span(seconds: f64) -> String {
+pub fn span(seconds: f64) -> String {
     const UNITS: [(f64, &str); 6] =
         [(1e-6, "us"), (1e-3, "ms"), (1.0, "s"), (60.0, "min"), (3600.0, "h"), (86400.0, "days")];
     // Two of a unit are the least, so that the number tells enough.
-    let fitting = UNITS.iter().rfind(|(size, _)| seconds >= 2.0 * size);
-    let (size, unit) = fitting.unwrap_or(&UNITS[0]);
+    let (size, unit) = UNITS.iter().rfind(|(size, _)| seconds >= 2.0 * size).unwrap_or(&UNITS[0]);
     let number = seconds / size;
     let digits = usize::from(number < 10.0);
     format!("{number:.digits$} {unit}")
 }
 
 /// Says what a budget would give, where so many points take long.
-pub(super) fn remark(point: Duration, left: usize, jobs: usize) {
+pub fn remark(point: Duration, left: usize, jobs: usize) {
     const DEAR: f64 = 1.0;
     const LONG: f64 = 3600.0;
     const RUNS: f64 = 100.0;

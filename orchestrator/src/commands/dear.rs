@@ -22,7 +22,7 @@ use crate::{
 use sampling::design::Design;
 
 /// Runs the command.
-pub(super) fn run(options: &Verify, runs: u64) -> Result<ExitCode> {
+pub fn run(options: &Verify, runs: u64) -> Result<ExitCode> {
     let folder = options.work.folder();
     let verification = open(options, runs, &folder)?;
     if options.dry_run {
@@ -34,7 +34,7 @@ pub(super) fn run(options: &Verify, runs: u64) -> Result<ExitCode> {
 }
 
 /// Runs `sensitivity --budget N`: the points are those of `verify --budget N`, and what is there of them is not run again.
-pub(super) fn sensitivity(mut options: sensitivity::Options, runs: u64) -> Result<Delivery> {
+pub fn sensitivity(mut options: sensitivity::Options, runs: u64) -> Result<Delivery> {
     let folder = options.work.folder();
     let mut verify = Verify::of(&options.work.study);
     let then = Request::read(&folder).ok().and_then(|request| request.budget);

@@ -17,7 +17,7 @@ use indexmap::IndexMap;
 use study::concern::{Concern, Severity};
 
 /// The exit code of a verdict. Writes its tests where they are wanted.
-pub(super) fn verdict(summary: &Summary, gate: &Gate) -> Result<ExitCode> {
+pub fn verdict(summary: &Summary, gate: &Gate) -> Result<ExitCode> {
     if let Some(file) = &gate.junit {
         let seconds = summary.run.as_ref().map_or(0.0, |run| run.wall_seconds);
         junit::write(file, &name(summary), &tests(summary, gate.strict), seconds)?;
@@ -52,14 +52,14 @@ fn warnings(summary: &Summary) -> impl Iterator<Item = &Concern> {
 }
 
 /// The study's name.
-pub(super) fn name(summary: &Summary) -> String {
+pub fn name(summary: &Summary) -> String {
     let stem = Path::new(&summary.provenance.study).file_stem();
     stem.map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
 }
 
 /// The verdict, each criterion, each case, and each warning as a test. A criterion that no point meets, or fewer than the
 /// required share, fails: with it the model cannot be verified.
-pub(super) fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
+pub fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
     let study = name(summary);
     let conclusion = summary.conclusion.as_ref();
     let whole = conclusion.map_or_else(

@@ -4,23 +4,18 @@ mod measured;
 mod run;
 mod write;
 
-use std::path::Path;
-use std::process::ExitCode;
+use std::{path::Path, process::ExitCode};
 
-use super::isolated::Isolated;
-use super::{output, simulate};
-use crate::cli::Init;
-use crate::error::Error;
-use crate::options::relative;
+use super::{isolated::Isolated, output, simulate};
+use crate::{cli::Init, error::Error, options::relative};
 use fmu_import::{Causality, Description, Kind, Package, Variability, Variable};
 use fmu_points::task::{Schedule, Task};
 use measured::Measured;
 use point_journal::files::write_text;
-use study::Setting;
-use study::plan::value_of;
+use study::{Setting, plan::value_of};
 use write::{Criteria, Shown};
 
-pub(super) fn run(options: &Init) -> Result<ExitCode, Error> {
+pub fn run(options: &Init) -> Result<ExitCode, Error> {
     if let Some(path) = options.output.as_ref().filter(|path| path.exists()) {
         let message = format!("{} exists already; choose another name", path.display());
         return Err(Error::option("output", message));
@@ -91,18 +86,14 @@ fn schedule(options: &Init, fmu: &Description, table: Option<&Measured<'_>>) -> 
 fn measurable(fmu: &Description) -> Vec<&Variable> {
     const MOST: usize = 1000;
     let of = |causality| -> Vec<&Variable> {
-        let all = fmu.with(causality).filter(|variable| is_number(variable));
-        all.take(MOST).collect()
+        fmu.with(causality).filter(|variable| is_number(variable)).take(MOST).collect()
     };
     let found = [Causality::Output, Causality::Local].map(of);
     let found = found.into_iter().find(|found| !found.is_empty());
     let found = found.unwrap_or_default();
     // Whole numbers count something.
     let reals = found.iter().copied().filter(|variable| is_real(variable));
-    match found.iter().any(|variable| is_real(variable)) {
-        true => reals.collect(),
-        false => found,
-    }
+    if found.iter().any(|variable| is_real(variable)) { reals.collect() } else { found }
 }
 
 fn is_real(variable: &Variable) -> bool {

@@ -9,7 +9,7 @@ use crate::{cli::Inspect, error::Result, results::points::number};
 use fmu_import::{Causality, Description, Kind, Package, Variable, units::Conversion};
 use fmu_points::tell::one_line;
 
-pub(super) fn run(options: &Inspect) -> Result<ExitCode> {
+pub fn run(options: &Inspect) -> Result<ExitCode> {
     let package = Package::open(&options.fmu)?;
     let fmu = package.description();
     let platforms = package.platforms();

@@ -23,19 +23,18 @@ use fmu_points::{
 use number_tables::csv_file;
 
 /// The variables that a trajectory shows.
-#[derive(Debug)]
-pub(super) struct Columns {
+pub struct Columns {
     variables: Vec<Variable>,
     handles: Vec<Handle>,
 }
 
 impl Columns {
-    pub(super) fn of(variables: Vec<Variable>) -> Self {
+    pub fn of(variables: Vec<Variable>) -> Self {
         Self { handles: variables.iter().map(Variable::handle).collect(), variables }
     }
 
     /// The outputs, or where there are none the local variables, of which `aloud` tells the user.
-    pub(super) fn usual(fmu: &Description, aloud: bool) -> Self {
+    pub fn usual(fmu: &Description, aloud: bool) -> Self {
         let all = |causality| fmu.with(causality).cloned().collect::<Vec<Variable>>();
         let outputs = all(Causality::Output);
         if !outputs.is_empty() {
@@ -56,7 +55,7 @@ impl Columns {
     }
 
     /// The values of a row, for people.
-    pub(super) fn summary(&self, row: &[String]) -> String {
+    pub fn summary(&self, row: &[String]) -> String {
         self.variables
             .iter()
             .zip(row)
@@ -78,8 +77,7 @@ fn cell(value: &Value) -> String {
 }
 
 /// An FMU of which single points run in a process of its own.
-#[derive(Debug)]
-pub(super) struct Isolated {
+pub struct Isolated {
     fmu: PathBuf,
     name: PathBuf,
     /// Where its processes have their folders.
@@ -90,7 +88,7 @@ pub(super) struct Isolated {
 }
 
 impl Isolated {
-    pub(super) fn new(package: &mut Package) -> Result<Self> {
+    pub fn new(package: &mut Package) -> Result<Self> {
         let scratch = stop::scratch()?;
         let rooms = scratch.path().to_owned();
         let fmu = package.unpack(&rooms)?;
@@ -98,7 +96,7 @@ impl Isolated {
     }
 
     /// The same from another path than that of all other commands: an FMU whose results depend on where it lies shows it there.
-    pub(super) fn elsewhere(package: &mut Package) -> Result<Self> {
+    pub fn elsewhere(package: &mut Package) -> Result<Self> {
         let scratch = stop::scratch()?;
         let folder = scratch.path().join("again");
         std::fs::create_dir(&folder).map_err(Error::io(&folder))?;
@@ -124,7 +122,7 @@ impl Isolated {
     }
 
     /// Simulates, writes the trajectory as csv into what is called `path`, and returns the last row.
-    pub(super) fn trajectory(
+    pub fn trajectory(
         &self,
         task: &Task,
         values: &[f64],
@@ -150,7 +148,7 @@ impl Isolated {
     }
 
     /// Simulates, and hands over time and values at every communication point; at `until` it has failed.
-    pub(super) fn observe(
+    pub fn observe(
         &self,
         task: &Task,
         variables: &[Handle],
@@ -165,7 +163,7 @@ impl Isolated {
     }
 
     /// Simulates a point as `verify` does.
-    pub(super) fn run(&self, cases: &[Case], job: &Job) -> Result<Answer, RunError> {
+    pub fn run(&self, cases: &[Case], job: &Job) -> Result<Answer, RunError> {
         let silent = Recorder { echo: false, ..self.recorder(cases.iter().map(|case| &case.task)) };
         silent.run(cases, job)
     }

@@ -19,10 +19,9 @@ use fmu_import::{Description, Package, quantity::Scale, units::Conversion};
 use fmu_points::failure::{Failure, Partial};
 use number_tables::Table;
 use point_journal::{Lock, files::write_text, lines, pipeline::folder::Earlier};
-use study::Study;
-use study::judge::Judge;
+use study::{Study, judge::Judge};
 
-pub(super) fn run(options: &cli::Judge) -> Result<ExitCode> {
+pub fn run(options: &cli::Judge) -> Result<ExitCode> {
     let begun = Instant::now();
     let study = Study::read(&options.study)?;
     // The FMU only helps to convert units; without it the table must be in the study's.

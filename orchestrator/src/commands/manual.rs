@@ -9,7 +9,7 @@ use crate::{
 use clap::CommandFactory;
 use point_journal::files::make_folder;
 
-pub(super) fn run(options: &Manual) -> Result<ExitCode> {
+pub fn run(options: &Manual) -> Result<ExitCode> {
     let folder = &options.folder;
     make_folder(folder)?;
     clap_mangen::generate_to(Cli::command(), folder).map_err(Error::io(folder))?;

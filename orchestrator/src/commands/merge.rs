@@ -19,7 +19,7 @@ use crate::{
 use fmu_points::Limits;
 use point_journal::{Header, journal, lines, pipeline::folder::Earlier};
 
-pub(super) fn run(options: &Merge) -> Result<ExitCode> {
+pub fn run(options: &Merge) -> Result<ExitCode> {
     let start = Instant::now();
     let Merge { folders, output, .. } = options;
     let [first, ..] = &folders[..] else { return Err(Error::Missing(output.clone())) };

@@ -21,7 +21,7 @@ use study::Study;
 const CARRIED: &str = "carried";
 
 /// `pack`: puts a study with its results into a copy of its FMU.
-pub(super) fn run(options: &Pack) -> Result<ExitCode> {
+pub fn run(options: &Pack) -> Result<ExitCode> {
     let study = Study::read(&options.study)?;
     check_output(options, &study)?;
     let results = match &options.from {
@@ -89,13 +89,13 @@ fn check_output(options: &Pack, study: &Study) -> Result {
 }
 
 /// Whether a file is an FMU rather than a study: an archive.
-pub(super) fn is_fmu(path: &Path) -> bool {
+pub fn is_fmu(path: &Path) -> bool {
     let is_named = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("fmu"));
     is_named && !fs::metadata(path).is_ok_and(|entry| entry.is_dir())
 }
 
 /// `verify MODEL.fmu`: runs the study that the FMU carries, and compares with the result that it carries.
-pub(super) fn run_carried(mut options: Verify) -> Result<ExitCode> {
+pub fn run_carried(mut options: Verify) -> Result<ExitCode> {
     let fmu = options.work.study.clone();
     let mut package = Package::open(&fmu)?;
     let (carried, others) = choose(&mut package, options.carried.as_deref())?;

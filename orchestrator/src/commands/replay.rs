@@ -27,7 +27,7 @@ use point_journal::{
 };
 use study::judge::Judge;
 
-pub(super) fn run(options: &Replay) -> Result<ExitCode> {
+pub fn run(options: &Replay) -> Result<ExitCode> {
     let mut verification = Verification::reopen(&options.folder, options.fmu.clone())?;
     let source = &verification.source;
     let index = source.index_of(options.point).ok_or_else(|| {

@@ -1,6 +1,6 @@
 //! `simulate`: one run, in a process of its own.
 
-pub(super) mod recorded;
+pub mod recorded;
 
 use std::{fs::File, io, path::Path, process::ExitCode};
 
@@ -21,7 +21,7 @@ use study::{
     ssv,
 };
 
-pub(super) fn run(options: &Simulate) -> Result<ExitCode> {
+pub fn run(options: &Simulate) -> Result<ExitCode> {
     let mut package = Package::open(&options.fmu)?;
     let set = settings(&options.set, &mut package)?;
     let fmu = package.description();
@@ -71,12 +71,7 @@ pub(super) fn run(options: &Simulate) -> Result<ExitCode> {
 }
 
 /// What the user asks for, and else what the FMU suggests.
-pub(super) fn schedule(
-    fmu: &Description,
-    start: Option<f64>,
-    stop: Option<f64>,
-    step: Option<f64>,
-) -> Result<Schedule> {
+pub fn schedule(fmu: &Description, start: Option<f64>, stop: Option<f64>, step: Option<f64>) -> Result<Schedule> {
     let suggested = Schedule::suggested(fmu);
     let start = start.unwrap_or(suggested.start);
     let stop = stop.unwrap_or(suggested.stop);
@@ -99,7 +94,7 @@ pub(super) fn schedule(
 }
 
 /// Start values from `NAME=VALUE`; the package gets the sizes of arrays among them.
-pub(super) fn settings(texts: &[String], package: &mut Package) -> Result<Vec<(u32, Value)>> {
+pub fn settings(texts: &[String], package: &mut Package) -> Result<Vec<(u32, Value)>> {
     let wrong = |message| Error::option("set", message);
     let mut sizes = Vec::new();
     for text in texts {
@@ -128,7 +123,7 @@ pub(super) fn settings(texts: &[String], package: &mut Package) -> Result<Vec<(u
 }
 
 /// The variable and the value of `NAME=VALUE`.
-pub(super) fn setting<'a>(text: &str, fmu: &'a Description) -> Result<(&'a Variable, String), String> {
+pub fn setting<'a>(text: &str, fmu: &'a Description) -> Result<(&'a Variable, String), String> {
     // A name may hold the sign itself: take the longest one that the FMU knows.
     let known = |place: &usize| fmu.variables.contains_key(text[..*place].trim());
     let places: Vec<usize> = text.match_indices('=').map(|(place, _)| place).collect();
@@ -141,7 +136,7 @@ pub(super) fn setting<'a>(text: &str, fmu: &'a Description) -> Result<(&'a Varia
 }
 
 /// The error with advice where the FMU refused its start values, or a step that nobody has asked for.
-pub(super) fn advised(error: Error, step: Option<f64>) -> Error {
+pub fn advised(error: Error, step: Option<f64>) -> Error {
     let Error::Simulation(failure) = error else { return error };
     let is = |name: &str| failure.refused().is_some_and(|function| function.ends_with(name));
     match step {

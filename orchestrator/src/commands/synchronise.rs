@@ -21,7 +21,7 @@ use rig_signals::{
 const NO_DRIVE: &str = "nothing drives the model in a case: add the FMU's variable to the speed, speed = { variable = \
                         \"drive.speed\", ... }, or inputs.\"VARIABLE\" = { column = \"...\" }";
 
-pub(super) fn run(options: &cli::Synchronise) -> Result<ExitCode> {
+pub fn run(options: &cli::Synchronise) -> Result<ExitCode> {
     let settings = Settings::read(&options.settings)?;
     let files = settings.files(&options.measured)?;
     let recorded = files.recording()?;

@@ -15,7 +15,7 @@ use crate::{
 use result_document::wrapped;
 
 /// The result for people: what fits a screen, or all of it. The page is in `folder`.
-pub(super) fn told(summary: &Summary, folder: Option<&Path>, verbose: bool) -> String {
+pub fn told(summary: &Summary, folder: Option<&Path>, verbose: bool) -> String {
     let of = folder.map(|folder| Finished { folder, summary });
     let names = of.map_or_else(|| Names::of(summary), |of| of.names());
     let documents = of.map(|of| methods::shown(&of)).unwrap_or_default();

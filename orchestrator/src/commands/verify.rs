@@ -42,7 +42,7 @@ fn refuse_no_verdict(options: &Verify) -> Result<(), Error> {
     Err(Error::option("junit", message))
 }
 
-pub(super) fn run(options: &Verify) -> Result<ExitCode> {
+pub fn run(options: &Verify) -> Result<ExitCode> {
     let begun = Instant::now();
     refuse_no_verdict(options)?;
     let mut verification = Verification::open(request(options)?)?;
@@ -167,7 +167,7 @@ fn extend(verification: &Verification, folder: &Path) -> Result {
 }
 
 /// Completes the folder and says what came out. The verdict is known and written: what fails here costs itself alone.
-pub(super) fn conclude(
+pub fn conclude(
     verification: &mut Verification,
     folder: &Path,
     mut summary: Summary,
@@ -180,7 +180,7 @@ pub(super) fn conclude(
 }
 
 /// Completes the folder of a study whose verdict is known and written.
-pub(super) fn finish(verification: &mut Verification, folder: &Path, summary: &mut Summary, wish: &Wish) {
+pub fn finish(verification: &mut Verification, folder: &Path, summary: &mut Summary, wish: &Wish) {
     run_again(verification, folder, summary, wish);
     complete(folder);
 }
@@ -200,7 +200,7 @@ fn counted(number: u64, thing: &str) -> String {
 }
 
 /// The plan of the run, for `--dry-run`.
-pub(super) fn plan(verification: &Verification, folder: &Path) -> String {
+pub fn plan(verification: &Verification, folder: &Path) -> String {
     let session = &verification.session;
     let cases: Vec<String> = session
         .plan
@@ -270,7 +270,7 @@ fn set(session: &Session) -> String {
     lines.into_iter().collect()
 }
 
-pub(super) fn request(options: &Verify) -> Result<Request> {
+pub fn request(options: &Verify) -> Result<Request> {
     Ok(Request {
         study: options.work.study.clone(),
         fmu: options.work.means.fmu.clone(),

@@ -129,7 +129,7 @@ fn legend() -> Block {
 }
 
 /// The new values over the old ones, with the tolerances of both; of very many an even part, and all that changed sides.
-pub(super) fn scatter(
+pub fn scatter(
     name: &str,
     criteria: [&Criterion; 2],
     points: impl ExactSizeIterator<Item = ([f64; 2], [bool; 2])> + Clone,

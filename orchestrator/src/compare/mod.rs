@@ -459,13 +459,10 @@ impl Comparison {
         });
         let told: Vec<String> = self.criteria.iter().filter_map(|(name, change)| change.told(name)).collect();
         let rest: Vec<&str> = self.warnings.iter().filter(|text| !told.contains(text)).map(String::as_str).collect();
-        let rest = (!rest.is_empty()).then(|| match strict {
-            true => Outcome::Failed(rest.join("; ")),
-            false => Outcome::Skipped(rest.join("; ")),
-        });
+        let rest = (!rest.is_empty())
+            .then(|| if strict { Outcome::Failed(rest.join("; ")) } else { Outcome::Skipped(rest.join("; ")) });
         let whole = [("verdict", Some(verdict)), ("points", Some(whole)), ("settings", rest)];
-        let whole = whole.into_iter().filter_map(|(name, outcome)| Some(Test::new(class, name, outcome?)));
-        whole.chain(criteria).collect()
+        whole.into_iter().filter_map(|(name, outcome)| Some(Test::new(class, name, outcome?))).chain(criteria).collect()
     }
 }
 

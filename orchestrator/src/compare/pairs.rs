@@ -6,7 +6,7 @@ use parameter_regions::table::PointTable;
 
 /// The points of two tables.
 #[derive(Debug, Default)]
-pub(super) struct Pairs {
+pub struct Pairs {
     /// The rows of points with the same number and the same parameters, in the order of the old table.
     pub(super) both: Vec<[usize; 2]>,
     /// The numbers of points of the old table alone.
@@ -18,7 +18,7 @@ pub(super) struct Pairs {
 }
 
 impl Pairs {
-    pub(super) fn new(old: &PointTable, new: &PointTable) -> Self {
+    pub fn new(old: &PointTable, new: &PointTable) -> Self {
         let named = |table: &PointTable| -> HashMap<(String, String), usize> {
             table
                 .parameters

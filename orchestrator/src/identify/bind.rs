@@ -17,12 +17,12 @@ use fmu_points::{
 use indexmap::IndexMap;
 use number_tables::files::FileError;
 use sampling::statistics::Statistic;
-use study::judge::sense;
 use study::{
     Name, Study,
     case_table::CaseTable,
     identification::{Exception, FreeText, Identification, LatentText, MeasuredText},
     inputs::taken_as_exact,
+    judge::sense,
     limit::gain,
     plan::{Plan, find, slot_of},
 };

@@ -29,10 +29,10 @@ use fmu_points::{
 use number_tables::files::FileError;
 use rig_signals::scatter;
 use sampling::distribution::Distribution;
-use study::judge::{Criterion, Judge};
 use study::{
     CriterionText, EstimateText, Identification, Name, Study,
     cases::SEPARATOR,
+    judge::{Criterion, Judge},
     plan::{self, Plan},
 };
 

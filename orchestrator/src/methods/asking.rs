@@ -63,7 +63,6 @@ pub trait Analysis {
 }
 
 /// Identity of an analysis's points, besides study and FMU: seed, number, method.
-#[derive(Debug)]
 pub struct PointSet {
     /// The seed.
     pub seed: u64,
@@ -76,7 +75,6 @@ pub struct PointSet {
 }
 
 /// The result of an analysis.
-#[derive(Debug)]
 pub struct AnalysisResult {
     /// Which study, FMU and points it came from; none where it has files of its own only.
     pub origin: Option<Origin>,
@@ -143,7 +141,6 @@ impl AnalysisResult {
 }
 
 /// A result, the folder that it goes into, and what keeps that folder for it.
-#[derive(Debug)]
 pub struct Delivery {
     /// The result.
     pub result: AnalysisResult,

@@ -27,7 +27,6 @@ pub trait Source {
 }
 
 /// The parts of its source that a run needs.
-#[derive(Clone, Copy)]
 pub struct SourceParts<'a> {
     /// The user's request.
     pub request: &'a Request,
@@ -68,7 +67,6 @@ impl Source for Verification {
 }
 
 /// Where the results of a run go.
-#[derive(Clone, Copy, Debug)]
 pub struct Place<'a> {
     /// The folder of all results.
     pub output: &'a Path,

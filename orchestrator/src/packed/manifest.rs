@@ -4,8 +4,7 @@ use fmu_import::xml;
 use result_document::format::escape;
 
 /// A file that is listed.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Related {
+pub struct Related {
     /// Its media type.
     pub(super) kind: String,
     /// Its path from the manifest's folder.
@@ -33,7 +32,7 @@ const HEAD: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiReferences \
 ///
 /// # Errors
 /// When it is no such manifest.
-pub(super) fn with(before: Option<&str>, own: &str, files: &[&Related]) -> Result<String, String> {
+pub fn with(before: Option<&str>, own: &str, files: &[&Related]) -> Result<String, String> {
     let before = before.unwrap_or(HEAD);
     let document = xml::parse(before).map_err(|error| error.to_string())?;
     let root = document.root_element();

@@ -41,7 +41,7 @@ const RESULTS: [(&str, &str, &str, &str); 5] = [
 ];
 
 /// How a study was run, and which files of the FMU it was run with.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Ties {
     /// The study, below its folder in the FMU.
     pub study: String,
@@ -61,7 +61,6 @@ pub struct Ties {
 }
 
 /// A study that an FMU carries.
-#[derive(Clone, Debug, PartialEq)]
 pub struct Carried {
     /// Its name.
     pub name: String,

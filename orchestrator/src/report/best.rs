@@ -6,10 +6,10 @@ use result_document::format::{number, percent};
 use serde::Serialize;
 
 /// Number of best points in the table.
-pub(super) const BEST: usize = 12;
+pub const BEST: usize = 12;
 
 #[derive(Default, Serialize)]
-pub(super) struct Cell {
+pub struct Cell {
     text: String,
     note: String,
     bad: bool,
@@ -18,7 +18,7 @@ pub(super) struct Cell {
 }
 
 #[derive(Serialize)]
-pub(super) struct BestRow {
+pub struct BestRow {
     id: u64,
     verified: bool,
     distance: String,
@@ -30,12 +30,12 @@ pub(super) struct BestRow {
 }
 
 /// A structured name in its two parts, and the unit.
-pub(super) fn heading<'a>(c: &PlotColumn<'a>) -> (&'a str, &'a str, &'a str) {
+pub fn heading<'a>(c: &PlotColumn<'a>) -> (&'a str, &'a str, &'a str) {
     let (path, name) = c.name.rsplit_once('.').unwrap_or(("", c.name));
     (path, name, c.unit)
 }
 
-pub(super) fn best_rows(
+pub fn best_rows(
     table: &PointTable,
     ranking: &[Ranked],
     conformance: Option<&[f64]>,

@@ -9,7 +9,7 @@ use result_document::format::number;
 use serde::Serialize;
 
 #[derive(Default, Serialize)]
-pub(super) struct CountRow {
+pub struct CountRow {
     name: String,
     kind: &'static str,
     note: String,
@@ -26,14 +26,14 @@ pub(super) struct CountRow {
 
 /// How the range was computed that decided, where one did.
 #[derive(Serialize)]
-pub(super) struct Headline {
+pub struct Headline {
     /// Of the range, per cent.
     confidence: String,
     method: String,
 }
 
 impl Headline {
-    pub(super) fn new(judgement: &Judgement) -> Option<Self> {
+    pub fn new(judgement: &Judgement) -> Option<Self> {
         let (required, _) = judgement.required()?;
         required.interval?;
         Some(Self {
@@ -57,7 +57,7 @@ fn guarded(judgement: &Judgement, total: usize) -> Option<(String, Count)> {
     Some((note, share))
 }
 
-pub(super) fn count_rows(table: &PointTable, summary: &Summary, judgement: &Judgement) -> Vec<CountRow> {
+pub fn count_rows(table: &PointTable, summary: &Summary, judgement: &Judgement) -> Vec<CountRow> {
     let row = |name: &str, kind, count| CountRow { name: name.to_owned(), kind, count, ..CountRow::default() };
     let criterion = |k: usize| {
         let (c, v) = (&table.criteria[k], &summary.criteria[k]);
@@ -110,7 +110,7 @@ pub(super) fn count_rows(table: &PointTable, summary: &Summary, judgement: &Judg
     rows
 }
 
-pub(super) fn quantity(value: f64, unit: &str) -> String {
+pub fn quantity(value: f64, unit: &str) -> String {
     if unit.is_empty() || unit == "1" { number(value, 6) } else { format!("{} {unit}", number(value, 6)) }
 }
 

@@ -84,7 +84,7 @@ fn command(summary: &Summary) -> String {
 }
 
 /// How the points were computed, as far as a reader has to know it, and doubts about the verdict.
-pub(super) fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
+pub fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
     let thinned = (summary.points > shown as u64).then(|| {
         format!(
             "all counts, shares and best points are those of all {} points; distributions, planes and median misses \
@@ -111,7 +111,7 @@ pub(super) fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
 }
 
 /// Versions, seed and hashes: all that is needed to compute the same again.
-pub(super) fn provenance(summary: &Summary) -> Vec<(String, String)> {
+pub fn provenance(summary: &Summary) -> Vec<(String, String)> {
     let p = &summary.provenance;
     let rows = [
         ("Program", Some(format!("orchestrator {}", p.orchestrator))),

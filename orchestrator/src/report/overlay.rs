@@ -18,13 +18,13 @@ pub struct Measured {
 }
 
 /// The metric of a criterion on a curve, from its source, such as "rmse of sensor.frictionTorque".
-pub(super) fn metric_of(source: &str) -> Option<Metric> {
+pub fn metric_of(source: &str) -> Option<Metric> {
     let mut all = Metric::ALL.iter().copied();
     all.find(|metric| is_of(source, metric.label()))
 }
 
 /// Whether a source is of this statistic or metric.
-pub(super) fn is_of(source: &str, label: &str) -> bool {
+pub fn is_of(source: &str, label: &str) -> bool {
     let rest = source.strip_prefix(label);
     rest.is_some_and(|rest| rest.starts_with(" of "))
 }

@@ -1,26 +1,29 @@
 //! Puts the page together: the numbers of the report as the template wants them.
 
-use super::Report;
-use super::best::{best_rows, heading};
-use super::counted::{cases, risks};
-use super::counts::{Headline, count_rows};
-use super::figures;
-use super::from_results::{provenance, remarks};
-use super::payload::{self, PlotColumn};
-use super::planes::planes;
-use crate::error::Error;
-use crate::results::Summary;
-use crate::results::answer::Sign;
-use crate::results::summary::FailureKind;
-use crate::results::words::counted;
+use super::{
+    Report,
+    best::{best_rows, heading},
+    counted::{cases, risks},
+    counts::{Headline, count_rows},
+    figures,
+    from_results::{provenance, remarks},
+    payload::{self, PlotColumn},
+    planes::planes,
+};
+use crate::{
+    error::Error,
+    results::{Summary, answer::Sign, summary::FailureKind, words::counted},
+};
 use base64::{Engine, engine::general_purpose::STANDARD};
-use conformity::conclusion::grouped;
-use conformity::risk::Risk;
+use conformity::{conclusion::grouped, risk::Risk};
 use fmu_points::tell::is_hidden;
 use minijinja::{Environment, Value, context, value::Serde};
 use parameter_regions::table::PointTable;
-use result_document::format::{count, number, percent, with_unit};
-use result_document::{Document, marked};
+use result_document::{
+    Document,
+    format::{count, number, percent, with_unit},
+    marked,
+};
 use sampling::statistics::moments::{deviation, mean};
 use std::borrow::Cow;
 
@@ -89,10 +92,7 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
         ),
         whatif => report.whatif.is_some(),
         data,
-        bytes => match packed {
-            true => super::packed(&bytes).map_err(serde_json::Error::io)?,
-            false => STANDARD.encode(&bytes),
-        },
+        bytes => if packed { super::packed(&bytes).map_err(serde_json::Error::io)? } else { STANDARD.encode(&bytes) },
         packed,
         remarks => Serde(remarks(summary, whole.len())),
         sign => match answer.sign {
@@ -102,10 +102,7 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
             Sign::Open => "M7.5 9.2a4.6 4.6 0 1 1 6.7 4.1c-1.5.8-2.2 1.5-2.2 3.2M12 20.2v.3",
         },
         answer => Serde(answer),
-        word => match judgement.is_guarded() {
-            true => "accepted",
-            false => summary.met(),
-        },
+        word => if judgement.is_guarded() { "accepted" } else { summary.met() },
         guarded => judgement.is_guarded(),
         n => count(total),
         headline => Serde(Headline::new(judgement)),
@@ -222,12 +219,9 @@ fn distributions(table: &PointTable, columns: &[PlotColumn<'_>], first: usize, c
         };
         vec![name.to_owned(), number(mean(&finite), 4), number(deviation, 3)]
     };
-    let accepted = |c: &PlotColumn<'_>| {
-        let accepted = c.values.iter().zip(&table.verified);
-        accepted.filter(|(_, ok)| **ok).map(|(v, _)| *v).collect()
-    };
-    let numbered = columns.iter().enumerate();
-    let shown = numbered.map(|(k, c)| {
+    let accepted =
+        |c: &PlotColumn<'_>| c.values.iter().zip(&table.verified).filter(|(_, ok)| **ok).map(|(v, _)| *v).collect();
+    let shown = columns.iter().enumerate().map(|(k, c)| {
         context! {
             name => with_unit(c.name, c.unit),
             svg => figures::distribution(table, c, counts),
@@ -282,8 +276,11 @@ fn judged(series: &figures::Series) -> Option<String> {
 
 /// Reasons of failure that differ in their numbers alone: that of the first point, how often, and which that is.
 fn failures(summary: &Summary) -> Vec<(&str, String, u64)> {
-    let kinds = summary.failure_kinds.iter();
-    kinds.map(|FailureKind { points, first }| (&*first.status, grouped(*points), first.point)).collect()
+    summary
+        .failure_kinds
+        .iter()
+        .map(|FailureKind { points, first }| (&*first.status, grouped(*points), first.point))
+        .collect()
 }
 
 #[cfg(test)]

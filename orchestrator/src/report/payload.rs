@@ -8,7 +8,7 @@ use serde::Serialize;
 use std::cell::RefCell;
 
 /// Largest number of points that are drawn.
-pub(super) const MOST_POINTS: usize = 20_000;
+pub const MOST_POINTS: usize = 20_000;
 /// Largest size of the embedded columns, bytes.
 const MOST_COLUMN_BYTES: usize = 2_000_000;
 

@@ -6,11 +6,11 @@ use sampling::statistics::moments::pearson;
 use serde::Serialize;
 
 /// Largest number of planes of two criteria.
-pub(super) const PLANES: usize = 4;
+pub const PLANES: usize = 4;
 
 /// A plane of two columns.
 #[derive(Serialize)]
-pub(super) struct Plane {
+pub struct Plane {
     pub(super) x: usize,
     pub(super) y: usize,
     pub(super) title: String,
@@ -19,12 +19,7 @@ pub(super) struct Plane {
 
 /// The planes to start with: neighbouring criteria of every group, then the criteria left over in
 /// pairs, and at the end the parameter and criterion that go together most.
-pub(super) fn planes(
-    table: &PointTable,
-    columns: &[PlotColumn<'_>],
-    points: &[usize],
-    counts: [usize; 2],
-) -> Vec<Plane> {
+pub fn planes(table: &PointTable, columns: &[PlotColumn<'_>], points: &[usize], counts: [usize; 2]) -> Vec<Plane> {
     let first = table.parameters.len();
     let mut pairs: Vec<(usize, usize, String)> = Vec::new();
     let mut left_over = Vec::new();

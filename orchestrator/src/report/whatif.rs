@@ -6,8 +6,7 @@ use conformity::{
     uncertainty::{Law, Uncertainty},
 };
 use serde::Serialize;
-use study::Study;
-use study::judge::share;
+use study::{Study, judge::share};
 
 /// The study as the page's script changes it.
 #[derive(Clone, Debug, Serialize)]

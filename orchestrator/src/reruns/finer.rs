@@ -1,4 +1,4 @@
-//! How runs of a study are made finer or longer: for a picture, to see swing and drift, and for the numerical uncertainty.
+//! How runs of a study are made finer or longer: to see swing and drift, and for the numerical uncertainty.
 
 use conformity::validation::Refined;
 use fmu_points::task::{Case, Schedule};
@@ -6,20 +6,9 @@ use fmu_points::task::{Case, Schedule};
 /// The fewest communication steps of the study's part of a run that is to show swing and drift.
 const FEWEST: u64 = 2500;
 
-/// The study's own communication points where they are enough for a plot, else closer ones: what happens
-/// between them is to be seen.
-pub(super) fn for_a_plot(schedule: Schedule) -> Schedule {
-    const ENOUGH: u64 = 1000;
-    const PLENTY: f64 = 10_000.0;
-    if schedule.steps() >= ENOUGH {
-        return schedule;
-    }
-    Schedule { step: schedule.step.min((schedule.stop - schedule.start) / PLENTY), ..schedule }
-}
-
 /// Finer steps than those of a study: shorter by the golden ratio at least. A period of which the study's step is a
 /// multiple is then met at all its phases, as no ratio is worse approximated by a fraction (Hurwitz 1891).
-pub(super) fn golden(schedule: &Schedule) -> Option<Schedule> {
+pub fn golden(schedule: &Schedule) -> Option<Schedule> {
     let mut schedule = *schedule;
     // Where only the final value counts, a leap may leave nothing to look at.
     schedule.leap &= schedule.window_start < schedule.stop;
@@ -39,7 +28,7 @@ pub(super) fn golden(schedule: &Schedule) -> Option<Schedule> {
 }
 
 /// The same steps up to a later end: twice as late, or so that the steps are three times as many.
-pub(super) fn longer(schedule: &Schedule) -> Schedule {
+pub fn longer(schedule: &Schedule) -> Schedule {
     const LONGER: f64 = 3.0;
     let begin = schedule.points().at(schedule.first_even());
     let further = (schedule.stop - schedule.start).min(LONGER * (schedule.stop - begin));
@@ -48,7 +37,7 @@ pub(super) fn longer(schedule: &Schedule) -> Schedule {
 }
 
 /// The case with a finer setting, so many times.
-pub(super) fn refined_case(case: &Case, by: Refined, times: u32) -> Case {
+pub fn refined_case(case: &Case, by: Refined, times: u32) -> Case {
     let mut case = case.clone();
     let tolerance = &mut case.task.schedule.tolerance;
     match by {

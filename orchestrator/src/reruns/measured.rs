@@ -8,7 +8,7 @@ use point_journal::files::write_table;
 use study::plan::Plan;
 
 /// Writes the measured curves, where there are any, and returns a sentence where that fails.
-pub(super) fn write(plan: &Plan, folder: &Path, summary: &Summary) -> Option<String> {
+pub fn write(plan: &Plan, folder: &Path, summary: &Summary) -> Option<String> {
     let path = folder.join(history::MEASURED);
     if plan.probes().all(|probe| probe.curve.is_none()) {
         // An earlier run may have left one.

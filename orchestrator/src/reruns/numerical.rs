@@ -8,8 +8,10 @@ use conformity::validation::{Comparison, Numerical, Refined, Scatter, refined};
 use fmu_points::task::Case;
 use point_journal::pipeline::Model;
 use result_document::format::number;
-use study::concern::{Code, Concern};
-use study::judge::Criterion;
+use study::{
+    concern::{Code, Concern},
+    judge::Criterion,
+};
 
 /// So many points are refined.
 const POINTS: u64 = 3;
@@ -21,7 +23,7 @@ const AMONG: u64 = 100;
 const PART: f64 = 1.0 / 3.0;
 
 /// Adds to the summary what the refinement shows; says what is left out.
-pub(super) fn observe(reruns: &Reruns<'_>, summary: &mut Summary) -> Option<String> {
+pub fn observe(reruns: &Reruns<'_>, summary: &mut Summary) -> Option<String> {
     let asked = reruns.wish.validation;
     let is_affordable = reruns.wish.dear || summary.points >= AFFORDABLE && reruns.wish.most > 0;
     let is_random = summary.conduct.as_ref().and_then(|c| c.reproducible) == Some(false);

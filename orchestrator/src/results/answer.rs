@@ -5,15 +5,20 @@ use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
-use super::asides::Asides;
-use super::by_surrogate::BySurrogate;
-use super::settled::Settled;
-use super::summary::{CriterionCount, FailureKind};
-use super::surrogate;
-use super::words::{accepted, beyond_validity, capitalised, few, guard, looked, unknown};
-use super::{Summary, resampled::presumed};
-use conformity::conclusion::{Conclusion, Requirement, grouped, percent};
-use conformity::decision::Decision;
+use super::{
+    Summary,
+    asides::Asides,
+    by_surrogate::BySurrogate,
+    resampled::presumed,
+    settled::Settled,
+    summary::{CriterionCount, FailureKind},
+    surrogate,
+    words::{accepted, beyond_validity, capitalised, few, guard, looked, unknown},
+};
+use conformity::{
+    conclusion::{Conclusion, Requirement, grouped, percent},
+    decision::Decision,
+};
 use fmu_points::Conduct;
 use result_document::{Block, Document, format::number};
 use study::concern::{Concern, Severity};
@@ -115,7 +120,7 @@ impl Answer {
 }
 
 /// Study and folder as one names them in a command.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Names {
     /// The study.
     pub study: String,
@@ -178,14 +183,12 @@ fn is_mostly_wrong(summary: &Summary) -> bool {
 }
 
 fn warnings(summary: &Summary) -> impl Iterator<Item = &Concern> {
-    let concerns = summary.concerns.iter();
-    concerns.filter(|concern| concern.severity == Severity::Warning)
+    summary.concerns.iter().filter(|concern| concern.severity == Severity::Warning)
 }
 
 /// How points ran, where they did not run alone.
 fn company(summary: &Summary) -> Option<String> {
-    let conduct = summary.conduct.as_ref()?;
-    conduct.company().map(|text| format!("{}.", capitalised(text)))
+    summary.conduct.as_ref()?.company().map(|text| format!("{}.", capitalised(text)))
 }
 
 /// What the points' own runs say against all results.
@@ -334,8 +337,13 @@ pub fn remarks(summary: &Summary) -> Vec<String> {
     let further_of_kind = |(k, concern): &(usize, &Concern)| all[..*k].iter().any(|first| first.code == concern.code);
     let doubts = all.iter().enumerate().filter(further_of_kind);
     let doubts = doubts.map(|(_, concern)| format!("{}: {concern}", concern.severity.name()));
-    let computed = conduct.chain(asides).chain(summary.left_out_remark()).chain(watched);
-    computed.chain(doubts).chain(further(summary)).collect()
+    conduct
+        .chain(asides)
+        .chain(summary.left_out_remark())
+        .chain(watched)
+        .chain(doubts)
+        .chain(further(summary))
+        .collect()
 }
 
 /// How often one has looked, and what the risks presume.
@@ -408,11 +416,10 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
             list.extend((!summary.parameters.is_empty()).then(|| SENSITIVE.to_owned()));
         }
         Decision::NotVerified => {
-            let told = match summary.causes.is_empty() {
-                true => "finds the parameters that fit best, and what would explain that none does",
-                false => {
-                    "tells the evidence, as Identification on the page does: correct what is wrong, and verify again"
-                }
+            let told = if summary.causes.is_empty() {
+                "finds the parameters that fit best, and what would explain that none does"
+            } else {
+                "tells the evidence, as Identification on the page does: correct what is wrong, and verify again"
             };
             list.push(format!("`orchestrator identify {{study}}{{output}}` {told}."));
             list.extend(nearest(summary));

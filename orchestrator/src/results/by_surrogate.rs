@@ -6,7 +6,7 @@ use result_document::format::number;
 use serde::{Deserialize, Serialize};
 
 /// The answer by a surrogate, or by counting plain points where that does not hold.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BySurrogate {
     /// All runs of the FMU: points, and those beside them.
     pub runs: u64,

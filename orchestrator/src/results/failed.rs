@@ -12,7 +12,7 @@ use study::concern::{Code, Concern};
 
 /// Warns of points without a result. They count as not verified and not conforming, and are missing elsewhere, so that
 /// the shares and the means of one study tell of different points.
-pub(super) fn concern(summary: &Summary, place: impl FnOnce() -> Option<String>) -> Option<Concern> {
+pub fn concern(summary: &Summary, place: impl FnOnce() -> Option<String>) -> Option<Concern> {
     let Summary { failed, points: all, .. } = *summary;
     if failed == 0 {
         return None;
@@ -81,7 +81,7 @@ pub fn place(varied: &[(usize, &str, Option<&str>)], points: &[(impl AsRef<[f64]
 }
 
 /// The conclusion where no point has a result: there is nothing to decide by.
-pub(super) fn nothing_compared(conclusion: &mut Conclusion, points: u64) {
+pub fn nothing_compared(conclusion: &mut Conclusion, points: u64) {
     let Conclusion { verdict, verdict_words, required, risk, .. } = conclusion;
     *verdict = Decision::Inconclusive;
     *verdict_words = match points {

@@ -12,7 +12,7 @@ use conformity::looks::History;
 use point_journal::{Header, files::write_json};
 
 /// The verdicts of a study.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub struct Looked {
     /// The study, whatever the number of its points.
     pub study: Header,

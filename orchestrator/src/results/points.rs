@@ -16,8 +16,10 @@ use number_tables::csv_file;
 use parameter_regions::table::{CriterionColumn, ParameterColumn, PointTable};
 use point_journal::Outcome;
 use sampling::statistics::moments::length;
-use study::judge::{Criterion, Judge, PointVerdict};
-use study::plan::Input;
+use study::{
+    judge::{Criterion, Judge, PointVerdict},
+    plan::Input,
+};
 
 /// Writes `points.csv` row by row.
 pub struct Writer<W: Write> {

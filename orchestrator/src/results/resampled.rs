@@ -8,7 +8,7 @@ use study::judge::{Criterion, Judge};
 /// The conformance probabilities of a point's curves: the shares of the draws to which it conforms, and to which it does in all
 /// of them. Draws of the same number belong together: curves of one recording share their errors, those of others are drawn
 /// independently.
-pub(super) fn told(judge: &Judge, conforming: &[Replicates]) -> Option<Told> {
+pub fn told(judge: &Judge, conforming: &[Replicates]) -> Option<Told> {
     let known: Vec<(usize, &Replicates)> = (0..judge.criteria.len())
         .filter(|&k| judge.criteria[k].row_correlation.is_some())
         .zip(conforming)
@@ -29,7 +29,7 @@ fn share(bits: &[u64]) -> f64 {
 }
 
 /// Why the risk of a curve is not stated; none where it is, and of a measured number.
-pub(super) fn not_stated(criterion: &Criterion, risk: Option<&Risk>, resampled: bool) -> Option<String> {
+pub fn not_stated(criterion: &Criterion, risk: Option<&Risk>, resampled: bool) -> Option<String> {
     let reason = match (criterion.metric, criterion.row_correlation) {
         (None, _) => return None,
         _ if risk.is_some() => return None,
@@ -47,7 +47,7 @@ pub(super) fn not_stated(criterion: &Criterion, risk: Option<&Risk>, resampled: 
 }
 
 /// Which errors the risk of the curves presumes: a sentence for each correlation.
-pub(super) fn presumed(summary: &Summary) -> Vec<String> {
+pub fn presumed(summary: &Summary) -> Vec<String> {
     let mut curves: Vec<(f64, Vec<&str>)> = Vec::new();
     for (name, entry) in &summary.criteria {
         let (Some(_), Some(correlation)) = (&entry.risk, entry.criterion.row_correlation) else { continue };

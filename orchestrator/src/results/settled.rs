@@ -24,7 +24,7 @@ pub struct Settled {
 }
 
 /// The motion of a criterion's value at the end of the run, in the criterion's unit.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Moved {
     /// From the least to the greatest value in the last period of its signal.
     pub swing: f64,

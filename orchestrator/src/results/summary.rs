@@ -11,8 +11,10 @@ use conformity::{
     conclusion::Conclusion, decision::Decision, measured::Measurement, risk::Risk, validation::Comparison,
 };
 use fmu_points::Conduct;
-use study::concern::Concern;
-use study::judge::{Criterion, Judge};
+use study::{
+    concern::Concern,
+    judge::{Criterion, Judge},
+};
 
 /// The content of `summary.json`.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -280,7 +282,6 @@ pub struct BestPoint {
 }
 
 /// A point as it was judged.
-#[derive(Clone, Debug)]
 pub(super) struct Kept {
     label: u64,
     parameters: Vec<f64>,

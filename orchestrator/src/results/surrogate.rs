@@ -34,7 +34,6 @@ pub fn limits(judge: &Judge, guard: f64) -> Vec<Limit> {
 }
 
 /// What few runs tell of a study.
-#[derive(Clone, Copy, Debug)]
 pub struct Evidence<'a> {
     /// The criteria.
     pub judge: &'a Judge,

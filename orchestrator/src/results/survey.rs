@@ -11,9 +11,9 @@ use conformity::{
     validation::{Comparison, Numerical, Spread},
 };
 use point_journal::Outcome;
-use study::judge::Judge;
 use study::{
     concern::{Code, Concern},
+    judge::Judge,
     plan::Plan,
 };
 
@@ -26,7 +26,6 @@ const ONE_JOB: &str = "Compare with `--jobs 1`, where one point runs at a time."
 const PLACED: usize = 4096;
 
 /// Looks at points one by one, in constant memory.
-#[derive(Debug)]
 pub struct Survey<'a> {
     judge: &'a Judge,
     plan: Option<&'a Plan>,
@@ -107,8 +106,14 @@ impl<'a> Survey<'a> {
         for (count, reached) in summary.criteria.values_mut().zip(&self.reached) {
             count.reached = Some(*reached).filter(|[low, high]| low <= high);
         }
-        let stated = self.judge.warnings.iter().cloned().chain(self.plan.iter().flat_map(|plan| plan.concerns()));
-        let wide: Vec<Concern> = stated.filter(|concern| concern.code == Code::WideTolerance).collect();
+        let wide: Vec<Concern> = self
+            .judge
+            .warnings
+            .iter()
+            .cloned()
+            .chain(self.plan.iter().flat_map(|plan| plan.concerns()))
+            .filter(|concern| concern.code == Code::WideTolerance)
+            .collect();
         let is_told = |name: &str| wide.iter().any(|concern| concern.text.contains(&format!("{name}: ")));
         let unmoved = criteria().filter_map(|(k, c)| {
             unmoved(c, self.reached[k], self.points).filter(|doubt| doubt.code == Code::Unmoved || !is_told(&c.name))

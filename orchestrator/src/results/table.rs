@@ -5,8 +5,10 @@ use crate::error::{Error, Result};
 use parameter_regions::table::{ParameterColumn, PointTable};
 use point_journal::Outcome;
 use std::path::Path;
-use study::judge::{Judge, PointVerdict};
-use study::plan::Input;
+use study::{
+    judge::{Judge, PointVerdict},
+    plan::Input,
+};
 
 /// Reads `summary.json` and `points.csv` of a finished study. Points that failed have no values, even of the criteria that
 /// their runs have a result of.

@@ -25,8 +25,10 @@ use fmu_points::{
     notices::{Notices, Replicates},
 };
 use point_journal::Outcome;
-use study::Study;
-use study::judge::{Judge, PointVerdict};
+use study::{
+    Study,
+    judge::{Judge, PointVerdict},
+};
 
 /// How the points represent the space.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -55,7 +57,6 @@ impl Sample {
 type Passed = Vec<u64>;
 
 /// Counts points one by one, in constant memory.
-#[derive(Clone, Debug)]
 pub struct Tally<'a> {
     judge: &'a Judge,
     replicates: usize,
@@ -81,7 +82,6 @@ pub struct Tally<'a> {
 }
 
 /// Counts of points.
-#[derive(Clone, Debug)]
 struct Counts {
     verified: Passed,
     criteria: Vec<Passed>,

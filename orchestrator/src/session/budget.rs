@@ -24,8 +24,7 @@ use conformity::{
 use point_journal::{Outcome, pipeline::Pipeline};
 use run_budget::{Answers, Campaign, Share};
 use sampling::design::{Design, Method, Sampling};
-use study::judge::Judge;
-use study::plan::Plan;
+use study::{judge::Judge, plan::Plan};
 
 /// How the journal's header names such a run.
 pub const ANALYSIS: &str = "verify by a budget of runs";
@@ -141,7 +140,6 @@ fn values(outcome: &Outcome) -> Option<Vec<f64>> {
 }
 
 /// What the points of a budget tell.
-#[derive(Debug)]
 pub struct Told {
     /// The points, as places in the net.
     pub places: Vec<u64>,

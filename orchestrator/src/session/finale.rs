@@ -32,8 +32,12 @@ use point_journal::{
     Finished, Outcome,
     files::{draft, keep, write_json},
 };
-use study::judge::{Judge, PointVerdict};
-use study::{Study, inputs::taken_as_exact, plan::Input};
+use study::{
+    Study,
+    inputs::taken_as_exact,
+    judge::{Judge, PointVerdict},
+    plan::Input,
+};
 
 impl Verification {
     /// Writes `points.csv` and `summary.json` from the journal, in the order of the points, up to the last one or to

@@ -10,8 +10,7 @@ use crate::error::Result;
 use fmu_import::Package;
 use fmu_points::Answer;
 use point_journal::{Header, Outcome, pipeline::Model};
-use study::judge::Judge;
-use study::{Study, plan::Plan, points};
+use study::{Study, judge::Judge, plan::Plan, points};
 
 pub use finale::{FileSet, provenance};
 pub use request::Request;

@@ -149,7 +149,6 @@ pub enum Seen {
 }
 
 /// Follows the points in their order, although they finish in another one.
-#[derive(Debug)]
 pub struct Front<'a> {
     ending: &'a Ending,
     /// The points; `None` while one is not finished.

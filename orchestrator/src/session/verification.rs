@@ -17,7 +17,6 @@ use point_journal::{
 };
 
 /// A study whose points are known beforehand.
-#[derive(Debug)]
 pub struct Verification {
     /// The study.
     pub session: Session,

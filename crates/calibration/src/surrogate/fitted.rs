@@ -24,7 +24,7 @@ pub(super) struct Run {
 }
 
 /// The ends of a box, an unknown each.
-pub(super) type Bounds = Vec<[f64; 2]>;
+pub type Bounds = Vec<[f64; 2]>;
 
 fn within(places: &[f64], bounds: &[[f64; 2]]) -> bool {
     places.iter().zip(bounds).all(|(place, [low, high])| (low..=high).contains(&place))
@@ -95,8 +95,7 @@ impl OfCase {
         let accuracies = problem.cases[case].measured.iter().map(|measured| measured.accuracy);
         let accuracies = DVector::from_iterator(problem.quantities.len(), accuracies);
         let over_accuracy = |run: &&&Run| {
-            let values = DVector::from_column_slice(&run.predicted.as_ref().ok()?[case]);
-            Some(values.component_div(&accuracies))
+            Some(DVector::from_column_slice(&run.predicted.as_ref().ok()?[case]).component_div(&accuracies))
         };
         let ended: Vec<DVector<f64>> = runs.iter().filter_map(|run| over_accuracy(&run)).collect();
         let rows = DMatrix::from_fn(ended.len(), accuracies.len(), |i, q| ended[i][q]);
@@ -121,8 +120,11 @@ impl OfCase {
     /// Means of the values over their accuracies.
     fn means(&self, points: &[Vec<f64>]) -> Vec<Option<DVector<f64>>> {
         let Components { centre, vectors, .. } = &self.components;
-        let means = self.surrogate.means(points).into_iter();
-        means.map(|scores| Some(centre + vectors * DVector::from_vec(scores?))).collect()
+        self.surrogate
+            .means(points)
+            .into_iter()
+            .map(|scores| Some(centre + vectors * DVector::from_vec(scores?)))
+            .collect()
     }
 
     /// Variances of the values over the squares of their accuracies, a row a point.
@@ -176,10 +178,7 @@ fn together(cases: &[OfCase]) -> f64 {
     }
     let matrix = DMatrix::from_columns(&columns);
     // Both products have the same eigenvalues but for zeros.
-    let product = match matrix.nrows() < matrix.ncols() {
-        true => &matrix * matrix.transpose(),
-        false => matrix.tr_mul(&matrix),
-    };
+    let product = if matrix.nrows() < matrix.ncols() { &matrix * matrix.transpose() } else { matrix.tr_mul(&matrix) };
     product.symmetric_eigenvalues().max().max(1.0)
 }
 
@@ -242,8 +241,7 @@ impl Surrogates {
     fn places(&self, query: &Query) -> Vec<f64> {
         let free = self.problem.free.iter().zip(&query.free);
         let free = free.map(|(free, value)| free.place(*value));
-        let intervals = self.problem.cases[query.case].latents.iter();
-        let latents = intervals.zip(&query.latents);
+        let latents = self.problem.cases[query.case].latents.iter().zip(&query.latents);
         let latents = latents.map(|(interval, value)| (value - interval.min) / (interval.max - interval.min));
         free.chain(latents).collect()
     }

@@ -17,12 +17,14 @@ pub mod outcome;
 mod tests;
 pub mod text;
 
-use super::failures::Failures;
-use super::objective::{Misfit, Objective};
-use super::problem::{NoPrediction, Problem, Simulate};
-use super::rounds::{self, searched};
-use super::sample::{FEWEST, Settings, places};
-use super::search::SearchError;
+use super::{
+    failures::Failures,
+    objective::{Misfit, Objective},
+    problem::{NoPrediction, Problem, Simulate},
+    rounds::{self, searched},
+    sample::{FEWEST, Settings, places},
+    search::SearchError,
+};
 pub use fitted::Surrogates;
 use fitted::{Bounds, Run};
 use outcome::SurrogateOutcome;

@@ -2,10 +2,8 @@
 
 use serde::Serialize;
 
-use super::super::failures::Range;
-use super::super::problem::Problem;
-use super::Fresh;
-use super::fitted::Surrogates;
+use super::super::{failures::Range, problem::Problem};
+use super::{Fresh, fitted::Surrogates};
 
 /// The surrogates of an identification.
 #[derive(Clone, Debug, Serialize)]

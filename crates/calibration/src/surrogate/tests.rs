@@ -2,15 +2,15 @@
 
 use std::cell::Cell;
 
-use rand::rngs::StdRng;
-use rand::{RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
 use sampling::design::cube;
 
-use super::super::problem::{Free, Interval, Prediction, Query, Spacing};
-use super::super::sample::outcome::PosteriorOutcome;
-use super::super::sample::{Sample, sample};
-use super::super::testing::{decay, effort, free, measured, named, problem, settings, unknown_decay};
+use super::super::{
+    problem::{Free, Interval, Prediction, Query, Spacing},
+    sample::{Sample, outcome::PosteriorOutcome, sample},
+    testing::{decay, effort, free, measured, named, problem, settings, unknown_decay},
+};
 use super::*;
 
 /// Surrogates of a model from so many places.
@@ -192,9 +192,8 @@ fn kinks_and_jumps() {
 /// Where runs fail the posterior has nothing, and what is unknown there is not told as known.
 #[test]
 fn where_runs_fail_there_is_no_surrogate() {
-    let holed = |_: usize, p: &[f64], _: &[f64]| match p[0] > 2.0 {
-        true => Err("too thin".to_owned()),
-        false => Ok(vec![p[0] + p[1], p[0] * p[1]]),
+    let holed = |_: usize, p: &[f64], _: &[f64]| {
+        if p[0] > 2.0 { Err("too thin".to_owned()) } else { Ok(vec![p[0] + p[1], p[0] * p[1]]) }
     };
     let unknown = vec![free("x", Spacing::Linear, 0.0, 3.0), free("y", Spacing::Linear, 0.0, 1.0)];
     let problem = problem(unknown, vec![measured(&[1.5, 0.5], 0.05)]);

@@ -1,7 +1,6 @@
 //! The surrogates in words.
 
-use super::super::digits::rounded;
-use super::super::failures::words;
+use super::super::{digits::rounded, failures::words};
 use super::outcome::SurrogateOutcome;
 
 /// An error counted that is larger than this part of the accuracy widens intervals by 12 %.
@@ -59,9 +58,10 @@ pub fn sentences(told: &SurrogateOutcome) -> Vec<String> {
                 "{name} run in the model: sum of squares {}, by the surrogate {}{}",
                 rounded(model, 4),
                 rounded(optimum.surrogate, 4),
-                match (model - optimum.surrogate).abs() > DIFFERENT {
-                    true => "; the surrogate is too rough to tell its place",
-                    false => "",
+                if (model - optimum.surrogate).abs() > DIFFERENT {
+                    "; the surrogate is too rough to tell its place"
+                } else {
+                    ""
                 }
             ),
             None => format!("the model's run fails at {name}: it is no optimum of the model"),

@@ -1,15 +1,18 @@
 //! How often intervals of a share hold where coordinates of a net hang together: for the worst pairs and triples that a search
 //! finds among 60 of them.
 
-use std::f64::consts::PI;
-use std::ops::Range;
+use std::{f64::consts::PI, ops::Range};
 
 use super::*;
-use crate::interval::{clopper_pearson, of_part};
-use crate::looks::{History, Look, Way};
-use crate::normal::between;
-use sampling::design::{Design, Method, Sampling, cube};
-use sampling::distribution::Distribution;
+use crate::{
+    interval::{clopper_pearson, of_part},
+    looks::{History, Look, Way},
+    normal::between,
+};
+use sampling::{
+    design::{Design, Method, Sampling, cube},
+    distribution::Distribution,
+};
 use statrs::distribution::{Discrete, Hypergeometric};
 
 const DIMENSIONS: usize = 60;

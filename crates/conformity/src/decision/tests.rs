@@ -1,9 +1,7 @@
-use std::cell::RefCell;
-use std::collections::HashMap;
+use std::{cell::RefCell, collections::HashMap};
 
 use super::*;
-use crate::interval::clopper_pearson;
-use crate::sequence::ConfidenceSequence;
+use crate::{interval::clopper_pearson, sequence::ConfidenceSequence};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use statrs::distribution::{Binomial, DiscreteCDF};
 

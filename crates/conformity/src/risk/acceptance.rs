@@ -9,7 +9,7 @@ use crate::{
 /// The points that are within a tolerance, by the widest guard band that lets them pass, and those
 /// that are not; of all, the sums of the probabilities not to conform.
 #[derive(Clone, Debug)]
-pub(super) struct Acceptance {
+pub struct Acceptance {
     pub samples: usize,
     /// Whether the uncertainty is known.
     pub known: bool,

@@ -73,7 +73,7 @@ impl Accepted {
 ///
 /// Without a confidence the points are no sample: any band may be the right one then, but one that is enough for any
 /// population.
-pub(super) fn allowed(all: &Acceptance, criteria: &[Measured], limit: f64, confidence: Option<f64>) -> Bands {
+pub fn allowed(all: &Acceptance, criteria: &[Measured], limit: f64, confidence: Option<f64>) -> Bands {
     let sets = sets(all, criteria);
     let factor = |step: usize| step as f64 * Guard::STEP;
     let too_little = |set: &&Accepted| confidence.is_some_and(|confidence| set.interval(confidence)[0] > limit);

@@ -2,10 +2,12 @@
 //! from the same points?
 
 use super::*;
-use crate::decision::{Decision, Rule};
-use crate::looks::{History, Look, Looks};
-use crate::measured::Measured;
-use crate::uncertainty::Uncertainty;
+use crate::{
+    decision::{Decision, Rule},
+    looks::{History, Look, Looks},
+    measured::Measured,
+    uncertainty::Uncertainty,
+};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::{Distribution, StandardNormal};
 

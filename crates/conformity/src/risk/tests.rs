@@ -1,8 +1,10 @@
 use super::*;
-use crate::joint::JointNormal;
-use crate::measured::{Limits, Measured};
-use crate::normal::between;
-use crate::uncertainty::Uncertainty;
+use crate::{
+    joint::JointNormal,
+    measured::{Limits, Measured},
+    normal::between,
+    uncertainty::Uncertainty,
+};
 use statrs::distribution::{ContinuousCDF, Normal};
 
 /// A normal population of model values, a criterion for them, and the published risks.
@@ -414,9 +416,10 @@ fn joint_risks_of_correlated_errors_of_any_distribution() {
         for (y, of_y) in nodes(1.1, &[-6.3, -1.0, 1.5, 6.9]) {
             let all = measurement.assess(&[x, y]).all;
             let probability = all.probability.unwrap();
-            match all.margin >= 0.0 {
-                true => consumer += of_x * of_y * (1.0 - probability),
-                false => producer += of_x * of_y * probability,
+            if all.margin >= 0.0 {
+                consumer += of_x * of_y * (1.0 - probability)
+            } else {
+                producer += of_x * of_y * probability
             }
         }
     }

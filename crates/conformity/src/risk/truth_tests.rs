@@ -5,9 +5,7 @@
 //! the true ones plus an error.
 
 use super::*;
-use crate::interval::normal_limit;
-use crate::measured::Measured;
-use crate::uncertainty::Uncertainty;
+use crate::{interval::normal_limit, measured::Measured, uncertainty::Uncertainty};
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::{Distribution, StandardNormal};
 

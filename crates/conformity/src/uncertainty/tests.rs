@@ -123,10 +123,7 @@ fn stated_intervals_hold(studies: u32, least: f64) {
                     let own_gain = gain * normal();
                     let own_offset = 0.5 * offset * normal();
                     let readings: Vec<f64> = (0..repeats.unwrap_or(1)).map(|_| noise * normal()).collect();
-                    let own_offset = match rectangular {
-                        true => random.random_range(-1.0..1.0) * offset,
-                        false => own_offset,
-                    };
+                    let own_offset = if rectangular { random.random_range(-1.0..1.0) * offset } else { own_offset };
                     let n = readings.len() as f64;
                     let mean = readings.iter().sum::<f64>() / n;
                     let squares: f64 = readings.iter().map(|x| (x - mean).powi(2)).sum();
@@ -138,10 +135,7 @@ fn stated_intervals_hold(studies: u32, least: f64) {
                             None => noise,
                         },
                         repeats,
-                        ..match rectangular {
-                            true => Uncertainty::rectangular(offset),
-                            false => Uncertainty::normal(offset, 2.0),
-                        }
+                        ..if rectangular { Uncertainty::rectangular(offset) } else { Uncertainty::normal(offset, 2.0) }
                     };
                     (value - truth).abs() <= uncertainty.law(value).expanded
                 });

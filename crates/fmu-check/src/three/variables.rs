@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// The table of combinations of causality and variability.
-pub(crate) fn variabilities(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub fn variabilities(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     let (causality, variability) = (scalar.causality, scalar.variability);
     let allowed = combinations::variabilities(causality);
     if is_clear(scalar, Version::Three) && !allowed.contains(&variability) {
@@ -34,7 +34,7 @@ pub(crate) fn variabilities(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<Str
 }
 
 /// Numbers that the schema takes and no model can start from.
-pub(crate) fn not_finite(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub fn not_finite(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     let wrong = scalar.start().filter(|_| scalar.is_float())?.split_whitespace().find(|text| {
         let value = text.parse::<f64>();
         value.is_ok_and(|value| !value.is_finite())
@@ -47,7 +47,7 @@ fn by_reference<'d, 'a>(document: &'d Document<'a>) -> HashMap<u32, &'d Scalar<'
     document.known().filter_map(|scalar| Some((reference(scalar.node)?, scalar))).collect()
 }
 
-pub(crate) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
+pub fn derivatives(document: &Document<'_>) -> Vec<Hit> {
     let known = by_reference(document);
     let of_variables = document.of_each(|scalar| {
         let text = scalar.node.attribute("derivative")?;
@@ -66,7 +66,7 @@ pub(crate) fn derivatives(document: &Document<'_>) -> Vec<Hit> {
     of_variables.into_iter().chain(listed).collect()
 }
 
-pub(crate) fn clocks(document: &Document<'_>) -> Vec<Hit> {
+pub fn clocks(document: &Document<'_>) -> Vec<Hit> {
     let known = by_reference(document);
     document.of_each(|scalar| {
         let mut clocks = scalar.node.attribute("clocks")?.split_whitespace();
@@ -79,7 +79,7 @@ pub(crate) fn clocks(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// The values of a clock that belong to its kind.
-pub(crate) fn timing(document: &Document<'_>) -> Vec<Hit> {
+pub fn timing(document: &Document<'_>) -> Vec<Hit> {
     let clocks = || document.known().filter(|scalar| scalar.kind() == "Clock");
     let has_event_mode =
         document.read.interface != Interface::CoSimulation || document.read.capabilities.has_event_mode;
@@ -108,7 +108,7 @@ pub(crate) fn timing(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Unknowns of the initialisation that are missing or none.
-pub(crate) fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
+pub fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
     let known = by_reference(document);
     let rates: HashSet<u32> = listed(document, "ContinuousStateDerivative").filter_map(reference).collect();
     let states: HashSet<u32> =
@@ -139,7 +139,7 @@ fn is_clocked(scalar: &Scalar<'_>) -> bool {
 }
 
 /// An element that `ModelStructure` has twice, and kinds of dependencies that are not as many as these.
-pub(crate) fn structure(document: &Document<'_>) -> Vec<Hit> {
+pub fn structure(document: &Document<'_>) -> Vec<Hit> {
     let all: Vec<Node<'_, '_>> = named(document.root, "ModelStructure").flat_map(elements).collect();
     let mut seen = HashSet::new();
     let second = all

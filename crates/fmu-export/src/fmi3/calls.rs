@@ -45,9 +45,10 @@ const NO_EVALUATION: Outcome =
 const NO_STRUCTURE: Outcome = Err(Refusal::Absent("this FMU has no structural parameters"));
 const NO_ELEMENTS: Outcome = Err(Refusal::Absent("this FMU provides no dependencies of single elements"));
 
-/// The table, and the functions for types that no variable of a model is of: they tell so.
-macro_rules! with_absent_types {
+/// The table, the functions for values of a type, and those for types that no variable of a model is of: they tell so.
+macro_rules! with_types {
     (
+        {$($read:ident = $reader:ident, $write:ident = $writer:ident: $of:ty, $by:ident $to:ident($($kind:expr)?);)*}
         {$($get:ident = $getter:ident, $set:ident = $setter:ident: $type:ty, $name:literal;)*}
         {$($before:tt)*}
         calls {$($calls:tt)*}
@@ -55,6 +56,14 @@ macro_rules! with_absent_types {
         c_functions! { $($before)*
             calls {
                 $($calls)*
+                $(
+                    $read = $reader(vr: *const ValueReference, n: usize, value: *mut $of, n_values: usize) in VISIBLE =>
+                        |instance| instance
+                            .$by($($kind,)? &for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
+                    $write = $writer(vr: *const ValueReference, n: usize, value: *const $of, n_values: usize) in SETTABLE =>
+                        |instance| instance
+                            .$to($($kind,)? &for_values::<M>(vr, n, n_values)?, values(value, n_values, "values")?);
+                )*
                 $(
                     $get = $getter(vr: *const ValueReference, n: usize, value: *mut $type, n_values: usize) in VISIBLE =>
                         |instance| instance.none_of(references(vr, n)?, $name);
@@ -66,7 +75,13 @@ macro_rules! with_absent_types {
     };
 }
 
-with_absent_types! {
+with_types! {
+    {
+        fmi3GetFloat64 = get_float64, fmi3SetFloat64 = set_float64: Real, get_real set_real();
+        fmi3GetInt32 = get_int32, fmi3SetInt32 = set_int32: i32, get_whole set_whole(INT32);
+        fmi3GetInt64 = get_int64, fmi3SetInt64 = set_int64: i64, get_whole set_whole(INT64);
+        fmi3GetBoolean = get_boolean, fmi3SetBoolean = set_boolean: Boolean, get_boolean set_boolean();
+    }
     {
         fmi3GetFloat32 = get_float32, fmi3SetFloat32 = set_float32: f32, "Float32";
         fmi3GetInt8 = get_int8, fmi3SetInt8 = set_int8: i8, "Int8";
@@ -149,15 +164,6 @@ with_absent_types! {
         fmi3Terminate = terminate() in of(&[StepComplete, Event, Continuous]) => |instance| instance.terminate();
         fmi3Reset = reset() in ALIVE => |instance| instance.reset();
 
-        fmi3GetFloat64 = get_float64(vr: *const ValueReference, n: usize, value: *mut Real, n_values: usize) in VISIBLE =>
-            |instance| instance.get_real(&for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
-        fmi3GetInt32 = get_int32(vr: *const ValueReference, n: usize, value: *mut i32, n_values: usize) in VISIBLE =>
-            |instance| instance.get_whole(INT32, &for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
-        /// For enumerations.
-        fmi3GetInt64 = get_int64(vr: *const ValueReference, n: usize, value: *mut i64, n_values: usize) in VISIBLE =>
-            |instance| instance.get_whole(INT64, &for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
-        fmi3GetBoolean = get_boolean(vr: *const ValueReference, n: usize, value: *mut Boolean, n_values: usize) in VISIBLE =>
-            |instance| instance.get_boolean(&for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
         fmi3GetString = get_string(vr: *const ValueReference, n: usize, value: *mut Text, n_values: usize) in VISIBLE =>
             |instance| instance.get_string(&for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
         fmi3GetBinary = get_binary(vr: *const ValueReference, n: usize, sizes: *mut usize, value: *mut Binary, n_values: usize)
@@ -165,15 +171,6 @@ with_absent_types! {
         fmi3GetClock = get_clock(vr: *const ValueReference, n: usize, value: *mut Boolean) in VISIBLE =>
             |instance| instance.get_clock(references(vr, n)?, values_mut(value, n, "values")?);
 
-        fmi3SetFloat64 = set_float64(vr: *const ValueReference, n: usize, value: *const Real, n_values: usize) in SETTABLE =>
-            |instance| instance.set_real(&for_values::<M>(vr, n, n_values)?, values(value, n_values, "values")?);
-        fmi3SetInt32 = set_int32(vr: *const ValueReference, n: usize, value: *const i32, n_values: usize) in SETTABLE =>
-            |instance| instance.set_whole(INT32, &for_values::<M>(vr, n, n_values)?, values(value, n_values, "values")?);
-        /// For enumerations.
-        fmi3SetInt64 = set_int64(vr: *const ValueReference, n: usize, value: *const i64, n_values: usize) in SETTABLE =>
-            |instance| instance.set_whole(INT64, &for_values::<M>(vr, n, n_values)?, values(value, n_values, "values")?);
-        fmi3SetBoolean = set_boolean(vr: *const ValueReference, n: usize, value: *const Boolean, n_values: usize) in SETTABLE =>
-            |instance| instance.set_boolean(&for_values::<M>(vr, n, n_values)?, values(value, n_values, "values")?);
         fmi3SetString = set_string(vr: *const ValueReference, n: usize, value: *const Text, n_values: usize) in SETTABLE =>
             |instance| instance.set_string(&for_values::<M>(vr, n, n_values)?, &texts(value, n_values, "values")?);
         fmi3SetBinary = set_binary(vr: *const ValueReference, n: usize, sizes: *const usize, value: *const Binary, n_values: usize)
@@ -217,8 +214,11 @@ with_absent_types! {
         fmi3GetOutputDerivatives = get_output_derivatives(vr: *const ValueReference, n: usize, orders: *const i32, value: *mut Real,
             n_values: usize) in of(&[StepComplete, StepFailed, Terminated, Error, Intermediate]) => |instance| {
                 let all = for_values::<M>(vr, n, n_values)?;
-                let given = references(vr, n)?.iter().zip(values(orders, n, "orders")?);
-                let orders: Vec<i32> = given.flat_map(|(first, order)| repeat_n(*order, size::<M>(*first))).collect();
+                let orders: Vec<i32> = references(vr, n)?
+                    .iter()
+                    .zip(values(orders, n, "orders")?)
+                    .flat_map(|(first, order)| repeat_n(*order, size::<M>(*first)))
+                    .collect();
                 instance.get_output_derivatives(&all, &orders, values_mut(value, n_values, "values")?)
             };
 

@@ -63,7 +63,7 @@ impl<M: Model> Events<M> {
 }
 
 /// Refuses more events than one instant has.
-pub(crate) fn check_end(at_once: u32, time: f64) -> Result<(), Fault> {
+pub fn check_end(at_once: u32, time: f64) -> Result<(), Fault> {
     if at_once < MOST_AT_ONCE {
         return Ok(());
     }

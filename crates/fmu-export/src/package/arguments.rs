@@ -6,7 +6,7 @@ use super::{Binary, Form, PackageError, build::platform};
 use crate::description::{Interface, Version};
 
 /// The options, in words.
-pub(super) const HELP: &str = "\
+pub const HELP: &str = "\
 Builds the model's library and packs it into an FMU.
 
 Options:
@@ -21,7 +21,7 @@ Example: cargo run -- --output dist/Tank.fmu";
 
 /// The packer's command line.
 #[derive(Debug, PartialEq)]
-pub(super) struct Arguments {
+pub struct Arguments {
     pub(super) output: Option<PathBuf>,
     pub(super) profile: String,
     pub(super) form: Form,
@@ -31,7 +31,7 @@ pub(super) struct Arguments {
 
 impl Arguments {
     /// The platforms to build for; `None` is this machine's.
-    pub(super) fn targets(&self) -> Vec<Option<&str>> {
+    pub fn targets(&self) -> Vec<Option<&str>> {
         if self.targets.is_empty() {
             return vec![None];
         }
@@ -39,7 +39,7 @@ impl Arguments {
     }
 
     /// The libraries that were built elsewhere.
-    pub(super) fn added(&self) -> Result<Vec<Binary>, PackageError> {
+    pub fn added(&self) -> Result<Vec<Binary>, PackageError> {
         self.added
             .iter()
             .map(|(name, library)| {
@@ -55,7 +55,7 @@ impl Arguments {
 }
 
 /// The arguments; `None` when help is asked for.
-pub(super) fn parse(mut given: impl Iterator<Item = String>) -> Result<Option<Arguments>, PackageError> {
+pub fn parse(mut given: impl Iterator<Item = String>) -> Result<Option<Arguments>, PackageError> {
     let mut arguments = Arguments {
         output: None,
         profile: "release".to_owned(),

@@ -10,7 +10,7 @@ use super::{Binary, Form, PackageError};
 
 /// The folders that the standards name for platforms. FMI 2.0 names none for 64-bit Arm on Linux, where importers look
 /// into the folder of FMI 3.0.
-pub(super) mod platform {
+pub mod platform {
     use crate::{description::Version, package::Form};
 
     /// The folders of FMI 2.0 and 3.0, with the processors and systems as Rust names them.
@@ -32,20 +32,20 @@ pub(super) mod platform {
     }
 
     /// The names that a user may write: those of FMI 2.0.
-    pub(in crate::package) fn names() -> Vec<&'static str> {
+    pub fn names() -> Vec<&'static str> {
         let mut names: Vec<_> = ALL.iter().map(|(two, ..)| *two).collect();
         names.dedup();
         names
     }
 
     /// The folder of the platform with this name, which may be that of either version.
-    pub(in crate::package) fn named(name: &str, form: Form) -> Option<&'static str> {
+    pub fn named(name: &str, form: Form) -> Option<&'static str> {
         let known = (ALL.iter()).find(|(two, three, ..)| *two == name || *three == name)?;
         Some(folder(form, (known.0, known.1)))
     }
 
     /// The folder for a processor and an operating system, as Rust names them.
-    pub(super) fn of(processor: &str, system: &str, form: Form) -> Option<&'static str> {
+    pub fn of(processor: &str, system: &str, form: Form) -> Option<&'static str> {
         let known = (ALL.iter())
             .find(|(.., processors, systems)| processors.contains(&processor) && systems.contains(&system))?;
         Some(folder(form, (known.0, known.1)))
@@ -57,7 +57,7 @@ pub(super) mod platform {
 const STAY: &str = "link-arg=-Wl,-z,nodelete";
 
 /// Builds the library of a package for a target; without one for this machine.
-pub(super) fn library(
+pub fn library(
     package: &str,
     folder: &Path,
     profile: &str,

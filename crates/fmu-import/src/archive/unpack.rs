@@ -22,14 +22,14 @@ fn needed(name: &Path, platform: &str) -> bool {
 
 /// The amount that has been copied from a folder: links may lead around in circles, and to what has no end.
 #[derive(Default)]
-pub(super) struct Copy {
+pub struct Copy {
     entries: usize,
     bytes: u64,
 }
 
 impl Copy {
     /// Copies what a simulation on this platform may need.
-    pub(super) fn needed(&mut self, from: &Path, platform: &str, into: &Path) -> Result<(), ArchiveError> {
+    pub fn needed(&mut self, from: &Path, platform: &str, into: &Path) -> Result<(), ArchiveError> {
         for entry in fs::read_dir(from)? {
             let entry = entry?;
             let name = PathBuf::from(entry.file_name());
@@ -67,7 +67,7 @@ impl Copy {
 }
 
 /// Unpacks what a simulation on this platform may need.
-pub(super) fn unpack(zip: &mut ZipArchive<File>, platform: &str, target: &Path) -> Result<(), ArchiveError> {
+pub fn unpack(zip: &mut ZipArchive<File>, platform: &str, target: &Path) -> Result<(), ArchiveError> {
     let mut room = MAX_UNPACKED;
     // Known beforehand, unless the archive lies.
     if zip.decompressed_size().is_some_and(|size| size > MAX_UNPACKED.into()) {

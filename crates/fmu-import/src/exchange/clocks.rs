@@ -176,7 +176,7 @@ fn blank(content: Content) -> Value {
 
 /// The clocks of an FMU, and their variables.
 #[derive(Clone, Debug, Default)]
-pub(crate) struct Clocks {
+pub struct Clocks {
     functions: Option<Functions>,
     all: Vec<Clock>,
     /// The clocked inputs with their start values: what was set is known, and needs no reading.
@@ -189,7 +189,7 @@ pub(crate) struct Clocks {
 
 impl Clocks {
     /// Those of a description; none where there are none.
-    pub(crate) fn find(symbols: &Symbols<'_>, description: &Description) -> Self {
+    pub fn find(symbols: &Symbols<'_>, description: &Description) -> Self {
         let mut all: Vec<Clock> = Vec::new();
         for variable in description.variables.values() {
             let (reference, handle) = (variable.value_reference, variable.handle());
@@ -232,18 +232,18 @@ impl Clocks {
         }
     }
 
-    pub(crate) fn are_there(&self) -> bool {
+    pub fn are_there(&self) -> bool {
         !self.all.is_empty()
     }
 
     /// The present value of a clock, or of a variable of one.
-    pub(super) fn value(&self, handle: Handle) -> Option<Value> {
+    pub fn value(&self, handle: Handle) -> Option<Value> {
         let clock = self.all.iter().find(|clock| clock.handle == handle);
         clock.map(|clock| Value::Boolean(clock.has_ticked)).or_else(|| self.values.get(&handle).cloned())
     }
 
     /// Keeps the value of a clocked input for the next tick; whether it is one.
-    pub(super) fn hold(&mut self, handle: Handle, value: &Value) -> bool {
+    pub fn hold(&mut self, handle: Handle, value: &Value) -> bool {
         let is_clocked = self.all.iter().any(|clock| clock.clocked.contains(&handle));
         if is_clocked {
             self.held.retain(|(other, _)| *other != handle);
@@ -253,7 +253,7 @@ impl Clocks {
     }
 
     /// Lets a triggered input tick at the next event where it is set to yes; whether it does, or `None` for what is no clock.
-    pub(super) fn trigger(&mut self, handle: Handle, value: &Value) -> Option<bool> {
+    pub fn trigger(&mut self, handle: Handle, value: &Value) -> Option<bool> {
         let mut clocks = self.all.iter_mut();
         let clock = clocks.find(|clock| clock.is_input && clock.handle == handle)?;
         let ticks = *value == Value::Boolean(true);
@@ -262,7 +262,7 @@ impl Clocks {
     }
 
     /// Asks for the first ticks, and reads what clocks compute, in initialisation mode; `set` are the inputs set before.
-    pub(super) fn begin(&mut self, model: &mut dyn Simulation, start: f64, set: &[(u32, Value)]) -> Called {
+    pub fn begin(&mut self, model: &mut dyn Simulation, start: f64, set: &[(u32, Value)]) -> Called {
         let Some(functions) = self.functions else { return Ok(()) };
         for clock in self.all.iter_mut().filter(|clock| clock.is_input) {
             clock.begin(functions, model, start)?;
@@ -286,7 +286,7 @@ impl Clocks {
     }
 
     /// Lets the inputs tick that are due at a time, s, with the inputs that wait for them, and reads what ticks compute.
-    pub(super) fn tick(&mut self, model: &mut dyn Simulation, time: f64) -> Called {
+    pub fn tick(&mut self, model: &mut dyn Simulation, time: f64) -> Called {
         let Some(functions) = self.functions else { return Ok(()) };
         for clock in &mut self.all {
             clock.is_active = clock.is_due(time);
@@ -328,7 +328,7 @@ impl Clocks {
     }
 
     /// Asks for the next ticks after a round of events at a time, s; whether that has one at the same time.
-    pub(super) fn follow(&mut self, model: &mut dyn Simulation, time: f64) -> Called<bool> {
+    pub fn follow(&mut self, model: &mut dyn Simulation, time: f64) -> Called<bool> {
         let Some(functions) = self.functions else { return Ok(false) };
         for clock in self.all.iter_mut().filter(|clock| clock.is_input) {
             clock.follow(functions, model, time)?;
@@ -339,19 +339,19 @@ impl Clocks {
     }
 
     /// When the next tick is, s.
-    pub(super) fn next(&self) -> Option<f64> {
+    pub fn next(&self) -> Option<f64> {
         self.all.iter().filter_map(|clock| clock.next).min_by(f64::total_cmp)
     }
 
     /// Forgets what has ticked up to a communication point.
-    pub(super) fn pass_point(&mut self) {
+    pub fn pass_point(&mut self) {
         for clock in &mut self.all {
             clock.has_ticked = false;
         }
     }
 
     /// As before a simulation.
-    pub(super) fn reset(&mut self) {
+    pub fn reset(&mut self) {
         self.values.clear();
         self.held.clear();
         for clock in &mut self.all {

@@ -49,7 +49,7 @@ enum Special {
 
 /// The functions of Model Exchange.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Functions {
+pub struct Functions {
     enter_event_mode: Function<Plain>,
     /// Into continuous-time mode, or step mode.
     leave_event_mode: Function<Plain>,
@@ -64,7 +64,7 @@ pub(crate) struct Functions {
 
 impl Functions {
     /// Finds them in a loaded binary.
-    pub(crate) fn find(symbols: &Symbols<'_>, interface: Interface) -> Result<Self, LibraryError> {
+    pub fn find(symbols: &Symbols<'_>, interface: Interface) -> Result<Self, LibraryError> {
         let (steps, is_three) = (interface == Interface::CoSimulation, symbols.version == Version::Three);
         // Some FMUs of FMI 2.0 leave out what they do not need.
         let read = |name| symbols.need_if(is_three && !steps, name);
@@ -97,7 +97,7 @@ impl Functions {
 
 /// The answer of an FMU after its events.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Update {
+pub struct Update {
     /// Another round is needed.
     pub(super) again: bool,
     /// The FMU ends the simulation.
@@ -112,7 +112,7 @@ pub(super) struct Update {
 
 /// The FMU as the integrator sees it.
 #[derive(Debug)]
-pub(super) struct Plant {
+pub struct Plant {
     /// The component, by which variables are read and written.
     pub(super) model: Box<dyn Simulation>,
     pub(super) functions: Functions,
@@ -123,7 +123,7 @@ pub(super) struct Plant {
 
 /// An input that varies linearly.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Ramp {
+pub struct Ramp {
     pub(super) reference: u32,
     /// Its value at a time, s, and its rate.
     pub(super) value: f64,
@@ -133,7 +133,7 @@ pub(super) struct Ramp {
 
 impl Plant {
     /// The function under which the integrator's own failures are told, by which a user finds them in the standard.
-    pub(super) fn step(&self) -> &'static str {
+    pub fn step(&self) -> &'static str {
         match self.functions.special {
             Special::Two { completed, .. } => completed.name,
             Special::Three { completed, .. } => completed.name,
@@ -142,12 +142,12 @@ impl Plant {
     }
 
     /// Whether it takes steps by itself.
-    pub(super) fn steps(&self) -> bool {
+    pub fn steps(&self) -> bool {
         matches!(self.functions.special, Special::Steps(_))
     }
 
     /// A failure of the integration itself.
-    pub(super) fn failed(&self, why: String) -> Call {
+    pub fn failed(&self, why: String) -> Call {
         Call::impossible(self.step(), why)
     }
 
@@ -166,7 +166,7 @@ impl Plant {
     }
 
     /// How many states and event indicators there are.
-    pub(super) fn sizes(&mut self) -> Called<[usize; 2]> {
+    pub fn sizes(&mut self) -> Called<[usize; 2]> {
         match self.functions.special {
             Special::Two { .. } => Ok([self.declared.states, self.declared.indicators]),
             Special::Steps(_) => Ok([0; 2]),
@@ -177,7 +177,7 @@ impl Plant {
     }
 
     /// Takes the FMU to a time and states, with the inputs that vary linearly.
-    pub(super) fn place(&mut self, time: f64, states: &[f64]) -> Called {
+    pub fn place(&mut self, time: f64, states: &[f64]) -> Called {
         if self.steps() {
             return Ok(());
         }
@@ -208,12 +208,12 @@ impl Plant {
     }
 
     /// Reads the states.
-    pub(super) fn states(&mut self, into: &mut [f64]) -> Called {
+    pub fn states(&mut self, into: &mut [f64]) -> Called {
         self.read(self.functions.get_continuous_states, into)
     }
 
     /// Reads the typical magnitudes of the states: 1 where the FMU does not tell them.
-    pub(super) fn nominals(&mut self, into: &mut [f64]) -> Called {
+    pub fn nominals(&mut self, into: &mut [f64]) -> Called {
         let get = self.functions.get_nominals;
         if get.is_there() {
             return self.read(get, into);
@@ -223,7 +223,7 @@ impl Plant {
     }
 
     /// The rates at a time and states; whether the FMU computes them there.
-    pub(super) fn rates_at(&mut self, time: f64, states: &[f64], into: &mut [f64]) -> Called<bool> {
+    pub fn rates_at(&mut self, time: f64, states: &[f64], into: &mut [f64]) -> Called<bool> {
         match self.place(time, states).and_then(|()| self.read(self.functions.get_derivatives, into)) {
             Ok(()) => Ok(true),
             Err(call) if call.status == Status::Discard => Ok(false),
@@ -232,7 +232,7 @@ impl Plant {
     }
 
     /// Computes the event indicators, where there are any.
-    pub(super) fn indicators(&mut self, into: &mut [f64]) -> Called {
+    pub fn indicators(&mut self, into: &mut [f64]) -> Called {
         match into {
             [] => Ok(()),
             into => self.read(self.functions.get_event_indicators, into),
@@ -240,7 +240,7 @@ impl Plant {
     }
 
     /// Says that a step is done. Whether the FMU wants an event, and whether it ends the simulation.
-    pub(super) fn completed(&mut self) -> Called<[bool; 2]> {
+    pub fn completed(&mut self) -> Called<[bool; 2]> {
         let base = self.model.base_mut();
         match self.functions.special {
             Special::Two { completed, .. } => {
@@ -263,17 +263,17 @@ impl Plant {
     }
 
     /// Enters event mode.
-    pub(super) fn enter_events(&mut self) -> Called {
+    pub fn enter_events(&mut self) -> Called {
         self.model.base_mut().plain(self.functions.enter_event_mode)
     }
 
     /// Leaves event mode.
-    pub(super) fn leave_events(&mut self) -> Called {
+    pub fn leave_events(&mut self) -> Called {
         self.model.base_mut().plain(self.functions.leave_event_mode)
     }
 
     /// Makes a round of events.
-    pub(super) fn update(&mut self) -> Called<Update> {
+    pub fn update(&mut self) -> Called<Update> {
         let base = self.model.base_mut();
         let (flags, next) = match self.functions.special {
             Special::Two { update, .. } => {

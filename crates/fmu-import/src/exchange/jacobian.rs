@@ -12,14 +12,14 @@ const UNEXPLAINED: f64 = 1e-3;
 const ROUNDING: f64 = 1e3 * f64::EPSILON;
 
 /// Gives the rates at a time, s, and states; whether there are any, as an FMU may refuse to compute them there.
-pub(super) type Rates<'a> = dyn FnMut(f64, &[f64], &mut [f64]) -> Called<bool> + 'a;
+pub type Rates<'a> = dyn FnMut(f64, &[f64], &mut [f64]) -> Called<bool> + 'a;
 
 /// For each state the rates that depend on it, in order, with their slopes.
-pub(super) type Columns = Vec<Vec<(usize, f64)>>;
+pub type Columns = Vec<Vec<(usize, f64)>>;
 
 /// Where it is computed: the rates at a time, s, and states, and what is small for each state.
 #[derive(Clone, Copy)]
-pub(super) struct Place<'a> {
+pub struct Place<'a> {
     pub(super) time: f64,
     pub(super) states: &'a [f64],
     pub(super) rates: &'a [f64],
@@ -27,7 +27,7 @@ pub(super) struct Place<'a> {
 }
 
 #[derive(Debug, Default)]
-pub(super) struct Jacobian {
+pub struct Jacobian {
     pub(super) columns: Columns,
     /// The states that are changed together.
     groups: Vec<Vec<usize>>,
@@ -37,7 +37,7 @@ pub(super) struct Jacobian {
 
 impl Jacobian {
     /// One for `n` states.
-    pub(super) fn new(n: usize) -> Self {
+    pub fn new(n: usize) -> Self {
         Self {
             columns: vec![Vec::new(); n],
             groups: (0..n).map(|state| vec![state]).collect(),
@@ -48,7 +48,7 @@ impl Jacobian {
 
     /// Computes the slopes. `None` where there are no rates a little beside the place; else whether rates depend on more
     /// than was known.
-    pub(super) fn compute(&mut self, f: &mut Rates<'_>, place: Place<'_>) -> Called<Option<bool>> {
+    pub fn compute(&mut self, f: &mut Rates<'_>, place: Place<'_>) -> Called<Option<bool>> {
         self.at.copy_from_slice(place.states);
         let is_sparse = self.groups.len() < self.columns.len();
         if is_sparse && self.by_groups(f, place)? && self.explains(f, place)? {

@@ -26,7 +26,7 @@ const MOST_ROUNDS: usize = 10_000;
 
 /// Where a simulation stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Mode {
+pub enum Mode {
     /// Before its initialisation.
     New,
     /// In event mode.
@@ -37,7 +37,7 @@ pub(super) enum Mode {
 
 /// A simulation of an FMU whose events are handled here.
 #[derive(Debug)]
-pub(crate) struct Exchange {
+pub struct Exchange {
     pub(super) plant: Plant,
     /// The inputs, and whether each may be set without an event.
     pub(super) inputs: Arc<HashMap<Handle, bool>>,
@@ -50,7 +50,7 @@ pub(crate) struct Exchange {
 
 impl Exchange {
     /// One of a newly created component with these inputs, and whether each is continuous.
-    pub(crate) fn new(
+    pub fn new(
         model: Box<dyn Simulation>,
         functions: Functions,
         declared: ExchangeSizes,
@@ -70,7 +70,7 @@ impl Exchange {
 
 /// The integrator's state.
 #[derive(Debug, Default)]
-pub(super) struct March {
+pub struct March {
     /// An FMU refuses times after its stop.
     experiment: Experiment,
     method: Rosenbrock,
@@ -89,12 +89,12 @@ pub(super) struct March {
 
 impl March {
     /// At the beginning of an experiment.
-    pub(super) fn new(experiment: Experiment) -> Self {
+    pub fn new(experiment: Experiment) -> Self {
         Self { time: experiment.start, experiment, ..Self::default() }
     }
 
     /// Makes room for so many states and event indicators.
-    pub(super) fn size(&mut self, [states, indicators]: [usize; 2]) {
+    pub fn size(&mut self, [states, indicators]: [usize; 2]) {
         self.method = Rosenbrock::new(states);
         self.states = vec![0.0; states];
         self.nominals = vec![1.0; states];
@@ -124,7 +124,7 @@ struct Taken {
 
 impl Exchange {
     /// Follows the equations from one communication point to another, s.
-    pub(super) fn advance(&mut self, from: f64, to: f64) -> Called {
+    pub fn advance(&mut self, from: f64, to: f64) -> Called {
         // By rounding, the last step may have ended a little later; time never goes back for an FMU.
         let reached = self.march.time;
         self.march.time = if are_near(reached, from) { reached.max(from) } else { from };
@@ -198,7 +198,7 @@ impl Exchange {
     }
 
     /// Makes rounds of events until nothing changes, and leaves event mode, unless the FMU ends the simulation.
-    pub(super) fn settle(&mut self) -> Called {
+    pub fn settle(&mut self) -> Called {
         // At first no states have been read.
         let is_first = self.march.step == 0.0;
         let (mut states, mut nominals) = (is_first, is_first);

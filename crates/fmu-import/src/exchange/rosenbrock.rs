@@ -41,7 +41,7 @@ const G: [[f64; 5]; 6] = [
 
 /// The method with its workspace, for one number of states.
 #[derive(Debug, Default)]
-pub(super) struct Rosenbrock {
+pub struct Rosenbrock {
     /// The derivatives of the rates over the states and over time, and the rates.
     jacobian: Jacobian,
     in_time: Vec<f64>,
@@ -55,7 +55,7 @@ pub(super) struct Rosenbrock {
 
 impl Rosenbrock {
     /// One for `n` states.
-    pub(super) fn new(n: usize) -> Self {
+    pub fn new(n: usize) -> Self {
         Self {
             jacobian: Jacobian::new(n),
             in_time: vec![0.0; n],
@@ -69,7 +69,7 @@ impl Rosenbrock {
 
     /// Linearises at a time and states. `nominals` are the states' typical magnitudes, and `h` the likely step, s,
     /// after whose end no rates are asked for. Whether there are rates, there and a little beside it in each state.
-    pub(super) fn linearise(
+    pub fn linearise(
         &mut self,
         f: &mut Rates<'_>,
         time: f64,
@@ -104,14 +104,14 @@ impl Rosenbrock {
     }
 
     /// The first state, from 1, whose rate is no finite number where it was linearised, and that rate.
-    pub(super) fn unfit(&self) -> Option<(usize, f64)> {
+    pub fn unfit(&self) -> Option<(usize, f64)> {
         let mut rates = (1..).zip(self.first.iter().copied());
         rates.find(|(_, rate)| !rate.is_finite())
     }
 
     /// Tries a step of `h` seconds from where it was linearised. The error relative to `allowed` and the new states
     /// in `end`; none where the step cannot be computed.
-    pub(super) fn attempt(
+    pub fn attempt(
         &mut self,
         f: &mut Rates<'_>,
         time: f64,

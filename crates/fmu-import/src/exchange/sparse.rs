@@ -8,7 +8,7 @@ use super::jacobian::Columns;
 const PIVOT: f64 = 0.1;
 
 #[derive(Debug, Default)]
-pub(super) struct Triangles {
+pub struct Triangles {
     /// The columns in their order, and the rows of their pivots, once found.
     order: Vec<usize>,
     pivots: Vec<usize>,
@@ -21,18 +21,18 @@ pub(super) struct Triangles {
 
 impl Triangles {
     /// For coefficients that stand where these do, and on the diagonal.
-    pub(super) fn of(coefficients: &Columns) -> Self {
+    pub fn of(coefficients: &Columns) -> Self {
         let n = coefficients.len();
         Self { order: order(coefficients), column: vec![0.0; n], ..Self::default() }
     }
 
     /// Whether it is for `n` columns.
-    pub(super) fn is_for(&self, n: usize) -> bool {
+    pub fn is_for(&self, n: usize) -> bool {
         self.order.len() == n
     }
 
     /// Decomposes the matrix with `shift` on its diagonal less these coefficients; whether that is possible.
-    pub(super) fn decompose(&mut self, coefficients: &Columns, shift: f64) -> bool {
+    pub fn decompose(&mut self, coefficients: &Columns, shift: f64) -> bool {
         let n = self.order.len();
         let empty = |columns: &mut Columns| {
             columns.resize_with(n, Vec::new);
@@ -84,7 +84,7 @@ impl Triangles {
     }
 
     /// Solves with the matrix that was decomposed last.
-    pub(super) fn solve(&mut self, right: &mut [f64]) {
+    pub fn solve(&mut self, right: &mut [f64]) {
         for (row, below) in self.pivots.iter().zip(&self.lower) {
             let value = right[*row];
             for (row, factor) in below {

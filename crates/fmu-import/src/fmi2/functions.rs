@@ -8,19 +8,19 @@ use crate::{
     symbols::{self, Component, Function, LibraryError, Plain, Symbols, Text},
 };
 
-pub(super) type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T) -> c_int;
-pub(super) type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T) -> c_int;
+pub type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T) -> c_int;
+pub type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T) -> c_int;
 /// `fmi2SetRealInputDerivatives`.
 type SetSlopes = unsafe extern "C" fn(Component, *const u32, usize, *const c_int, *const f64) -> c_int;
 /// `fmi2GetStatus` and those like it.
-pub(super) type GetStatus<T> = unsafe extern "C" fn(Component, c_int, *mut T) -> c_int;
+pub type GetStatus<T> = unsafe extern "C" fn(Component, c_int, *mut T) -> c_int;
 
 /// To read and write variables of one type.
-pub(super) type Access<T> = symbols::Access<Get<T>, Set<T>>;
+pub type Access<T> = symbols::Access<Get<T>, Set<T>>;
 
 /// The functions of FMI 2.0 that an importer calls.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Functions {
+pub struct Functions {
     pub(crate) get_types_platform: Function<Text>,
     pub(super) instantiate: Function<
         unsafe extern "C" fn(
@@ -52,7 +52,7 @@ pub(crate) struct Functions {
 
 impl Functions {
     /// Finds them in a loaded binary.
-    pub(crate) fn find(symbols: &Symbols<'_>, interface: Interface) -> Result<Self, LibraryError> {
+    pub fn find(symbols: &Symbols<'_>, interface: Interface) -> Result<Self, LibraryError> {
         Ok(Self {
             get_types_platform: symbols.find("GetTypesPlatform"),
             instantiate: symbols.need("Instantiate")?,

@@ -18,14 +18,14 @@ use crate::{
 
 /// A component for Co-Simulation; the equations of one for Model Exchange stand on it.
 #[derive(Debug)]
-pub(crate) struct Model {
+pub struct Model {
     pub(super) base: Base,
     pub(super) functions: Arc<Functions>,
 }
 
 impl Model {
     /// Creates a component.
-    pub(crate) fn new(
+    pub fn new(
         functions: Arc<Functions>,
         common: Common,
         birth: &Birth,

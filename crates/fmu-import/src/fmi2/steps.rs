@@ -22,7 +22,7 @@ enum Halt {
 
 impl Model {
     /// Takes the steps. Returns how many were taken and read, and why not all.
-    pub(super) fn take(&mut self, mut batch: Batch<'_>) -> (usize, Called) {
+    pub fn take(&mut self, mut batch: Batch<'_>) -> (usize, Called) {
         let mut done = 0;
         loop {
             let outcome = match self.usual_steps(&mut batch, &mut done) {
@@ -76,7 +76,7 @@ impl Model {
     }
 
     #[cold]
-    pub(super) fn slow_step(&mut self, mut status: c_int, time: f64, step: f64) -> Called {
+    pub fn slow_step(&mut self, mut status: c_int, time: f64, step: f64) -> Called {
         while Status::from(status) == Status::Pending {
             std::thread::sleep(Duration::from_micros(100));
             status = self.pending_step()?;

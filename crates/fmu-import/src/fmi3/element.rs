@@ -10,7 +10,7 @@ use crate::{
 
 /// An element of a variable: its place in the binary, and its start value where the description has one.
 #[derive(Clone, Debug)]
-pub(crate) struct Element {
+pub struct Element {
     /// The value reference of the variable.
     pub(super) reference: u32,
     pub(super) storage: Storage,
@@ -23,7 +23,7 @@ pub(crate) struct Element {
 
 impl Element {
     /// The elements of all variables, by their numbers.
-    pub(crate) fn all(description: &Description) -> Arc<[Self]> {
+    pub fn all(description: &Description) -> Arc<[Self]> {
         let mut all: Vec<Self> = Vec::new();
         for variable in description.variables.values() {
             let Some(place) = variable.place else { continue };
@@ -45,14 +45,14 @@ impl Element {
     }
 
     /// The element of a number.
-    pub(super) fn of(elements: &[Self], number: u32) -> Called<&Self> {
+    pub fn of(elements: &[Self], number: u32) -> Called<&Self> {
         elements
             .get(number as usize)
             .ok_or_else(|| Call::impossible("fmi3Get", format!("there is no element {number}")))
     }
 
     /// Whether it is a number of 64 bits by itself, of which one call reads several.
-    pub(super) fn is_plain(&self) -> bool {
+    pub fn is_plain(&self) -> bool {
         self.of == 1 && self.storage == Storage::Float64
     }
 }

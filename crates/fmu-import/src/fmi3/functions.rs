@@ -10,7 +10,7 @@ use crate::{
 type Get<T> = unsafe extern "C" fn(Component, *const u32, usize, *mut T, usize) -> c_int;
 type Set<T> = unsafe extern "C" fn(Component, *const u32, usize, *const T, usize) -> c_int;
 /// `fmi3LogMessageCallback`.
-pub(super) type LogMessage = unsafe extern "C" fn(*const c_void, c_int, *const c_char, *const c_char);
+pub type LogMessage = unsafe extern "C" fn(*const c_void, c_int, *const c_char, *const c_char);
 /// `fmi3InstantiateCoSimulation`.
 type Instantiate = unsafe extern "C" fn(
     *const c_char,
@@ -38,7 +38,7 @@ type InstantiateExchange = unsafe extern "C" fn(
 ) -> Component;
 /// To create a component, by its interface.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Instantiates {
+pub enum Instantiates {
     CoSimulation(Function<Instantiate>),
     ModelExchange(Function<InstantiateExchange>),
 }
@@ -49,11 +49,11 @@ type GetBinary = unsafe extern "C" fn(Component, *const u32, usize, *mut usize, 
 type SetBinary = unsafe extern "C" fn(Component, *const u32, usize, *const usize, *const *const u8, usize) -> c_int;
 
 /// To read and write variables of one type. Some FMUs leave out those of types that they have not.
-pub(super) type Access<T> = symbols::Access<Get<T>, Set<T>>;
+pub type Access<T> = symbols::Access<Get<T>, Set<T>>;
 
 /// The functions that only FMI 3.0 has, or has in its own way, and that an importer calls.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Functions {
+pub struct Functions {
     pub(super) instantiate: Instantiates,
     pub(super) set_debug_logging: Function<unsafe extern "C" fn(Component, bool, usize, *const *const c_char) -> c_int>,
     pub(super) enter_initialization_mode: Function<unsafe extern "C" fn(Component, bool, f64, f64, bool, f64) -> c_int>,
@@ -78,7 +78,7 @@ pub(crate) struct Functions {
 
 impl Functions {
     /// Finds them in a loaded binary.
-    pub(crate) fn find(symbols: &Symbols<'_>, interface: Interface) -> Result<Self, LibraryError> {
+    pub fn find(symbols: &Symbols<'_>, interface: Interface) -> Result<Self, LibraryError> {
         Ok(Self {
             instantiate: match interface {
                 Interface::CoSimulation => Instantiates::CoSimulation(symbols.need("InstantiateCoSimulation")?),

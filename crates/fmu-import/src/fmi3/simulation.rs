@@ -26,7 +26,7 @@ type Written = HashMap<u32, Vec<Value>>;
 
 /// A component for Co-Simulation; the equations of one for Model Exchange stand on it.
 #[derive(Debug)]
-pub(crate) struct Model {
+pub struct Model {
     pub(super) base: Base,
     pub(super) functions: Arc<Functions>,
     pub(super) elements: Arc<[Element]>,
@@ -42,7 +42,7 @@ pub(crate) struct Model {
 
 impl Model {
     /// Creates a component; `events` lets its caller handle the events of Co-Simulation.
-    pub(crate) fn new(
+    pub fn new(
         functions: Arc<Functions>,
         common: Common,
         elements: Arc<[Element]>,

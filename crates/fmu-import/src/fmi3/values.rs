@@ -16,7 +16,7 @@ use crate::{
 
 impl Model {
     /// Reads one element. All elements of an array are read at once, so that reading one after the other takes one call.
-    pub(super) fn read(&mut self, number: u32) -> Called<Value> {
+    pub fn read(&mut self, number: u32) -> Called<Value> {
         let elements = Arc::clone(&self.elements);
         let element = Element::of(&elements, number)?;
         match &self.array {
@@ -65,7 +65,7 @@ impl Model {
 
     /// Writes one element. The others of its array keep their values: before the initialisation those that were written
     /// or with which the FMU starts, as some FMUs tell none then.
-    pub(super) fn write(&mut self, number: u32, value: &Value) -> Result<(), Call> {
+    pub fn write(&mut self, number: u32, value: &Value) -> Result<(), Call> {
         let functions = Arc::clone(&self.functions);
         let elements = Arc::clone(&self.elements);
         let element = Element::of(&elements, number)?;
@@ -125,7 +125,7 @@ impl Model {
     }
 
     /// The values of all elements of a variable, at least one.
-    pub(super) fn all<T: Copy>(&mut self, access: Access<T>, element: &Element, blank: T) -> Called<Vec<T>> {
+    pub fn all<T: Copy>(&mut self, access: Access<T>, element: &Element, blank: T) -> Called<Vec<T>> {
         let mut values = vec![blank; element.of];
         let (reference, into) = (&raw const element.reference, values.as_mut_ptr());
         // SAFETY: there is one reference, and room for as many values as the variable has.

@@ -52,6 +52,6 @@ pub struct Parting {
 }
 
 /// The exit code of a child that could not send its answer.
-pub(super) const MUTE: i32 = 121;
+pub const MUTE: i32 = 121;
 /// The exit code of a child whose work is done: unlike those with which an FMU may end its process.
-pub(super) const DONE: i32 = 122;
+pub const DONE: i32 = 122;

@@ -19,7 +19,7 @@ const CHANGED: [i32; 12] = [
 ];
 
 /// Lets this process survive the signals that its children may send it.
-pub(super) fn ignore_signals() {
+pub fn ignore_signals() {
     for signal in CHANGED.into_iter().filter(|signal| ![libc::SIGSEGV, libc::SIGBUS].contains(signal)) {
         // SAFETY: these signals then have no effect; no handler is involved.
         unsafe { libc::signal(signal, libc::SIG_IGN) };
@@ -28,7 +28,7 @@ pub(super) fn ignore_signals() {
 
 /// The FMU finds the signals as in any new process; writing to a closed pipe is an error there, and no signal,
 /// as in most hosts.
-pub(super) fn usual_signals() {
+pub fn usual_signals() {
     // SAFETY: sets default actions and an empty mask in this process.
     unsafe {
         for signal in CHANGED {
@@ -41,7 +41,7 @@ pub(super) fn usual_signals() {
 }
 
 /// A pipe: the end to read from, the end to write to.
-pub(super) fn pipe() -> io::Result<(OwnedFd, OwnedFd)> {
+pub fn pipe() -> io::Result<(OwnedFd, OwnedFd)> {
     let (reader, writer) = io::pipe()?;
     Ok((reader.into(), writer.into()))
 }

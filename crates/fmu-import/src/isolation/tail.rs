@@ -3,10 +3,10 @@
 use crate::logger::shortened;
 
 /// How much is kept, bytes.
-pub(super) const KEPT: usize = 4096;
+pub const KEPT: usize = 4096;
 
 /// What may go to a terminal: an FMU's own control characters could paint over what the program says there.
-pub(super) fn harmless(chunk: &[u8]) -> String {
+pub fn harmless(chunk: &[u8]) -> String {
     String::from_utf8_lossy(chunk)
         .replace("\r\n", "\n")
         .chars()
@@ -16,21 +16,21 @@ pub(super) fn harmless(chunk: &[u8]) -> String {
 
 /// The last bytes of what was printed.
 #[derive(Debug, Default)]
-pub(super) struct Tail(Vec<u8>);
+pub struct Tail(Vec<u8>);
 
 impl Tail {
-    pub(super) fn add(&mut self, chunk: &[u8]) {
+    pub fn add(&mut self, chunk: &[u8]) {
         self.0.extend_from_slice(chunk);
         let surplus = self.0.len().saturating_sub(KEPT);
         self.0.drain(..surplus);
     }
 
-    pub(super) fn text(&self) -> String {
+    pub fn text(&self) -> String {
         String::from_utf8_lossy(&self.0).into_owned()
     }
 
     /// The last line that is not empty.
-    pub(super) fn last_line(&self) -> String {
+    pub fn last_line(&self) -> String {
         let text = self.text();
         let line = text.lines().map(str::trim).rfind(|line| !line.is_empty());
         shortened(line.unwrap_or("").to_owned())

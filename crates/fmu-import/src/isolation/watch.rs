@@ -150,12 +150,12 @@ mod linux {
 
     /// The kernel's queue of events.
     #[derive(Debug)]
-    pub(super) struct Events(OwnedFd);
+    pub struct Events(OwnedFd);
 
     impl Events {
         /// The events of all that is in a snapshot, of files, too, since a link from elsewhere leads to a file alone; `None` where the
         /// system has no room for them.
-        pub(super) fn of(snapshot: &Snapshot) -> Option<Self> {
+        pub fn of(snapshot: &Snapshot) -> Option<Self> {
             let wanted = WatchFlags::MODIFY
                 | WatchFlags::ATTRIB
                 | WatchFlags::CREATE
@@ -173,7 +173,7 @@ mod linux {
         }
 
         /// The gravest of the events so far, which are taken from the queue up to a change.
-        pub(super) fn read(&self) -> Seen {
+        pub fn read(&self) -> Seen {
             let mut seen = Seen::Nothing;
             let mut buffer = [MaybeUninit::uninit(); 4096];
             let mut events = Reader::new(&self.0, &mut buffer);

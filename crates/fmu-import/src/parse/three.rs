@@ -54,7 +54,7 @@ impl Written<'_> {
 
 impl Reader {
     /// The variables of FMI 3.0.
-    pub(crate) fn variables_of_three(&mut self, root: Node<'_, '_>, into: &mut Description) {
+    pub fn variables_of_three(&mut self, root: Node<'_, '_>, into: &mut Description) {
         let types = types(root);
         let list = child(root, "ModelVariables");
         let nodes = || list.into_iter().flat_map(|list| list.children());
@@ -186,7 +186,7 @@ impl Reader {
     }
 
     /// When a clock ticks: a fraction where there is one, as that is exact.
-    pub(crate) fn timing(&mut self, node: Node<'_, '_>, declared: Option<Node<'_, '_>>) -> Timing {
+    pub fn timing(&mut self, node: Node<'_, '_>, declared: Option<Node<'_, '_>>) -> Timing {
         let declared = declared.unwrap_or(node);
         let source = |name: &str| {
             if node.has_attribute(name) { node } else { declared }

@@ -1,8 +1,10 @@
 use super::*;
-use crate::description::Causality;
-use crate::parse::description;
-use crate::value::{Content, Value};
-use crate::version::Version;
+use crate::{
+    description::Causality,
+    parse::description,
+    value::{Content, Value},
+    version::Version,
+};
 
 fn read(variables: &str) -> Description {
     let xml = format!(

@@ -10,7 +10,7 @@ use sampling::statistics::{Accumulator, MeanOverTurns};
 
 /// Gathers what a probe asks for, value by value.
 #[derive(Clone, Debug)]
-pub(super) enum Collector {
+pub enum Collector {
     Statistic(Accumulator),
     /// A time since the first value, and when that was.
     Event(Accumulator, Option<f64>),
@@ -25,7 +25,7 @@ pub(super) enum Collector {
 
 impl Collector {
     /// One for a probe, or for several that read a curve row by row.
-    pub(super) fn new(probes: &[Probe]) -> Self {
+    pub fn new(probes: &[Probe]) -> Self {
         let probe = &probes[0];
         match (&probe.curve, probe.detail) {
             (Some(curve), _) if curve.reads => {
@@ -41,7 +41,7 @@ impl Collector {
     }
 
     /// Forgets all values.
-    pub(super) fn restart(&mut self, probes: &[Probe]) {
+    pub fn restart(&mut self, probes: &[Probe]) {
         let probe = &probes[0];
         match self {
             Self::Statistic(accumulator) => *accumulator = probe.accumulator(),
@@ -53,7 +53,7 @@ impl Collector {
     }
 
     /// Takes a value at a time, `elapsed` after the one before.
-    pub(super) fn add(&mut self, time: f64, elapsed: f64, value: f64) {
+    pub fn add(&mut self, time: f64, elapsed: f64, value: f64) {
         match self {
             Self::Statistic(accumulator) => accumulator.add(elapsed, value),
             Self::Event(accumulator, first) => {
@@ -68,7 +68,7 @@ impl Collector {
     }
 
     /// Takes a value with the angle that stands beside it.
-    pub(super) fn add_beside(&mut self, elapsed: f64, value: f64, angle: f64) {
+    pub fn add_beside(&mut self, elapsed: f64, value: f64, angle: f64) {
         if let Self::Turns(mean) = self {
             mean.add(elapsed, value, angle);
         }
@@ -76,7 +76,7 @@ impl Collector {
 
     /// The result of the values for each of its probes, over `span` seconds; not a number where a curve was not reached to its
     /// end, or a value not at all.
-    pub(super) fn results(&mut self, span: f64, results: &mut [f64]) {
+    pub fn results(&mut self, span: f64, results: &mut [f64]) {
         let Self::Rows(sampler, [factor, offset]) = self else {
             results[0] = self.result(span);
             return;
@@ -99,7 +99,7 @@ impl Collector {
     }
 
     /// The range of a signal that never crossed the level whose crossing is asked for.
-    pub(super) fn uncrossed(&self) -> Option<[f64; 2]> {
+    pub fn uncrossed(&self) -> Option<[f64; 2]> {
         match self {
             Self::Event(accumulator, _) => accumulator.uncrossed(),
             _ => None,
@@ -107,7 +107,7 @@ impl Collector {
     }
 
     /// To which draws of the measured curve the last result conforms; none where that was not asked.
-    pub(super) fn conforming(&mut self) -> Option<Replicates> {
+    pub fn conforming(&mut self) -> Option<Replicates> {
         match self {
             Self::Curve(comparison) => comparison.conforming.take(),
             _ => None,
@@ -117,7 +117,7 @@ impl Collector {
 
 /// Compares a variable with a measured curve.
 #[derive(Clone, Debug)]
-pub(super) struct Comparison {
+pub struct Comparison {
     measured: MeasuredCurve,
     /// The variable's values at the measurement's times.
     samples: Sampler,
@@ -146,7 +146,7 @@ impl Comparison {
     }
 
     /// Takes the values at the ends of steps: every `stride`th one.
-    pub(super) fn add_steps(&mut self, begins: &[f64], sizes: &[f64], values: &[f64], stride: usize) {
+    pub fn add_steps(&mut self, begins: &[f64], sizes: &[f64], values: &[f64], stride: usize) {
         self.samples.add_steps(begins, sizes, values, stride);
     }
 

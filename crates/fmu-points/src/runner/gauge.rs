@@ -9,7 +9,7 @@ use fmu_import::{Called, Instance};
 
 /// A probe, and what it has seen so far.
 #[derive(Debug)]
-pub(super) struct Gauge {
+pub struct Gauge {
     /// The numbers of its probes.
     pub(super) probes: Range<usize>,
     window: [f64; 2],
@@ -20,7 +20,7 @@ pub(super) struct Gauge {
 
 impl Gauge {
     /// One for probes that look at the `usual` window where they have none of their own, s.
-    pub(super) fn new(numbers: Range<usize>, observed: &[Probe], usual: [f64; 2]) -> Self {
+    pub fn new(numbers: Range<usize>, observed: &[Probe], usual: [f64; 2]) -> Self {
         let probes = &observed[numbers.clone()];
         Self {
             window: probes[0].window.unwrap_or(usual),
@@ -31,13 +31,13 @@ impl Gauge {
     }
 
     /// Forgets all that it has seen.
-    pub(super) fn restart(&mut self, observed: &[Probe]) {
+    pub fn restart(&mut self, observed: &[Probe]) {
         self.collector.restart(&observed[self.probes.clone()]);
         self.seen = None;
     }
 
     /// Looks at the variable, if the time is in the window; rounding of times counts as nothing.
-    pub(super) fn look(&mut self, observed: &[Probe], time: f64, instance: &mut Instance) -> Called {
+    pub fn look(&mut self, observed: &[Probe], time: f64, instance: &mut Instance) -> Called {
         let probe = &observed[self.probes.start];
         let [from, to] = self.window;
         let rounding = 1e-9 * (from.abs() + to.abs());
@@ -58,13 +58,13 @@ impl Gauge {
     }
 
     /// Whether it has looked at all.
-    pub(super) fn has_seen(&self) -> bool {
+    pub fn has_seen(&self) -> bool {
         self.seen.is_some()
     }
 
     /// Puts down what came of it; the draws of a measured curve to which it conforms. Without a value there is no result,
     /// which is found out by everyone who asks for one.
-    pub(super) fn finish(&mut self, results: &mut [f64]) -> Option<Replicates> {
+    pub fn finish(&mut self, results: &mut [f64]) -> Option<Replicates> {
         let results = &mut results[self.probes.clone()];
         match self.seen {
             Some([first, last]) => self.collector.results(last - first, results),

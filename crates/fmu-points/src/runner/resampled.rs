@@ -6,7 +6,7 @@ use sampling::recording::RowErrors;
 
 /// Draws of a measured curve's errors.
 #[derive(Clone, Debug)]
-pub(super) struct Draws {
+pub struct Draws {
     resampling: Resampling,
     drawn: RowErrors,
     /// The errors of single rows in standard deviations, replicate by replicate; made when they are needed first.
@@ -14,13 +14,13 @@ pub(super) struct Draws {
 }
 
 impl Draws {
-    pub(super) fn new(resampling: &Resampling) -> Self {
+    pub fn new(resampling: &Resampling) -> Self {
         let rectangular = resampling.errors.as_ref().is_some_and(|errors| errors.rectangular);
         Self { drawn: RowErrors::new(resampling.seed, rectangular), resampling: resampling.clone(), table: None }
     }
 
     /// To which of the curves a model conforms; none where they are not known.
-    pub(super) fn conforming(&mut self, metric: Metric, pair: &Pair<'_>) -> Replicates {
+    pub fn conforming(&mut self, metric: Metric, pair: &Pair<'_>) -> Replicates {
         let rows = pair.reference.len();
         let known =
             self.resampling.errors.as_ref().filter(|errors| errors.shared.len() == rows && errors.own.len() == rows);

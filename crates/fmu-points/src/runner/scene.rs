@@ -16,7 +16,7 @@ use sampling::{
 
 /// A case, and what is gathered while it is simulated.
 #[derive(Debug)]
-pub(super) struct Scene {
+pub struct Scene {
     /// The number of the case.
     pub(super) number: usize,
     pub(super) task: Task,
@@ -40,7 +40,7 @@ struct Reading {
 }
 
 /// The numbers of probes in groups: those that read a curve row by row need one look for all rows.
-pub(super) fn together(observed: &[Probe], numbers: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
+pub fn together(observed: &[Probe], numbers: impl Iterator<Item = usize>) -> Vec<Range<usize>> {
     let mut groups: Vec<Range<usize>> = Vec::new();
     for number in numbers {
         match groups.last_mut() {
@@ -82,7 +82,7 @@ fn correct(task: &mut Task, recorded: &mut [(Vec<f64>, Reading)], values: &[f64]
 }
 
 impl Scene {
-    pub(super) fn new(number: usize, mut task: Task) -> Self {
+    pub fn new(number: usize, mut task: Task) -> Self {
         let exact = Reading { factor: 1.0, shift: 0.0 };
         let mut recorded: Vec<_> = task.inputs.iter().map(|series| (series.values.clone(), exact)).collect();
         // With noise every row is a turn.
@@ -114,7 +114,7 @@ impl Scene {
     }
 
     /// Sets the start values and initialises.
-    pub(super) fn start(&mut self, instance: &mut Instance, values: &[f64]) -> Called {
+    pub fn start(&mut self, instance: &mut Instance, values: &[f64]) -> Called {
         correct(&mut self.task, &mut self.recorded, values);
         let (task, schedule) = (&self.task, &self.task.schedule);
         instance.setup_experiment(schedule.start, schedule.stop, schedule.tolerance)?;
@@ -156,7 +156,7 @@ impl Scene {
     }
 
     /// Goes from one communication point to the next, with a step to each time at which a recorded input turns.
-    pub(super) fn step(&self, instance: &mut Instance, [begin, end]: [f64; 2]) -> Called {
+    pub fn step(&self, instance: &mut Instance, [begin, end]: [f64; 2]) -> Called {
         let ahead = &self.stops[self.stops.partition_point(|&stop| stop <= begin)..];
         let between = ahead.iter().copied().take_while(|&stop| stop < end);
         let mut time = begin;
@@ -177,7 +177,7 @@ impl Scene {
     }
 
     /// Why a result is no number, as far as that is known.
-    pub(super) fn why_none(&self, result: usize) -> Option<String> {
+    pub fn why_none(&self, result: usize) -> Option<String> {
         let watched = &self.watched;
         let watched = watched.probes.iter().zip(&watched.collectors);
         let gauges = self.gauges.iter().map(|gauge| (&gauge.probes, &gauge.collector));
@@ -197,7 +197,7 @@ impl Scene {
     }
 
     /// Empties what is gathered.
-    pub(super) fn forget(&mut self) {
+    pub fn forget(&mut self) {
         let watched = &mut self.watched;
         for (probes, collector) in watched.probes.iter().zip(&mut watched.collectors) {
             collector.restart(&self.task.observed[probes.clone()]);
@@ -208,7 +208,7 @@ impl Scene {
     }
 
     /// The results, with the statistics of most variables taken over `span` seconds.
-    pub(super) fn finish(&mut self, instance: &mut Instance, span: f64, notices: &mut Notices) -> Called {
+    pub fn finish(&mut self, instance: &mut Instance, span: f64, notices: &mut Notices) -> Called {
         let watched = &mut self.watched;
         for (probes, collector) in watched.probes.iter().zip(&mut watched.collectors) {
             collector.results(span, &mut self.results[probes.clone()]);

@@ -8,7 +8,7 @@ use fmu_import::{Called, Instance};
 
 impl Scene {
     /// Takes some of the steps.
-    pub(super) fn advance<const WATCH: bool>(
+    pub fn advance<const WATCH: bool>(
         &mut self,
         instance: &mut Instance,
         points: &CommunicationPoints,
@@ -70,7 +70,7 @@ impl Scene {
     }
 
     /// Reads what is gathered over time, which was read `last` before.
-    pub(super) fn watch(&mut self, instance: &mut Instance, [last, time]: [f64; 2]) -> Called {
+    pub fn watch(&mut self, instance: &mut Instance, [last, time]: [f64; 2]) -> Called {
         self.watched.read(instance, last, time - last)?;
         let mut gauges = self.gauges.iter_mut();
         gauges.try_for_each(|gauge| gauge.look(&self.task.observed, time, instance))
@@ -79,7 +79,7 @@ impl Scene {
 
 /// Even steps that are handed over together.
 #[derive(Debug, Default)]
-pub(super) struct Together {
+pub struct Together {
     pub(super) begins: [f64; Self::MOST],
     pub(super) sizes: [f64; Self::MOST],
 }
@@ -87,7 +87,7 @@ pub(super) struct Together {
 impl Together {
     /// How many there may be: enough that a look at the floating-point mode after them costs next to nothing, and so
     /// few that the processor prepares the next ones, and adds up the last ones, while the FMU still computes.
-    pub(super) const MOST: usize = 20;
+    pub const MOST: usize = 20;
 
     /// Takes over the first of some even steps, up to `most`. Returns how many.
     #[inline]
@@ -98,7 +98,7 @@ impl Together {
 
     /// Begin and size of the first of them.
     #[inline]
-    pub(super) fn first(&self, count: usize) -> (&[f64], &[f64]) {
+    pub fn first(&self, count: usize) -> (&[f64], &[f64]) {
         (&self.begins[..count], &self.sizes[..count])
     }
 }

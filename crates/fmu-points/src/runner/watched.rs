@@ -8,7 +8,7 @@ use fmu_import::{Called, Instance};
 
 /// Real variables that are read in one call.
 #[derive(Debug)]
-pub(super) struct Watched {
+pub struct Watched {
     pub(super) references: Vec<u32>,
     /// The values of some steps, those of a step side by side.
     pub(super) values: Vec<f64>,
@@ -25,7 +25,7 @@ impl Watched {
     /// How many values are gathered at the most before they are looked at: so few that the nearest cache holds them.
     const GATHERED: usize = 1024;
 
-    pub(super) fn new(task: &Task, probes: Vec<Range<usize>>) -> Self {
+    pub fn new(task: &Task, probes: Vec<Range<usize>>) -> Self {
         let observed = || probes.iter().map(|probes| &task.observed[probes.clone()]);
         let most = (Self::GATHERED / probes.len().max(1)).clamp(1, Together::MOST);
         Self {
@@ -39,7 +39,7 @@ impl Watched {
     }
 
     /// Reads the values at one communication point.
-    pub(super) fn read(&mut self, instance: &mut Instance, last: f64, elapsed: f64) -> Called {
+    pub fn read(&mut self, instance: &mut Instance, last: f64, elapsed: f64) -> Called {
         if !self.probes.is_empty() {
             instance.reals(&self.references, &mut self.values[..self.probes.len()])?;
             self.steps.begins[0] = last;
@@ -51,7 +51,7 @@ impl Watched {
 
     /// Hands over what has been gathered from some steps.
     #[inline]
-    pub(super) fn take(&mut self, steps: usize) {
+    pub fn take(&mut self, steps: usize) {
         let (begins, sizes) = self.steps.first(steps);
         match &mut self.collectors[..] {
             [Collector::Statistic(accumulator)] => {

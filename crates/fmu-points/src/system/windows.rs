@@ -1,16 +1,15 @@
 //! Windows: job objects in place of process groups and signals. A worker's job ends what its worker has started.
 
-use std::fs::File;
-use std::io;
-use std::os::windows::io::{AsHandle, OwnedHandle};
-use std::path::{Path, PathBuf};
-use std::process::{ChildStdout, ExitStatus};
-use std::time::Duration;
+use std::{
+    fs::File,
+    io,
+    os::windows::io::{AsHandle, OwnedHandle},
+    path::{Path, PathBuf},
+    process::{ChildStdout, ExitStatus},
+    time::Duration,
+};
 
-use fmu_import::isolation::frame::Inbox;
-use fmu_import::isolation::pipe::Arrivals;
-use fmu_import::isolation::process;
-use fmu_import::isolation::{Keeper, Loss};
+use fmu_import::isolation::{Keeper, Loss, frame::Inbox, pipe::Arrivals, process};
 
 pub use fmu_import::isolation::process::memory_of_machine;
 pub(crate) use fmu_import::isolation::process::{detach, detach as set_apart};

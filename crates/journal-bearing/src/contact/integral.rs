@@ -34,7 +34,7 @@ pub fn f_5_2(film_ratio: f64) -> (f64, f64) {
 }
 
 /// Its logarithm, and that one's slope.
-pub(super) fn f_5_2_log(film_ratio: f64) -> (f64, f64) {
+pub fn f_5_2_log(film_ratio: f64) -> (f64, f64) {
     if film_ratio < CROSSED {
         let value = log(CROSSED).0 + 2.5 * (film_ratio / CROSSED).ln();
         return (value, 2.5 / film_ratio);

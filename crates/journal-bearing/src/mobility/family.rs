@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
-use super::blend::{Blend, Sources};
-use super::map::MobilityMap;
-use super::slice::MobilitySlice;
+use super::{
+    blend::{Blend, Sources},
+    map::MobilityMap,
+    slice::MobilitySlice,
+};
 use crate::spline::hermite;
 
 /// The mobility of a short bearing goes with this power of `B/D`.

@@ -2,11 +2,11 @@
 
 use nalgebra::Vector2;
 
-use super::map::MobilityMap;
-use super::rough;
-use super::table::CHANNELS;
-use crate::reynolds::{Boundary, Grid, NotConverged, QuasiStatic};
-use crate::roughness::Reach;
+use super::{map::MobilityMap, rough, table::CHANNELS};
+use crate::{
+    reynolds::{Boundary, Grid, NotConverged, QuasiStatic},
+    roughness::Reach,
+};
 
 /// Columns around the bush and rows over the half width on which the map is made.
 const CELLS: [usize; 2] = [160, 14];

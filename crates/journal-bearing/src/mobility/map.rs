@@ -1,13 +1,14 @@
 //! The tabulated mobility and its file format.
 
-use std::borrow::Cow;
-use std::f64::consts::LN_10;
+use std::{borrow::Cow, f64::consts::LN_10};
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::coordinates::Point;
-use super::table::{CHANNELS, NUMBER, Tabulated, numbers};
+use super::{
+    coordinates::Point,
+    table::{CHANNELS, NUMBER, Tabulated, numbers},
+};
 
 /// The committed table, made by [`generate`](super::generate).
 static COMMITTED: &[u8] = include_bytes!("map.bin");

@@ -7,11 +7,15 @@
 
 use std::sync::{Arc, OnceLock};
 
-use super::coordinates::Point;
-use super::map::MapError;
-use super::table::{Along, CHANNELS, NUMBER, Node, level, nodes_of_row, numbers, splines_over_s};
-use crate::roughness::{NO_CONTACT, Reach};
-use crate::spline::{End, Spline, hermite, slope_of_hermite};
+use super::{
+    coordinates::Point,
+    map::MapError,
+    table::{Along, CHANNELS, NUMBER, Node, level, nodes_of_row, numbers, splines_over_s},
+};
+use crate::{
+    roughness::{NO_CONTACT, Reach},
+    spline::{End, Spline, hermite, slope_of_hermite},
+};
 
 /// Nodes over `ln(B/D)`, roughness, place and direction.
 pub const SIZE: [usize; 4] = [5, 9, 21, 25];

@@ -1,13 +1,17 @@
 //! The map at one width-to-diameter ratio, for use in every time step.
 
 use nalgebra::Vector2;
-use std::f64::consts::FRAC_PI_2;
-use std::sync::{Arc, OnceLock};
+use std::{
+    f64::consts::FRAC_PI_2,
+    sync::{Arc, OnceLock},
+};
 
-use super::blend::Blend;
-use super::coordinates::Point;
-use super::rough::{Correction, SIZE};
-use super::table::{CHANNELS, Lattice, Node};
+use super::{
+    blend::Blend,
+    coordinates::Point,
+    rough::{Correction, SIZE},
+    table::{CHANNELS, Lattice, Node},
+};
 use crate::spline::{hermite, slope_of_hermite};
 
 /// The mobility of bearings of one `B/D`: the map's quantities over eccentricity ratio and load direction, with a
@@ -80,7 +84,7 @@ impl LookUp {
 
 /// Cosine and sine of the angle by which the load is ahead of the eccentricity.
 #[inline]
-pub(super) fn ahead(eps: Vector2<f64>, e: f64, direction: Vector2<f64>) -> [f64; 2] {
+pub fn ahead(eps: Vector2<f64>, e: f64, direction: Vector2<f64>) -> [f64; 2] {
     if e > 0.0 {
         let inverse = 1.0 / e;
         [eps.dot(&direction) * inverse, eps.perp(&direction) * inverse]

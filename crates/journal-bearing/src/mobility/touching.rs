@@ -4,12 +4,13 @@ use std::sync::{Arc, OnceLock};
 
 use nalgebra::Vector2;
 
-use super::coordinates::Point;
-use super::map::MapError;
-use super::rough::Corrections;
-use super::slice::{LookUp, MobilitySlice, ahead};
-use crate::contact::Touch;
-use crate::roughness::NO_CONTACT;
+use super::{
+    coordinates::Point,
+    map::MapError,
+    rough::Corrections,
+    slice::{LookUp, MobilitySlice, ahead},
+};
+use crate::{contact::Touch, roughness::NO_CONTACT};
 
 /// The slices of a rough bearing: one at its own clearance, and others of equal ratios for a clearance that changes. Each is
 /// made on first use.

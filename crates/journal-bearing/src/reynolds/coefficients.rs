@@ -50,9 +50,6 @@ impl Coefficients {
         let equal = turned / b.trace();
         // The square of the frequency over the speed with which it circles.
         let squared = ((equal - k.m11) * (equal - k.m22) - k.m12 * k.m21) / (b.determinant() * speed * speed);
-        match squared > 0.0 {
-            true => (equal / mass / squared).sqrt(),
-            false => f64::INFINITY,
-        }
+        if squared > 0.0 { (equal / mass / squared).sqrt() } else { f64::INFINITY }
     }
 }

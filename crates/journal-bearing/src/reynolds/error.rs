@@ -3,20 +3,17 @@
 use thiserror::Error;
 
 /// Refuses a value unless it is usable.
-pub(super) fn within(name: &'static str, value: f64, usable: bool, must: &'static str) -> Result<(), FilmError> {
-    match usable {
-        true => Ok(()),
-        false => Err(FilmError::Setting { name, value, must }),
-    }
+pub fn within(name: &'static str, value: f64, usable: bool, must: &'static str) -> Result<(), FilmError> {
+    if usable { Ok(()) } else { Err(FilmError::Setting { name, value, must }) }
 }
 
 /// Refuses what is not positive.
-pub(super) fn positive(name: &'static str, value: f64) -> Result<(), FilmError> {
+pub fn positive(name: &'static str, value: f64) -> Result<(), FilmError> {
     let usable = value.is_finite() && value > 0.0;
     within(name, value, usable, "a positive number")
 }
 
-pub(super) fn finite(name: &'static str, value: f64) -> Result<(), FilmError> {
+pub fn finite(name: &'static str, value: f64) -> Result<(), FilmError> {
     within(name, value, value.is_finite(), "a finite number")
 }
 

@@ -15,9 +15,7 @@ mod place;
 #[cfg(test)]
 mod tests;
 
-use super::grid::Grid;
-use super::lanes::LANES;
-use super::ring::Ring;
+use super::{grid::Grid, lanes::LANES, ring::Ring};
 
 /// Where the pressure field may begin.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -3,14 +3,18 @@
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use super::error::{FilmError, finite, positive, within};
-use super::feed::Feed;
-use super::grid::Grid;
+use super::{
+    error::{FilmError, finite, positive, within},
+    feed::Feed,
+    grid::Grid,
+};
 
-use crate::contact::Surface;
-use crate::profile::Profile;
-use crate::rheology::{DensityLaw, Rheology};
-use crate::roughness::RoughFilm;
+use crate::{
+    contact::Surface,
+    profile::Profile,
+    rheology::{DensityLaw, Rheology},
+    roughness::RoughFilm,
+};
 
 /// Cavitation condition: how the film treats regions where it ruptures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

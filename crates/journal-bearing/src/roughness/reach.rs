@@ -4,7 +4,7 @@ use super::{FULL, NO_CONTACT, Width, share};
 
 /// A gap that a smooth film would need for a similar mobility: `H` where asperities do not touch, nearly constant where the
 /// mean planes have crossed; with its slope.
-pub(super) fn room(ratio: f64) -> Width {
+pub fn room(ratio: f64) -> Width {
     /// The least room, and how gradually the room comes to it.
     const LEAST: f64 = 0.7;
     const GRADUAL: f64 = 1.0;

@@ -64,7 +64,7 @@ pub fn pressure_stress_factor(ratio: f64) -> f64 {
 }
 
 /// Resistance to the sliding of rough surfaces, `(phi_f + phi_fs) / H`.
-pub(super) fn sliding_resistance(ratio: f64) -> f64 {
+pub fn sliding_resistance(ratio: f64) -> f64 {
     let flanks = if ratio > 0.0 { shear_stress_factor(ratio) / ratio } else { 0.0 };
     thinness(ratio) + flanks
 }

@@ -18,14 +18,13 @@ pub fn front(objectives: &[Vec<f64>]) -> Vec<usize> {
     order.sort_by(|&a, &b| {
         let mut pairs = objectives[a].iter().zip(&objectives[b]);
         // 0 and -0 are equal.
-        let first = pairs.find_map(|(x, y)| x.partial_cmp(y).filter(|o| o.is_ne()));
-        first.unwrap_or_else(|| a.cmp(&b))
+        pairs.find_map(|(x, y)| x.partial_cmp(y).filter(|o| o.is_ne())).unwrap_or_else(|| a.cmp(&b))
     });
     // Equal points share their fate; of different ones, no worse in everything means dominating.
     let groups: Vec<&[usize]> = order.chunk_by(|&a, &b| objectives[a] == objectives[b]).collect();
     let points = groups.iter().map(|g| objectives[g[0]].as_slice());
-    let kept = Ordered(points.collect()).front(0..groups.len());
-    let mut front: Vec<usize> = kept.into_iter().flat_map(|g| groups[g]).copied().collect();
+    let mut front: Vec<usize> =
+        Ordered(points.collect()).front(0..groups.len()).into_iter().flat_map(|g| groups[g]).copied().collect();
     front.sort_unstable();
     front
 }
@@ -64,8 +63,7 @@ impl Ordered<'_> {
             return vec![];
         }
         if last == 1 {
-            let values = others.iter().map(|&i| value(i));
-            let least = values.fold(f64::INFINITY, f64::min);
+            let least = others.iter().map(|&i| value(i)).fold(f64::INFINITY, f64::min);
             candidates.retain(|&i| value(i) < least);
             return candidates;
         }
@@ -103,8 +101,7 @@ impl Ordered<'_> {
         if *median > least {
             return Some(*median);
         }
-        let next = upper.iter().copied().filter(|v| *v > least);
-        next.min_by(f64::total_cmp)
+        upper.iter().copied().filter(|v| *v > least).min_by(f64::total_cmp)
     }
 }
 

@@ -3,18 +3,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::boxes::SEARCHES;
-use super::region::Region;
-use super::{Robustness, Stand, TRUSTED};
+use super::{Robustness, Stand, TRUSTED, boxes::SEARCHES, region::Region};
 use conformity::interval::clopper_pearson;
 
 /// No box is seen where the surrogates give no place as high a probability as this.
 const CEILING: f64 = 0.01;
-
-/// Results of earlier versions do not have it.
-fn all() -> f64 {
-    1.0
-}
 
 /// Whether there is a box that holds the level.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -37,7 +30,6 @@ pub enum Answer {
         highest: f64,
     },
     /// The surrogates see none, and none of the study's points is verified.
-    #[serde(alias = "impossible")]
     NoneSeen {
         /// Places at which the surrogates were asked.
         places: usize,
@@ -46,10 +38,8 @@ pub enum Answer {
         /// The criterion that is met least.
         criterion: String,
         /// The study's points.
-        #[serde(default)]
         points: usize,
         /// So large a part of the space may be verified, at a confidence of 95 %.
-        #[serde(default = "all")]
         at_most: f64,
     },
 }

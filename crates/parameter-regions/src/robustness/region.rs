@@ -1,8 +1,12 @@
 //! The largest part of the parameter space with a verification probability above a level.
 
-use sampling::random::{Purpose, Random};
-use sampling::statistics::moments::{mean, quantile, sorted};
-use sampling::statistics::share::Fraction;
+use sampling::{
+    random::{Purpose, Random},
+    statistics::{
+        moments::{mean, quantile, sorted},
+        share::Fraction,
+    },
+};
 use serde::{Deserialize, Serialize};
 
 /// How many of the study's own points a region holds, and how many of them are verified.
@@ -44,11 +48,6 @@ impl Confirmed {
     }
 }
 
-/// Results of earlier versions have no interval.
-const fn unknown() -> [f64; 2] {
-    [0.0, 1.0]
-}
-
 /// A sample of the space, with the probability of verification at each point.
 #[derive(Clone, Copy)]
 pub struct Sample<'a> {
@@ -79,7 +78,6 @@ pub struct Region {
     /// The part of it that is verified: by the surrogates, corrected by the study's own points.
     pub probability: f64,
     /// Its 95 % interval.
-    #[serde(default = "unknown")]
     pub interval: [f64; 2],
     /// Check against the study's own points.
     pub confirmed: Confirmed,
@@ -90,14 +88,13 @@ pub struct Region {
 impl Region {
     /// A box with share and probability by a sample and the surrogates alone, as a search needs them.
     pub(super) fn new(limits: Vec<[f64; 2]>, sample: &Sample<'_>) -> Self {
-        let pairs = sample.points.iter().zip(sample.verdicts);
-        let inside = pairs.filter(|(x, _)| within(x, &limits));
-        let held: Vec<f64> = inside.map(|(_, v)| *v).collect();
+        let held: Vec<f64> =
+            sample.points.iter().zip(sample.verdicts).filter(|(x, _)| within(x, &limits)).map(|(_, v)| *v).collect();
         Self {
             limits,
             share: held.len() as f64 / sample.points.len() as f64,
             probability: mean(&held),
-            interval: unknown(),
+            interval: [0.0, 1.0],
             confirmed: Confirmed::default(),
             fresh: None,
         }

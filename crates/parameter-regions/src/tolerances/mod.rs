@@ -13,11 +13,15 @@ pub mod stated;
 #[cfg(test)]
 mod tests;
 
-use conformity::decision::Rule;
-use conformity::interval::{Moments, of_mean};
-use sampling::design::{Design, Joint, Method, Sampling, cube};
-use sampling::distribution::Distribution;
-use sampling::statistics::share::wilson;
+use conformity::{
+    decision::Rule,
+    interval::{Moments, of_mean},
+};
+use sampling::{
+    design::{Design, Joint, Method, Sampling, cube},
+    distribution::Distribution,
+    statistics::share::wilson,
+};
 
 pub use sample::{Estimate, Sample};
 use stated::{Confirmed, Stated};

@@ -61,8 +61,7 @@ impl Sample {
         };
         let rounds: Vec<(Vec<Distribution>, f64)> = self.drawn.iter().map(round).collect();
         let mixture = |point: &Vec<f64>| {
-            let rounds = rounds.iter();
-            let terms = rounds.map(|(scaled, ln_share)| ln_share + ln_density(scaled, point));
+            let terms = rounds.iter().map(|(scaled, ln_share)| ln_share + ln_density(scaled, point));
             ln_sum(&terms.collect::<Vec<f64>>())
         };
         self.ln_mixture = self.points.iter().map(mixture).collect();
@@ -104,6 +103,5 @@ impl Sample {
 }
 
 fn ln_density(scaled: &[Distribution], point: &[f64]) -> f64 {
-    let pairs = scaled.iter().zip(point);
-    pairs.map(|(distribution, &x)| distribution.ln_density(x)).sum()
+    scaled.iter().zip(point).map(|(distribution, &x)| distribution.ln_density(x)).sum()
 }

@@ -1,7 +1,6 @@
 use std::convert::Infallible;
 
-use rand::rngs::StdRng;
-use rand::{RngExt, SeedableRng};
+use rand::{RngExt, SeedableRng, rngs::StdRng};
 
 use super::*;
 

@@ -18,10 +18,10 @@ use crate::{Outcome, Result, pipeline::Model};
 use fmu_points::{Conduct, Event, Job, Post, crew::Crew, stop, task::Case};
 
 /// A point of an index that is known.
-pub(super) type Known<'a> = &'a dyn Fn(u64) -> Job;
+pub type Known<'a> = &'a dyn Fn(u64) -> Job;
 
 /// So many of the first points run again, of an earlier part of the run and of this one.
-pub(super) const EARLIER: usize = 3;
+pub const EARLIER: usize = 3;
 const FIRST: usize = 4;
 /// They run again while that takes less than this together, or than this part of the time of the run; one runs in any case.
 const LITTLE: Duration = Duration::from_secs(2);
@@ -55,7 +55,7 @@ struct Draw {
 
 /// Points that will run again, and what came of those that did.
 #[derive(Debug)]
-pub(super) struct Again {
+pub struct Again {
     cases: Vec<Case>,
     begun: Instant,
     points: Vec<Recorded>,
@@ -69,7 +69,7 @@ pub(super) struct Again {
 }
 
 impl Again {
-    pub(super) fn new(cases: &[Case]) -> Self {
+    pub fn new(cases: &[Case]) -> Self {
         Self {
             cases: cases.to_vec(),
             begun: Instant::now(),
@@ -83,7 +83,7 @@ impl Again {
     }
 
     /// Takes a point that an earlier part of the run has recorded.
-    pub(super) fn recall(&mut self, job: Job, outcome: Outcome) {
+    pub fn recall(&mut self, job: Job, outcome: Outcome) {
         if self.earlier < EARLIER && outcome.is_ok() && self.points.iter().all(|point| point.job.index != job.index) {
             self.earlier += 1;
             self.points.push(Recorded { job, outcome, when: None, host: None });
@@ -91,7 +91,7 @@ impl Again {
     }
 
     /// Takes a point that was just recorded, if it is one of the first, or drawn.
-    pub(super) fn note(&mut self, crew: &Crew, index: u64, outcome: &Outcome, job: Known<'_>) {
+    pub fn note(&mut self, crew: &Crew, index: u64, outcome: &Outcome, job: Known<'_>) {
         let host = crew.take_host(index);
         if outcome.is_err() {
             return;
@@ -117,7 +117,7 @@ impl Again {
     }
 
     /// Runs the points again and compares. Those of a run that is to end at once do not.
-    pub(super) fn run(&mut self, crew: &Crew, model: &dyn Model) -> Result {
+    pub fn run(&mut self, crew: &Crew, model: &dyn Model) -> Result {
         let stopped = || stop::flag().load(Ordering::Relaxed);
         let (begun, whole) = (Instant::now(), self.begun.elapsed());
         let first = std::mem::take(&mut self.points);
@@ -208,7 +208,7 @@ impl Again {
     }
 
     /// How points were computed, with what was found.
-    pub(super) fn told(&self, conduct: Conduct) -> Conduct {
+    pub fn told(&self, conduct: Conduct) -> Conduct {
         match &self.found {
             None => conduct,
             Some((same, text)) => Conduct { reproducible: Some(*same), reproducibility: text.clone(), ..conduct },

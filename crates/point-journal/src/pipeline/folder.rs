@@ -9,7 +9,6 @@ use fmu_points::{
 };
 
 /// A folder that is taken for a run.
-#[derive(Debug)]
 pub struct RunFolder {
     /// Takes what is computed.
     pub journal: Journal,
@@ -20,7 +19,6 @@ pub struct RunFolder {
 }
 
 /// Keeps a folder for a run as long as this is there.
-#[derive(Debug)]
 pub struct Kept {
     /// For what is needed while points run.
     pub scratch: Scratch,

@@ -6,7 +6,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// A bar with rate, remaining time and the share of verified points so far.
 #[derive(Debug)]
-pub(super) struct Progress {
+pub struct Progress {
     bar: ProgressBar,
     verified: u64,
     failed: u64,
@@ -15,7 +15,7 @@ pub(super) struct Progress {
 
 impl Progress {
     /// Begins at `done` of `points`, where their number is known. Without a terminal nothing is shown.
-    pub(super) fn new(points: Option<u64>, done: u64) -> Self {
+    pub fn new(points: Option<u64>, done: u64) -> Self {
         const LINE: &str = "{bar:30} {pos}/{len} points, {per_sec}, {eta} left, {msg}";
         const OPEN: &str = "{pos} points, {per_sec}, {elapsed}, {msg}";
         let bar = ProgressBar::with_draw_target(points, ProgressDrawTarget::stderr_with_hz(5)).with_position(done);
@@ -30,7 +30,7 @@ impl Progress {
     }
 
     /// One more point is done; `answered` says how many points each host has answered, where there are several.
-    pub(super) fn step(&mut self, verified: bool, failed: bool, answered: impl FnOnce() -> BTreeMap<String, u64>) {
+    pub fn step(&mut self, verified: bool, failed: bool, answered: impl FnOnce() -> BTreeMap<String, u64>) {
         const RARELY: u64 = 64;
         self.verified += u64::from(verified);
         self.failed += u64::from(failed);
@@ -44,12 +44,12 @@ impl Progress {
     }
 
     /// Shows a text of the analysis' own.
-    pub(super) fn say(&self, text: String) {
+    pub fn say(&self, text: String) {
         self.bar.set_message(text);
     }
 
     /// Takes the bar away.
-    pub(super) fn finish(&self) {
+    pub fn finish(&self) {
         self.bar.finish_and_clear();
     }
 }

@@ -160,10 +160,7 @@ fn ringing(random: &mut StdRng) -> Vec<f64> {
     for k in 0..ROWS {
         if k % hold == hold / 2 {
             before = level;
-            level = match two {
-                true => 1.0 - level,
-                false => random.random_range(-1.0..1.0),
-            };
+            level = if two { 1.0 - level } else { random.random_range(-1.0..1.0) };
         }
         let since = ((k + hold - hold / 2) % hold) as f64 + random.random_range(0.0..1e-9);
         let swing = (-decay * since).exp() * ((speed * since).cos() + decay / speed * (speed * since).sin());
@@ -183,10 +180,7 @@ fn levels(random: &mut StdRng) -> Vec<f64> {
     let two = random.random::<bool>();
     let mut values: Vec<f64> = Vec::new();
     while values.len() < ROWS {
-        let level = match two {
-            true => 1.0 - values.last().map_or(0.0, |last| *last),
-            false => random.random_range(-1.0..1.0),
-        };
+        let level = if two { 1.0 - values.last().map_or(0.0, |last| *last) } else { random.random_range(-1.0..1.0) };
         let held = random.random_range(4..40);
         values.extend(vec![level; held]);
     }

@@ -1,5 +1,4 @@
-use super::super::clean::clean;
-use super::super::signal::Spline;
+use super::super::{clean::clean, signal::Spline};
 use super::*;
 use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;

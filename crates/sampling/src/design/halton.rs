@@ -13,7 +13,7 @@ const BITS: f64 = 53.0;
 
 /// A scrambled sequence.
 #[derive(Clone, Debug)]
-pub(super) struct Sequence {
+pub struct Sequence {
     seed: u64,
     inputs: Vec<Radix>,
 }

@@ -12,7 +12,7 @@ use crate::{
 
 /// A rule for N points.
 #[derive(Clone, Debug)]
-pub(super) struct Hypercube {
+pub struct Hypercube {
     seed: u64,
     points: u64,
     /// Half the bits of the network's numbers.
@@ -41,14 +41,14 @@ impl Rule for Hypercube {
 
 impl Hypercube {
     /// A rule for a number of points.
-    pub(super) fn of(seed: u64, points: u64) -> Self {
+    pub fn of(seed: u64, points: u64) -> Self {
         let bits = u64::BITS - points.saturating_sub(1).leading_zeros();
         let half = bits.div_ceil(2).max(1);
         Self { seed, points, half }
     }
 
     /// The slice of a point: a permutation of 0..N.
-    pub(super) fn slice(&self, index: u64, dimension: u32) -> u64 {
+    pub fn slice(&self, index: u64, dimension: u32) -> u64 {
         let mut slice = index % self.points;
         loop {
             slice = self.shuffle(slice, dimension);

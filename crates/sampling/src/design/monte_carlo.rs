@@ -5,7 +5,7 @@ use crate::random::{Purpose, uniform};
 
 /// Independent points.
 #[derive(Debug)]
-pub(crate) struct Independent {
+pub struct Independent {
     seed: u64,
 }
 

@@ -12,7 +12,7 @@ const BITS: u32 = 32;
 /// A net, scrambled several times independently. The points belong to the replicates in turn, so
 /// that any first part of them holds an equal part of each.
 #[derive(Clone, Debug)]
-pub(super) struct Nets {
+pub struct Nets {
     seed: u64,
     replicates: u64,
     /// Direction numbers, the first digit in the highest bit.
@@ -39,7 +39,7 @@ impl Rule for Nets {
 }
 
 impl Nets {
-    pub(super) fn of(numbers: &Numbers, dimensions: usize) -> Result<Self, String> {
+    pub fn of(numbers: &Numbers, dimensions: usize) -> Result<Self, String> {
         if numbers.points / numbers.replicates > 1 << BITS {
             return Err(format!("a Sobol net has at most 2^{BITS} points"));
         }

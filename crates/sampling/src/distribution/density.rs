@@ -10,7 +10,7 @@ fn ln_normal(value: f64, mean: f64, deviation: f64) -> f64 {
 }
 
 /// Mean and standard deviation of the logarithm of a lognormal quantity.
-pub(super) fn of_logarithm(mean: f64, deviation: f64) -> (f64, f64) {
+pub fn of_logarithm(mean: f64, deviation: f64) -> (f64, f64) {
     let variance = (1.0 + (deviation / mean).powi(2)).ln();
     (mean.ln() - variance / 2.0, variance.sqrt())
 }

@@ -12,7 +12,7 @@ pub enum Trend {
 }
 
 /// Collects what a statistic of a signal needs, value by value; in constant memory where that is possible.
-pub(super) trait Collect: Default {
+pub trait Collect: Default {
     /// The statistic's name in a sentence.
     const LABEL: &'static str;
 
@@ -42,10 +42,10 @@ pub(super) trait Collect: Default {
 /// Collects a statistic that grows as its values do, from the values as they are and in [`LARGE`] units: sums, squares and
 /// differences of large values are beyond all numbers, where the statistic is not.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Scaled<C>([C; 2]);
+pub struct Scaled<C>([C; 2]);
 
 /// A power of two, so that no digit changes.
-pub(super) const LARGE: f64 = f64::from_bits((1023 + 600) << 52);
+pub const LARGE: f64 = f64::from_bits((1023 + 600) << 52);
 
 impl<C: Collect> Collect for Scaled<C> {
     const LABEL: &'static str = C::LABEL;

@@ -18,14 +18,14 @@ const ROUNDING: f64 = 1e-12;
 
 /// The values of a signal with their times since the first.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Recording {
+pub struct Recording {
     times: Vec<f64>,
     values: Vec<f64>,
 }
 
 /// An oscillation that was found.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Oscillation {
+pub struct Oscillation {
     /// Hz.
     pub frequency: f64,
     /// Half the distance from peak to peak.

@@ -146,14 +146,8 @@ mod tests {
             |time: f64| (360.0 * time).rem_euclid(360.0),
             |time: f64| (360.0 * time + 180.0).rem_euclid(360.0) - 180.0,
             // The value before the end of a turn: when it ended is not known.
-            |time: f64| match (time - 1.99).abs() < 1e-6 {
-                true => f64::NAN,
-                false => 360.0 * time,
-            },
-            |time: f64| match time > 2.5 {
-                true => f64::INFINITY,
-                false => 360.0 * time,
-            },
+            |time: f64| if (time - 1.99).abs() < 1e-6 { f64::NAN } else { 360.0 * time },
+            |time: f64| if time > 2.5 { f64::INFINITY } else { 360.0 * time },
         ] {
             assert!(of(angle).is_nan(), "{}", of(angle));
         }

@@ -1,14 +1,13 @@
 //! Criteria on whole curves, as far as they need neither the FMU nor the measured curve.
 
 use super::Criterion;
-use crate::{CriterionText, Name, ReferenceText, Study, first_wrong, limit::limit};
+use crate::{CriterionText, Name, ReferenceText, Result, Study, first_wrong, limit::limit};
 use conformity::measured::Limits;
 use curves::{Kind, Metric};
 use fmu_import::quantity::Scale;
-use number_tables::files::FileError;
 
 /// Refuses keys of curves on a criterion that has no `reference`.
-pub(super) fn refuse_keys(text: &CriterionText) -> Result<(), String> {
+pub fn refuse_keys(text: &CriterionText) -> Result<(), String> {
     [
         ("metric", text.metric.is_some()),
         ("normalise", text.normalise.is_some()),
@@ -23,12 +22,7 @@ pub(super) fn refuse_keys(text: &CriterionText) -> Result<(), String> {
 }
 
 /// The criterion on a curve: the metric's value has the ideal value 0 or 1, and may be so far away from it.
-pub(super) fn criterion(
-    study: &Study,
-    name: &Name,
-    text: &CriterionText,
-    scale: &Scale<'_>,
-) -> Result<Criterion, FileError> {
+pub fn criterion(study: &Study, name: &Name, text: &CriterionText, scale: &Scale<'_>) -> Result<Criterion> {
     let at = |message| study.error_of(name, message);
     let metric = text.metric.ok_or_else(|| {
         let names: Vec<String> = Metric::ALL.iter().map(|metric| metric.name()).collect();

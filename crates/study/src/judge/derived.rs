@@ -1,14 +1,13 @@
 //! Measured values that are the product of two others: their errors follow, and are no second measurement.
 
 use super::{Judge, product, scalar::distance_unit};
-use crate::{CriterionText, Name, Study, cases::SEPARATOR, points::Pairs};
+use crate::{CriterionText, Name, Result, Study, cases::SEPARATOR, points::Pairs};
 use conformity::uncertainty::Uncertainty;
 use fmu_import::Description;
-use number_tables::files::FileError;
 
 /// A criterion whose error follows from others'.
 #[derive(Clone, Debug)]
-pub(super) struct Derived {
+pub struct Derived {
     /// Its number.
     number: usize,
     /// The factors' numbers, each with the product over its value.
@@ -24,7 +23,7 @@ impl Derived {
 impl Judge {
     /// Gives criteria that are `derived` the uncertainty that follows from their factors': in a product relative errors
     /// add, and those of two measurements are independent (GUM, 5.1.2 and 5.1.6).
-    pub(super) fn derive(&mut self, study: &Study, fmu: Option<&Description>) -> Result<(), FileError> {
+    pub(super) fn derive(&mut self, study: &Study, fmu: Option<&Description>) -> Result {
         for (number, (name, text)) in study.criteria.iter().enumerate() {
             if text.derived.is_none() {
                 continue;
@@ -121,7 +120,7 @@ impl Judge {
     }
 
     /// The stated correlations, and those that follow for derived criteria.
-    pub(super) fn with_derived(&self, study: &Study, mut pairs: Pairs) -> Result<Pairs, FileError> {
+    pub(super) fn with_derived(&self, study: &Study, mut pairs: Pairs) -> Result<Pairs> {
         for (place, &(a, b, _)) in pairs.iter().enumerate() {
             let follows = self.derived.iter().any(|derived| {
                 derived.number == a || derived.number == b || derived.has_factor(a) && derived.has_factor(b)

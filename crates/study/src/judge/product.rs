@@ -31,7 +31,7 @@ impl Amount {
 ///
 /// # Errors
 /// Says what does not fit.
-pub(super) fn check(
+pub fn check(
     (study, fmu): (&Study, Option<&Description>),
     text: &CriterionText,
     product: &Criterion,

@@ -1,29 +1,24 @@
 //! A study's requirements of the model as a whole.
 
+use crate::{
+    CriterionText, Name, Required, Result, Study,
+    concern::{ACCEPTS_ZERO, Code, Concern},
+    points::{Pairs, pairs},
+};
 use std::collections::HashMap;
 
 use toml::Spanned;
 
 use super::{Criterion, Judge};
-use crate::{
-    CriterionText, Name, Required, Study,
-    concern::{ACCEPTS_ZERO, Code, Concern},
-    points::{Pairs, pairs},
-};
 use conformity::{
     decision::Rule,
     measured::{Limits, Measurement},
     risk::Guard,
 };
 use fmu_import::{Causality, Variable, quantity::Quantity};
-use number_tables::files::FileError;
 
 /// Refuses a criterion on what the study sets itself: it would only judge the sampling.
-pub(super) fn check_variable(
-    study: &Study,
-    text: &CriterionText,
-    variable: Option<&Variable>,
-) -> Result<(), FileError> {
+pub fn check_variable(study: &Study, text: &CriterionText, variable: Option<&Variable>) -> Result {
     let name = text.variable.as_ref().as_str();
     let kind = match variable.map(|variable| variable.causality) {
         Some(Causality::Input) => "an input",
@@ -45,7 +40,7 @@ pub(super) fn check_variable(
 
 impl Judge {
     /// Reads what is required of the model as a whole, once the criteria are known.
-    pub(super) fn add_requirements(&mut self, study: &Study) -> Result<(), FileError> {
+    pub(super) fn add_requirements(&mut self, study: &Study) -> Result {
         self.measurement = self.correlated(study)?;
         if let Some(required) = &study.verdict {
             self.rule = Some(rule(study, required.as_ref())?);
@@ -88,7 +83,7 @@ impl Judge {
         );
     }
 
-    fn correlated(&self, study: &Study) -> Result<Measurement, FileError> {
+    fn correlated(&self, study: &Study) -> Result<Measurement> {
         let pairs = pairs(
             study,
             &study.uncertainty_correlations,
@@ -125,7 +120,7 @@ impl Judge {
     }
 
     /// The number of a criterion that has an uncertainty.
-    fn uncertain(&self, study: &Study, name: &Name) -> Result<usize, FileError> {
+    fn uncertain(&self, study: &Study, name: &Name) -> Result<usize> {
         let number = self.number_of(name).map_err(|m| study.error_at(name, m))?;
         let (criterion, name_text) = (&self.criteria[number], name.as_ref());
         let message = if criterion.uncertainty.is_none() && criterion.row_correlation.is_none() {
@@ -136,7 +131,7 @@ impl Judge {
         Err(study.error_at(name, message))
     }
 
-    fn guard_band(&mut self, study: &Study, required: &Spanned<Required>) -> Result<Guard, FileError> {
+    fn guard_band(&mut self, study: &Study, required: &Spanned<Required>) -> Result<Guard> {
         const ONE: &str = "risk, point-risk and guard-band each say which points are accepted; keep one";
         let Required { risk, point_risk, guard_band, .. } = required.as_ref();
         match (risk, point_risk, guard_band) {
@@ -189,7 +184,7 @@ impl Judge {
         }
     }
 
-    fn all_uncertain<T>(&self, study: &Study, at: &Spanned<T>, what: &str) -> Result<(), FileError> {
+    fn all_uncertain<T>(&self, study: &Study, at: &Spanned<T>, what: &str) -> Result {
         let mut criteria = self.criteria.iter();
         let Some(without) = criteria.find(|criterion| criterion.uncertainty.is_none()) else {
             return Ok(());
@@ -315,7 +310,7 @@ impl Judge {
     }
 }
 
-fn rule(study: &Study, required: &Required) -> Result<Rule, FileError> {
+fn rule(study: &Study, required: &Required) -> Result<Rule> {
     const USUAL: f64 = 0.95;
     let confidence = required.confidence.as_ref().map_or(Ok(USUAL), |stated| {
         let number = Quantity::from(*stated.as_ref());
@@ -326,7 +321,7 @@ fn rule(study: &Study, required: &Required) -> Result<Rule, FileError> {
     Ok(Rule { share: between_0_and_1(study, &required.share, "the share")?, confidence })
 }
 
-fn between_0_and_1(study: &Study, quantity: &Spanned<Quantity>, what: &str) -> Result<f64, FileError> {
+fn between_0_and_1(study: &Study, quantity: &Spanned<Quantity>, what: &str) -> Result<f64> {
     share(quantity.as_ref()).ok_or_else(|| {
         study.error_at(
             quantity,

@@ -1,25 +1,19 @@
 //! Criteria on single numbers: a measured value with its tolerance and its uncertainty, or a limit that stands alone.
 
+use crate::{BOTH_SIDES, CriterionText, Name, Result, Study, ToleranceText, first_wrong, limit::gain};
 use toml::Spanned;
 
 use super::{Criterion, curve};
-use crate::{BOTH_SIDES, CriterionText, Name, Study, ToleranceText, first_wrong, limit::gain};
 use conformity::{
     measured::Limits,
     uncertainty::{Distribution, Uncertainty},
 };
 use fmu_import::quantity::{Quantity, Scale, Sense};
 use fmu_points::names::behind;
-use number_tables::files::FileError;
 use sampling::statistics::Statistic;
 
 /// The criterion on one number.
-pub(super) fn criterion(
-    study: &Study,
-    name: &Name,
-    text: &CriterionText,
-    scale: &Scale<'_>,
-) -> Result<Criterion, FileError> {
+pub fn criterion(study: &Study, name: &Name, text: &CriterionText, scale: &Scale<'_>) -> Result<Criterion> {
     let at = |message| study.error_of(name, message);
     curve::refuse_keys(text).map_err(at)?;
     let alone = match (&text.at_most, &text.at_least) {
@@ -81,7 +75,7 @@ pub(super) fn criterion(
 
 /// In what a distance from a limit that stands alone counts: the expanded uncertainty, how far the measured value is inside,
 /// or else the limit itself.
-pub(super) fn distance_unit(criterion: &Criterion) -> f64 {
+pub fn distance_unit(criterion: &Criterion) -> f64 {
     let measured = criterion.measured();
     let inside = measured.value.map(|value| criterion.limits.rest(value));
     measured.error.map(|error| error.expanded).or(inside.filter(|rest| *rest > 0.0)).unwrap_or(
@@ -176,7 +170,7 @@ fn uncertainty(
     text: &CriterionText,
     nominal: &Quantity,
     scale: &Scale<'_>,
-) -> Result<Option<Uncertainty>, FileError> {
+) -> Result<Option<Uncertainty>> {
     let at = |place: &Spanned<Quantity>, what: &str, message: String| {
         let message = message.replace("the tolerance", what);
         study.error_at(place, format!("{}: {message}", name.as_ref()))

@@ -1,12 +1,16 @@
 //! The mobility film: the journal's velocity follows from the load at the instant.
 
-use crate::bearing::friction::{self, Boundary};
-use crate::bearing::journal::{Drift, Flows, JournalFilm, Motion, Press, Setup, Situation, Strain};
-use crate::bearing::parameters::{Bearing, FilmEnergy};
+use crate::bearing::{
+    friction::{self, Boundary},
+    journal::{Drift, Flows, JournalFilm, Motion, Press, Setup, Situation, Strain},
+    parameters::{Bearing, FilmEnergy},
+};
 use fmu_export::model::Fault;
-use journal_bearing::contact::{Contact, ContactAt, ContactFamily, Touch};
-use journal_bearing::mobility::{LookUp, MapError, MobilityMap, MobilitySlice, RoughAt, RoughSlices, SliceFamily};
-use journal_bearing::reynolds::mean_gap;
+use journal_bearing::{
+    contact::{Contact, ContactAt, ContactFamily, Touch},
+    mobility::{LookUp, MapError, MobilityMap, MobilitySlice, RoughAt, RoughSlices, SliceFamily},
+    reynolds::mean_gap,
+};
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, LazyLock};
@@ -175,12 +179,11 @@ impl JournalFilm for MobilityFilm {
         let &Press { log_peak, force, contact, ratio, touches } = press;
         let roughness = bearing.surface.roughness;
         let distance = at.clearance * (1.0 - ratio);
-        let (contact_reach, gap) = match touches {
-            true => {
-                let crossed = (at.clearance * (ratio - 1.0) / roughness).max(0.0);
-                (crossed, mean_gap(distance / roughness) * roughness)
-            }
-            false => (0.0, distance),
+        let (contact_reach, gap) = if touches {
+            let crossed = (at.clearance * (ratio - 1.0) / roughness).max(0.0);
+            (crossed, mean_gap(distance / roughness) * roughness)
+        } else {
+            (0.0, distance)
         };
         Strain {
             log_peak,

@@ -1,16 +1,23 @@
 //! The Reynolds film at work in the stand: it takes steps of its own and carries its journal along.
 
-use crate::bearing::friction::Boundary;
-use crate::bearing::journal::{
-    Drift, Flows, Interval, JournalFilm, Motion, Passed, Press, Setup, Situation, Strain, TransientFilm,
+use crate::{
+    Result,
+    bearing::{
+        friction::Boundary,
+        journal::{
+            Drift, Flows, Interval, JournalFilm, Motion, Passed, Press, Setup, Situation, Strain, TransientFilm,
+        },
+        parameters::{Bearing, FilmEnergy, Resolution},
+    },
 };
-use crate::bearing::parameters::{Bearing, FilmEnergy, Resolution};
 use fmu_export::model::{Experiment, Fault};
-use journal_bearing::contact::ContactFamily;
-use journal_bearing::profile::Profile;
-use journal_bearing::reynolds::{
-    Cavitation, Coefficients, Drive, FilmError, FilmSettings, FilmState, Grid, HeatExchange, PeriodicSearch,
-    ReynoldsFilm, RoughFilm,
+use journal_bearing::{
+    contact::ContactFamily,
+    profile::Profile,
+    reynolds::{
+        Cavitation, Coefficients, Drive, FilmError, FilmSettings, FilmState, Grid, HeatExchange, PeriodicSearch,
+        ReynoldsFilm, RoughFilm,
+    },
 };
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
@@ -53,7 +60,7 @@ impl<T> Clone for Passing<T> {
 }
 
 impl JournalFilm for ReynoldsJournal {
-    fn new(setup: &Setup<'_>) -> Result<Self, Fault> {
+    fn new(setup: &Setup<'_>) -> Result<Self> {
         let (bearing, resolution) = (setup.bearing, &setup.bearing.resolution);
         if resolution.energy == FilmEnergy::Circumferential && !resolution.mass_conserving {
             return Err(Fault::Invalid(
@@ -96,7 +103,7 @@ impl JournalFilm for ReynoldsJournal {
         Ok(film)
     }
 
-    fn prepare(&mut self, bearing: &Bearing) -> Result<(), Fault> {
+    fn prepare(&mut self, bearing: &Bearing) -> Result {
         self.contact =
             Arc::new(ContactFamily::new(&bearing.surface, bearing.radial_clearance, bearing.width, bearing.diameter));
         Ok(())
@@ -159,7 +166,7 @@ impl TransientFilm for ReynoldsJournal {
         bearing: &Bearing,
         interval: &Interval,
         exchange: Option<&HeatExchange<'_>>,
-    ) -> Result<Passed, Fault> {
+    ) -> Result<Passed> {
         let Interval { duration, load, speed, bush_speed, clearance, viscosity } = *interval;
         let sliding = speed - bush_speed;
         self.widen(clearance)?;
@@ -245,7 +252,7 @@ impl TransientFilm for ReynoldsJournal {
 
 impl ReynoldsJournal {
     /// Takes over the clearance of an interval, m.
-    fn widen(&mut self, clearance: f64) -> Result<(), Fault> {
+    fn widen(&mut self, clearance: f64) -> Result {
         if clearance == self.film.settings().clearance {
             return Ok(());
         }
@@ -259,7 +266,7 @@ fn aligned(contact: Option<&ContactFamily>, ratio: f64, clearance: f64) -> f64 {
 }
 
 /// The form error of the file that `bearing.profileFile` names; round surfaces without one.
-fn read_profile(bearing: &Bearing, experiment: &Experiment<'_>) -> Result<Profile, Fault> {
+fn read_profile(bearing: &Bearing, experiment: &Experiment<'_>) -> Result<Profile> {
     match bearing.profile_file.as_str() {
         "" => Ok(Profile::default()),
         file => Profile::from_csv(&experiment.file(file))

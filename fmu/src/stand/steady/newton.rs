@@ -13,7 +13,7 @@ const CLEAR: f64 = 20.0;
 
 /// A turn as Newton's method sees it: where it begins, and by how much it misses its beginning.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Turn {
+pub struct Turn {
     pub place: Vector2<f64>,
     temperatures: Vector4,
     pub miss: Vector2<f64>,
@@ -23,7 +23,7 @@ pub(super) struct Turn {
 }
 
 impl Turn {
-    pub(super) fn of(start: &Unknowns, end: &Unknowns, error: f64) -> Self {
+    pub fn of(start: &Unknowns, end: &Unknowns, error: f64) -> Self {
         let miss = SVector::<f64, 7>::from(*end) - SVector::from(*start);
         Self {
             place: Vector2::new(start[0], start[1]),
@@ -36,7 +36,7 @@ impl Turn {
 }
 
 /// Newton's method on turns.
-pub(super) struct Newton {
+pub struct Newton {
     /// `exp(J*T)` of the drift over a turn: what is left of a change of the temperatures after it.
     lasting: Matrix4,
     settle: LU<f64, Const<4>, Const<4>>,
@@ -50,13 +50,13 @@ pub(super) struct Newton {
 }
 
 /// The change that Newton's method proposes.
-pub(super) struct Change {
+pub struct Change {
     pub place: Vector2<f64>,
     pub temperatures: Vector4,
 }
 
 impl Newton {
-    pub(super) fn new(equilibrium: &Equilibrium, period: f64, isothermal: bool) -> Self {
+    pub fn new(equilibrium: &Equilibrium, period: f64, isothermal: bool) -> Self {
         let lasting = lasting(&equilibrium.drift, period);
         // A change of the rates warms by as much as is left of it at the turn's end.
         let gain = equilibrium.drift.lu().solve(&(lasting - Matrix4::identity()));
@@ -72,7 +72,7 @@ impl Newton {
     }
 
     /// Takes over a further turn.
-    pub(super) fn learn(&mut self, turn: Turn) {
+    pub fn learn(&mut self, turn: Turn) {
         if let Some(before) = self.last {
             let warmer = turn.temperatures - before.temperatures;
             let off = turn.place - before.place - self.shift * warmer;
@@ -89,7 +89,7 @@ impl Newton {
     }
 
     /// The change of the last turn's beginning that makes up for its miss.
-    pub(super) fn change(&self) -> Option<Change> {
+    pub fn change(&self) -> Option<Change> {
         let turn = self.last?;
         let back = Matrix2::identity() - self.slope;
         let closer = back.lu().solve(&turn.miss)?;
@@ -103,7 +103,7 @@ impl Newton {
 }
 
 /// `exp(J*T)` of a drift J over a turn's duration T: what is left of a change of the temperatures after a turn.
-pub(super) fn lasting(drift: &Matrix4, period: f64) -> Matrix4 {
+pub fn lasting(drift: &Matrix4, period: f64) -> Matrix4 {
     (drift * period).exp()
 }
 

@@ -2,19 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use super::run::Signal;
-use super::{is_number, is_real};
-use crate::commands::simulate::recorded::{ONE_TIME, may_be_time, split};
-use crate::error::Error;
-use fmu_import::quantity::Scale;
-use fmu_import::{Causality, Description, Variable};
+use super::{is_number, is_real, run::Signal};
+use crate::{
+    commands::simulate::recorded::{ONE_TIME, may_be_time, split},
+    error::Error,
+};
+use fmu_import::{Causality, Description, Variable, quantity::Scale};
 use fmu_points::names::{did_you_mean, nearest};
-use number_tables::Table;
-use number_tables::recorded::RecordedTable;
+use number_tables::{Table, recorded::RecordedTable};
 
 /// The columns of a table of measured values that are outputs of the FMU.
 #[derive(Debug)]
-pub(super) struct Measured<'a> {
+pub struct Measured<'a> {
     pub(super) file: PathBuf,
     /// The column of the time; where there is none, the rows are single readings.
     pub(super) time: Option<String>,
@@ -29,7 +28,7 @@ pub(super) struct Measured<'a> {
 
 /// A column of measured values.
 #[derive(Debug)]
-pub(super) struct Column<'a> {
+pub struct Column<'a> {
     pub(super) header: String,
     pub(super) unit: Option<String>,
     pub(super) variable: &'a Variable,
@@ -41,7 +40,7 @@ impl<'a> Measured<'a> {
     ///
     /// # Errors
     /// When it cannot be read, or its times do not grow.
-    pub(super) fn read(path: &Path, fmu: &'a Description) -> Result<Self, Error> {
+    pub fn read(path: &Path, fmu: &'a Description) -> Result<Self, Error> {
         let recorded = RecordedTable::read(path)?;
         let may_be = may_be_time(fmu);
         // Of operating points a duration does not rise from row to row.
@@ -91,8 +90,12 @@ impl<'a> Measured<'a> {
         }
         Scale::new(unit.as_deref(), fmu, variable)?;
         let asked = number_tables::column(header, "measured values");
-        let table = Table::read(&self.file, &[asked]).map_err(|error| error.to_string())?;
-        let values: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
+        let values: Vec<f64> = Table::read(&self.file, &[asked])
+            .map_err(|error| error.to_string())?
+            .rows
+            .iter()
+            .map(|row| row[0])
+            .collect();
         let first = values.first();
         if self.time.is_some() && !is_input && values.iter().all(|value| Some(value) == first) {
             return Err("it is the same in all rows: write it as `nominal` of a criterion".to_owned());
@@ -101,7 +104,7 @@ impl<'a> Measured<'a> {
     }
 
     /// Leaves out columns of which the FMU computes no finite values, in their order.
-    pub(super) fn leave_out_infinite(&mut self, signals: &[Signal<'_>]) {
+    pub fn leave_out_infinite(&mut self, signals: &[Signal<'_>]) {
         let left = &mut self.left;
         let mut signals = signals.iter();
         self.columns.retain(|column| {
@@ -118,7 +121,7 @@ impl<'a> Measured<'a> {
     ///
     /// # Errors
     /// When nothing is left.
-    pub(super) fn tell(&self) -> Result<(), Error> {
+    pub fn tell(&self) -> Result<(), Error> {
         let file = self.file.display();
         if self.columns.is_empty() {
             let reasons: Vec<String> = self.left.iter().map(|(name, reason)| format!("{name}: {reason}")).collect();
@@ -173,8 +176,7 @@ fn variable<'a>(name: &str, fmu: &'a Description) -> Result<&'a Variable, String
 /// The first and the last time of a table.
 fn span(path: &Path, time: &str) -> Result<[f64; 2], Error> {
     let wrong = |message: &str| Err(Error::content(path, format!("column `{time}`: {message}")));
-    let table = Table::read_over_time(path, Some(time), Vec::new())?;
-    let times: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
+    let times: Vec<f64> = Table::read_over_time(path, Some(time), Vec::new())?.rows.iter().map(|row| row[0]).collect();
     match times[..] {
         [first, .., last] if times.is_sorted_by(|a, b| a < b) => Ok([first, last]),
         _ => wrong("a curve needs two rows or more, and times that grow from row to row"),

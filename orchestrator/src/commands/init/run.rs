@@ -2,26 +2,26 @@
 
 use std::time::{Duration, Instant};
 
-use crate::cli::Init;
-use crate::commands::isolated::Isolated;
-use crate::commands::simulate::advised;
-use crate::error::Error;
+use crate::{
+    cli::Init,
+    commands::{isolated::Isolated, simulate::advised},
+    error::Error,
+};
 use fmu_import::{Description, Handle, Value, Variable};
-use fmu_points::failure::Failure;
-use fmu_points::task::Task;
+use fmu_points::{failure::Failure, task::Task};
 use sampling::statistics::{Accumulator, Statistic};
 
 /// The longest time of the run.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// The tolerance of the study that is written, as a part of the value.
-pub(super) const TOLERANCE: f64 = 0.05;
+pub const TOLERANCE: f64 = 0.05;
 /// Less than this part of its range is next to nothing.
-pub(super) const SMALL: f64 = 0.01;
+pub const SMALL: f64 = 0.01;
 
 /// What a variable did, in its own unit.
 #[derive(Debug)]
-pub(super) struct Signal<'a> {
+pub struct Signal<'a> {
     pub(super) variable: &'a Variable,
     pub(super) least: f64,
     pub(super) most: f64,
@@ -67,17 +67,14 @@ impl<'a> Signal<'a> {
         self.last = value;
     }
 
-    pub(super) fn moves(&self) -> bool {
+    pub fn moves(&self) -> bool {
         self.is_finite && self.least < self.most
     }
 
     /// A statistic that tells of it, and its value. Of what still swings at the end, one instant says little; of what is next
     /// to nothing, its tolerance could be no part.
-    pub(super) fn value(&self) -> (Statistic, f64) {
-        let mut statistic = match self.turns > 1 {
-            true => Statistic::Mean,
-            false => Statistic::Final,
-        };
+    pub fn value(&self) -> (Statistic, f64) {
+        let mut statistic = if self.turns > 1 { Statistic::Mean } else { Statistic::Final };
         if self.of(statistic).abs() < SMALL * (self.most - self.least) {
             statistic = Statistic::Rms;
         }
@@ -94,11 +91,7 @@ impl<'a> Signal<'a> {
 }
 
 /// Runs the FMU once and looks at these variables.
-pub(super) fn signals<'a>(
-    isolated: &Isolated,
-    task: &Task,
-    variables: &[&'a Variable],
-) -> Result<Vec<Signal<'a>>, Error> {
+pub fn signals<'a>(isolated: &Isolated, task: &Task, variables: &[&'a Variable]) -> Result<Vec<Signal<'a>>, Error> {
     let handles: Vec<Handle> = variables.iter().map(|variable| variable.handle()).collect();
     let mut signals: Vec<Signal<'_>> = variables.iter().map(|v| Signal::new(v)).collect();
     let middle = 0.5 * (task.schedule.start + task.schedule.stop);
@@ -118,7 +111,7 @@ pub(super) fn signals<'a>(
 }
 
 /// What to do about a run that failed.
-pub(super) fn advice(error: Error, options: &Init, fmu: &Description, step: f64) -> Error {
+pub fn advice(error: Error, options: &Init, fmu: &Description, step: f64) -> Error {
     match error {
         Error::Simulation(Failure::Timeout) => {
             let message = format!(

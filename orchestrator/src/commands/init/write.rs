@@ -2,17 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use super::measured::{Column, Measured};
-use super::run::{SMALL, Signal, TOLERANCE};
-use crate::error::Error;
-use crate::results::points::number;
+use super::{
+    measured::{Column, Measured},
+    run::{SMALL, Signal, TOLERANCE},
+};
+use crate::{error::Error, results::points::number};
 use curves::Metric;
-use fmu_import::units::Conversion;
-use fmu_import::{Description, Kind, Variable};
-use fmu_points::task::Schedule;
-use fmu_points::tell::one_line;
-use sampling::design::Method;
-use sampling::statistics::moments::{deviation, mean};
+use fmu_import::{Description, Kind, Variable, units::Conversion};
+use fmu_points::{task::Schedule, tell::one_line};
+use sampling::{
+    design::Method,
+    statistics::moments::{deviation, mean},
+};
 
 /// More lines nobody reads.
 const MOST_LINES: usize = 60;
@@ -23,7 +24,7 @@ const CRITERIA: usize = 3;
 
 /// A study to be written.
 #[derive(Debug)]
-pub(super) struct Study<'a> {
+pub struct Study<'a> {
     pub(super) fmu: &'a Description,
     /// The FMU's path, as seen from the study.
     pub(super) path: PathBuf,
@@ -36,7 +37,7 @@ pub(super) struct Study<'a> {
 
 /// The lines of the criteria, and how many criteria these are.
 #[derive(Debug)]
-pub(super) struct Criteria {
+pub struct Criteria {
     lines: Vec<String>,
     /// What drives the model as it was measured.
     inputs: Vec<String>,
@@ -62,10 +63,7 @@ impl<'a> View<'a> {
     fn value(&self, value: f64) -> f64 {
         let (zero, shown) = (self.to_variable.inverse().value(0.0), self.to_variable.inverse().value(value));
         // At an offset such as that of degF a zero is rounded.
-        match shown.abs() < 1e-12 * zero.abs() {
-            true => 0.0,
-            false => shown,
-        }
+        if shown.abs() < 1e-12 * zero.abs() { 0.0 } else { shown }
     }
 
     fn key(&self) -> String {
@@ -80,7 +78,7 @@ fn rounded(value: f64) -> f64 {
 
 /// A parameter's range in the unit in which people read it.
 #[derive(Debug)]
-pub(super) struct Shown<'a> {
+pub struct Shown<'a> {
     view: View<'a>,
     ends: [f64; 2],
 }
@@ -88,7 +86,7 @@ pub(super) struct Shown<'a> {
 impl<'a> Shown<'a> {
     /// 10 % to both sides of the start value, within the FMU's own limits. None of what is no number, has no start value
     /// or 0, or has no room.
-    pub(super) fn about_start(fmu: &Description, variable: &'a Variable) -> Option<Self> {
+    pub fn about_start(fmu: &Description, variable: &'a Variable) -> Option<Self> {
         match variable.kind {
             Kind::Real { start: Some(start), .. } => Self::about(fmu, variable, start),
             _ => None,
@@ -96,7 +94,7 @@ impl<'a> Shown<'a> {
     }
 
     /// The same about another value, in the variable's own unit.
-    pub(super) fn about(fmu: &Description, variable: &'a Variable, start: f64) -> Option<Self> {
+    pub fn about(fmu: &Description, variable: &'a Variable, start: f64) -> Option<Self> {
         const PART: f64 = 0.1;
         let Kind::Real { min, max, .. } = variable.kind else {
             return None;
@@ -129,7 +127,7 @@ impl<'a> Shown<'a> {
 
 impl Criteria {
     /// The first outputs that move, with what they do in a run of the model.
-    pub(super) fn of_model(signals: &[Signal<'_>], fmu: &Description, path: &Path) -> Result<Self, Error> {
+    pub fn of_model(signals: &[Signal<'_>], fmu: &Description, path: &Path) -> Result<Self, Error> {
         let mut moving: Vec<_> = signals.iter().filter(|signal| signal.moves()).collect();
         let stands = moving.is_empty();
         if stands {
@@ -159,7 +157,7 @@ impl Criteria {
     }
 
     /// The columns of a table, as curves where it has a column of the time.
-    pub(super) fn of_table(table: &Measured<'_>, path: &Path) -> Self {
+    pub fn of_table(table: &Measured<'_>, path: &Path) -> Self {
         let tolerance = "# The tolerances are a guess: they say how far the model may be from the true values. Add the accuracy \
                          of the";
         let is_of_points = table.time.is_none() && !table.inputs.is_empty();
@@ -223,9 +221,10 @@ fn own(signal: &Signal<'_>, fmu: &Description) -> Vec<String> {
 
 /// A part of the value; where that is next to nothing, of the range.
 fn tolerance(nominal: f64, range: f64) -> String {
-    match nominal.abs() < SMALL * range {
-        true => format!("tolerance = {}", number(rounded(TOLERANCE * range))),
-        false => format!("tolerance = \"{} %\"", 100.0 * TOLERANCE),
+    if nominal.abs() < SMALL * range {
+        format!("tolerance = {}", number(rounded(TOLERANCE * range)))
+    } else {
+        format!("tolerance = \"{} %\"", 100.0 * TOLERANCE)
     }
 }
 
@@ -271,8 +270,7 @@ fn unit_key(column: &Column<'_>) -> String {
 fn curve(column: &Column<'_>, time: &str, path: &Path) -> Vec<String> {
     let unit = unit_key(column);
     let [head, variable] = head(column.variable);
-    let metrics = Metric::ALL.iter().map(|metric| metric.name());
-    let others: Vec<String> = metrics.filter(|name| name != "nrmse").collect();
+    let others: Vec<String> = Metric::ALL.iter().map(|metric| metric.name()).filter(|name| name != "nrmse").collect();
     vec![
         head,
         variable,
@@ -297,10 +295,7 @@ fn reading(column: &Column<'_>) -> Vec<String> {
         lines.push(format!("noise = {noise} # the standard deviation of one row"));
         lines.push(format!("repeats = {count}"));
     }
-    lines.push(match value == 0.0 {
-        true => "tolerance = 0.1".to_owned(),
-        false => "tolerance = \"5 %\"".to_owned(),
-    });
+    lines.push(if value == 0.0 { "tolerance = 0.1".to_owned() } else { "tolerance = \"5 %\"".to_owned() });
     let unit = column.unit.as_deref();
     lines.extend(unit.map(|unit| format!("unit = {}", quoted(unit))));
     lines
@@ -308,7 +303,7 @@ fn reading(column: &Column<'_>) -> Vec<String> {
 
 impl Study<'_> {
     /// The text.
-    pub(super) fn text(&self) -> String {
+    pub fn text(&self) -> String {
         let Schedule { start, stop, step, .. } = self.schedule;
         let fmu = self.fmu;
         let mut lines = vec![
@@ -330,8 +325,10 @@ impl Study<'_> {
             "seed = 1".to_owned(),
             String::new(),
         ]);
-        let room = MOST_LINES.saturating_sub(lines.len() + self.criteria.lines.len() + 4);
-        let shown = room.max(FEWEST_PARAMETERS).min(self.parameters.len());
+        let shown = MOST_LINES
+            .saturating_sub(lines.len() + self.criteria.lines.len() + 4)
+            .max(FEWEST_PARAMETERS)
+            .min(self.parameters.len());
         lines.push("# Start values +-10 %, a guess: write what your parts' tolerances are.".to_owned());
         let others: Vec<&str> = self.parameters[shown..].iter().map(|(v, _)| &*v.name).collect();
         lines.extend(more(&others, &format!("{} further ones keep their start values", others.len())));
@@ -355,11 +352,12 @@ impl Study<'_> {
     }
 
     /// What to do with it.
-    pub(super) fn told(&self, path: &Path) -> String {
+    pub fn told(&self, path: &Path) -> String {
         let path = path.display();
-        let next = match self.criteria.own {
-            true => "no measured value yet: write yours in place of the nominal values, and remove `nominal-from`\n",
-            false => "the tolerances are a guess: write how far the model may be from the true values\n",
+        let next = if self.criteria.own {
+            "no measured value yet: write yours in place of the nominal values, and remove `nominal-from`\n"
+        } else {
+            "the tolerances are a guess: write how far the model may be from the true values\n"
         };
         let plural = if self.criteria.count == 1 { "on" } else { "a" };
         format!("{path}: {} criteri{plural}; `orchestrator verify {path}` runs it\n{next}", self.criteria.count)

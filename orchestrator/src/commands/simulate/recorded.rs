@@ -15,7 +15,7 @@ use study::{
 };
 
 /// The variables of `--record`.
-pub(super) fn columns(lists: &[String], fmu: &Description) -> Result<Columns> {
+pub fn columns(lists: &[String], fmu: &Description) -> Result<Columns> {
     let names = lists.iter().flat_map(|list| names(list, |name| fmu.variables.contains_key(name)));
     Ok(Columns::of(
         names
@@ -57,7 +57,7 @@ fn end_of_name(list: &str) -> usize {
 }
 
 /// The inputs of `--input`: each column beside the time is one, as under `[inputs]` in a study.
-pub(super) fn inputs(path: &Path, ends_hold: bool, fmu: &Description, schedule: &Schedule) -> Result<Vec<Series>> {
+pub fn inputs(path: &Path, ends_hold: bool, fmu: &Description, schedule: &Schedule) -> Result<Vec<Series>> {
     let recorded = RecordedTable::read_times(path)?;
     let time = recorded.time(&may_be_time(fmu), ONE_TIME)?;
     let inputs = recorded
@@ -100,15 +100,15 @@ pub(super) fn inputs(path: &Path, ends_hold: bool, fmu: &Description, schedule: 
 }
 
 /// A column's variable and unit: `NAME`, or `NAME [UNIT]` as in every table.
-pub(in crate::commands) fn split<'a>(column: &'a str, fmu: &Description) -> (&'a str, Option<String>) {
+pub fn split<'a>(column: &'a str, fmu: &Description) -> (&'a str, Option<String>) {
     if fmu.variables.contains_key(column) { (column, None) } else { number_tables::name_and_unit(column) }
 }
 
 /// What a table of inputs or measured values needs.
-pub(in crate::commands) const ONE_TIME: &str = "the file needs one column of a time that rises";
+pub const ONE_TIME: &str = "the file needs one column of a time that rises";
 
 /// Whether a column may be the time: the FMU's own variable `time` may, its others are what they are.
-pub(in crate::commands) fn may_be_time(fmu: &Description) -> impl Fn(&str) -> bool {
+pub fn may_be_time(fmu: &Description) -> impl Fn(&str) -> bool {
     |column| fmu.variables.get(split(column, fmu).0).is_none_or(|known| known.causality == Causality::Independent)
 }
 

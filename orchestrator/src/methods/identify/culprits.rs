@@ -33,7 +33,7 @@ use crate::{
 ///
 /// # Errors
 /// When the run was stopped.
-pub(super) fn ask(
+pub fn ask(
     (bound, fmu): (&Bound, &Description),
     task: &Task<'_>,
     searched: &Searched,
@@ -257,7 +257,7 @@ fn found(bound: &Bound, fmu: &Description) -> Vec<Known> {
 }
 
 /// What would explain the misfit, for people.
-pub(super) fn document(outcome: &IdentificationOutcome) -> Option<Document> {
+pub fn document(outcome: &IdentificationOutcome) -> Option<Document> {
     const SHOWN: usize = 4;
     let suspects = outcome.suspects.as_ref()?;
     let first = suspects.first()?;
@@ -268,9 +268,10 @@ pub(super) fn document(outcome: &IdentificationOutcome) -> Option<Document> {
         return None;
     }
     let mut told = Document::new("causes", "Causes", "What would explain the misfit");
-    told.say(match first.explains() {
-        true => "Each of these alone, the likeliest first, with the parameters fitted again.",
-        false => "Nothing that was tried explains all of it. Most of it goes with these, each alone.",
+    told.say(if first.explains() {
+        "Each of these alone, the likeliest first, with the parameters fitted again."
+    } else {
+        "Nothing that was tried explains all of it. Most of it goes with these, each alone."
     });
     let sentences = rivals.into_iter().take(SHOWN).map(|suspect| format!("{}: {}.", sentence(suspect), falls(suspect)));
     told.blocks.push(Block::List(sentences.collect()));
@@ -287,7 +288,7 @@ const NOTHING: &str = "Nothing that was tried explains it: no parameter beyond i
                        error, gain, delay or unit of a sensor. Something is probably missing in the model, or in the stated uncertainties.";
 
 /// The likeliest cause in a sentence.
-pub(super) fn headline(outcome: &IdentificationOutcome) -> Option<String> {
+pub fn headline(outcome: &IdentificationOutcome) -> Option<String> {
     /// Sums of squares this near do not tell causes apart.
     const NEAR: f64 = 4.0;
     let Some(suspects) = &outcome.suspects else {
@@ -340,7 +341,7 @@ fn coarse(outcome: &IdentificationOutcome) -> Option<String> {
 
 /// What explains that points miss the measured values, for the first screen of the study: a cause, that nothing was found, or
 /// that the parameters alone do. Nothing where the search has no one answer.
-pub(super) fn causes(outcome: &IdentificationOutcome) -> Vec<String> {
+pub fn causes(outcome: &IdentificationOutcome) -> Vec<String> {
     /// Of a parameter that the data determine they leave less of the prior's deviation.
     const DETERMINED: f64 = 0.5;
     if outcome.end != End::Converged || outcome.fit() != Fit::Good || outcome.has_several() {
@@ -398,8 +399,11 @@ fn strained(outcome: &IdentificationOutcome) -> Option<String> {
     });
     let all: Vec<String> = sensors.chain(parameters).collect();
     // Without what the strain itself adds, the rest may be as of a right model.
-    let of_sensors = far().map(|error| error.value * error.coverage / error.limit);
-    let strain: f64 = of_sensors.chain(off().map(FreeOutcome::strain)).map(|strain| strain * strain).sum();
+    let strain: f64 = far()
+        .map(|error| error.value * error.coverage / error.limit)
+        .chain(off().map(FreeOutcome::strain))
+        .map(|strain| strain * strain)
+        .sum();
     let freedom = outcome.degrees_of_freedom as f64;
     let fits = match outcome.fit() {
         Fit::Misses if outcome.cost - strain > freedom + FAR * (2.0 * freedom).sqrt() => {

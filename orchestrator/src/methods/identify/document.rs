@@ -2,21 +2,25 @@
 
 use std::{ops::Range, path::Path};
 
-use calibration::digits::{cleared, enough};
-use calibration::fit::Fit;
-use calibration::influence::Group;
-use calibration::local::End;
-use calibration::outcome::{FreeOutcome, IdentificationOutcome, OptimumOutcome, Residual};
-use calibration::sample;
-use calibration::surrogate::text::sentences;
-use calibration::text;
+use calibration::{
+    digits::{cleared, enough},
+    fit::Fit,
+    influence::Group,
+    local::End,
+    outcome::{FreeOutcome, IdentificationOutcome, OptimumOutcome, Residual},
+    sample,
+    surrogate::text::sentences,
+    text,
+};
 
-use crate::error::Error;
-use crate::identify::bind::Bound;
-use crate::plain;
-use result_document::format::{count, number};
-use result_document::svg::{Frame, area, envelope, path};
-use result_document::{Block, Document, Figure, Key, Table, numbers, words};
+use crate::{error::Error, identify::bind::Bound, plain};
+use result_document::{
+    Block, Document, Figure, Key, Table,
+    format::{count, number},
+    numbers,
+    svg::{Frame, area, envelope, path},
+    words,
+};
 
 /// Most rows of the table of values, and curves that are drawn.
 const MOST_ROWS: usize = 200;
@@ -25,7 +29,7 @@ const MOST_CURVES: usize = 24;
 const MANY_CASES: usize = 6;
 
 /// An identification for its page.
-pub(super) struct Page<'a> {
+pub struct Page<'a> {
     pub(super) title: &'a str,
     pub(super) bound: &'a Bound,
     pub(super) outcome: &'a IdentificationOutcome,
@@ -39,12 +43,12 @@ fn group(bound: &Bound, name: &str, quantities: Range<usize>) -> Group {
 }
 
 /// The measured curves.
-pub(super) fn curves(bound: &Bound) -> Vec<Group> {
+pub fn curves(bound: &Bound) -> Vec<Group> {
     bound.curves.iter().map(|curve| group(bound, &curve.name, curve.quantities.clone())).collect()
 }
 
 /// What was measured together: the curves, and the single quantities.
-pub(super) fn groups(bound: &Bound) -> Vec<Group> {
+pub fn groups(bound: &Bound) -> Vec<Group> {
     let singles = singles(bound).map(|k| group(bound, &bound.problem.quantities[k].name, k..k + 1));
     curves(bound).into_iter().chain(singles).collect()
 }
@@ -64,7 +68,7 @@ impl Page<'_> {
     }
 
     /// The result as a section of a page.
-    pub(super) fn section(&self) -> Document {
+    pub fn section(&self) -> Document {
         let (_, headline, told) = self.headline();
         let mut section = Document::new("identification", "Identification", "Which parameters fit the measured values");
         section.warn(&self.warnings());
@@ -81,7 +85,7 @@ impl Page<'_> {
     ///
     /// # Errors
     /// When the system says no.
-    pub(super) fn write(&self, folder: &Path) -> Result<(), Error> {
+    pub fn write(&self, folder: &Path) -> Result<(), Error> {
         let (is_good, headline, _) = self.headline();
         let page = plain::Page {
             kicker: "Identification",
@@ -131,8 +135,10 @@ impl Page<'_> {
     }
 
     fn warnings(&self) -> Vec<String> {
-        let concerns = super::concerns(self.outcome).into_iter();
-        concerns.map(|concern| concern.to_string().trim_end_matches('.').to_owned()).collect()
+        super::concerns(self.outcome)
+            .into_iter()
+            .map(|concern| concern.to_string().trim_end_matches('.').to_owned())
+            .collect()
     }
 
     fn residual(&self, case: usize, quantity: usize) -> &Residual {
@@ -169,9 +175,10 @@ impl Page<'_> {
         if (rows.is_empty() || is_long) && !self.outcome.is_farthest_doubtful() {
             text::largest(self.outcome).into_iter().for_each(|sentence| told.say(sentence));
         }
-        match is_long && !rows.is_empty() {
-            true => told.blocks.push(Block::Folded("All values".into(), false, vec![Block::Table(values(rows))])),
-            false => told.table(values(rows)),
+        if is_long && !rows.is_empty() {
+            told.blocks.push(Block::Folded("All values".into(), false, vec![Block::Table(values(rows))]))
+        } else {
+            told.table(values(rows))
         }
         list(&mut told, text::excluded(self.outcome));
         list(&mut told, self.outcome.surrogate.as_ref().map(sentences).unwrap_or_default());
@@ -220,17 +227,15 @@ impl Page<'_> {
         const NOTHING: f64 = 0.9;
         let rows = self.outcome.optima.iter().enumerate().flat_map(|(place, optimum)| {
             optimum.free.iter().map(move |free| {
-                let name = match self.outcome.has_several() {
-                    true => format!("{}, optimum {}", free.name, place + 1),
-                    false => free.name.clone(),
+                let name = if self.outcome.has_several() {
+                    format!("{}, optimum {}", free.name, place + 1)
+                } else {
+                    free.name.clone()
                 };
                 let [value, low, high] = self::told(free);
                 vec![
                     name,
-                    match free.left > NOTHING {
-                        true => "the data do not tell".to_owned(),
-                        false => with_unit(value, free),
-                    },
+                    if free.left > NOTHING { "the data do not tell".to_owned() } else { with_unit(value, free) },
                     match free.at_bound {
                         Some(side) => format!("{low} .. {high}, at its {side} bound"),
                         None => format!("{low} .. {high}"),
@@ -360,12 +365,10 @@ fn fitted(name: &str, unit: &str, times: &[f64], rows: &[&Residual]) -> Option<F
     let bottom = frame.wrap(&format!("{name}: residuals in standard deviations"), &out);
     let squares: f64 = missed.iter().map(|m| m * m).sum();
     let shared = rows.iter().map(|r| r.shared).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });
-    let taken = match shared == 0.0 {
-        true => String::new(),
-        false => format!(
-            "; shared errors of up to {} are taken out of them",
-            format!("{} {unit}", number(shared, 2)).trim_end()
-        ),
+    let taken = if shared == 0.0 {
+        String::new()
+    } else {
+        format!("; shared errors of up to {} are taken out of them", format!("{} {unit}", number(shared, 2)).trim_end())
     };
     Some(Figure {
         file: format!("fit-{name}"),

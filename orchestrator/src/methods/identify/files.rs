@@ -11,12 +11,7 @@ use std::path::{Path, PathBuf};
 use study::Study;
 
 /// Writes all files. `fmu` is the FMU that was run.
-pub(super) fn write(
-    folder: &Path,
-    (study, fmu): (&Study, &Path),
-    outcome: &IdentificationOutcome,
-    bound: &Bound,
-) -> Result {
+pub fn write(folder: &Path, (study, fmu): (&Study, &Path), outcome: &IdentificationOutcome, bound: &Bound) -> Result {
     let name = number_tables::files::name(study.path());
     let optima = outcome.optima.len();
     for place in 0..optima {
@@ -52,7 +47,7 @@ fn remove_others(folder: &Path, optima: usize) -> Result {
     Ok(())
 }
 
-pub(super) fn remove(path: &Path) -> Result {
+pub fn remove(path: &Path) -> Result {
     match std::fs::remove_file(path) {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(Error::io(path)(error)),
         _ => Ok(()),
@@ -60,6 +55,6 @@ pub(super) fn remove(path: &Path) -> Result {
 }
 
 /// A path that the study gives relative to itself.
-pub(super) fn resolve(study: &Study, path: &Path) -> PathBuf {
+pub fn resolve(study: &Study, path: &Path) -> PathBuf {
     study.path().parent().unwrap_or("".as_ref()).join(path)
 }

@@ -24,7 +24,7 @@ use crate::{error::Result, identify::bind::Bound, options::relative};
 ///
 /// # Errors
 /// When the study's text cannot be read.
-pub(super) fn study(
+pub fn study(
     (study, fmu): (&Study, &Path),
     outcome: &IdentificationOutcome,
     (place, bound): (usize, &Bound),
@@ -158,8 +158,9 @@ fn take_errors_off(table: &mut Table, study: &Study, all: &[FreeOutcome], bound:
         };
         // The first case that was fitted with the input says which sensor it is.
         let stated = fitted.iter().find_map(|(case, of_case)| {
-            let own = case.and_then(|case| path.strip_prefix(case.name.as_ref().as_str())?.strip_prefix(SEPARATOR));
-            let key = own.unwrap_or(path);
+            let key = case
+                .and_then(|case| path.strip_prefix(case.name.as_ref().as_str())?.strip_prefix(SEPARATOR))
+                .unwrap_or(path);
             Some((key, of_sensor(of_case, key)?))
         });
         let Some((key, sensor)) = stated else { continue };

@@ -35,7 +35,7 @@ const EACH: u64 = 20;
 const FILE: &str = "posterior.csv";
 
 /// Refuses numbers of particles that would say nothing.
-pub(super) fn check(study: &Study, settings: &Identification, bound: &Bound, by_option: bool) -> Result {
+pub fn check(study: &Study, settings: &Identification, bound: &Bound, by_option: bool) -> Result {
     let Some(particles) = &settings.posterior else { return Ok(()) };
     let common = 2 * bound.problem.populations.len();
     let unknowns = (bound.problem.unknowns() + common) as u64;
@@ -49,7 +49,7 @@ pub(super) fn check(study: &Study, settings: &Identification, bound: &Bound, by_
 }
 
 /// The evidence of another result, given its file or its folder.
-pub(super) fn other(path: &Path, problem: &Problem) -> Result<Evidence> {
+pub fn other(path: &Path, problem: &Problem) -> Result<Evidence> {
     #[derive(Deserialize)]
     struct Other {
         evidence: Option<Evidence>,
@@ -64,7 +64,7 @@ pub(super) fn other(path: &Path, problem: &Problem) -> Result<Evidence> {
 }
 
 /// Samples the posterior where that is asked for.
-pub(super) fn sampled(
+pub fn sampled(
     objective: &Objective<'_>,
     optima: &[Optimum],
     settings: &Identification,
@@ -88,7 +88,7 @@ pub(super) fn sampled(
 }
 
 /// Writes the table of particles. Without a sample an earlier one's goes: it would be taken for this one's.
-pub(super) fn write(folder: &Path, settings: &Identification, bound: &Bound, sample: Option<&Sample>) -> Result {
+pub fn write(folder: &Path, settings: &Identification, bound: &Bound, sample: Option<&Sample>) -> Result {
     let path = folder.join(FILE);
     let Some(sample) = sample else { return remove(&path) };
     // Groups of one size may need some more.

@@ -37,7 +37,7 @@ const POINTS: usize = 250;
 
 /// The study's points in the folder of the results, as runs that need not be made again.
 #[derive(Debug, Default)]
-pub(super) struct Known {
+pub struct Known {
     /// A digest of the points; none where there are none.
     pub(super) digest: Option<String>,
     places: Vec<Vec<f64>>,
@@ -47,7 +47,7 @@ pub(super) struct Known {
 impl Known {
     /// The points of a folder whose values are those that a search asks for: the same FMU and study, each varied parameter an
     /// unknown, each measured value that of a criterion. A curve has more rows than the points tell.
-    pub(super) fn of(fit: &Fit, folder: &Path) -> Result<Self> {
+    pub fn of(fit: &Fit, folder: &Path) -> Result<Self> {
         let Fit { study, package, bound, .. } = fit;
         let problem = &bound.problem;
         let is_plain = bound.curves.is_empty()
@@ -97,7 +97,7 @@ impl Known {
     }
 
     /// The answers, as a search asks for them.
-    pub(super) fn answers<'a>(&'a self, bound: &'a Bound) -> impl Iterator<Item = (Query, Prediction)> + 'a {
+    pub fn answers<'a>(&'a self, bound: &'a Bound) -> impl Iterator<Item = (Query, Prediction)> + 'a {
         self.places
             .iter()
             .map(|places| Query { case: 0, free: bound.problem.free_values(places), latents: Vec::new() })
@@ -111,12 +111,12 @@ fn places(runs: u64, bound: &Bound) -> u64 {
 }
 
 /// Runs that a search may ask for.
-pub(super) fn asked(runs: u64, bound: &Bound) -> u64 {
+pub fn asked(runs: u64, bound: &Bound) -> u64 {
     runs.saturating_sub(UNASKED * bound.problem.cases.len() as u64)
 }
 
 /// Refuses numbers of runs from which no surrogate can be made.
-pub(super) fn check(Fit { bound, known, .. }: &Fit, options: &Asked) -> Result {
+pub fn check(Fit { bound, known, .. }: &Fit, options: &Asked) -> Result {
     let Some(runs) = options.budget else { return Ok(()) };
     let cases = bound.problem.cases.len() as u64;
     let least = cases * (fewest(&bound.problem, known.places.len()) as u64 + BESIDE);
@@ -131,7 +131,7 @@ pub(super) fn check(Fit { bound, known, .. }: &Fit, options: &Asked) -> Result {
 }
 
 /// Makes surrogates where a budget wants them.
-pub(super) fn replaced(
+pub fn replaced(
     Fit { study, settings, bound, known, .. }: &Fit,
     budget: Option<u64>,
     search: &rounds::Task<'_>,
@@ -155,7 +155,7 @@ pub(super) fn replaced(
 
 /// Runs the optima in the model, whose predictions take the place of the surrogates'. Those for which the budget has no run left
 /// are left out, but for the first.
-pub(super) fn run_again(
+pub fn run_again(
     objective: &Objective<'_>,
     replaced: &Replaced,
     (optima, left): (&mut Vec<Optimum>, u64),

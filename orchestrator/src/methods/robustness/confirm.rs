@@ -12,7 +12,7 @@ use point_journal::pipeline::Pipeline;
 const MOST_DRAWS: u64 = 4_000_000;
 
 /// Statements to confirm, and the means to do so.
-pub(super) struct Confirmation<'a, 'b> {
+pub struct Confirmation<'a, 'b> {
     pub(super) session: &'a Session,
     pub(super) pipeline: &'a mut Pipeline<'b>,
     pub(super) known: &'a Points,
@@ -23,7 +23,7 @@ pub(super) struct Confirmation<'a, 'b> {
 
 impl Confirmation<'_, '_> {
     /// Runs independent points of the study's distributions inside the box, and notes the outcome.
-    pub(super) fn of(&mut self, mut result: Robustness) -> Result<Robustness> {
+    pub fn of(&mut self, mut result: Robustness) -> Result<Robustness> {
         let parameters = &self.known.all.parameters;
         let inputs = self.session.plan.inputs.iter().map(|input| &input.name);
         if !inputs.eq(parameters.iter().map(|p| &p.name)) {

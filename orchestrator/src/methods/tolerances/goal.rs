@@ -7,12 +7,13 @@ use crate::{
 use conformity::risk::Guard;
 use parameter_regions::tolerances::stated::Wanted;
 use std::path::Path;
-use study::Study;
-use study::judge::{Judge, share};
+use study::{
+    Study,
+    judge::{Judge, share},
+};
 
 /// A share of accepted points, or a conformance probability.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Goal<'a> {
+pub struct Goal<'a> {
     judge: &'a Judge,
     /// Which of both.
     pub(super) wanted: Wanted,
@@ -26,7 +27,7 @@ pub(super) struct Goal<'a> {
 
 impl<'a> Goal<'a> {
     /// The study's goal; a guard band that limits a risk is that of the finished study in `from`.
-    pub(super) fn new(study: &Study, judge: &'a Judge, from: &Path) -> Result<Self> {
+    pub fn new(study: &Study, judge: &'a Judge, from: &Path) -> Result<Self> {
         const USUAL: f64 = 0.95;
         let said = &study.tolerances;
         let required = judge.rule.map(|rule| rule.share);
@@ -67,12 +68,12 @@ impl<'a> Goal<'a> {
     }
 
     /// How good points are.
-    pub(super) fn goods(&self, outcomes: &[Option<Vec<f64>>]) -> Vec<f64> {
+    pub fn goods(&self, outcomes: &[Option<Vec<f64>>]) -> Vec<f64> {
         outcomes.iter().map(|one| self.good(one.as_deref())).collect()
     }
 
     /// How good a point is, from 0 to 1; one that failed is not at all.
-    pub(super) fn good(&self, values: Option<&[f64]>) -> f64 {
+    pub fn good(&self, values: Option<&[f64]>) -> f64 {
         let Some(values) = values else { return 0.0 };
         let measurement = &self.judge.measurement;
         match self.wanted {

@@ -1,12 +1,12 @@
 use std::path::Path;
 
 use super::*;
-use crate::results::summary::Provenance;
-use crate::results::tally::{Sample, Tally};
+use crate::results::{
+    summary::Provenance,
+    tally::{Sample, Tally},
+};
 use fmu_points::failure::Failure;
-use study::Study;
-use study::concern::Code;
-use study::judge::Judge;
+use study::{Study, concern::Code, judge::Judge};
 
 const STUDY: &str = r#"
 fmu = "a.fmu"

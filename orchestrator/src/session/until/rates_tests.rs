@@ -2,10 +2,14 @@
 
 use statrs::distribution::{Binomial, DiscreteCDF};
 
-use super::tests::{STUDY, judge, seen};
-use super::*;
-use sampling::design::{Design, Sampling};
-use sampling::distribution::Distribution;
+use super::{
+    tests::{STUDY, judge, seen},
+    *,
+};
+use sampling::{
+    design::{Design, Sampling},
+    distribution::Distribution,
+};
 
 /// The share of the region u0 + u1 < 2/sqrt(10) of the unit cube.
 const SHARE: f64 = 0.2;

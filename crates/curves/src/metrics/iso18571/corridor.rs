@@ -6,7 +6,7 @@ const INNER: f64 = 0.05;
 const OUTER: f64 = 0.5;
 
 /// The mean over the samples; between the corridors the rating falls with the square.
-pub(super) fn rating(reference: &[f64], model: &[f64]) -> f64 {
+pub fn rating(reference: &[f64], model: &[f64]) -> f64 {
     let largest = reference.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
     let (inner, outer) = (INNER * largest, OUTER * largest);
     let rate = |(r, m): (&f64, &f64)| match (r - m).abs() {

@@ -10,7 +10,7 @@ const WINDOW: f64 = 0.1;
 
 /// One without an error, zero for the worst one, and straight between. The error is the sum of the deviations along the
 /// path of least squares, as a part of the sum of the reference's magnitudes along it.
-pub(super) fn rating(reference: &[f64], model: &[f64]) -> f64 {
+pub fn rating(reference: &[f64], model: &[f64]) -> f64 {
     let (mut deviations, mut magnitudes) = (0.0, 0.0);
     for (m, r) in path(reference, model) {
         deviations += (model[m] - reference[r]).abs();

@@ -5,7 +5,7 @@ const LARGEST: f64 = 0.2;
 
 /// The shift of the model, in samples, that gives the largest correlation with the reference on their overlap; positive
 /// where the model is late. Of equal correlations the smallest shift counts, and of a pair of these the late one.
-pub(super) fn shift(reference: &[f64], model: &[f64]) -> isize {
+pub fn shift(reference: &[f64], model: &[f64]) -> isize {
     let sums = [Sums::of(reference), Sums::of(model)];
     let correlate = |shift: isize| {
         let (reference_part, model_part) = overlap(reference, model, shift);
@@ -28,14 +28,14 @@ pub(super) fn shift(reference: &[f64], model: &[f64]) -> isize {
 }
 
 /// The samples that lie on each other when the model is moved back by a shift.
-pub(super) fn overlap<'a>(reference: &'a [f64], model: &'a [f64], shift: isize) -> (&'a [f64], &'a [f64]) {
+pub fn overlap<'a>(reference: &'a [f64], model: &'a [f64], shift: isize) -> (&'a [f64], &'a [f64]) {
     let by = shift.unsigned_abs();
     let rest = reference.len() - by;
     if shift >= 0 { (&reference[..rest], &model[by..]) } else { (&reference[by..], &model[..rest]) }
 }
 
 /// One without a shift, zero for the largest one, and straight between.
-pub(super) fn rating(shift: isize, samples: usize) -> f64 {
+pub fn rating(shift: isize, samples: usize) -> f64 {
     let most = samples as f64 * LARGEST;
     ((most - shift.unsigned_abs() as f64) / most).max(0.0)
 }

@@ -9,7 +9,7 @@ const SIDE: usize = 4;
 
 /// One without an error, zero for the worst one, and straight between. The error is the sum of the differences of the
 /// slopes, as a part of the sum of the reference's.
-pub(super) fn rating(reference: &[f64], model: &[f64]) -> f64 {
+pub fn rating(reference: &[f64], model: &[f64]) -> f64 {
     let (reference, model) = (smoothed(&slopes(reference)), smoothed(&slopes(model)));
     let differences: f64 = reference.iter().zip(&model).map(|(r, m)| (m - r).abs()).sum();
     let all: f64 = reference.iter().map(|slope| slope.abs()).sum();

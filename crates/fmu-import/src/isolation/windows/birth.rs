@@ -1,19 +1,25 @@
 //! Start of a child: a program of its own, which takes its [`Place`] from its standard streams.
 
-use std::fs::File;
-use std::io;
-use std::os::windows::io::{AsHandle, AsRawHandle, OwnedHandle};
-use std::process::{Command, Stdio};
+use std::{
+    fs::File,
+    io,
+    os::windows::io::{AsHandle, AsRawHandle, OwnedHandle},
+    process::{Command, Stdio},
+};
 
 use windows_sys::Win32::System::Console::{STD_INPUT_HANDLE, STD_OUTPUT_HANDLE, SetStdHandle};
 
-use super::job::ControlGroup;
-use super::keeper::{Keeper, Process};
-use super::pipe::Arrivals;
-use super::process;
-use crate::isolation::child::Child;
-use crate::isolation::frame::{self, Inbox};
-use crate::isolation::loss::MUTE;
+use super::{
+    job::ControlGroup,
+    keeper::{Keeper, Process},
+    pipe::Arrivals,
+    process,
+};
+use crate::isolation::{
+    child::Child,
+    frame::{self, Inbox},
+    loss::MUTE,
+};
 
 impl Keeper {
     /// Starts a program as a child: it has to begin with [`Place::take`].

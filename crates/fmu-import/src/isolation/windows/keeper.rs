@@ -3,16 +3,18 @@
 //! A child lies in a job, so that it ends with all that it has started; the keeper's own job ends it when the keeper is
 //! gone.
 
-use std::fs::File;
-use std::process::ChildStdin;
-use std::time::Duration;
+use std::{fs::File, process::ChildStdin, time::Duration};
 
-use super::job::ControlGroup;
-use super::pipe::Arrivals;
-use super::process::{self, loss};
-use super::words::Words;
-use crate::isolation::frame::Inbox;
-use crate::isolation::loss::{DONE, Loss, State};
+use super::{
+    job::ControlGroup,
+    pipe::Arrivals,
+    process::{self, loss},
+    words::Words,
+};
+use crate::isolation::{
+    frame::Inbox,
+    loss::{DONE, Loss, State},
+};
 
 /// A process that keeps children.
 #[derive(Debug)]

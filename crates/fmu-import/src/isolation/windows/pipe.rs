@@ -1,9 +1,11 @@
 //! A pipe for which one can wait for a limited time: a thread reads it.
 
-use std::io::{self, Read};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, sync_channel};
-use std::thread;
-use std::time::Duration;
+use std::{
+    io::{self, Read},
+    sync::mpsc::{Receiver, RecvTimeoutError, sync_channel},
+    thread,
+    time::Duration,
+};
 
 /// Pieces that wait at most: then the sender has to wait, as with a full pipe.
 const PIECES: usize = 16;

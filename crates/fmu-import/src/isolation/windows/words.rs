@@ -1,11 +1,15 @@
 //! Keeps the last lines that a child prints.
 
-use std::fs::File;
-use std::io::{Read, Write};
-use std::sync::mpsc::{Receiver, channel};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::thread;
-use std::time::Duration;
+use std::{
+    fs::File,
+    io::{Read, Write},
+    sync::{
+        Arc, Mutex, MutexGuard, PoisonError,
+        mpsc::{Receiver, channel},
+    },
+    thread,
+    time::Duration,
+};
 
 use crate::isolation::tail::{KEPT, Tail, harmless};
 

@@ -1,10 +1,9 @@
 //! Tests of the quasi-static film.
 
-use crate::literature::RAIMONDI_BOYD;
+use crate::{literature::RAIMONDI_BOYD, reynolds::Grid};
 use nalgebra::{Matrix2, Vector2};
 
 use super::{Boundary, Groove, QuasiStatic};
-use crate::reynolds::Grid;
 use std::f64::consts::PI;
 
 /// Sommerfeld number S, attitude angle and (R/c) f of a journal at rest under a steady load.

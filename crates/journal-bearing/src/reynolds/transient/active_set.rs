@@ -2,10 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::balance::Balance;
-use super::cells::Cells;
-use super::stage::Stage;
-use super::state::Field;
+use super::{balance::Balance, cells::Cells, stage::Stage, state::Field};
 use crate::reynolds::lanes::largest;
 
 /// Moves cells into and out of the set of full cells, and counts how often each has moved.

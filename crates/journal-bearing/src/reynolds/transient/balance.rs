@@ -17,15 +17,19 @@
 
 use std::ops::Range;
 
-use super::cells::Cells;
-use super::gap::Gap;
-use super::liquid::Liquid;
-use super::stage::Stage;
-use super::state::Field;
-use super::sweeps::{add_difference, change, fill};
-use super::upwind;
-use crate::reynolds::lanes::{dot, sum_of};
-use crate::roughness::shear_flow_factor;
+use super::{
+    cells::Cells,
+    gap::Gap,
+    liquid::Liquid,
+    stage::Stage,
+    state::Field,
+    sweeps::{add_difference, change, fill},
+    upwind,
+};
+use crate::{
+    reynolds::lanes::{dot, sum_of},
+    roughness::shear_flow_factor,
+};
 
 /// Conductances, fluxes and residuals at one gap and field.
 #[derive(Clone, Debug)]

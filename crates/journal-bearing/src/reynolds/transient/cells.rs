@@ -4,10 +4,7 @@ use std::ops::Range;
 
 use nalgebra::Vector2;
 
-use crate::reynolds::feed::Feed;
-use crate::reynolds::grid::Grid;
-use crate::reynolds::lanes::LANES;
-use crate::reynolds::settings::Cavitation;
+use crate::reynolds::{feed::Feed, grid::Grid, lanes::LANES, settings::Cavitation};
 
 /// The conductance to a feed's supply over those to its neighbours: the pressure in a feed is the supply's but for this part of a
 /// pressure difference between cells.

@@ -2,10 +2,7 @@
 
 use nalgebra::Matrix2;
 
-use super::film::ReynoldsFilm;
-use super::forces::Forces;
-use super::stage::Task;
-use super::step::stage;
+use super::{film::ReynoldsFilm, forces::Forces, stage::Task, step::stage};
 use crate::reynolds::{Coefficients, Drive};
 
 /// The slowest motion of the three that tell the damping, as a part of the mean rotation.

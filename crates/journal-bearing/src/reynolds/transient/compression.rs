@@ -10,8 +10,7 @@
 //! Multiplied by the pressure and summed over the cells, the middle term is the work of the surfaces less the viscous
 //! dissipation. The other terms are stored, or lost where oil fills an emptier gap.
 
-use super::stage::Stage;
-use super::workspace::Workspace;
+use super::{stage::Stage, workspace::Workspace};
 
 /// The powers of a film, dimensionless.
 #[derive(Clone, Copy, Debug, Default)]

@@ -4,15 +4,16 @@ use std::ops::Range;
 
 use nalgebra::Vector2;
 
-use super::asperities;
-use super::compression;
-use super::diagnostics::Diagnostics;
-use super::geometry::Geometry;
-use super::stage::Stage;
-use super::workspace::Workspace;
-use crate::reynolds::lanes::{dot, largest, sum_of};
-use crate::reynolds::settings::Drive;
-use crate::roughness::shear_flow_factor;
+use super::{
+    asperities, compression, diagnostics::Diagnostics, geometry::Geometry, stage::Stage, workspace::Workspace,
+};
+use crate::{
+    reynolds::{
+        lanes::{dot, largest, sum_of},
+        settings::Drive,
+    },
+    roughness::shear_flow_factor,
+};
 
 /// Sums over cells and edges, dimensionless.
 #[derive(Default)]

@@ -3,16 +3,20 @@
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use super::diagnostics::Diagnostics;
-use super::periodic::PeriodicSearch;
-use super::stage::NoSolution;
-use super::state::State;
-use super::step::{Step, Stepper};
-use super::warmth::HeatExchange;
-use super::workspace::Workspace;
-use crate::reynolds::error::{FilmError, positive, within};
-use crate::reynolds::grid::Grid;
-use crate::reynolds::settings::{Drive, FilmSettings};
+use super::{
+    diagnostics::Diagnostics,
+    periodic::PeriodicSearch,
+    stage::NoSolution,
+    state::State,
+    step::{Step, Stepper},
+    warmth::HeatExchange,
+    workspace::Workspace,
+};
+use crate::reynolds::{
+    error::{FilmError, positive, within},
+    grid::Grid,
+    settings::{Drive, FilmSettings},
+};
 
 /// The film between journal and bush by the transient Reynolds equation in two dimensions, with its journal.
 ///

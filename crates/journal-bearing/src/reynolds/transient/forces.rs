@@ -4,10 +4,12 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::asperities;
-use super::geometry::Geometry;
-use super::stage::{Stage, Task};
-use super::workspace::Workspace;
+use super::{
+    asperities,
+    geometry::Geometry,
+    stage::{Stage, Task},
+    workspace::Workspace,
+};
 
 /// Damping by the air in a film that has run empty, as a share of the damping of a full film. It keeps the motion of a
 /// journal without a film determined.

@@ -3,8 +3,10 @@
 use nalgebra::Vector2;
 
 use super::cells::Cells;
-use crate::reynolds::lanes::{LANES, smallest};
-use crate::roughness::{NO_CONTACT, RoughFilm, Table, table};
+use crate::{
+    reynolds::lanes::{LANES, smallest},
+    roughness::{NO_CONTACT, RoughFilm, Table, table},
+};
 
 /// All that shapes the gap apart from the eccentricity.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -127,10 +129,7 @@ impl Gap {
 
     /// Computes the gap at the eccentricity ratio `eps` of the middle plane.
     pub fn update(&mut self, cells: &Cells, form: &Form, eps: Vector2<f64>) {
-        self.alike = match form.tilt == Vector2::zeros() {
-            true => cells.stride,
-            false => 1,
-        };
+        self.alike = if form.tilt == Vector2::zeros() { cells.stride } else { 1 };
         let was_rough = self.rough;
         if form.is_plain() {
             // The narrowest point may lie between two grid points.

@@ -4,14 +4,20 @@ use std::f64::consts::TAU;
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::cells::Cells;
-use super::gap::{Form, Gap};
-use super::state::Field;
-use crate::reynolds::error::{FilmError, within};
-use crate::reynolds::grid::Grid;
-use crate::reynolds::lanes::{dot, smallest};
-use crate::reynolds::settings::{Drive, FilmSettings};
-use crate::roughness::{mean_gap, parting};
+use super::{
+    cells::Cells,
+    gap::{Form, Gap},
+    state::Field,
+};
+use crate::{
+    reynolds::{
+        error::{FilmError, within},
+        grid::Grid,
+        lanes::{dot, smallest},
+        settings::{Drive, FilmSettings},
+    },
+    roughness::{mean_gap, parting},
+};
 
 /// Least film ratio at which a journal may start: the mean planes of rough surfaces may cross by three roughnesses.
 const DEEPEST: f64 = -3.0;
@@ -160,10 +166,7 @@ impl Geometry {
 
     /// How far, in roughnesses, the mean planes of rough surfaces cross anywhere.
     pub fn crossing(&self, eps: Vector2<f64>) -> f64 {
-        match self.form.roughness > 0.0 {
-            true => (-self.smallest_distance(eps) / self.form.roughness).max(0.0),
-            false => 0.0,
-        }
+        if self.form.roughness > 0.0 { (-self.smallest_distance(eps) / self.form.roughness).max(0.0) } else { 0.0 }
     }
 
     /// Whether smooth surfaces touch by tilt or form error.

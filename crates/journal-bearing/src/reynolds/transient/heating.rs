@@ -2,11 +2,12 @@
 
 use std::f64::consts::TAU;
 
-use super::stage::NoSolution;
-use super::warmth::{self, Column, HeatExchange, HeatGiven, Warm};
-use super::workspace::Workspace;
-use crate::reynolds::lanes::dot;
-use crate::reynolds::settings::Drive;
+use super::{
+    stage::NoSolution,
+    warmth::{self, Column, HeatExchange, HeatGiven, Warm},
+    workspace::Workspace,
+};
+use crate::reynolds::{lanes::dot, settings::Drive};
 
 impl Workspace {
     /// Gives each column its viscosity; a film without temperatures begins with the exchange's.

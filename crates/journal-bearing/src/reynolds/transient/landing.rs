@@ -15,12 +15,14 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::forces::Forces;
-use super::newton::is_balanced;
-use super::stage::{NoSolution, Stage, Task};
-use super::state::Field;
-use super::way::Way;
-use super::workspace::Workspace;
+use super::{
+    forces::Forces,
+    newton::is_balanced,
+    stage::{NoSolution, Stage, Task},
+    state::Field,
+    way::Way,
+    workspace::Workspace,
+};
 
 /// Most steps of the journal.
 const STEPS: usize = 60;

@@ -1,10 +1,10 @@
 //! The oil's viscosity and density in each cell.
 
-use super::gap::Gap;
-use super::state::Field;
-use super::warmth::Warm;
-use crate::reynolds::settings::{Drive, FilmSettings};
-use crate::rheology::PressureLaw;
+use super::{gap::Gap, state::Field, warmth::Warm};
+use crate::{
+    reynolds::settings::{Drive, FilmSettings},
+    rheology::PressureLaw,
+};
 
 /// Viscosity and density cell by cell, relative to those at ambient pressure and low shear.
 #[derive(Clone, Debug)]

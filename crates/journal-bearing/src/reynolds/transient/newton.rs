@@ -5,11 +5,13 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::active_set::ActiveSet;
-use super::forces::Forces;
-use super::geometry::Geometry;
-use super::stage::{NoSolution, Stage, Task};
-use super::workspace::Workspace;
+use super::{
+    active_set::ActiveSet,
+    forces::Forces,
+    geometry::Geometry,
+    stage::{NoSolution, Stage, Task},
+    workspace::Workspace,
+};
 
 /// Passes before a shorter step is tried.
 const PASSES: usize = 60;

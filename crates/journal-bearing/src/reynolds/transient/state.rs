@@ -3,8 +3,7 @@
 use nalgebra::Vector2;
 use serde::{Deserialize, Serialize};
 
-use super::cells::Cells;
-use super::warmth::Warm;
+use super::{cells::Cells, warmth::Warm};
 
 /// Pressure and content cell by cell, in the order of [`Cells`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -1,14 +1,16 @@
 //! An internal step of the film: two implicit stages, and the mass balance over both.
 
-use super::balance::EndFlow;
-use super::diagnostics::Diagnostics;
-use super::evaluation::diagnose;
-use super::landing::Landing;
-use super::newton;
-use super::stage::{NoSolution, Stage, Task};
-use super::state::State;
-use super::warmth::{Column, HeatExchange};
-use super::workspace::Workspace;
+use super::{
+    balance::EndFlow,
+    diagnostics::Diagnostics,
+    evaluation::diagnose,
+    landing::Landing,
+    newton,
+    stage::{NoSolution, Stage, Task},
+    state::State,
+    warmth::{Column, HeatExchange},
+    workspace::Workspace,
+};
 use crate::reynolds::settings::Drive;
 
 /// `1 - 1/sqrt(2)`, the SDIRK method's coefficient.

@@ -4,9 +4,7 @@
 //! film that would lose much of its effect on the pressure. The correction here makes the density second order; it has no
 //! jump where a cell fills or ruptures.
 
-use super::cells::Cells;
-use super::liquid::Liquid;
-use super::state::Field;
+use super::{cells::Cells, liquid::Liquid, state::Field};
 
 /// An edge over which the surfaces carry oil.
 pub struct Edge {

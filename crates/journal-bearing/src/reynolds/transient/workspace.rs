@@ -2,16 +2,20 @@
 
 use nalgebra::Vector2;
 
-use super::active_set::ActiveSet;
-use super::balance::{Balance, EndFlow};
-use super::geometry::Geometry;
-use super::linear::{Base, Linear};
-use super::liquid::Liquid;
-use super::stage::Stage;
-use super::state::{Field, State};
-use crate::reynolds::error::FilmError;
-use crate::reynolds::lanes::dot;
-use crate::reynolds::settings::{Drive, FilmSettings};
+use super::{
+    active_set::ActiveSet,
+    balance::{Balance, EndFlow},
+    geometry::Geometry,
+    linear::{Base, Linear},
+    liquid::Liquid,
+    stage::Stage,
+    state::{Field, State},
+};
+use crate::reynolds::{
+    error::FilmError,
+    lanes::dot,
+    settings::{Drive, FilmSettings},
+};
 
 /// A film counts as still if less than this share of its content flows through it in a step. Its mass balance is then judged
 /// by this flow, which is well above the rounding of the content.

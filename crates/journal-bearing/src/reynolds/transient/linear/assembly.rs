@@ -1,8 +1,7 @@
 //! The matrix of the linearised balances.
 
 use super::super::sweeps::{change, fill};
-use super::Base;
-use super::unknowns::Unknowns;
+use super::{Base, unknowns::Unknowns};
 use crate::reynolds::ring::Ring;
 
 /// Fills the matrix. `held` is scratch space of one value per cell.

@@ -1,8 +1,7 @@
 //! The second-order density of [`upwind`](crate::reynolds::transient::upwind) in the matrix.
 
 use super::super::upwind::{Edge, edges};
-use super::Base;
-use super::unknowns::Unknowns;
+use super::{Base, unknowns::Unknowns};
 use crate::reynolds::ring::Ring;
 
 /// Adds the derivatives of the flux corrections to the matrix.

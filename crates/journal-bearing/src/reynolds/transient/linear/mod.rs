@@ -8,14 +8,8 @@ mod unknowns;
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::balance::Balance;
-use super::cells::Cells;
-use super::gap::Gap;
-use super::liquid::Liquid;
-use super::stage::Stage;
-use super::state::Field;
-use crate::reynolds::lanes::sum_of;
-use crate::reynolds::ring::Ring;
+use super::{balance::Balance, cells::Cells, gap::Gap, liquid::Liquid, stage::Stage, state::Field};
+use crate::reynolds::{lanes::sum_of, ring::Ring};
 use closing::Closing;
 use unknowns::Unknowns;
 

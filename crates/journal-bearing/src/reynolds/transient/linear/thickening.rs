@@ -3,10 +3,8 @@
 //! The conductance of an edge goes with the mean `ease` of its two cells, which depends on their pressures. When the
 //! linearisation omits this, the iteration oscillates in oil that thickens much (`alpha p` of about one and more).
 
-use super::super::liquid::Liquid;
-use super::super::state::Field;
-use super::Base;
-use super::unknowns::Unknowns;
+use super::super::{liquid::Liquid, state::Field};
+use super::{Base, unknowns::Unknowns};
 use crate::reynolds::ring::Ring;
 
 /// Derivatives of the flow over an edge, from its first cell to its second, over the pressures in `ease` of both.

@@ -1,9 +1,6 @@
 //! The unknown of each cell: pressure where it is full, content where it is not.
 
-use super::super::cells::Cells;
-use super::super::liquid::Liquid;
-use super::super::state::Field;
-use super::super::sweeps::fill;
+use super::super::{cells::Cells, liquid::Liquid, state::Field, sweeps::fill};
 
 /// The kinds of the cells' unknowns, as factors of one or zero for sweeps without branches.
 #[derive(Clone, Debug)]

@@ -3,8 +3,10 @@
 use nalgebra::Vector2;
 use std::f64::consts::TAU;
 
-use crate::reynolds::{Cavitation, Drive, FilmSettings, ReynoldsFilm};
-use crate::rheology::{DensityLaw, Rheology};
+use crate::{
+    reynolds::{Cavitation, Drive, FilmSettings, ReynoldsFilm},
+    rheology::{DensityLaw, Rheology},
+};
 
 fn settings(width: f64, density: DensityLaw) -> FilmSettings {
     FilmSettings {

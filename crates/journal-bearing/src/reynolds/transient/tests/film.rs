@@ -2,9 +2,11 @@
 
 use nalgebra::Vector2;
 
-use crate::contact::Surface;
-use crate::mobility::{MobilityMap, SliceFamily};
-use crate::reynolds::{Boundary, Cavitation, Drive, FilmError, FilmSettings, QuasiStatic, ReynoldsFilm, RoughFilm};
+use crate::{
+    contact::Surface,
+    mobility::{MobilityMap, SliceFamily},
+    reynolds::{Boundary, Cavitation, Drive, FilmError, FilmSettings, QuasiStatic, ReynoldsFilm, RoughFilm},
+};
 
 /// The bearing of a test stand, 19 x 25 mm with 20 um of clearance; the tests use oil of 0.02 Pa.s.
 fn stand(cavitation: Cavitation) -> ReynoldsFilm {

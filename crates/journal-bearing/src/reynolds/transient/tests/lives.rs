@@ -1,12 +1,16 @@
 //! Random bearings under random loads and speeds: every interval must be solved.
 
 use nalgebra::Vector2;
-use proptest::prelude::*;
-use proptest::strategy::ValueTree;
-use proptest::test_runner::{RngAlgorithm, RngSeed, TestRng, TestRunner};
+use proptest::{
+    prelude::*,
+    strategy::ValueTree,
+    test_runner::{RngAlgorithm, RngSeed, TestRng, TestRunner},
+};
 
-use crate::reynolds::{Cavitation, Drive, FilmSettings, ReynoldsFilm};
-use crate::rheology::{DensityLaw, Rheology};
+use crate::{
+    reynolds::{Cavitation, Drive, FilmSettings, ReynoldsFilm},
+    rheology::{DensityLaw, Rheology},
+};
 
 /// A bearing within ordinary engineering bounds, and a few intervals of load and speed.
 #[derive(Clone, Debug)]
