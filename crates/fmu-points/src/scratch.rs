@@ -198,8 +198,7 @@ mod tests {
                 scope.spawn(|| {
                     for _ in 0..200 {
                         remove_abandoned(place.path());
-                        let scratch = Scratch::within(place.path()).unwrap();
-                        let file = scratch.path().join("file");
+                        let file = Scratch::within(place.path()).unwrap().path().join("file");
                         fs::write(&file, "x").unwrap();
                         std::thread::yield_now();
                         assert!(file.exists());

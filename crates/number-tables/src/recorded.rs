@@ -351,8 +351,7 @@ mod tests {
     use super::*;
 
     fn read(text: &[u8]) -> Result<RecordedTable, FileError> {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("m.csv");
+        let path = tempfile::tempdir().unwrap().path().join("m.csv");
         std::fs::write(&path, text).unwrap();
         RecordedTable::read(&path)
     }
@@ -408,8 +407,7 @@ mod tests {
 
     #[test]
     fn studies_know_the_time_by_its_unit_too() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("m.csv");
+        let path = tempfile::tempdir().unwrap().path().join("m.csv");
         for (names, times) in [
             ("u,t [s]\n0,1\n2,3", Some([1.0, 3.0])),
             ("u,Time(ms)\n0,1\n2,3", Some([0.001, 0.003])),
@@ -433,8 +431,7 @@ mod tests {
     /// 09:15:00 is no second 91,500; neither is a day, or a clock beside one, in whichever way the day is written.
     #[test]
     fn clocks_and_days_of_figures_are_no_seconds() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("m.csv");
+        let path = tempfile::tempdir().unwrap().path().join("m.csv");
         for (text, is_asked) in [
             ("time,u\n91500,1\n91600,2\n91700,3\n", true),
             ("time,u\n20260311,1\n20260312,2\n", true),
@@ -479,8 +476,7 @@ mod tests {
                 error.contains(": column `F`: `") && error.contains(" may be ") && error.contains("convert"),
                 "{error}"
             );
-            let folder = tempfile::tempdir().unwrap();
-            let path = folder.path().join("m.csv");
+            let path = tempfile::tempdir().unwrap().path().join("m.csv");
             std::fs::write(&path, text).unwrap();
             let error = Table::read(&path, &[column("F", "")]).unwrap_err().to_string();
             assert!(error.contains(" may be "), "{error}");
@@ -496,8 +492,7 @@ mod tests {
         let error = read(b"t;F\n0;0.5\n1;0,25\n2;1.500\n").unwrap_err().to_string();
         assert!(error.contains("m.csv:3: column `F`: `0,25` has a decimal comma and `0.5` a decimal point"), "{error}");
         // A table of points is not asked about columns that nobody reads.
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("m.csv");
+        let path = tempfile::tempdir().unwrap().path().join("m.csv");
         std::fs::write(&path, "t;F\n0;1.500\n1;2.500\n").unwrap();
         assert!(Table::read(&path, &[column("t", "")]).is_ok());
     }

@@ -35,8 +35,7 @@ pub fn of(verification: &mut Verification, means: &Means, jobs: usize) -> Result
         other => other,
     };
     let session = &mut verification.session;
-    let crew = Crew::new(&mut session.package, place, scratch.path(), 1)?;
-    let mut worker = crew.worker(&session.plan.cases);
+    let mut worker = Crew::new(&mut session.package, place, scratch.path(), 1)?.worker(&session.plan.cases);
     let Some(index) = verification.indexes().next() else { return Ok(String::new()) };
     let mut run = |points: usize, most| {
         let points: Vec<Job> = verification.indexes().take(points).map(|index| verification.job(index)).collect();
