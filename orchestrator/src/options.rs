@@ -228,7 +228,8 @@ pub fn folder_of(study: &Path) -> PathBuf {
 /// A file's path as seen from the folder of the study, or from here where the study goes to standard output.
 pub fn relative(file: &Path, study: Option<&Path>) -> PathBuf {
     let folder = |path: &Path| {
-        path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new(".")).canonicalize()
+        let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty());
+        parent.unwrap_or(Path::new(".")).canonicalize()
     };
     let from = folder(study.unwrap_or(Path::new("study.toml")));
     let (Ok(from), Ok(to), Some(name)) = (from, folder(file), file.file_name()) else {
@@ -240,8 +241,8 @@ pub fn relative(file: &Path, study: Option<&Path>) -> PathBuf {
         // Another drive.
         return to.join(name);
     }
-    let path: PathBuf =
-        from.components().skip(common).map(|_| Component::ParentDir).chain(to.components().skip(common)).collect();
+    let up = from.components().skip(common).map(|_| Component::ParentDir);
+    let path: PathBuf = up.chain(to.components().skip(common)).collect();
     path.join(name)
 }
 

@@ -362,8 +362,8 @@ impl Recorded<'_> {
         let unit = match (&time.unit, &table.column(name)?.unit) {
             (None, None) => {
                 let units = "say time = { unit = \"ms\" }";
-                clocks::doubt(table.path(), name, &values, table.has_days(), units)
-                    .map_or(Ok("s".to_owned()), |message| Err(settings.wrong(message)))?
+                let doubt = clocks::doubt(table.path(), name, &values, table.has_days(), units);
+                doubt.map_or(Ok("s".to_owned()), |message| Err(settings.wrong(message)))?
             }
             (unit, _) => table.unit(name, unit.as_deref())?,
         };

@@ -160,18 +160,13 @@ type Pulls = [(usize, usize, (DVector<f64>, f64))];
 fn budget(rows: &Rows<'_>, covariance: &DMatrix<f64>, place: usize, (groups, all): (&[Group], &Pulls)) -> Vec<Part> {
     let (problem, variance) = (rows.problem, covariance[(place, place)]);
     let own = groups.iter().flat_map(|group| {
-        let sums = all.iter().filter(|(case, quantity, _)| group.values.contains(&[*case, *quantity])).fold(
-            [0.0; 3],
-            |sums, (case, quantity, (pull, _))| {
-                let [zero, gain] = problem
-                    .mixed
-                    .iter()
-                    .find(|value| (value.case, value.quantity) == (*case, *quantity))
-                    .map_or([0.0; 2], |value| value.parts);
-                let parts = [1.0 - zero - gain, zero, gain];
-                std::array::from_fn(|k| sums[k] + parts[k] * pull[place].powi(2))
-            },
-        );
+        let own = all.iter().filter(|(case, quantity, _)| group.values.contains(&[*case, *quantity]));
+        let sums = own.fold([0.0; 3], |sums, (case, quantity, (pull, _))| {
+            let mixed = problem.mixed.iter().find(|value| (value.case, value.quantity) == (*case, *quantity));
+            let [zero, gain] = mixed.map_or([0.0; 2], |value| value.parts);
+            let parts = [1.0 - zero - gain, zero, gain];
+            std::array::from_fn(|k| sums[k] + parts[k] * pull[place].powi(2))
+        });
         let words = ["noise", SharedKind::Offset.words(), SharedKind::Gain.words()];
         words.into_iter().zip(sums).map(|(words, sum)| (format!("{words} of {}", group.name), sum))
     });

@@ -31,7 +31,8 @@ impl Order {
         }
         let n = residuals.len() as f64;
         let squares: f64 = residuals.iter().map(|r| r * r).sum();
-        let correlation = residuals.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / squares;
+        let products = residuals.windows(2).map(|pair| pair[0] * pair[1]);
+        let correlation = products.sum::<f64>() / squares;
         let of_noise = noise.map_or(0.0, |noise| noise.correlation.max(0.0));
         // Where no recording told a correlation, none is assumed, and its estimate has no error.
         let known = noise.filter(|noise| noise.correlation != 0.0).map_or(0.0, |noise| noise.freedom.recip());

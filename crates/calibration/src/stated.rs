@@ -68,7 +68,8 @@ impl Stated {
             let normal = [sources[rectangle.source], rectangle.variance()];
             let cut = rectangle.moments(sources);
             for (channel, [mean, deviation]) in problem.channels.iter().zip(&mut known) {
-                let slope = channel.weights(sources.len()).dot(&rectangle.covariances) / rectangle.variance();
+                let weights = channel.weights(sources.len());
+                let slope = weights.dot(&rectangle.covariances) / rectangle.variance();
                 *mean += slope * (cut[0] - normal[0]);
                 let variance = deviation.powi(2) + slope.powi(2) * (cut[1] - normal[1]);
                 *deviation = variance.max(0.0).sqrt();

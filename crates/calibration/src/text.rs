@@ -196,14 +196,9 @@ fn apart(free: &FreeOutcome, sampled: &[[f64; 2]]) -> f64 {
 /// What the shared errors of the measured channels are, by the data.
 pub fn shared(outcome: &IdentificationOutcome) -> Vec<String> {
     // The sample's, where there is one to rely on.
-    outcome
-        .posterior
-        .as_ref()
-        .filter(|sample| sample.trusted)
-        .map_or(&outcome.shared, |sample| &sample.shared)
-        .iter()
-        .map(|error| of_channel(error, outcome.interval()))
-        .collect()
+    let sampled = outcome.posterior.as_ref().filter(|sample| sample.trusted);
+    let all = sampled.map_or(&outcome.shared, |sample| &sample.shared);
+    all.iter().map(|error| of_channel(error, outcome.interval())).collect()
 }
 
 /// A shared error in a line.

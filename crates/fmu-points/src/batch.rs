@@ -26,7 +26,8 @@ impl Pace {
     pub fn end(&mut self, jobs: usize, took: Duration, overhead: Duration) {
         let (moment, most) =
             if overhead.is_zero() { (MOMENT, MOST) } else { ((overhead * TIMES).clamp(MOMENT, LONGEST), MOST_AFAR) };
-        let each = took.saturating_sub(overhead).as_secs_f64().max(1e-9) / jobs.max(1) as f64;
+        let computed = took.saturating_sub(overhead);
+        let each = computed.as_secs_f64().max(1e-9) / jobs.max(1) as f64;
         let wanted = (moment.as_secs_f64() / each) as usize;
         // At most fourfold at a time: the first points may be unusual.
         self.size = wanted.min(4 * jobs).clamp(1, most);

@@ -201,15 +201,14 @@ struct Belongings {
 impl Belongings {
     fn now() -> Self {
         let names = |folder: &str| -> BTreeSet<String> {
-            fs::read_dir(folder)
-                .into_iter()
-                .flatten()
-                .flatten()
-                .map(|entry| entry.file_name().to_string_lossy().into_owned())
-                .collect()
+            let entries = fs::read_dir(folder).into_iter().flatten().flatten();
+            entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
         };
         let maps = fs::read_to_string("/proc/self/maps").unwrap_or_default();
-        let is_shared = |line: &&str| line.split(' ').nth(1).unwrap_or("").ends_with('s') || line.contains("/dev/");
+        let is_shared = |line: &&str| {
+            let access = line.split(' ').nth(1).unwrap_or("");
+            access.ends_with('s') || line.contains("/dev/")
+        };
         Self {
             threads: names("/proc/self/task").len(),
             descriptors: names("/proc/self/fd"),

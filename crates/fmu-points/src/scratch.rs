@@ -144,10 +144,12 @@ pub fn remove_starting_with(place: &Path, prefixes: &[&str]) {
 }
 
 fn starting_with<'a>(place: &Path, prefixes: &'a [&'a str]) -> impl Iterator<Item = PathBuf> + use<'a> {
-    fs::read_dir(place).into_iter().flatten().flatten().filter_map(|entry| {
+    let entries = fs::read_dir(place).into_iter().flatten().flatten();
+    entries.filter_map(|entry| {
         let name = entry.file_name();
         let name = name.to_string_lossy();
-        prefixes.iter().any(|prefix| name.starts_with(prefix)).then(|| entry.path())
+        let wanted = prefixes.iter().any(|prefix| name.starts_with(prefix));
+        wanted.then(|| entry.path())
     })
 }
 
@@ -198,7 +200,8 @@ mod tests {
                 scope.spawn(|| {
                     for _ in 0..200 {
                         remove_abandoned(place.path());
-                        let file = Scratch::within(place.path()).unwrap().path().join("file");
+                        let scratch = Scratch::within(place.path()).unwrap();
+                        let file = scratch.path().join("file");
                         fs::write(&file, "x").unwrap();
                         std::thread::yield_now();
                         assert!(file.exists());

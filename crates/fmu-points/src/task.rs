@@ -203,7 +203,8 @@ impl Probe {
             let curve = probe.curve.as_ref();
             curve.map(|curve| [curve.factor, curve.offset])
         };
-        self.row().zip(next.row()).is_some_and(|(row, later)| row < later)
+        let rows = self.row().zip(next.row());
+        rows.is_some_and(|(row, later)| row < later)
             && self.handle == next.handle
             && self.window == next.window
             && conversion(self) == conversion(next)

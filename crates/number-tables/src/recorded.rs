@@ -221,12 +221,9 @@ impl RecordedTable {
     /// Whether a column has days.
     pub fn has_days(&self) -> bool {
         self.columns.iter().any(|column| {
-            column
-                .texts
-                .first()
-                .map(|(_, _, text)| text.clone())
-                .or_else(|| column.values.first().map(f64::to_string))
-                .is_some_and(|cell| is_day(&column.bare, &cell))
+            let text = column.texts.first().map(|(_, _, text)| text.clone());
+            let first = text.or_else(|| column.values.first().map(f64::to_string));
+            first.is_some_and(|cell| is_day(&column.bare, &cell))
         })
     }
 
@@ -351,7 +348,8 @@ mod tests {
     use super::*;
 
     fn read(text: &[u8]) -> Result<RecordedTable, FileError> {
-        let path = tempfile::tempdir().unwrap().path().join("m.csv");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.csv");
         std::fs::write(&path, text).unwrap();
         RecordedTable::read(&path)
     }
@@ -407,7 +405,8 @@ mod tests {
 
     #[test]
     fn studies_know_the_time_by_its_unit_too() {
-        let path = tempfile::tempdir().unwrap().path().join("m.csv");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.csv");
         for (names, times) in [
             ("u,t [s]\n0,1\n2,3", Some([1.0, 3.0])),
             ("u,Time(ms)\n0,1\n2,3", Some([0.001, 0.003])),
@@ -419,8 +418,8 @@ mod tests {
             ("u,v\n0,1\n2,3", None),
         ] {
             std::fs::write(&path, names).unwrap();
-            let found =
-                Table::read_over_time(&path, None, Vec::new()).map(|table| [table.rows[0][0], table.rows[1][0]]);
+            let read = Table::read_over_time(&path, None, Vec::new());
+            let found = read.map(|table| [table.rows[0][0], table.rows[1][0]]);
             match times {
                 Some(times) => assert_eq!(found.unwrap(), times, "{names}"),
                 None => assert!(found.unwrap_err().to_string().contains("say time = "), "{names}"),
@@ -431,7 +430,8 @@ mod tests {
     /// 09:15:00 is no second 91,500; neither is a day, or a clock beside one, in whichever way the day is written.
     #[test]
     fn clocks_and_days_of_figures_are_no_seconds() {
-        let path = tempfile::tempdir().unwrap().path().join("m.csv");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.csv");
         for (text, is_asked) in [
             ("time,u\n91500,1\n91600,2\n91700,3\n", true),
             ("time,u\n20260311,1\n20260312,2\n", true),
@@ -476,7 +476,8 @@ mod tests {
                 error.contains(": column `F`: `") && error.contains(" may be ") && error.contains("convert"),
                 "{error}"
             );
-            let path = tempfile::tempdir().unwrap().path().join("m.csv");
+            let folder = tempfile::tempdir().unwrap();
+            let path = folder.path().join("m.csv");
             std::fs::write(&path, text).unwrap();
             let error = Table::read(&path, &[column("F", "")]).unwrap_err().to_string();
             assert!(error.contains(" may be "), "{error}");
@@ -492,7 +493,8 @@ mod tests {
         let error = read(b"t;F\n0;0.5\n1;0,25\n2;1.500\n").unwrap_err().to_string();
         assert!(error.contains("m.csv:3: column `F`: `0,25` has a decimal comma and `0.5` a decimal point"), "{error}");
         // A table of points is not asked about columns that nobody reads.
-        let path = tempfile::tempdir().unwrap().path().join("m.csv");
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("m.csv");
         std::fs::write(&path, "t;F\n0;1.500\n1;2.500\n").unwrap();
         assert!(Table::read(&path, &[column("t", "")]).is_ok());
     }

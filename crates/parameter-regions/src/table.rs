@@ -133,12 +133,14 @@ impl PointTable {
 
     /// Names of the groups, in the order in which the criteria first name them.
     pub fn groups(&self) -> Vec<&str> {
-        self.criteria.iter().filter_map(|c| c.group.as_deref()).collect::<IndexSet<_>>().into_iter().collect()
+        let groups = self.criteria.iter().filter_map(|c| c.group.as_deref());
+        groups.collect::<IndexSet<_>>().into_iter().collect()
     }
 
     /// The [deviations](CriterionColumn::deviation) of a point's values from the measured ones, a criterion each.
     pub fn deviations(&self, point: usize) -> impl Iterator<Item = f64> + Clone + '_ {
-        self.criteria.iter().map(move |c| c.deviation(c.values[point]))
+        let criteria = self.criteria.iter();
+        criteria.map(move |c| c.deviation(c.values[point]))
     }
 
     /// The criterion with the largest deviation at a point; `None` where any of them has no value.

@@ -80,7 +80,8 @@ fn transform(values: &[f64]) -> Vec<Complex<f64>> {
     let n = values.len() as f64;
     let place = |k: usize| k as f64 - (n - 1.0) / 2.0;
     let centre = values.iter().sum::<f64>() / n;
-    let slope = values.iter().enumerate().map(|(k, v)| place(k) * v).sum::<f64>() / (n * (n * n - 1.0) / 12.0);
+    let pairs = values.iter().enumerate();
+    let slope = pairs.map(|(k, v)| place(k) * v).sum::<f64>() / (n * (n * n - 1.0) / 12.0);
     let window = window(values.len());
     let scale = window.iter().map(|w| w * w).sum::<f64>().sqrt();
     let mut tapered: Vec<f64> =
@@ -296,8 +297,10 @@ impl Comb {
             .collect();
         let power: f64 = quiet.iter().map(|(_, c)| c.norm_sqr()).sum();
         let deviation = (power * memory() / 2.0).sqrt();
-        let together =
-            |lag: f64| quiet.iter().map(|(k, c)| (c * self.turned(*k, lag - delay)).re).sum::<f64>() / deviation;
+        let together = |lag: f64| {
+            let terms = quiet.iter().map(|(k, c)| (c * self.turned(*k, lag - delay)).re);
+            terms.sum::<f64>() / deviation
+        };
         let most = (2.0 * longest / kernel).ceil().min(500.0);
         let (at, best) = (0..=2 * most as usize)
             .map(|k| (k as f64 / most - 1.0) * longest)

@@ -178,7 +178,8 @@ fn with_interval(numbers: &[f64]) -> Estimate {
     let n = numbers.len() as f64;
     let student = StudentsT::new(0.0, 1.0, n - 1.0).expect("there are two numbers");
     let (centre, spread) = (mean(numbers), deviation(numbers, 0));
-    let skewness = numbers.iter().map(|x| ((x - centre) / spread).powi(3)).sum::<f64>() / n;
+    let cubes = numbers.iter().map(|x| ((x - centre) / spread).powi(3));
+    let skewness = cubes.sum::<f64>() / n;
     // How far the mean may lie above the true one, in standard deviations of a number.
     let above = |quantile: f64| {
         let plain = quantile / n.sqrt();

@@ -35,7 +35,8 @@ pub fn of(verification: &mut Verification, means: &Means, jobs: usize) -> Result
         other => other,
     };
     let session = &mut verification.session;
-    let mut worker = Crew::new(&mut session.package, place, scratch.path(), 1)?.worker(&session.plan.cases);
+    let crew = Crew::new(&mut session.package, place, scratch.path(), 1)?;
+    let mut worker = crew.worker(&session.plan.cases);
     let Some(index) = verification.indexes().next() else { return Ok(String::new()) };
     let mut run = |points: usize, most| {
         let points: Vec<Job> = verification.indexes().take(points).map(|index| verification.job(index)).collect();
@@ -71,7 +72,8 @@ pub fn span(seconds: f64) -> String {
     const UNITS: [(f64, &str); 6] =
         [(1e-6, "us"), (1e-3, "ms"), (1.0, "s"), (60.0, "min"), (3600.0, "h"), (86400.0, "days")];
     // Two of a unit are the least, so that the number tells enough.
-    let (size, unit) = UNITS.iter().rfind(|(size, _)| seconds >= 2.0 * size).unwrap_or(&UNITS[0]);
+    let fitting = UNITS.iter().rfind(|(size, _)| seconds >= 2.0 * size);
+    let (size, unit) = fitting.unwrap_or(&UNITS[0]);
     let number = seconds / size;
     let digits = usize::from(number < 10.0);
     format!("{number:.digits$} {unit}")

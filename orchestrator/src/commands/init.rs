@@ -86,7 +86,8 @@ fn schedule(options: &Init, fmu: &Description, table: Option<&Measured<'_>>) -> 
 fn measurable(fmu: &Description) -> Vec<&Variable> {
     const MOST: usize = 1000;
     let of = |causality| -> Vec<&Variable> {
-        fmu.with(causality).filter(|variable| is_number(variable)).take(MOST).collect()
+        let all = fmu.with(causality).filter(|variable| is_number(variable));
+        all.take(MOST).collect()
     };
     let found = [Causality::Output, Causality::Local].map(of);
     let found = found.into_iter().find(|found| !found.is_empty());

@@ -462,7 +462,8 @@ impl Comparison {
         let rest = (!rest.is_empty())
             .then(|| if strict { Outcome::Failed(rest.join("; ")) } else { Outcome::Skipped(rest.join("; ")) });
         let whole = [("verdict", Some(verdict)), ("points", Some(whole)), ("settings", rest)];
-        whole.into_iter().filter_map(|(name, outcome)| Some(Test::new(class, name, outcome?))).chain(criteria).collect()
+        let whole = whole.into_iter().filter_map(|(name, outcome)| Some(Test::new(class, name, outcome?)));
+        whole.chain(criteria).collect()
     }
 }
 

@@ -219,9 +219,12 @@ fn distributions(table: &PointTable, columns: &[PlotColumn<'_>], first: usize, c
         };
         vec![name.to_owned(), number(mean(&finite), 4), number(deviation, 3)]
     };
-    let accepted =
-        |c: &PlotColumn<'_>| c.values.iter().zip(&table.verified).filter(|(_, ok)| **ok).map(|(v, _)| *v).collect();
-    let shown = columns.iter().enumerate().map(|(k, c)| {
+    let accepted = |c: &PlotColumn<'_>| {
+        let accepted = c.values.iter().zip(&table.verified);
+        accepted.filter(|(_, ok)| **ok).map(|(v, _)| *v).collect()
+    };
+    let numbered = columns.iter().enumerate();
+    let shown = numbered.map(|(k, c)| {
         context! {
             name => with_unit(c.name, c.unit),
             svg => figures::distribution(table, c, counts),
@@ -276,11 +279,8 @@ fn judged(series: &figures::Series) -> Option<String> {
 
 /// Reasons of failure that differ in their numbers alone: that of the first point, how often, and which that is.
 fn failures(summary: &Summary) -> Vec<(&str, String, u64)> {
-    summary
-        .failure_kinds
-        .iter()
-        .map(|FailureKind { points, first }| (&*first.status, grouped(*points), first.point))
-        .collect()
+    let kinds = summary.failure_kinds.iter();
+    kinds.map(|FailureKind { points, first }| (&*first.status, grouped(*points), first.point)).collect()
 }
 
 #[cfg(test)]

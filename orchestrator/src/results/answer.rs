@@ -183,12 +183,14 @@ fn is_mostly_wrong(summary: &Summary) -> bool {
 }
 
 fn warnings(summary: &Summary) -> impl Iterator<Item = &Concern> {
-    summary.concerns.iter().filter(|concern| concern.severity == Severity::Warning)
+    let concerns = summary.concerns.iter();
+    concerns.filter(|concern| concern.severity == Severity::Warning)
 }
 
 /// How points ran, where they did not run alone.
 fn company(summary: &Summary) -> Option<String> {
-    summary.conduct.as_ref()?.company().map(|text| format!("{}.", capitalised(text)))
+    let conduct = summary.conduct.as_ref()?;
+    conduct.company().map(|text| format!("{}.", capitalised(text)))
 }
 
 /// What the points' own runs say against all results.
@@ -337,13 +339,8 @@ pub fn remarks(summary: &Summary) -> Vec<String> {
     let further_of_kind = |(k, concern): &(usize, &Concern)| all[..*k].iter().any(|first| first.code == concern.code);
     let doubts = all.iter().enumerate().filter(further_of_kind);
     let doubts = doubts.map(|(_, concern)| format!("{}: {concern}", concern.severity.name()));
-    conduct
-        .chain(asides)
-        .chain(summary.left_out_remark())
-        .chain(watched)
-        .chain(doubts)
-        .chain(further(summary))
-        .collect()
+    let computed = conduct.chain(asides).chain(summary.left_out_remark()).chain(watched);
+    computed.chain(doubts).chain(further(summary)).collect()
 }
 
 /// How often one has looked, and what the risks presume.

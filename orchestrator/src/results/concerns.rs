@@ -42,7 +42,8 @@ pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -
     let measured = criterion.measured();
     let nominal = measured.value?;
     // Less than a hundredth of the tolerance is rounding, and no reason to doubt.
-    let room = measured.error.map_or(0.0, |error| error.expanded).max(0.01 * criterion.room());
+    let uncertainty = measured.error.map_or(0.0, |error| error.expanded);
+    let room = uncertainty.max(0.01 * criterion.room());
     if low > high || (low - room..=high + room).contains(&nominal) {
         return None;
     }
@@ -70,7 +71,8 @@ pub fn is_telling(values: &[f64]) -> bool {
     const DIGITS: usize = 6;
     let digits = |value: &f64| {
         let text = format!("{value:e}");
-        text.split('e').next().unwrap_or_default().chars().filter(char::is_ascii_digit).count()
+        let mantissa = text.split('e').next().unwrap_or_default();
+        mantissa.chars().filter(char::is_ascii_digit).count()
     };
     values.iter().any(|value| digits(value) >= DIGITS)
 }
@@ -171,7 +173,9 @@ fn mistaken_unit(unit: Option<&str>, nominal: f64, tolerance: f64, [low, high]: 
         let fits = rest <= room && rest < 0.2 * far;
         fits.then(|| (rest / room, units))
     };
-    confusions(unit).into_iter().filter_map(rest).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, units)| units)
+    let all = confusions(unit).into_iter().filter_map(rest);
+    let best = all.min_by(|a, b| a.0.total_cmp(&b.0));
+    best.map(|(_, units)| units)
 }
 
 /// Five significant digits.

@@ -106,14 +106,8 @@ impl<'a> Survey<'a> {
         for (count, reached) in summary.criteria.values_mut().zip(&self.reached) {
             count.reached = Some(*reached).filter(|[low, high]| low <= high);
         }
-        let wide: Vec<Concern> = self
-            .judge
-            .warnings
-            .iter()
-            .cloned()
-            .chain(self.plan.iter().flat_map(|plan| plan.concerns()))
-            .filter(|concern| concern.code == Code::WideTolerance)
-            .collect();
+        let stated = self.judge.warnings.iter().cloned().chain(self.plan.iter().flat_map(|plan| plan.concerns()));
+        let wide: Vec<Concern> = stated.filter(|concern| concern.code == Code::WideTolerance).collect();
         let is_told = |name: &str| wide.iter().any(|concern| concern.text.contains(&format!("{name}: ")));
         let unmoved = criteria().filter_map(|(k, c)| {
             unmoved(c, self.reached[k], self.points).filter(|doubt| doubt.code == Code::Unmoved || !is_told(&c.name))

@@ -95,7 +95,8 @@ impl OfCase {
         let accuracies = problem.cases[case].measured.iter().map(|measured| measured.accuracy);
         let accuracies = DVector::from_iterator(problem.quantities.len(), accuracies);
         let over_accuracy = |run: &&&Run| {
-            Some(DVector::from_column_slice(&run.predicted.as_ref().ok()?[case]).component_div(&accuracies))
+            let values = DVector::from_column_slice(&run.predicted.as_ref().ok()?[case]);
+            Some(values.component_div(&accuracies))
         };
         let ended: Vec<DVector<f64>> = runs.iter().filter_map(|run| over_accuracy(&run)).collect();
         let rows = DMatrix::from_fn(ended.len(), accuracies.len(), |i, q| ended[i][q]);
@@ -120,11 +121,8 @@ impl OfCase {
     /// Means of the values over their accuracies.
     fn means(&self, points: &[Vec<f64>]) -> Vec<Option<DVector<f64>>> {
         let Components { centre, vectors, .. } = &self.components;
-        self.surrogate
-            .means(points)
-            .into_iter()
-            .map(|scores| Some(centre + vectors * DVector::from_vec(scores?)))
-            .collect()
+        let means = self.surrogate.means(points).into_iter();
+        means.map(|scores| Some(centre + vectors * DVector::from_vec(scores?))).collect()
     }
 
     /// Variances of the values over the squares of their accuracies, a row a point.
@@ -241,7 +239,8 @@ impl Surrogates {
     fn places(&self, query: &Query) -> Vec<f64> {
         let free = self.problem.free.iter().zip(&query.free);
         let free = free.map(|(free, value)| free.place(*value));
-        let latents = self.problem.cases[query.case].latents.iter().zip(&query.latents);
+        let intervals = self.problem.cases[query.case].latents.iter();
+        let latents = intervals.zip(&query.latents);
         let latents = latents.map(|(interval, value)| (value - interval.min) / (interval.max - interval.min));
         free.chain(latents).collect()
     }

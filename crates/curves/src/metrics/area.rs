@@ -12,5 +12,6 @@ pub fn area(pair: &Pair<'_>) -> f64 {
         values.sort_unstable_by(f64::total_cmp);
         values
     });
-    model.iter().zip(&reference).map(|(m, r)| (m - r).abs()).sum::<f64>() / model.len() as f64
+    let distances = model.iter().zip(&reference).map(|(m, r)| (m - r).abs());
+    distances.sum::<f64>() / model.len() as f64
 }

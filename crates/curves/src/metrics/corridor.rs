@@ -4,6 +4,6 @@ use super::Pair;
 
 /// `|m - r| <= band`; the edges belong to the corridor.
 pub fn corridor(pair: &Pair<'_>) -> f64 {
-    pair.deviations().zip(pair.band).filter(|(off, band)| off.abs() <= **band).count() as f64
-        / pair.reference.len() as f64
+    let inside = pair.deviations().zip(pair.band).filter(|(off, band)| off.abs() <= **band);
+    inside.count() as f64 / pair.reference.len() as f64
 }

@@ -214,11 +214,8 @@ with_types! {
         fmi3GetOutputDerivatives = get_output_derivatives(vr: *const ValueReference, n: usize, orders: *const i32, value: *mut Real,
             n_values: usize) in of(&[StepComplete, StepFailed, Terminated, Error, Intermediate]) => |instance| {
                 let all = for_values::<M>(vr, n, n_values)?;
-                let orders: Vec<i32> = references(vr, n)?
-                    .iter()
-                    .zip(values(orders, n, "orders")?)
-                    .flat_map(|(first, order)| repeat_n(*order, size::<M>(*first)))
-                    .collect();
+                let given = references(vr, n)?.iter().zip(values(orders, n, "orders")?);
+                let orders: Vec<i32> = given.flat_map(|(first, order)| repeat_n(*order, size::<M>(*first))).collect();
                 instance.get_output_derivatives(&all, &orders, values_mut(value, n_values, "values")?)
             };
 

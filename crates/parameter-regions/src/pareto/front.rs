@@ -18,13 +18,14 @@ pub fn front(objectives: &[Vec<f64>]) -> Vec<usize> {
     order.sort_by(|&a, &b| {
         let mut pairs = objectives[a].iter().zip(&objectives[b]);
         // 0 and -0 are equal.
-        pairs.find_map(|(x, y)| x.partial_cmp(y).filter(|o| o.is_ne())).unwrap_or_else(|| a.cmp(&b))
+        let first = pairs.find_map(|(x, y)| x.partial_cmp(y).filter(|o| o.is_ne()));
+        first.unwrap_or_else(|| a.cmp(&b))
     });
     // Equal points share their fate; of different ones, no worse in everything means dominating.
     let groups: Vec<&[usize]> = order.chunk_by(|&a, &b| objectives[a] == objectives[b]).collect();
     let points = groups.iter().map(|g| objectives[g[0]].as_slice());
-    let mut front: Vec<usize> =
-        Ordered(points.collect()).front(0..groups.len()).into_iter().flat_map(|g| groups[g]).copied().collect();
+    let kept = Ordered(points.collect()).front(0..groups.len());
+    let mut front: Vec<usize> = kept.into_iter().flat_map(|g| groups[g]).copied().collect();
     front.sort_unstable();
     front
 }
@@ -63,7 +64,8 @@ impl Ordered<'_> {
             return vec![];
         }
         if last == 1 {
-            let least = others.iter().map(|&i| value(i)).fold(f64::INFINITY, f64::min);
+            let values = others.iter().map(|&i| value(i));
+            let least = values.fold(f64::INFINITY, f64::min);
             candidates.retain(|&i| value(i) < least);
             return candidates;
         }
@@ -101,7 +103,8 @@ impl Ordered<'_> {
         if *median > least {
             return Some(*median);
         }
-        upper.iter().copied().filter(|v| *v > least).min_by(f64::total_cmp)
+        let next = upper.iter().copied().filter(|v| *v > least);
+        next.min_by(f64::total_cmp)
     }
 }
 

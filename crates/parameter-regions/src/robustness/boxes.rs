@@ -44,8 +44,8 @@ pub fn largest_box(sample: &Sample<'_>, level: f64) -> Option<Region> {
         if seed.mean >= level { (seed.cube.clone(), None) } else { (everything.clone(), Some(seed.point)) }
     };
     let seeds = seeds(sample, &scale, level);
-    let starts: Vec<(Limits, Option<usize>)> =
-        std::iter::once((everything.clone(), None)).chain(seeds.iter().map(start)).collect();
+    let whole = std::iter::once((everything.clone(), None));
+    let starts: Vec<(Limits, Option<usize>)> = whole.chain(seeds.iter().map(start)).collect();
     let peeled = |(limits, kept): &(Limits, Option<usize>)| {
         let mut limits = limits.clone();
         peel(sample, level, &mut limits, *kept)?;
@@ -98,11 +98,8 @@ impl Scale {
 
     /// Sides that were never cut end where the samples do.
     fn closed(&self, limits: &Limits) -> Limits {
-        limits
-            .iter()
-            .zip(&self.columns)
-            .map(|([l, h], column)| [l.max(column[0]), h.min(column[column.len() - 1])])
-            .collect()
+        let sides = limits.iter().zip(&self.columns);
+        sides.map(|([l, h], column)| [l.max(column[0]), h.min(column[column.len() - 1])]).collect()
     }
 }
 
@@ -121,7 +118,10 @@ fn seeds(sample: &Sample<'_>, scale: &Scale, level: f64) -> Vec<Seed> {
     let good: Vec<usize> = (0..sample.points.len()).filter(|&j| sample.verdicts[j] >= level).collect();
     let step = good.len().div_ceil(CHOICE).max(1);
     let good: Vec<usize> = good.into_iter().step_by(step).collect();
-    let rank = |x: &Vec<f64>| -> Vec<f64> { x.iter().enumerate().map(|(k, v)| scale.rank(k, *v)).collect() };
+    let rank = |x: &Vec<f64>| -> Vec<f64> {
+        let places = x.iter().enumerate();
+        places.map(|(k, v)| scale.rank(k, *v)).collect()
+    };
     let ranks: Vec<Vec<f64>> = sample.points.par_iter().map(rank).collect();
     let seed = |&point: &usize| seed(sample, scale, &ranks, point);
     let (deep, edge): (Vec<Seed>, Vec<Seed>) =
@@ -131,7 +131,10 @@ fn seeds(sample: &Sample<'_>, scale: &Scale, level: f64) -> Vec<Seed> {
 
 fn seed(sample: &Sample<'_>, scale: &Scale, ranks: &[Vec<f64>], point: usize) -> Seed {
     let of_point = &ranks[point];
-    let distance = |other: &Vec<f64>| of_point.iter().zip(other).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    let distance = |other: &Vec<f64>| {
+        let sides = of_point.iter().zip(other).map(|(a, b)| (a - b).abs());
+        sides.fold(0.0, f64::max)
+    };
     let mut near: Vec<(f64, usize)> = ranks.iter().map(distance).zip(0..).collect();
     let most = FEWEST.min(near.len()).saturating_sub(1);
     near.select_nth_unstable_by(most, |a, b| a.0.total_cmp(&b.0));
@@ -159,7 +162,8 @@ fn spread(mut seeds: Vec<Seed>) -> Vec<Seed> {
         nearest.swap_remove(farthest);
         let next = seeds.swap_remove(farthest);
         for (nearest, seed) in nearest.iter_mut().zip(&seeds) {
-            let distance: f64 = seed.ranks.iter().zip(&next.ranks).map(|(a, b)| (a - b).powi(2)).sum();
+            let pairs = seed.ranks.iter().zip(&next.ranks);
+            let distance: f64 = pairs.map(|(a, b)| (a - b).powi(2)).sum();
             *nearest = nearest.min(distance);
         }
         chosen.push(next);

@@ -61,7 +61,8 @@ impl Sample {
         };
         let rounds: Vec<(Vec<Distribution>, f64)> = self.drawn.iter().map(round).collect();
         let mixture = |point: &Vec<f64>| {
-            let terms = rounds.iter().map(|(scaled, ln_share)| ln_share + ln_density(scaled, point));
+            let rounds = rounds.iter();
+            let terms = rounds.map(|(scaled, ln_share)| ln_share + ln_density(scaled, point));
             ln_sum(&terms.collect::<Vec<f64>>())
         };
         self.ln_mixture = self.points.iter().map(mixture).collect();
@@ -103,5 +104,6 @@ impl Sample {
 }
 
 fn ln_density(scaled: &[Distribution], point: &[f64]) -> f64 {
-    scaled.iter().zip(point).map(|(distribution, &x)| distribution.ln_density(x)).sum()
+    let pairs = scaled.iter().zip(point);
+    pairs.map(|(distribution, &x)| distribution.ln_density(x)).sum()
 }

@@ -90,12 +90,8 @@ impl<'a> Measured<'a> {
         }
         Scale::new(unit.as_deref(), fmu, variable)?;
         let asked = number_tables::column(header, "measured values");
-        let values: Vec<f64> = Table::read(&self.file, &[asked])
-            .map_err(|error| error.to_string())?
-            .rows
-            .iter()
-            .map(|row| row[0])
-            .collect();
+        let table = Table::read(&self.file, &[asked]).map_err(|error| error.to_string())?;
+        let values: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
         let first = values.first();
         if self.time.is_some() && !is_input && values.iter().all(|value| Some(value) == first) {
             return Err("it is the same in all rows: write it as `nominal` of a criterion".to_owned());
@@ -176,7 +172,8 @@ fn variable<'a>(name: &str, fmu: &'a Description) -> Result<&'a Variable, String
 /// The first and the last time of a table.
 fn span(path: &Path, time: &str) -> Result<[f64; 2], Error> {
     let wrong = |message: &str| Err(Error::content(path, format!("column `{time}`: {message}")));
-    let times: Vec<f64> = Table::read_over_time(path, Some(time), Vec::new())?.rows.iter().map(|row| row[0]).collect();
+    let table = Table::read_over_time(path, Some(time), Vec::new())?;
+    let times: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
     match times[..] {
         [first, .., last] if times.is_sorted_by(|a, b| a < b) => Ok([first, last]),
         _ => wrong("a curve needs two rows or more, and times that grow from row to row"),

@@ -270,7 +270,8 @@ fn unit_key(column: &Column<'_>) -> String {
 fn curve(column: &Column<'_>, time: &str, path: &Path) -> Vec<String> {
     let unit = unit_key(column);
     let [head, variable] = head(column.variable);
-    let others: Vec<String> = Metric::ALL.iter().map(|metric| metric.name()).filter(|name| name != "nrmse").collect();
+    let metrics = Metric::ALL.iter().map(|metric| metric.name());
+    let others: Vec<String> = metrics.filter(|name| name != "nrmse").collect();
     vec![
         head,
         variable,
@@ -325,10 +326,8 @@ impl Study<'_> {
             "seed = 1".to_owned(),
             String::new(),
         ]);
-        let shown = MOST_LINES
-            .saturating_sub(lines.len() + self.criteria.lines.len() + 4)
-            .max(FEWEST_PARAMETERS)
-            .min(self.parameters.len());
+        let room = MOST_LINES.saturating_sub(lines.len() + self.criteria.lines.len() + 4);
+        let shown = room.max(FEWEST_PARAMETERS).min(self.parameters.len());
         lines.push("# Start values +-10 %, a guess: write what your parts' tolerances are.".to_owned());
         let others: Vec<&str> = self.parameters[shown..].iter().map(|(v, _)| &*v.name).collect();
         lines.extend(more(&others, &format!("{} further ones keep their start values", others.len())));

@@ -399,11 +399,8 @@ fn strained(outcome: &IdentificationOutcome) -> Option<String> {
     });
     let all: Vec<String> = sensors.chain(parameters).collect();
     // Without what the strain itself adds, the rest may be as of a right model.
-    let strain: f64 = far()
-        .map(|error| error.value * error.coverage / error.limit)
-        .chain(off().map(FreeOutcome::strain))
-        .map(|strain| strain * strain)
-        .sum();
+    let of_sensors = far().map(|error| error.value * error.coverage / error.limit);
+    let strain: f64 = of_sensors.chain(off().map(FreeOutcome::strain)).map(|strain| strain * strain).sum();
     let freedom = outcome.degrees_of_freedom as f64;
     let fits = match outcome.fit() {
         Fit::Misses if outcome.cost - strain > freedom + FAR * (2.0 * freedom).sqrt() => {

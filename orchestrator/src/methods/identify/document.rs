@@ -135,10 +135,8 @@ impl Page<'_> {
     }
 
     fn warnings(&self) -> Vec<String> {
-        super::concerns(self.outcome)
-            .into_iter()
-            .map(|concern| concern.to_string().trim_end_matches('.').to_owned())
-            .collect()
+        let concerns = super::concerns(self.outcome).into_iter();
+        concerns.map(|concern| concern.to_string().trim_end_matches('.').to_owned()).collect()
     }
 
     fn residual(&self, case: usize, quantity: usize) -> &Residual {

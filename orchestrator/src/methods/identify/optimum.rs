@@ -158,9 +158,8 @@ fn take_errors_off(table: &mut Table, study: &Study, all: &[FreeOutcome], bound:
         };
         // The first case that was fitted with the input says which sensor it is.
         let stated = fitted.iter().find_map(|(case, of_case)| {
-            let key = case
-                .and_then(|case| path.strip_prefix(case.name.as_ref().as_str())?.strip_prefix(SEPARATOR))
-                .unwrap_or(path);
+            let own = case.and_then(|case| path.strip_prefix(case.name.as_ref().as_str())?.strip_prefix(SEPARATOR));
+            let key = own.unwrap_or(path);
             Some((key, of_sensor(of_case, key)?))
         });
         let Some((key, sensor)) = stated else { continue };
