@@ -53,33 +53,33 @@ BEHAVES(loops_in_step) {
 }
 
 BEHAVES(loops_in_reset) {
-    if (moment == RESET) loop();
+    if (moment == RESET) hang();
     return OK;
 }
 
 BEHAVES(loops_in_terminate) {
-    if (moment == TERMINATE && model->fault) loop();
+    if (moment == TERMINATE && model->fault) hang();
     return OK;
 }
 
 BEHAVES(loops_in_free) {
-    if (moment == FREE && model->fault) loop();
+    if (moment == FREE && model->fault) hang();
     return OK;
 }
 
 BEHAVES(fails_and_loops_in_free) {
-    if (moment == FREE && model->fault) loop();
+    if (moment == FREE && model->fault) hang();
     return moment == HIT ? ERROR : OK;
 }
 
 BEHAVES(loops_in_instantiate) {
-    if (moment == INSTANTIATE) loop();
+    if (moment == INSTANTIATE) hang();
     return OK;
 }
 
 BEHAVES(loops_in_second_instantiate) {
     static int instances;
-    if (moment == INSTANTIATE && instances++ > 0) loop();
+    if (moment == INSTANTIATE && instances++ > 0) hang();
     return OK;
 }
 

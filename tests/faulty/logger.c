@@ -71,7 +71,7 @@ BEHAVES(passes_a_limit) {
 
 static void *tell_limits(void *of) {
     const Model *model = of;
-    for (int k = 0; k < 100; k++) say_limit(model, "in a thread: step %g", k + 0.5);
+    for (int k = 0; k < 20; k++) say_limit(model, "in a thread: step %g", k + 0.5);
     return NULL;
 }
 
@@ -79,7 +79,7 @@ static void *tell_limits(void *of) {
 BEHAVES(passes_limits_all_the_time) {
     if (moment == TERMINATE || moment == FREE) say_limit(model, "at its end %g", 1);
     if (!steps(moment)) return OK;
-    for (int k = 0; k < 100; k++) say_limit(model, "step %g is beyond step 0", k * 1e-2 - 0.2);
+    for (int k = 0; k < 20; k++) say_limit(model, "step %g is beyond step 0", k * 5e-2 - 0.2);
     model->callbacks->logger(model->callbacks->environment, NULL, OK, "validity", NULL);
     pthread_t thread;
     pthread_create(&thread, NULL, tell_limits, model);

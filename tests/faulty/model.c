@@ -58,6 +58,10 @@ void sleep_for(double seconds) {
     for (double end = now() + seconds; now() < end;) usleep(1000);
 }
 
+void hang(void) {
+    sleep_for(FOR_EVER);
+}
+
 void loop(void) {
     for (double end = now() + FOR_EVER; now() < end;) continue;
 }

@@ -50,6 +50,8 @@ int count_in_the_run(const char *name);
 void sleep_for(double seconds);
 /* For ever, or rather for ten minutes, so that nothing stays for ever when a test fails. */
 #define FOR_EVER 600.0
+/* Does not return, and leaves the processor to others. */
+void hang(void);
 /* Keeps the processor busy for ever. */
 void loop(void);
 /* Reads from an address that is none. */

@@ -54,6 +54,6 @@ BEHAVES(divides_by_zero) {
 BEHAVES(refuses_to_die_with_its_parent) {
     if (moment != HIT) return OK;
     prctl(PR_SET_PDEATHSIG, 0);
-    loop();
+    hang();
     return OK;
 }

@@ -11,9 +11,9 @@ import faulty
 import fresh_points
 from supervised import Outcome, Study
 
-POINTS = 40
+POINTS = 24
 # Points with the fault. Where they wait for the timeout there are two, for which two workers can wait at once.
-HIT, HIT_AND_WAITING = {9, 10, 22, 31}, {9, 10}
+HIT, HIT_AND_WAITING = {9, 10, 16, 21}, {9, 10}
 TIMEOUT, NO_TIMEOUT = "2", "600"  # s, of a point
 PAUSE = 0.003  # s, of a point, so that a run that does not let itself be held can be caught half-way
 OUTPUTS = ["y", "sum"]

@@ -112,7 +112,8 @@ def of_error(expanded, coverage, rectangular, gain, noise, repeats, value):
     return cdf, beside_points, half_interval(0.954499736), standard, student
 
 
-@pytest.mark.parametrize("seed", range(12))
+# Six have each kind of limits with each law of the uncertainty.
+@pytest.mark.parametrize("seed", [*range(6), *(pytest.param(seed, marks=pytest.mark.long) for seed in range(6, 12))])
 def test_probabilities_and_e_n_are_those_of_scipy(tmp_path, seed):
     """Conformance of each point, acceptance by `point-risk`, E_n, k and effective degrees of freedom (ISO 13528, 9.7; GUM, G.4.1),
     for tolerances to one side, to two unlike ones, and to both."""

@@ -84,7 +84,7 @@ def test_metrics_are_those_of_numpy_and_scipy(program):
 
 
 # The public implementation is slow: an ordinary run takes some of the pairs.
-@pytest.mark.parametrize("every", [4, pytest.param(1, marks=pytest.mark.long)])
+@pytest.mark.parametrize("every", [6, pytest.param(1, marks=pytest.mark.long)])
 def test_ratings_are_those_of_a_public_implementation(program, every):
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

@@ -172,8 +172,8 @@ def test_a_signal_ends_the_run(case, laboratory, tmp_path, number):
 @models("loops_in_step", "blocks_signals", "stops_itself")
 def test_a_signal_ends_a_run_of_which_only_hanging_points_are_left(case, laboratory, tmp_path):
     fmu = laboratory.workshop.folder / f"{case.model.name}.fmu"
-    run = study(tmp_path, fmu, {39, 40}, options=["--point-timeout", NO_TIMEOUT])
-    code, running, strays = run.interrupted(38, signal.SIGTERM, deadline=SOON)
+    run = study(tmp_path, fmu, {POINTS - 1, POINTS}, options=["--point-timeout", NO_TIMEOUT])
+    code, running, strays = run.interrupted(POINTS - 2, signal.SIGTERM, deadline=SOON)
     assert running and code in (130, 143), f"{code} {strays}"
     assert strays == []
 

@@ -7,7 +7,7 @@ from concurrent.futures import ThreadPoolExecutor
 import pytest
 from conftest import FMU2Stand
 
-INSTANCES, KINDS, STEPS, STEP, THREADS = 300, 8, 5, 0.01, 8
+INSTANCES, KINDS, STEPS, STEP, THREADS = 100, 8, 5, 0.01, 8
 OUTPUTS = ["sensor.loadForce", "sensor.frictionTorque", "sensor.bearingTemperature",
            "bearing.eccentricityRatio", "bearing.maxFilmPressure", "drive.angle"]
 

@@ -487,10 +487,11 @@ fn two_runs_do_not_write_the_same_folder() {
 fn a_finished_study_goes_on_with_more_points() {
     let bench = bench();
     let methods = ["sobol", "monte-carlo", "halton"];
+    let small = |method| STUDY.replace("sobol", method).replace("points = 600", "points = 150");
     for (method, isolation) in methods.into_iter().zip(["fresh", "shared", "none"]) {
-        bench.write("study.toml", &STUDY.replace("sobol", method));
+        bench.write("study.toml", &small(method));
         let folder = |name: &str| format!("{name}-{method}");
-        let more = ["--points", "1000"];
+        let more = ["--points", "250"];
         assert_eq!(verify(&bench, &folder("whole"), &more).code, 0);
         assert_eq!(verify(&bench, &folder("grown"), &[]).code, 0);
         let grown = folder("grown");
@@ -498,17 +499,17 @@ fn a_finished_study_goes_on_with_more_points() {
         let said = verify(&bench, &grown, &options);
         assert_eq!(said.code, 0, "{}", said.err);
         let computed = bench.summary(&grown)["run"]["computed"].as_u64().unwrap();
-        assert_eq!(computed, 400, "{method}");
+        assert_eq!(computed, 100, "{method}");
         assert!(files(&bench, &grown) == files(&bench, &folder("whole")), "{method}");
         // Points that there are do not go away.
-        verify(&bench, &grown, &["--resume"]).is_mistake(&["another number of points (1000 then, 600 now)"]);
+        verify(&bench, &grown, &["--resume"]).is_mistake(&["another number of points (250 then, 150 now)"]);
     }
-    bench.write("study.toml", &STUDY.replace("sobol", "latin-hypercube"));
+    bench.write("study.toml", &small("latin-hypercube"));
     assert_eq!(verify(&bench, "hypercube", &[]).code, 0);
-    verify(&bench, "hypercube", &["--points", "1000", "--resume"]).is_mistake(&[
+    verify(&bench, "hypercube", &["--points", "250", "--resume"]).is_mistake(&[
         "--points",
         "latin-hypercube",
-        "600",
+        "150",
         "monte-carlo, sobol",
     ]);
 }
