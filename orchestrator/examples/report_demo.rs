@@ -131,7 +131,6 @@ fn cloud(n: usize) -> PointTable {
         let ok = values.iter().map(|v| (v - nominal).abs() <= tolerance).collect();
         CriterionColumn {
             name: name.into(),
-            source: "final value".into(),
             unit: unit.into(),
             nominal,
             lower: nominal - tolerance,

@@ -16,7 +16,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         let ok = values.iter().map(|v| v.abs() <= 1.0).collect();
         CriterionColumn {
             name: name.into(),
-            source: String::new(),
             unit: String::new(),
             nominal: 0.0,
             lower: -1.0,

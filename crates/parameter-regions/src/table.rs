@@ -21,8 +21,6 @@ pub struct ParameterColumn {
 pub struct CriterionColumn {
     /// The criterion's name.
     pub name: String,
-    /// Its source, for people, such as "mean of sensor.loadForce"; empty when unknown.
-    pub source: String,
     /// The unit of `values` and of the three numbers below; empty when dimensionless.
     pub unit: String,
     /// The measured value.
@@ -203,7 +201,6 @@ mod tests {
     fn criterion(nominal: f64, lower: f64, upper: f64) -> CriterionColumn {
         CriterionColumn {
             name: "c".into(),
-            source: String::new(),
             unit: String::new(),
             nominal,
             lower,

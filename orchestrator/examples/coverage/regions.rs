@@ -61,7 +61,6 @@ impl Case {
             let values: Vec<f64> = points.iter().map(|u| f(u)).collect();
             CriterionColumn {
                 name: format!("c{k}"),
-                source: String::new(),
                 unit: String::new(),
                 nominal,
                 lower: nominal - tolerance,

@@ -1,6 +1,6 @@
 //! The page's counts: how many points pass, and what decides.
 
-use super::{judgement::Judgement, overlay::metric_of};
+use super::judgement::Judgement;
 use crate::results::{Summary, summary::Count};
 use conformity::conclusion::grouped;
 use curves::{Kind, Metric};
@@ -62,8 +62,8 @@ pub fn count_rows(table: &PointTable, summary: &Summary, judgement: &Judgement) 
     let criterion = |k: usize| {
         let (c, v) = (&table.criteria[k], &summary.criteria[k]);
         CountRow {
-            note: c.source.clone(),
-            nominal: match metric_of(&c.source) {
+            note: v.criterion.source(),
+            nominal: match v.criterion.metric {
                 Some(_) => "curve".to_owned(),
                 None if v.criterion.nominal_from.is_some() => "none yet".to_owned(),
                 None => {
@@ -71,7 +71,7 @@ pub fn count_rows(table: &PointTable, summary: &Summary, judgement: &Judgement) 
                     value.map_or_else(|| "–".to_owned(), |value| quantity(value, &c.unit))
                 }
             },
-            accepted: match metric_of(&c.source).map(Metric::kind) {
+            accepted: match v.criterion.metric.map(Metric::kind) {
                 Some(Kind::Rating) => format!("at least {}", number(c.lower, 6)),
                 Some(_) => format!("at most {}", quantity(c.upper, &c.unit)),
                 None => interval([c.lower, c.upper], &c.unit),

@@ -29,7 +29,7 @@ impl Report {
             command: command(&summary),
             judgement: Judgement::new(&summary)
                 .map_err(|message| Error::content(&folder.join("summary.json"), message))?,
-            history: history::read(folder, &table, study.as_ref()),
+            history: history::read(folder, (&summary, &table), study.as_ref()),
             answer: answer(folder, &summary),
             documents: documents(folder, &summary),
             study_text,

@@ -1,15 +1,13 @@
 //! The best point's trajectory, as a file beside the results.
 
-use super::{
-    figures::Series,
-    overlay::{Measured, is_of, metric_of},
-};
+use super::{figures::Series, overlay::Measured};
+use crate::results::Summary;
 use indexmap::IndexMap;
 use number_tables::csv_file;
 use parameter_regions::table::PointTable;
 use sampling::statistics::Statistic;
 use std::path::Path;
-use study::Study;
+use study::{Study, judge::Criterion};
 
 /// The file: `time` in seconds, and the criteria's signals in the criteria's units. Where the study has cases, each of them
 /// has a file, `best-point-1.csv` and so on, in the order of the study.
@@ -30,23 +28,27 @@ pub const MEASURED_COLUMNS: [&str; 4] = ["criterion", "time", "value", "uncertai
 /// Reads the trajectory of a folder: a signal a variable, with the accepted range of the criterion.
 /// Nothing where there is no such file or it does not fit.
 /// Without the study it is not known when its criteria look at the signals.
-pub fn read(folder: &Path, table: &PointTable, study: Option<&Study>) -> Vec<Series> {
+pub fn read(folder: &Path, (summary, table): (&Summary, &PointTable), study: Option<&Study>) -> Vec<Series> {
     let mut curves = measured(&folder.join(MEASURED)).unwrap_or_default();
     let mut series = |time: &[f64], (name, values): Signal| {
         let run = [time.first(), time.last()].map(|end| end.copied().unwrap_or_default());
-        let criterion = table.criteria.iter().find(|c| c.name == name)?;
+        let (k, _, count) = summary.criteria.get_full(&name)?;
+        let (criterion, column) = (&count.criterion, &table.criteria[k]);
+        let statistic = Some(criterion.statistic).filter(|_| criterion.metric.is_none());
         // A time or a frequency has another axis than its signal.
-        if statistic_of(&criterion.source).is_some_and(|statistic| statistic.unit().is_some()) {
+        if statistic.is_some_and(|statistic| statistic.unit().is_some()) {
             return None;
         }
         Some(Series {
-            judged: study.and_then(|study| judged(study, &name, &criterion.source, run)),
+            judged: study.and_then(|study| judged(study, criterion, run)),
             measured: curves.swap_remove(&name),
             name,
-            unit: criterion.unit.clone(),
+            unit: column.unit.clone(),
             time: time.to_vec(),
             values,
-            accepted: limits_the_signal(&criterion.source).then_some([criterion.lower, criterion.upper]),
+            accepted: statistic
+                .is_some_and(|statistic| !statistic.is_difference())
+                .then_some([column.lower, column.upper]),
         })
     };
     let mut all = Vec::new();
@@ -58,21 +60,21 @@ pub fn read(folder: &Path, table: &PointTable, study: Option<&Study>) -> Vec<Ser
 }
 
 /// The times between which a criterion looks at a signal of a run; equal ones for its last value.
-fn judged(study: &Study, name: &str, source: &str, run: [f64; 2]) -> Option<[f64; 2]> {
+fn judged(study: &Study, criterion: &Criterion, run: [f64; 2]) -> Option<[f64; 2]> {
     let [start, stop] = run;
-    let criterion = study.criteria.get(name)?;
-    let case = criterion.case.and_then(|case| study.cases.get(case));
+    let text = study.criteria.get(&*criterion.name)?;
+    let case = text.case.and_then(|case| study.cases.get(case));
     let simulation = match case {
         Some(case) => case.simulation.or(&study.simulation),
         None => study.simulation.clone(),
     };
-    let [from, to] = match (&criterion.window, simulation.warm_up, simulation.window) {
+    let [from, to] = match (&text.window, simulation.warm_up, simulation.window) {
         (Some(window), ..) => window.as_ref().times(run).ok()?,
         (None, Some(warm_up), _) => [start + warm_up, stop],
         (None, None, Some(window)) => [stop - window, stop],
         (None, None, None) => run,
     };
-    let last = is_of(source, Statistic::Final.label());
+    let last = matches!((criterion.detail, criterion.metric, criterion.statistic), (None, None, Statistic::Final));
     Some([if last { to } else { from }, to])
 }
 
@@ -109,18 +111,6 @@ fn trajectory(path: &Path) -> Option<Trajectory> {
     let mut columns = header.iter().map(|name| csv_file::text(name).into_owned()).zip(columns);
     let (_, time) = columns.next()?;
     Some((time, columns.collect()))
-}
-
-/// Whether the limits of a criterion with this source are limits of the signal itself, as those of an amplitude are not.
-fn limits_the_signal(source: &str) -> bool {
-    let is_difference = statistic_of(source).is_some_and(Statistic::is_difference);
-    metric_of(source).is_none() && !is_difference
-}
-
-/// The statistic of a criterion with this source.
-fn statistic_of(source: &str) -> Option<Statistic> {
-    let mut all = Statistic::ALL.iter().copied();
-    all.find(|statistic| is_of(source, statistic.label()))
 }
 
 /// The names of a table, and its columns.

@@ -123,7 +123,6 @@ mod tests {
             ids: (1..=values.len() as u64).collect(),
             criteria: vec![CriterionColumn {
                 name: "T".into(),
-                source: String::new(),
                 unit: "degC".into(),
                 nominal: 10.0,
                 lower: 8.0,

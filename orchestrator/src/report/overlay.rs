@@ -1,6 +1,6 @@
 //! A measured curve in the picture of a signal, and the model's deviations from it.
 
-use curves::{Curve, Metric};
+use curves::Curve;
 use result_document::{
     bins::axis_range,
     svg::{Frame, envelope, path},
@@ -15,18 +15,6 @@ pub struct Measured {
     pub values: Vec<f64>,
     /// The expanded uncertainty of each value; empty where it is not stated.
     pub uncertainty: Vec<f64>,
-}
-
-/// The metric of a criterion on a curve, from its source, such as "rmse of sensor.frictionTorque".
-pub fn metric_of(source: &str) -> Option<Metric> {
-    let mut all = Metric::ALL.iter().copied();
-    all.find(|metric| is_of(source, metric.label()))
-}
-
-/// Whether a source is of this statistic or metric.
-pub fn is_of(source: &str, label: &str) -> bool {
-    let rest = source.strip_prefix(label);
-    rest.is_some_and(|rest| rest.starts_with(" of "))
 }
 
 impl Measured {

@@ -215,7 +215,6 @@ pub(super) fn column(criterion: &Criterion, values: Vec<f64>, ok: Vec<bool>) -> 
     let [lower, upper] = criterion.accepted();
     CriterionColumn {
         name: criterion.name.clone(),
-        source: criterion.source(),
         unit: criterion.unit.clone().unwrap_or_default(),
         nominal: criterion.target(),
         lower,

@@ -125,7 +125,6 @@ mod tests {
     fn table(x: &[f64]) -> PointTable {
         let criterion = |nominal: f64, room: f64| CriterionColumn {
             name: format!("c{nominal}"),
-            source: String::new(),
             unit: String::new(),
             nominal,
             lower: nominal - room,

@@ -23,7 +23,6 @@ fn table(n: usize) -> PointTable {
         let values: Vec<f64> = points.iter().map(|x| model(x)[k]).collect();
         CriterionColumn {
             name: format!("c{k}"),
-            source: String::new(),
             unit: String::new(),
             nominal: 0.0,
             lower: -1.0,
