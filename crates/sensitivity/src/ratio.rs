@@ -68,28 +68,17 @@ impl<T: IntoIterator<Item = f64>> FromIterator<T> for Parts {
 pub fn variance(points: &[[f64; 2]]) -> Parts {
     let centre = centre(points);
     let square = |value: f64| (value - centre).powi(2);
-    let parts = points.iter().map(|point| point.map(square)).collect();
-    but_for_rounding(parts, centre)
-}
-
-/// The same from the difference of each two, of which both must have a value.
-pub fn paired_variance(points: &[[f64; 2]]) -> Parts {
-    let parts = Parts::of(points.iter().map(|[a, b]| (a - b).powi(2) / 2.0));
-    but_for_rounding(parts, centre(points))
+    let parts: Parts = points.iter().map(|point| point.map(square)).collect();
+    if is_seen(parts.mean(), centre) {
+        return parts;
+    }
+    Parts { sums: vec![0.0; parts.sums.len()], ..parts }
 }
 
 /// The mean of the values that are numbers.
 pub(crate) fn centre(points: &[[f64; 2]]) -> f64 {
     let known = points.iter().flatten().copied().filter(|v| v.is_finite());
     mean(&known.collect::<Vec<f64>>())
-}
-
-fn but_for_rounding(parts: Parts, centre: f64) -> Parts {
-    let [sum, count] = parts.total(|_| true);
-    if is_seen(sum / count, centre) {
-        return parts;
-    }
-    Parts { sums: vec![0.0; parts.sums.len()], ..parts }
 }
 
 /// Whether a variance is more than rounding about this mean.
@@ -120,14 +109,10 @@ pub fn ratio(over: &Parts, under: &Parts, keep: impl Fn(usize) -> bool) -> f64 {
     mean(over) / mean(under)
 }
 
-/// A ratio with an offset, and its interval, of an output with so many [`carriers`].
+/// A ratio with an offset, and its interval, of an output with so many [`carriers`]. The terms `scatter` show how far it scatters, and its
+/// standard error is not less than `least`.
 ///
 /// `None` where fewer than two blocks have terms.
-pub fn estimate(over: &Parts, under: &Parts, offset: f64, carriers: f64) -> Option<Estimate> {
-    scattering(over, over, under, offset, 0.0, carriers)
-}
-
-/// The same, where other terms than those of the estimate show how far it scatters, and its standard error is not less than `least`.
 ///
 /// The interval of a ratio that few runs carry is wider by trials (`docs/evidence/coverage.md`): such a ratio is skewed, by a part of 16
 /// over their number. Where they are fewer than 12, or than the root of the number of base points, so that hardly any pair of runs
@@ -267,6 +252,11 @@ mod tests {
 
     const MANY: f64 = f64::INFINITY;
 
+    /// Of terms that show themselves how far they scatter.
+    fn estimate(over: &Parts, under: &Parts, offset: f64, carriers: f64) -> Option<Estimate> {
+        scattering(over, over, under, offset, 0.0, carriers)
+    }
+
     /// numpy: the residuals of a ratio of means, with Student's quantile of 63 degrees of freedom.
     #[test]
     fn few_points_have_the_interval_of_independent_ones() {
@@ -328,9 +318,6 @@ mod tests {
         assert!(none.is_nan());
         assert_eq!(parts.total(|_| true), [8.0, 3.0]);
         assert_eq!(parts.total(|j| j != 1), [4.0, 2.0]);
-        // Of differences both values are needed.
-        let paired = paired_variance(&ends);
-        assert_eq!((paired.used(), paired.total(|_| true)), (1, [2.0, 1.0]));
     }
 
     /// Values that scatter by no more than the square root of the rounding error, 2^-26 of their size, count as equal.
@@ -344,7 +331,6 @@ mod tests {
         assert!(!kept(variance(&scattering(1024.0, 1024.0 * step))));
         assert!(kept(variance(&scattering(1024.0, 2048.0 * step))));
         assert!(kept(variance(&scattering(0.0, step))));
-        assert!(!kept(paired_variance(&[[7.1, 7.1]; 4])));
         // Nothing explains such an output.
         let over = Parts::of([0.0, 1.0, 0.0, 1.0]);
         let none = estimate(&over, &variance(&[[1.0; 2]; 4]), 1.0, carriers(&[1.0; 4], &[]));
