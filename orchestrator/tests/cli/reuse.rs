@@ -31,8 +31,8 @@ fn instances(macros: &[&str], description: &str) -> (usize, String) {
         .output()
         .unwrap();
     assert!(in_process.status.success(), "{}", String::from_utf8_lossy(&in_process.stderr));
-    // One more runs the best point, longer and finer, for its values' rest and its picture.
-    let instances = fs::read(count).unwrap().len() - 1;
+    // One more runs the report's best point, and one the extra run with finer steps: one for ten points.
+    let instances = fs::read(count).unwrap().len() - 2;
     let points = bench.read("out/points.csv");
     let said = bench.run(&command);
     assert_eq!(said.code, 0, "{}", said.err);
