@@ -94,13 +94,13 @@ fn measured(path: &Path) -> csv::Result<IndexMap<String, Measured>> {
 }
 
 /// A criterion's name, and its signal in the criterion's unit.
-type Signal = (String, Vec<f64>);
+pub type Signal = (String, Vec<f64>);
 
 /// The time, s, and the signals by the names of their criteria.
-type Trajectory = (Vec<f64>, Vec<Signal>);
+pub type Trajectory = (Vec<f64>, Vec<Signal>);
 
 /// The trajectories of a folder: one, or one a case. None where there is no such file or it is damaged.
-fn trajectories(folder: &Path) -> Vec<Trajectory> {
+pub fn trajectories(folder: &Path) -> Vec<Trajectory> {
     let only = trajectory(&folder.join(file(None)));
     let cases = (0..).map_while(|case| trajectory(&folder.join(file(Some(case)))));
     only.map_or_else(|| cases.collect(), |only| vec![only])

@@ -30,6 +30,12 @@ impl Budget {
     pub fn left(&self) -> Duration {
         self.until.saturating_sub((self.clock)())
     }
+
+    /// A part of what is left.
+    pub fn part(&self, share: f64) -> Self {
+        let left = self.left().mul_f64(share);
+        Self { until: (self.clock)() + left, ..*self }
+    }
 }
 
 #[cfg(test)]
@@ -51,6 +57,9 @@ mod tests {
         let [short, long] = [seconds(1), seconds(60)].map(|took| Budget::by(took, now));
         assert_eq!([short.left(), long.left()], [LEAST, seconds(60)]);
         NOW.set(110);
-        assert_eq!([short.left(), long.left()], [Duration::ZERO, seconds(50)]);
+        let half = long.part(0.5);
+        assert_eq!([short.left(), long.left(), half.left()], [Duration::ZERO, seconds(50), seconds(25)]);
+        NOW.set(140);
+        assert_eq!([long.left(), half.left()], [seconds(20), Duration::ZERO]);
     }
 }

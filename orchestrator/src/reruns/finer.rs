@@ -1,10 +1,21 @@
-//! How runs of a study are made finer or longer: to see swing and drift, and for the numerical uncertainty.
+//! How runs of a study are made finer or longer: for a picture, to see swing and drift, and for the numerical uncertainty.
 
 use conformity::validation::Refined;
 use fmu_points::task::{Case, Schedule};
 
 /// The fewest communication steps of the study's part of a run that is to show swing and drift.
 const FEWEST: u64 = 2500;
+
+/// The study's own communication points where they are enough for a plot, else closer ones: what happens
+/// between them is to be seen.
+pub(super) fn for_a_plot(schedule: Schedule) -> Schedule {
+    const ENOUGH: u64 = 1000;
+    const PLENTY: f64 = 10_000.0;
+    if schedule.steps() >= ENOUGH {
+        return schedule;
+    }
+    Schedule { step: schedule.step.min((schedule.stop - schedule.start) / PLENTY), ..schedule }
+}
 
 /// Finer steps than those of a study: shorter by the golden ratio at least. A period of which the study's step is a
 /// multiple is then met at all its phases, as no ratio is worse approximated by a fraction (Hurwitz 1891).

@@ -1,5 +1,5 @@
-//! Points of a finished study that are run once more, longer or finer: the best one to see whether its values had settled, and for
-//! its picture, and some for the numerical error. None of them changes the verdict, and what fails costs itself alone.
+//! Points of a finished study that are run once more, longer or finer: the best one for its picture, and to see whether its
+//! values had settled, and some for the numerical error. None of them changes the verdict, and what fails costs itself alone.
 
 mod best;
 mod budget;
@@ -52,7 +52,8 @@ pub struct Wish {
 /// When the FMU cannot be unpacked, and when the summary cannot be written.
 pub fn run(verification: &mut Verification, folder: &Path, summary: &mut Summary, wish: &Wish) -> Result<(), Error> {
     let reruns = Reruns::new(verification, summary, wish)?;
-    let mut left_out = best::observe(&reruns, folder, summary);
+    let mut left_out = best::write(&reruns, folder, summary);
+    left_out.extend(settled::observe(&reruns, folder, summary));
     left_out.extend(measured::write(reruns.plan(), folder, summary));
     left_out.extend(numerical::observe(&reruns, summary));
     summary.left_out = (!left_out.is_empty()).then(|| left_out.join("; "));
@@ -60,7 +61,7 @@ pub fn run(verification: &mut Verification, folder: &Path, summary: &mut Summary
 }
 
 /// Takes the time, s, and the signals' values then.
-type Row<'a> = &'a mut dyn FnMut(f64, &[f64]);
+type Row<'a> = &'a mut dyn FnMut(f64, &[f64]) -> Result<(), Halt>;
 
 /// Why a run has no end.
 #[derive(Debug, Error)]
@@ -80,6 +81,12 @@ impl From<Failure> for Halt {
 
 impl From<RunError> for Halt {
     fn from(error: RunError) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
+impl From<std::io::Error> for Halt {
+    fn from(error: std::io::Error) -> Self {
         Self::Failed(error.to_string())
     }
 }
@@ -191,13 +198,13 @@ impl<'a> Reruns<'a> {
         self.with_fmu(|fmu| Ok(self.recorder(fmu).run(cases, &job)?))
     }
 
-    /// The signals of a case that are real numbers.
-    fn signals(&self, case: usize) -> Signals {
+    /// The signals of a case that are real numbers, of criteria that are wanted.
+    fn signals(&self, case: usize, is_wanted: impl Fn(usize) -> bool) -> Signals {
         let plan = self.plan();
         let (criteria, handles) = plan
             .criteria_of(case)
             .zip(&plan.cases[case].task.observed)
-            .filter(|(_, probe)| probe.handle.content == Content::Real)
+            .filter(|(criterion, probe)| probe.handle.content == Content::Real && is_wanted(*criterion))
             .map(|(k, probe)| (k, probe.handle))
             .unzip();
         Signals { criteria, handles }
@@ -233,8 +240,7 @@ impl<'a> Reruns<'a> {
                 Value::Real(value) => *value,
                 _ => f64::NAN,
             }));
-            row(time, &numbers);
-            Ok(())
+            row(time, &numbers)
         };
         let handles = &signals.handles;
         let ended = self.with_fmu(|fmu| self.recorder(fmu).of(task)?.record(values, handles, until, &mut row));

@@ -1,7 +1,19 @@
-//! How far the best point's values move at the end of its run, and what that means for the criteria.
+//! Whether the best point's values had settled: it is run once more, longer and with finer communication steps.
 
-use crate::results::settled::Moved;
-use fmu_points::task::{Probe, Schedule};
+use std::path::Path;
+
+use super::{
+    Halt, Reruns,
+    finer::{golden, longer},
+};
+use crate::{
+    report::history,
+    results::{
+        Summary,
+        settled::{Moved, Settled},
+    },
+};
+use fmu_points::task::{Probe, Schedule, Task};
 use result_document::format::number;
 use rig_signals::motion::{Motion, motion};
 use sampling::statistics::{Accumulator, Statistic, Trend};
@@ -11,11 +23,121 @@ use study::{
     plan::Plan,
 };
 
-/// How far the signals of a run move at the end of the study, by their criteria.
-pub type Moves = Vec<(usize, Motion)>;
+/// So many numbers are held at a time; more would only take memory.
+const MOST_NUMBERS: u64 = 1 << 24;
 
-/// How far the signal of a criterion moves.
-pub fn moves_of(plan: &Plan, criterion: usize, time: &[f64], signal: &[f64]) -> Option<Motion> {
+/// How far the signals of a run move at the end of the study, by their criteria.
+type Moves = Vec<(usize, Motion)>;
+
+/// Adds to the summary whether the best point's values had settled; says what is left out.
+pub fn observe(reruns: &Reruns<'_>, folder: &Path, summary: &mut Summary) -> Option<String> {
+    // Where every point failed, that is told already.
+    let point = summary.best_point.as_ref()?.point;
+    let mut settled = Settled { point, ..Settled::default() };
+    let none = |reason: &str| Err(Halt::Failed(reason.to_owned()));
+    let runs: Result<Vec<Again>, Halt> = match (reruns.wish.most, reruns.wish.dear) {
+        (0, true) => none("the budget has no runs for it"),
+        (0, false) => none("--extra-runs 0 asked for none"),
+        _ => (0..reruns.plan().cases.len()).map(|case| again(reruns, point, case)).collect(),
+    };
+    let (mut moves, mut left_out) = (Moves::new(), None);
+    match runs {
+        Ok(runs) => {
+            for run in runs {
+                settled.step = Some(settled.step.unwrap_or(0.0).max(run.step));
+                settled.until = Some(settled.until.unwrap_or(0.0).max(run.until));
+                moves.extend(run.moves);
+            }
+        }
+        Err(halt) => {
+            let text = "the best point was not re-run longer and finer";
+            left_out = matches!(halt, Halt::Late).then(|| format!("{text}: {halt}"));
+            summary.concerns.push(Concern::new(
+                Code::NotReRun,
+                format!("{text}, so whether results swing or had settled is not known: {halt}"),
+            ));
+            moves = recorded(reruns.plan(), folder, summary);
+        }
+    }
+    for (k, count) in summary.criteria.values().enumerate() {
+        let motion = moves.iter().find(|(criterion, _)| *criterion == k).map(|(_, motion)| *motion);
+        let moved = Moved::new(motion.unwrap_or_default());
+        summary.concerns.extend(concerns(&count.criterion, &moved, settled.until.is_none()));
+        settled.criteria.insert(count.criterion.name.clone(), moved);
+    }
+    summary.settled = Some(settled);
+    left_out
+}
+
+/// A run that came at least as far as the study's end.
+struct Again {
+    step: f64,
+    until: f64,
+    moves: Moves,
+}
+
+/// Runs a point in one case with finer steps: on to a later end where the FMU allows it, else to its own.
+fn again(reruns: &Reruns<'_>, point: u64, case: usize) -> Result<Again, Halt> {
+    let failed = |reason: &str| Halt::Failed(reason.to_owned());
+    let plan = reruns.plan();
+    let values = reruns.values(point).ok_or_else(|| failed("the study has no such point any more"))?;
+    let task = &plan.cases[case].task;
+    let signals = reruns.signals(case, |_| true);
+    let finer = golden(&task.schedule)
+        .filter(|finer| (finer.steps() * (1 + signals.criteria.len() as u64)) < MOST_NUMBERS)
+        .ok_or_else(|| failed("the study's communication steps are too many to be made finer"))?;
+    // After the end of a recording its last value would hold for ever.
+    let ends = if task.inputs.is_empty() { vec![longer(&finer), finer] } else { vec![finer] };
+    let mut failure = Halt::Late;
+    for schedule in ends {
+        let task = Task { schedule, ..task.clone() };
+        let mut time = Vec::new();
+        let mut columns = vec![Vec::new(); signals.criteria.len()];
+        let ended = reruns.record(&task, &values, &signals, Some(&reruns.budget), &mut |at, row| {
+            time.push(at);
+            for ((column, &value), &k) in columns.iter_mut().zip(row).zip(&signals.criteria) {
+                column.push(plan.outputs[k].value(value));
+            }
+            Ok(())
+        });
+        let until = time.last().copied().unwrap_or(f64::NEG_INFINITY);
+        // Further than the study is enough where the FMU goes no further. A run that the clock cuts counts as none: it would
+        // tell another drift each time.
+        let is_late = matches!(ended, Err(Halt::Late));
+        if ended.is_ok() || (!is_late && until >= finer.stop * (1.0 - 1e-9)) {
+            let moves = signals
+                .criteria
+                .iter()
+                .zip(&columns)
+                .filter_map(|(&k, values)| Some((k, moves_of(plan, k, &time, values)?)));
+            return Ok(Again { step: finer.step, until, moves: moves.collect() });
+        }
+        failure = match ended {
+            Err(Halt::Failed(reason)) => {
+                Halt::Failed(format!("with steps of {:.4} s the FMU fails: {reason}", finer.step))
+            }
+            _ => Halt::Late,
+        };
+        if let Halt::Late = failure {
+            break;
+        }
+    }
+    Err(failure)
+}
+
+/// How far the best point's signals move as its trajectories show it, where these were recorded.
+fn recorded(plan: &Plan, folder: &Path, summary: &Summary) -> Moves {
+    let mut moves = Vec::new();
+    for (time, signals) in history::trajectories(folder) {
+        for (name, values) in signals {
+            let criterion = summary.criteria.get_index_of(&name);
+            moves.extend(criterion.and_then(|k| Some((k, moves_of(plan, k, &time, &values)?))));
+        }
+    }
+    moves
+}
+
+fn moves_of(plan: &Plan, criterion: usize, time: &[f64], signal: &[f64]) -> Option<Motion> {
     let (case, probe) = plan.placed_probes().nth(criterion)?;
     moves(time, signal, plan.cases[case].task.schedule, probe)
 }
@@ -64,7 +186,7 @@ fn growth(time: &[f64], signal: &[f64], statistic: Statistic, [from, to]: [f64; 
 
 /// The meaning of a motion for the number that is compared with the measured value. Without extra runs the drift is that
 /// at the rate of the end.
-pub fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Concern> {
+fn concerns(criterion: &Criterion, moved: &Moved, without_runs: bool) -> Vec<Concern> {
     let Criterion { name, statistic, .. } = criterion;
     let (tolerance, stated) = (criterion.room(), criterion.allowed());
     let unit = criterion.unit_behind();
