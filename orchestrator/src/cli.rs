@@ -68,7 +68,7 @@ fn elsewhere(fault: &str) -> Option<String> {
     /// Options of earlier versions, with what takes their place.
     const GONE: [(&str, &str); 5] = [
         ("-in-process", "it is called `--isolation none` now"),
-        ("-shapley", "`--budget N` and `--from DIR` tell Shapley effects"),
+        ("-shapley", "`sensitivity` with `--budget N` or `--from DIR` tells Shapley effects"),
         ("-surrogate", "`--budget N` takes its place"),
         ("-time-limit", "`--budget N` takes its place"),
         ("-cross-validate", "cases with `held-out = true` take its place"),
@@ -201,7 +201,7 @@ mod tests {
             ),
             (
                 "o sensitivity s --shapley 100",
-                "unexpected argument '--shapley' found; `--budget N` and `--from DIR` tell Shapley effects",
+                "unexpected argument '--shapley' found; `sensitivity` with `--budget N` or `--from DIR` tells Shapley effects",
             ),
             ("o verify s --output", "a value is required for '--output <DIR>' but none was supplied"),
         ] {

@@ -63,7 +63,9 @@ fn cell(measure: &Measure, parameter: usize) -> String {
     // Rounded away from the value: an interval that is shown holds what it held.
     let bound = |end: f64, round: fn(f64) -> f64| {
         let last = 10f64.powf(end.abs().log10().floor() - 1.0);
-        number(if end == 0.0 { end } else { round(end / last) * last }, 2)
+        // Not what has no more digits: 0.29 / 0.01 is a little less than 29.
+        let digits = (end / last * 1e6).round() / 1e6;
+        number(if end == 0.0 { end } else { round(digits) * last }, 2)
     };
     format!("{value} ({} .. {})", bound(low, f64::floor), bound(high, f64::ceil))
 }
@@ -124,6 +126,7 @@ mod tests {
         };
         assert_eq!(shown(0.997, 0.9965, 0.9977), "0.997 (0.99 .. 1)");
         assert_eq!(shown(0.0341, -0.00712, 0.0751), "0.0341 (−0.0072 .. 0.076)");
+        assert_eq!(shown(0.3, 0.29, 0.57), "0.3 (0.29 .. 0.57)");
         assert_eq!(shown(0.0, 0.0, 0.0), "0 (0 .. 0)");
         assert_eq!(shown(0.5, f64::NAN, f64::NAN), "0.5");
     }

@@ -111,7 +111,9 @@ impl Asked {
         let said = &study.sensitivity;
         let method = said.method.as_ref().map(|name| {
             named(name.as_ref()).map_err(|message| {
-                study.error_at(name, format!("{message}; Shapley effects come with --budget N and --from DIR"))
+                let elsewhere =
+                    if name.as_ref() == "shapley" { ": --budget N and --from DIR tell Shapley effects" } else { "" };
+                study.error_at(name, message + elsewhere)
             })
         });
         let usual = method.transpose()?.unwrap_or(RUNS[0]);
