@@ -65,7 +65,7 @@ fn cell(measure: &Measure, parameter: usize) -> String {
         let last = 10f64.powf(end.abs().log10().floor() - 1.0);
         // Not what has no more digits: 0.29 / 0.01 is a little less than 29.
         let digits = (end / last * 1e6).round() / 1e6;
-        number(if end == 0.0 { end } else { round(digits) * last }, 2)
+        number(if end.is_normal() { round(digits) * last } else { end }, 2)
     };
     format!("{value} ({} .. {})", bound(low, f64::floor), bound(high, f64::ceil))
 }
@@ -128,6 +128,7 @@ mod tests {
         assert_eq!(shown(0.0341, -0.00712, 0.0751), "0.0341 (−0.0072 .. 0.076)");
         assert_eq!(shown(0.3, 0.29, 0.57), "0.3 (0.29 .. 0.57)");
         assert_eq!(shown(0.0, 0.0, 0.0), "0 (0 .. 0)");
+        assert_eq!(shown(0.1, f64::NEG_INFINITY, 1.0), "0.1 (−∞ .. 1)");
         assert_eq!(shown(0.5, f64::NAN, f64::NAN), "0.5");
     }
 }
