@@ -252,7 +252,7 @@ mod tests {
 
     const MANY: f64 = f64::INFINITY;
 
-    /// Of terms that show themselves how far they scatter.
+    /// An estimate whose own terms show how far it scatters.
     fn estimate(over: &Parts, under: &Parts, offset: f64, carriers: f64) -> Option<Estimate> {
         scattering(over, over, under, offset, 0.0, carriers)
     }

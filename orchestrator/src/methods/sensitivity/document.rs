@@ -63,7 +63,7 @@ fn cell(measure: &Measure, parameter: usize) -> String {
     // Rounded away from the value: an interval that is shown holds what it held.
     let bound = |end: f64, round: fn(f64) -> f64| {
         let last = 10f64.powf(end.abs().log10().floor() - 1.0);
-        // Not what has no more digits: 0.29 / 0.01 is a little less than 29.
+        // An end of two digits stays as it is, though 0.29 / 0.01 comes out as a little less than 29.
         let digits = (end / last * 1e6).round() / 1e6;
         number(if end.is_normal() { round(digits) * last } else { end }, 2)
     };
