@@ -112,7 +112,7 @@ impl Asked {
         let method = said.method.as_ref().map(|name| {
             named(name.as_ref()).map_err(|message| {
                 let elsewhere =
-                    if name.as_ref() == "shapley" { ": --budget N and --from DIR tell Shapley effects" } else { "" };
+                    if name.as_ref() == "shapley" { "; --budget N and --from DIR tell Shapley effects" } else { "" };
                 study.error_at(name, message + elsewhere)
             })
         });
