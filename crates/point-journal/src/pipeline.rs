@@ -107,6 +107,11 @@ impl<'a> Pipeline<'a> {
         self.computed
     }
 
+    /// How many points the analysis has asked for, in this run and before.
+    pub fn asked(&self) -> u64 {
+        self.asked
+    }
+
     /// How many points each host has answered, where they ran on other machines.
     pub fn answered(&self) -> BTreeMap<String, u64> {
         self.crew.answered()

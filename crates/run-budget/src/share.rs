@@ -15,8 +15,10 @@ const CANDIDATES: usize = 1024;
 const NO_NOISE: f64 = 1e-4;
 /// All functions that are drawn lie within so many deviations of the most probable one.
 const SURE: f64 = 10.0;
-/// Errors of runs left out, over the deviation of the output, from which on the surrogate is not asked.
+/// Errors of runs left out, over the deviation of the output, from which on the surrogate is not asked...
 pub(crate) const LARGEST_ERROR: f64 = 0.2;
+/// ... unless hardly a sign depends on them: then they leave open no more than this part of the variance of the signs.
+const LARGEST_OPEN: f64 = 0.1;
 /// So many deviations more wrong signs among the runs left out than their probabilities say refute the surrogate.
 pub(crate) const REFUTED: f64 = 2.5;
 
@@ -222,30 +224,43 @@ impl Possible {
 /// What refutes the surrogate, if anything does: errors that are too large, or runs that are good or bad against what the others
 /// say of them.
 pub fn doubt(surrogate: &Surrogate, limits: &[Limit], runs: &[Run]) -> Option<Doubt> {
-    let checks = surrogate.checks();
-    for limit in limits {
-        let relative = checks[limit.output].relative;
-        if relative > LARGEST_ERROR {
-            return Some(Doubt::Error { output: limit.output, relative });
-        }
-    }
     let succeeded: Vec<&[f64]> = runs.iter().filter_map(Run::finite).collect();
+    let told_by = |limit: &Limit| -> Vec<[f64; 2]> {
+        let told = |(values, [mean, deviation]): (&&[f64], &[f64; 2])| {
+            let below = |end: f64| normal_below((end - mean) / deviation);
+            let is_good = if limit.margin(values[limit.output]) >= 0.0 { 1.0 } else { 0.0 };
+            [below(limit.range[1]) - below(limit.range[0]), is_good]
+        };
+        succeeded.iter().zip(surrogate.left_out(limit.output)).map(told).collect()
+    };
+    let told: Vec<Vec<[f64; 2]>> = limits.iter().map(told_by).collect();
+    let checks = surrogate.checks();
+    let errors = limits.iter().map(|limit| (limit.output, checks[limit.output].relative));
+    if let Some((output, relative)) = errors.max_by(|a, b| a.1.total_cmp(&b.1))
+        && relative > LARGEST_ERROR
+        && left_open(&told, succeeded.len()) > LARGEST_OPEN
+    {
+        return Some(Doubt::Error { output, relative });
+    }
     let unforeseen = surrogate.success.as_ref().is_none_or(|success| success.check.relative > LARGEST_ERROR);
     if succeeded.len() < runs.len() && unforeseen {
         return Some(Doubt::Failures);
     }
-    let told = limits.iter().flat_map(|limit| {
-        succeeded.iter().zip(surrogate.left_out(limit.output)).map(|(values, [mean, deviation])| {
-            let below = |end: f64| normal_below((end - mean) / deviation);
-            let is_good = if limit.margin(values[limit.output]) >= 0.0 { 1.0 } else { 0.0 };
-            [below(limit.range[1]) - below(limit.range[0]), is_good]
-        })
-    });
     // A surrogate is never surer of a sign than its number of runs allows.
-    let [scattered, one_sided] = surprise(told, 0.1 / succeeded.len() as f64);
+    let [scattered, one_sided] = surprise(told.into_iter().flatten(), 0.1 / succeeded.len() as f64);
     // A process smooths a jump: the limit then lies on one side of where it is at all runs, and its functions share that error.
     let deviations = scattered.max(one_sided);
     (deviations > REFUTED).then_some(Doubt::Signs { deviations })
+}
+
+/// How much of the variance of whether a run keeps all limits is open when it is left out. `told` has, by limit and run, the
+/// probability that it keeps the limit, and 1 if it does or 0.
+fn left_open(told: &[Vec<[f64; 2]>], runs: usize) -> f64 {
+    let all = |run: usize, which: usize| told.iter().map(|of_limit| of_limit[run][which]).product::<f64>();
+    let variance = |share: f64| share * (1.0 - share);
+    let open: f64 = (0..runs).map(|run| variance(all(run, 0))).sum();
+    let kept: f64 = (0..runs).map(|run| all(run, 1)).sum();
+    open / (runs as f64 * variance(kept / runs as f64))
 }
 
 /// By how many deviations what came out, 0 or 1, is farther off what was said of it than that admits, and how far it is off to one

@@ -15,6 +15,7 @@ use crate::{
     results::{self, Summary, summary::Run},
     session::{
         Request, Until, Verification,
+        account::Account,
         budget::{self, Budget},
     },
     source::Source,
@@ -24,11 +25,11 @@ use sampling::design::Design;
 /// Runs the command.
 pub fn run(options: &Verify, runs: u64) -> Result<ExitCode> {
     let folder = options.work.folder();
-    let verification = open(options, runs, &folder)?;
+    let (verification, account) = open(options, runs, &folder)?;
     if options.dry_run {
         return tried(options, verification, &folder);
     }
-    let summary = answered(options, verification, &folder)?;
+    let summary = answered(options, verification, &account, &folder)?;
     output::print(&table::told(&summary, Some(&folder), options.verbose));
     gate::verdict(&summary, &options.gate)
 }
@@ -37,14 +38,14 @@ pub fn run(options: &Verify, runs: u64) -> Result<ExitCode> {
 pub fn sensitivity(mut options: sensitivity::Options, runs: u64) -> Result<Delivery> {
     let folder = options.work.folder();
     let mut verify = Verify::of(&options.work.study);
-    let then = Request::read(&folder).ok().and_then(|request| request.budget);
+    let then = Account::read(&folder)?;
     verify.work = options.work;
     verify.work.resuming.resume |= !verify.work.resuming.force && then.is_some();
     verify.seed = options.seed;
     // What is there already may be more than is asked for now.
     let runs = then.map_or(runs, |then| then.runs.max(runs));
-    let verification = open(&verify, runs, &folder)?;
-    answered(&verify, verification, &folder)?;
+    let (verification, account) = open(&verify, runs, &folder)?;
+    answered(&verify, verification, &account, &folder)?;
     options.work = verify.work;
     options.from = Some(folder);
     sensitivity::run(&options)
@@ -71,7 +72,7 @@ fn net(verification: &Verification) -> Design {
 }
 
 /// Runs the points, and completes the folder.
-fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> Result<Summary> {
+fn answered(options: &Verify, mut verification: Verification, account: &Account, folder: &Path) -> Result<Summary> {
     let begun = Instant::now();
     let means = &options.work.means;
     let net = net(&verification);
@@ -100,6 +101,7 @@ fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> 
             Ok(())
         }
     })?;
+    account.begin(folder)?;
     let work = Work { means, jobs, ends: false };
     let history = looked.history.clone();
     let until = options.until.map(|until| (until, &history));
@@ -122,11 +124,12 @@ fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> 
     }
     let session = &verification.session;
     session.request.write(folder, &session.study)?;
+    account.end(folder, summary.surrogate.as_ref().map_or(account.left(), |surrogate| surrogate.runs))?;
     Ok(summary)
 }
 
 /// The study with its budget, which goes on from what the folder holds where that is resumed.
-fn open(options: &Verify, runs: u64, folder: &Path) -> Result<Verification> {
+fn open(options: &Verify, runs: u64, folder: &Path) -> Result<(Verification, Account)> {
     let resumed = options.work.resuming.resume && Request::is_in(folder);
     let then = if resumed { Request::read(folder)?.budget } else { None };
     let mut request = verify::request(options)?;
@@ -134,7 +137,9 @@ fn open(options: &Verify, runs: u64, folder: &Path) -> Result<Verification> {
     let mut verification = Verification::open(request)?;
     let jobs = options.work.means.jobs_of(usize::MAX)?;
     let cases = verification.session.plan.cases.len().max(1);
-    let budget = Budget::new(runs, jobs, cases, then).map_err(|message| Error::option("budget", message))?;
+    let account = Account::open(folder, ("", resumed), runs, &verification.session.study, [1, 0])?;
+    let budget = Budget::new(account.left(), jobs, cases, then)
+        .map_err(|message| Error::option("budget", message + &account.told()))?;
     verification.session.request.budget = Some(budget);
-    Ok(verification)
+    Ok((verification, account))
 }

@@ -14,7 +14,7 @@ use crate::{
     error::{Error, Result},
     options::Work,
     results::surrogate::limits,
-    session::{Request, Session, budget::Budget},
+    session::{Request, Session, account::Account, budget::Budget},
 };
 use conformity::decision::Decision;
 use point_journal::pipeline::Pipeline;
@@ -25,7 +25,7 @@ use sampling::word;
 const FILE: &str = "rare.json";
 const USUAL_RUNS: u64 = 150;
 /// Runs of each case beside the points: one before the first, and one point once more.
-const BESIDE: usize = 2;
+const BESIDE: u64 = 2;
 
 /// A share that `verify --rare` finds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
@@ -62,13 +62,18 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 /// # Errors
 /// When the options or the study cannot be used.
 pub fn run(options: &Options) -> Result<Delivery> {
-    let mut analysis = Rare { event: options.event, budget: options.budget.unwrap_or(USUAL_RUNS), seed: 1 };
+    let mut analysis = Rare { event: options.event, account: Account::default(), seed: 1 };
     let session = asking::open(&options.work, &analysis)?;
+    let folder = options.work.folder();
+    let command = (Rare::NAME, options.work.resuming.resume);
+    let cases = session.plan.cases.len().max(1) as u64;
+    let runs = options.budget.unwrap_or(USUAL_RUNS);
+    analysis.account = Account::open(&folder, command, runs, &session.study, [cases, BESIDE * cases])?;
     analysis.seed = options.seed.unwrap_or(session.study.design.seed);
     // A refusal is one line, without doubts before it.
     analysis.check(&session)?;
     asking::warn(&session.judge);
-    asking::run(session, &analysis, &options.work, options.work.folder())
+    asking::run(session, &analysis, &options.work, folder)
 }
 
 /// Refuses studies of which a rare share says nothing.
@@ -108,8 +113,7 @@ fn refuse(session: &Session, event: RareEvent) -> Result {
 #[derive(Debug)]
 struct Rare {
     event: RareEvent,
-    /// All runs of the FMU.
-    budget: u64,
+    account: Account,
     seed: u64,
 }
 
@@ -123,7 +127,7 @@ impl Analysis for Rare {
             seed: self.seed,
             // The search ends when it knows enough.
             points: None,
-            method: format!("{} with at most {} runs", word(&self.event), self.budget),
+            method: format!("{} with at most {} runs", word(&self.event), self.account.left()),
             table: None,
         })
     }
@@ -134,14 +138,17 @@ impl Analysis for Rare {
     }
 
     fn check(&self, session: &Session) -> Result {
-        Budget::new(self.budget, 1, session.plan.cases.len().max(1), None)
-            .map_err(|message| Error::option("budget", message))?;
+        Budget::new(self.account.left(), 1, session.plan.cases.len().max(1), None)
+            .map_err(|message| Error::option("budget", message + &self.account.told()))?;
         refuse(session, self.event)
+    }
+
+    fn account<'a>(&'a self, _: &'a Session) -> Option<&'a Account> {
+        Some(&self.account)
     }
 
     fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult> {
         let Session { plan, judge, .. } = session;
-        let cases = plan.cases.len().max(1);
         let limits = limits(judge, 0.0);
         let search = Search {
             event: match self.event {
@@ -152,7 +159,7 @@ impl Analysis for Rare {
             limits: &limits,
             dimensions: plan.varied().len(),
             coordinates: &|scores| plan.coordinates(&plan.at_scores(scores)),
-            runs: self.budget as usize / cases - BESIDE,
+            runs: self.account.points() as usize,
             seed: self.seed,
         };
         pipeline.repeat_at_most(1);
@@ -211,7 +218,7 @@ impl Statement {
         Self {
             event,
             surrogate: BySurrogate {
-                runs: (answer.scores.len() + BESIDE) * plan.cases.len().max(1),
+                runs: (answer.scores.len() + BESIDE as usize) * plan.cases.len().max(1),
                 share: share.map(|share| share.estimate),
                 interval,
                 reason: answer.share.as_ref().err().map(|unknown| reason(*unknown, answer.inside.len())),

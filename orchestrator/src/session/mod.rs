@@ -1,5 +1,6 @@
 //! A study with everything that its run needs: tied to its FMU, its points known.
 
+pub mod account;
 pub mod budget;
 mod finale;
 mod request;

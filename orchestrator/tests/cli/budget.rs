@@ -165,21 +165,39 @@ fn identify_counts_no_more_runs_and_goes_on_where_it_was_killed() {
     assert!(bench.read("out/identification.json") == bench.read("whole/identification.json"));
 }
 
-/// A dear FMU's whole study in one folder: what one command has run, the others do not run again.
-#[test]
-fn a_whole_study_takes_a_hundred_runs() {
+/// The lag with uncertain readings, which can be identified.
+fn measured_lag() -> Bench {
     let bench = lag();
     let normal = LAG.replace("lognormal", "normal").replace("tolerance = 4", "tolerance = 4\nuncertainty = 0.8");
     bench.write("study.toml", &normal.replace("tolerance = 0.02", "tolerance = 0.02\nuncertainty = 0.004"));
-    assert!(counted(&bench, "out", "log", &["--budget", "50"]).code < 2);
-    let folder = ["--output", "out", "--jobs", "2"];
-    let ask = |arguments: &[&str]| -> Said {
-        let mut command = bench.command(&[arguments, &folder].concat());
-        command.env("LAG_INSTANCES", bench.path("log")).output().unwrap().into()
+    bench
+}
+
+/// Any command on the study, whose FMU counts its own instances in a file.
+fn asked(bench: &Bench, arguments: &[&str]) -> Said {
+    let folder = ["study.toml", "--output", "out", "--jobs", "2"];
+    let mut command = bench.command(&[&arguments[..1], &folder, &arguments[1..]].concat());
+    command.env("LAG_INSTANCES", bench.path("log")).output().unwrap().into()
+}
+
+/// What the commands in a folder say that they have run.
+fn accounts(bench: &Bench, folders: &[&str]) -> u64 {
+    let own = |folder: &&str| {
+        let text = bench.read(&format!("out/{folder}/budget.json"));
+        serde_json::from_str::<serde_json::Value>(&text).unwrap()["own"].as_u64().unwrap()
     };
-    let said = ask(&["sensitivity", "study.toml", "--from", "out"]);
+    folders.iter().map(own).sum()
+}
+
+/// A dear FMU's whole study in one folder: what one command has run, the others do not run again, and count.
+#[test]
+fn a_whole_study_takes_a_hundred_runs() {
+    let bench = measured_lag();
+    let ask = |arguments: &[&str]| asked(&bench, arguments);
+    assert!(ask(&["verify", "--budget", "50"]).code < 2);
+    let said = ask(&["sensitivity", "--from", "out"]);
     assert_eq!((said.code, instances(&bench, "log")), (0, 50), "{}", said.err);
-    let said = ask(&["identify", "study.toml", "--budget", "30"]);
+    let said = ask(&["identify", "--budget", "80"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     assert!(said.out.contains("46 of them the study's points"), "{}", said.out);
     assert!(instances(&bench, "log") <= 80, "{}", instances(&bench, "log"));
@@ -188,18 +206,57 @@ fn a_whole_study_takes_a_hundred_runs() {
     let optimum = &result["free"];
     assert!((optimum[0]["value"].as_f64().unwrap() - 0.983).abs() < 0.01, "{optimum}");
     let before = instances(&bench, "log");
-    let said = ask(&["robustness", "study.toml", "--from", "out", "--budget", "8"]);
+    assert_eq!(accounts(&bench, &["", "identify"]), before as u64);
+    let again = ask(&["identify", "--budget", "80", "--resume"]);
+    assert_eq!(again.out, said.out);
+    // Half the steps is in no journal, and the first run of a command is run twice.
+    assert_eq!(instances(&bench, "log"), before + 2);
+    let said = ask(&["robustness", "--from", "out", "--budget", &(before + 8).to_string()]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
-    let said = ask(&["tolerances", "study.toml", "--from", "out", "--budget", "12"]);
+    ask(&["tolerances", "--from", "out", "--budget", "50"]).is_mistake(&[
+        "--budget",
+        "50 runs",
+        "other commands have made",
+    ]);
+    let said = ask(&["tolerances", "--from", "out", "--budget", &(before + 20).to_string()]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     assert!(
         said.out.contains("which a surrogate of 46 runs judged") && said.out.contains("of 10 fresh runs"),
         "{}",
         said.out
     );
-    assert!(instances(&bench, "log") <= (before + 20).min(100), "{before} {}", instances(&bench, "log"));
+    assert_eq!(instances(&bench, "log"), before + 2 + 20);
+    assert_eq!(accounts(&bench, &["", "identify", "robustness", "tolerances"]), before as u64 + 20);
     let page = bench.read("out/report.html");
     assert!(page.contains("identify") && page.contains("obustness"));
+    // A larger budget goes on behind the points, and leaves to the others what they have run.
+    let said = ask(&["verify", "--budget", "120", "--resume"]);
+    assert!(said.code < 2, "{}", said.err);
+    assert_eq!(instances(&bench, "log"), 2 + 120);
+}
+
+/// Where one command has spent all, the others answer without a run.
+#[test]
+fn a_hundred_runs_are_those_of_all_commands() {
+    let bench = measured_lag();
+    assert!(asked(&bench, &["verify", "--budget", "100"]).code < 2);
+    assert_eq!(asked(&bench, &["sensitivity", "--budget", "100"]).code, 0);
+    assert_eq!(instances(&bench, "log"), 100);
+    let said = asked(&bench, &["identify", "--budget", "100"]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    assert!(said.out.contains("The budget has no run left: neither the optimum was run"), "{}", said.out);
+    let said = asked(&bench, &["robustness", "--from", "out", "--budget", "100"]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    asked(&bench, &["tolerances", "--from", "out", "--budget", "100"]).is_mistake(&["100 runs: give 103 or more"]);
+    asked(&bench, &["verify", "--rare", "--budget", "100"]).is_mistake(&["20 to 1000", "have made 100 runs"]);
+    assert_eq!(instances(&bench, "log"), 100);
+    // A study that says something else begins anew.
+    bench.write("study.toml", &bench.read("study.toml").replace("tolerance = 4", "tolerance = 5"));
+    assert!(asked(&bench, &["verify", "--budget", "40", "--force"]).code < 2);
+    assert_eq!(instances(&bench, "log"), 140);
+    let said = asked(&bench, &["identify", "--budget", "70", "--force"]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    assert!((141..=170).contains(&instances(&bench, "log")), "{}", instances(&bench, "log"));
 }
 
 /// P(-1 <= x1 + 2 x2 + 3 x3 <= 4) of normal numbers, whose sum has the variance 14.

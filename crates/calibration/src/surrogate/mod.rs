@@ -83,9 +83,12 @@ pub struct Replaced {
     pub best: Vec<f64>,
 }
 
-/// The fewest places from which surrogates can be made and tested, where so many are known.
+/// The fewest places from which surrogates can be made and tested, where so many are known; none where these are enough.
 pub fn fewest(problem: &Problem, known: usize) -> usize {
-    first(problem).saturating_sub(known) + BATCH / 2
+    match first(problem).saturating_sub(known) {
+        0 => 0,
+        missing => missing + BATCH / 2,
+    }
 }
 
 /// The first places.

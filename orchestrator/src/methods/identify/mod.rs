@@ -30,7 +30,7 @@ use crate::{
     },
     options::{Means, Work},
     results::origin::Origin,
-    session::Request,
+    session::{Request, account::Account},
 };
 use calibration::{
     capped::Capped,
@@ -111,8 +111,11 @@ pub fn run(options: &Options) -> Result<Delivery> {
     let Options { work, asked } = options;
     let mut fit = asking::open(work, asked)?;
     let folder = work.folder();
-    if asked.budget.is_some() {
+    if let Some(runs) = asked.budget {
         fit.known = Known::of(&fit, &folder)?;
+        let beside = surrogate::UNASKED * fit.bound.problem.cases.len() as u64;
+        let command = (Asked::NAME, work.resuming.resume);
+        fit.account = Some(Account::open(&folder, command, runs, &fit.study, [1, beside])?);
     }
     asking::run(fit, asked, work, folder)
 }
@@ -126,8 +129,8 @@ pub struct Asked {
     /// Also draw N sets of parameters from the posterior, of any shape
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub posterior: Option<u64>,
-    /// For an FMU whose runs are dear: at most N runs. A surrogate of chosen ones, and of the study's points in the folder, tells
-    /// optimum, intervals and posterior; its error counts as an uncertainty
+    /// For an FMU whose runs are dear: at most N runs, those of other budgets in the folder included. A surrogate of chosen ones, and of
+    /// the study's points in the folder, tells optimum, intervals and posterior; its error counts as an uncertainty
     #[arg(long, value_name = "N", allow_negative_numbers = true)]
     pub budget: Option<u64>,
     /// Weigh the model against that of another result on the same data: its identification.json, or its folder
@@ -148,6 +151,8 @@ pub struct Fit {
     bound: Bound,
     /// The study's points, where a budget uses them.
     known: Known,
+    /// What the search has of a budget.
+    account: Option<Account>,
 }
 
 impl Source for Fit {
@@ -184,7 +189,15 @@ impl Analysis for Asked {
         } else {
             from_study::bind(&study, &settings, fmu)?
         };
-        Ok(Fit { request: Request { seed, ..request }, study, settings, package, bound, known: Known::default() })
+        Ok(Fit {
+            request: Request { seed, ..request },
+            study,
+            settings,
+            package,
+            bound,
+            known: Known::default(),
+            account: None,
+        })
     }
 
     fn points(&self, fit: &Fit) -> Result<PointSet> {
@@ -205,11 +218,15 @@ impl Analysis for Asked {
         let Fit { study, settings, bound, .. } = fit;
         posterior::check(study, settings, bound, self.posterior.is_some())?;
         self.other(settings, bound)?;
-        surrogate::check(fit, self)
+        surrogate::check(fit)
+    }
+
+    fn account<'a>(&'a self, fit: &'a Fit) -> Option<&'a Account> {
+        fit.account.as_ref()
     }
 
     fn find(&self, fit: &Fit, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult> {
-        let (mut outcome, sample) = find(self, fit, pipeline)?;
+        let (mut outcome, sample) = find(fit, pipeline)?;
         if let (Some(other), Some(evidence)) = (self.other(&fit.settings, &fit.bound)?, &mut outcome.evidence) {
             evidence.compare(&other).unwrap_or_else(|message| {
                 outcome.posterior.iter_mut().for_each(|sample| {
@@ -279,20 +296,21 @@ impl Asked {
 }
 
 /// Searches for the most probable parameters.
-fn find(options: &Asked, fit: &Fit, pipeline: &mut Pipeline<'_>) -> Result<(IdentificationOutcome, Option<Sample>)> {
+fn find(fit: &Fit, pipeline: &mut Pipeline<'_>) -> Result<(IdentificationOutcome, Option<Sample>)> {
     let Fit { study, settings, package, bound, .. } = fit;
     let starts = starts(study, settings, bound.problem.free.len())?;
     let limits = search::Effort { descents: settings.descents, iterations: settings.iterations };
-    if options.budget.is_some() {
+    if fit.account.is_some() {
         pipeline.repeat_at_most(1);
     }
     let model = FmuModel::new(bound, pipeline);
-    let capped = Capped::new(&model, options.budget.map_or(u64::MAX, |runs| surrogate::asked(runs, bound)));
+    let runs = fit.account.as_ref().map_or(u64::MAX, Account::points);
+    let capped = Capped::new(&model, runs);
     let remembered = Remembered::new(&capped, fit.known.answers(bound));
     let task =
         rounds::Task { problem: &bound.problem, difference: settings.difference, starts: &starts, effort: limits };
     let search = || {
-        let replaced = surrogate::replaced(fit, options.budget, &task, &remembered, &|text| model.say(text))?;
+        let replaced = surrogate::replaced(fit, &task, &remembered, &|text| model.say(text))?;
         let mut task = task;
         // Where the surrogate does not hold, the rest of the budget goes down from the best run.
         let rough = replaced.as_ref().filter(|replaced| !replaced.told.holds);
@@ -323,7 +341,12 @@ fn find(options: &Asked, fit: &Fit, pipeline: &mut Pipeline<'_>) -> Result<(Iden
         if rough.is_some() && capped.has_refused() {
             outcome.end = End::Budget;
         }
-        look_closer(&mut outcome, &searched, &model)?;
+        if runs > 0 {
+            look_closer(&mut outcome, &searched, &model)?;
+        } else {
+            let note = "The budget has no run left: neither the optimum was run nor half the communication step.";
+            outcome.notes.push(note.to_owned());
+        }
         (outcome.farthest, outcome.influence) =
             calibration::influence::of_values(&searched.problem, &optima[0], &document::groups(bound));
         outcome.look_along(&document::curves(bound), &bound.problem.estimates);

@@ -5,12 +5,9 @@ use std::path::Path;
 
 use super::{
     super::known::{digest_of, points_of},
-    Asked, Fit,
+    Fit,
 };
-use crate::{
-    error::{Error, Result},
-    identify::bind::Bound,
-};
+use crate::{error::Result, identify::bind::Bound};
 use calibration::{
     objective::{Misfit, Objective},
     optima::Optimum,
@@ -30,7 +27,7 @@ const BESIDE: u64 = 5;
 /// The fit of more runs takes minutes.
 const MOST: u64 = 1000;
 /// Those of them that are not asked for by the search.
-const UNASKED: u64 = 3;
+pub const UNASKED: u64 = 3;
 
 /// The fit takes the cube of the number of places; more points of a study tell little more.
 const POINTS: usize = 250;
@@ -110,35 +107,27 @@ fn places(runs: u64, bound: &Bound) -> u64 {
     (runs / bound.problem.cases.len().max(1) as u64).saturating_sub(BESIDE)
 }
 
-/// Runs that a search may ask for.
-pub fn asked(runs: u64, bound: &Bound) -> u64 {
-    runs.saturating_sub(UNASKED * bound.problem.cases.len() as u64)
-}
-
-/// Refuses numbers of runs from which no surrogate can be made.
-pub fn check(Fit { bound, known, .. }: &Fit, options: &Asked) -> Result {
-    let Some(runs) = options.budget else { return Ok(()) };
+/// Refuses numbers of runs from which no surrogate can be made. The study's points may be enough for one.
+pub fn check(Fit { bound, known, account, .. }: &Fit) -> Result {
+    let Some(account) = account else { return Ok(()) };
     let cases = bound.problem.cases.len() as u64;
-    let least = cases * (fewest(&bound.problem, known.places.len()) as u64 + BESIDE);
-    if (least..=MOST * cases).contains(&runs) {
+    let fewest = fewest(&bound.problem, known.places.len()) as u64;
+    let least = if fewest > 0 { cases * (fewest + BESIDE) } else { 0 };
+    if (least..=MOST * cases).contains(&account.left()) {
         return Ok(());
     }
     let each = if cases > 1 { format!(" of {cases} cases") } else { String::new() };
-    Err(Error::option(
-        "budget",
-        format!("{runs} runs: give {least} or more for these unknowns{each}, and at most {}", MOST * cases),
-    ))
+    Err(account.too_few(least, &format!(" for these unknowns{each}, and at most {}", MOST * cases)))
 }
 
 /// Makes surrogates where a budget wants them.
 pub fn replaced(
-    Fit { study, settings, bound, known, .. }: &Fit,
-    budget: Option<u64>,
+    Fit { study, settings, bound, known, account, .. }: &Fit,
     search: &rounds::Task<'_>,
     model: &dyn Simulate,
     say: &dyn Fn(String),
 ) -> Result<Option<Replaced>, SearchError> {
-    let Some(runs) = budget else { return Ok(None) };
+    let Some(account) = account else { return Ok(None) };
     let unknowns = search.problem.unknowns();
     let evenly = |count: usize| cube(unknowns, count as u64, settings.seed.wrapping_add(1), 1);
     // Whether there is a net of so many dimensions shows at the first one.
@@ -146,8 +135,11 @@ pub fn replaced(
     let task = Task {
         search: *search,
         known: &known.places,
-        places: places(runs, bound) as usize,
-        spread: &|count| evenly(count).expect("a net of these dimensions was made above, and so few points fit in it"),
+        places: places(account.left(), bound) as usize,
+        spread: &|count| match count {
+            0 => Vec::new(),
+            count => evenly(count).expect("a net of these dimensions was made above, and so few points fit in it"),
+        },
         seed: settings.seed,
     };
     made(&task, model, say).map(Some)
@@ -162,6 +154,9 @@ pub fn run_again(
 ) -> Result<SurrogateOutcome, SearchError> {
     let cases = objective.problem.cases.len().max(1) as u64;
     optima.truncate(((left / cases) as usize).max(1));
+    if left < cases {
+        return Ok(replaced.told.clone());
+    }
     let places: Vec<&[f64]> = optima.iter().map(|optimum| &optimum.minimum.places[..]).collect();
     let misfits = objective.misfits(&places)?;
     let mut told = replaced.told.clone();

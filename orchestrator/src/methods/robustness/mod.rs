@@ -15,7 +15,7 @@ use crate::{
     error::{Error, Result},
     options::Work,
     results::origin::Origin,
-    session::{Request, Session},
+    session::{Request, Session, account::Account},
 };
 use confirm::Confirmation;
 use parameter_regions::{
@@ -49,16 +49,16 @@ pub struct Options {
     /// Confirm the box by N new runs [default: the study's, or 0]
     #[arg(long, value_name = "N")]
     pub confirm: Option<usize>,
-    /// The same with at most N runs in all
+    /// The same with at most N runs, those of other budgets in the folder included
     #[arg(long, value_name = "N", conflicts_with = "confirm")]
-    pub budget: Option<usize>,
+    pub budget: Option<u64>,
     /// The seed [default: the study's, or 1]
     #[arg(long, value_name = "S")]
     pub seed: Option<u64>,
 }
 
-/// Runs of a budget that judge nothing: one before the first, and one once more.
-const BESIDE: usize = 2;
+/// Runs of each case of a budget that judge nothing: one before the first, and one once more.
+const BESIDE: u64 = 2;
 
 /// A result in the folder of a finished study, as its page shows it.
 pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
@@ -74,23 +74,28 @@ pub fn run(options: &Options) -> Result<Delivery> {
     let from = known::from(options.from.as_deref(), work.output.as_deref(), &work.study);
     let study = Study::read(&work.study)?;
     let said = &study.robustness;
-    if let Some(runs) = options.budget.filter(|runs| *runs <= BESIDE) {
-        return Err(Error::option("budget", format!("{runs} runs: give {} or more", BESIDE + 1)));
-    }
-    let of_budget = options.budget.map(|runs| runs - BESIDE);
-    let analysis = Asked {
+    let mut analysis = Asked {
         from: known::absolute(&from),
         level: level(options, &study)?,
-        confirm: of_budget.or(options.confirm).or(said.confirm).unwrap_or(0),
-        dear: of_budget.is_some(),
+        confirm: options.confirm.or(said.confirm).unwrap_or(0),
+        account: None,
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
-    let session = asking::open(work, &analysis);
+    let mut session = asking::open(work, &analysis);
     let folder = work.output.clone().unwrap_or(from);
+    if let Some(runs) = options.budget {
+        let opened = session?;
+        let cases = opened.plan.cases.len().max(1) as u64;
+        let command = (Asked::NAME, work.resuming.resume);
+        let account = Account::open(&folder, command, runs, &opened.study, [cases, BESIDE * cases])?;
+        analysis.confirm = account.points() as usize;
+        analysis.account = Some(account);
+        session = Ok(opened);
+    }
     if analysis.confirm > 0 {
         return asking::run(session?, &analysis, work, folder);
     }
-    if work.resuming.resume {
+    if work.resuming.resume && analysis.account.is_none() {
         return Err(Error::option("confirm", "without new runs there is nothing to resume; add --confirm N"));
     }
     // Without the FMU there are no new runs, but all else can be told, unless it takes what binds the study's parameters.
@@ -134,8 +139,8 @@ pub struct Asked {
     level: f64,
     /// New runs in it.
     confirm: usize,
-    /// Whether runs are dear.
-    dear: bool,
+    /// What it has of a budget, where runs are dear.
+    account: Option<Account>,
     seed: u64,
 }
 
@@ -182,10 +187,14 @@ impl Analysis for Asked {
         })
     }
 
+    fn account<'a>(&'a self, _: &'a Session) -> Option<&'a Account> {
+        self.account.as_ref()
+    }
+
     fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult> {
         let (origin, known, cloud) = self.known(&session.study, Some(&session.plan))?;
         let stated = self.stated(&known, &cloud)?;
-        if self.dear {
+        if self.account.is_some() {
             pipeline.repeat_at_most(1);
         }
         let mut confirmed =

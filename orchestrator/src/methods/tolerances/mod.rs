@@ -15,7 +15,7 @@ use crate::{
     error::{Error, Result},
     options::Work,
     results::{summary::ParameterSummary, table},
-    session::{Request, Session},
+    session::{Request, Session, account::Account},
 };
 use goal::Goal;
 use number_tables::files::FileError;
@@ -56,7 +56,8 @@ pub struct Options {
     /// Fresh runs that confirm the result [default: `confirm` under `[tolerances]`, or 1000]
     #[arg(long, value_name = "N")]
     pub confirm: Option<u64>,
-    /// For an FMU whose runs are dear: at most N runs, which confirm what a surrogate of the finished study's points finds
+    /// For an FMU whose runs are dear: at most N runs, those of other budgets in the folder included, which confirm what a surrogate
+    /// of the finished study's points finds
     #[arg(long, value_name = "N", conflicts_with = "confirm")]
     pub budget: Option<u64>,
     /// The seed [default: the study's, or 1]
@@ -64,7 +65,7 @@ pub struct Options {
     pub seed: Option<u64>,
 }
 
-/// Runs of a budget that confirm nothing: one before the first, and one once more.
+/// Runs of each case of a budget that confirm nothing: one before the first, and one once more.
 const BESIDE: u64 = 2;
 
 /// A result in the folder of a finished study, as its page shows it.
@@ -79,19 +80,26 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 pub fn run(options: &Options) -> Result<Delivery> {
     let path = &options.work.study;
     let said = &Study::read(path)?.tolerances;
-    if let Some(runs) = options.budget.filter(|runs| *runs <= BESIDE) {
-        return Err(Error::option("budget", format!("{runs} runs: give {} or more", BESIDE + 1)));
-    }
-    let confirm = options.budget.map(|runs| runs - BESIDE);
-    let analysis = Asked {
+    let mut analysis = Asked {
         from: known::absolute(&known::from(options.from.as_deref(), options.work.output.as_deref(), path)),
         points: options.points.or(said.points).unwrap_or(1024).max(16),
-        confirm: confirm.or(options.confirm).or(said.confirm).unwrap_or(1000).max(1),
-        by_surrogate: options.budget.is_some(),
+        confirm: options.confirm.or(said.confirm).unwrap_or(1000).max(1),
+        account: None,
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
     let session = asking::open(&options.work, &analysis)?;
-    asking::run(session, &analysis, &options.work, options.work.folder())
+    let folder = options.work.folder();
+    if let Some(runs) = options.budget {
+        let cases = session.plan.cases.len().max(1) as u64;
+        let command = (Asked::NAME, options.work.resuming.resume);
+        let account = Account::open(&folder, command, runs, &session.study, [cases, BESIDE * cases])?;
+        analysis.confirm = account.points();
+        if analysis.confirm == 0 {
+            return Err(account.too_few((BESIDE + 1) * cases, ""));
+        }
+        analysis.account = Some(account);
+    }
+    asking::run(session, &analysis, &options.work, folder)
 }
 
 /// A search by importance weights on known points, and by runs of its own.
@@ -103,8 +111,8 @@ pub struct Asked {
     points: u64,
     /// Fresh runs that confirm the result.
     confirm: u64,
-    /// Whether a surrogate takes the place of all other runs.
-    by_surrogate: bool,
+    /// What it has of a budget: a surrogate then takes the place of all other runs.
+    account: Option<Account>,
     seed: u64,
 }
 
@@ -118,7 +126,7 @@ impl Analysis for Asked {
     }
 
     fn points(&self, session: &Session) -> Result<PointSet> {
-        let known = self.by_surrogate || self.known(session)?.is_some();
+        let known = self.account.is_some() || self.known(session)?.is_some();
         Ok(PointSet {
             seed: self.seed,
             // Rounds follow until the weights are sure enough.
@@ -126,6 +134,10 @@ impl Analysis for Asked {
             method: format!("rounds of {} points, {} to confirm", self.points, self.confirm),
             table: known.then(|| known::digest_of(&self.from)).transpose()?,
         })
+    }
+
+    fn account<'a>(&'a self, _: &'a Session) -> Option<&'a Account> {
+        self.account.as_ref()
     }
 
     fn check(&self, session: &Session) -> Result {
@@ -136,7 +148,7 @@ impl Analysis for Asked {
     fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult> {
         let goal = Goal::new(&session.study, &session.judge, &self.from)?;
         let problem = self.problem(session, &goal)?;
-        let stand = self.by_surrogate.then(|| self.stand(session)).transpose()?;
+        let stand = self.account.is_some().then(|| self.stand(session)).transpose()?;
         if stand.is_some() {
             pipeline.repeat_at_most(1);
         }
