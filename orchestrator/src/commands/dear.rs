@@ -25,11 +25,11 @@ use sampling::design::Design;
 /// Runs the command.
 pub fn run(options: &Verify, runs: u64) -> Result<ExitCode> {
     let folder = options.work.folder();
-    let (verification, account) = open(options, runs, &folder)?;
+    let verification = open(options, runs, &folder)?;
     if options.dry_run {
         return tried(options, verification, &folder);
     }
-    let summary = answered(options, verification, &account, &folder)?;
+    let summary = answered(options, verification, &folder)?;
     output::print(&table::told(&summary, Some(&folder), options.verbose));
     gate::verdict(&summary, &options.gate)
 }
@@ -38,14 +38,14 @@ pub fn run(options: &Verify, runs: u64) -> Result<ExitCode> {
 pub fn sensitivity(mut options: sensitivity::Options, runs: u64) -> Result<Delivery> {
     let folder = options.work.folder();
     let mut verify = Verify::of(&options.work.study);
-    let then = Account::read(&folder)?;
+    let then = Request::read(&folder).ok().and_then(|request| request.account);
     verify.work = options.work;
     verify.work.resuming.resume |= !verify.work.resuming.force && then.is_some();
     verify.seed = options.seed;
     // What is there already may be more than is asked for now.
     let runs = then.map_or(runs, |then| then.runs.max(runs));
-    let (verification, account) = open(&verify, runs, &folder)?;
-    answered(&verify, verification, &account, &folder)?;
+    let verification = open(&verify, runs, &folder)?;
+    answered(&verify, verification, &folder)?;
     options.work = verify.work;
     options.from = Some(folder);
     sensitivity::run(&options)
@@ -72,7 +72,7 @@ fn net(verification: &Verification) -> Design {
 }
 
 /// Runs the points, and completes the folder.
-fn answered(options: &Verify, mut verification: Verification, account: &Account, folder: &Path) -> Result<Summary> {
+fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> Result<Summary> {
     let begun = Instant::now();
     let means = &options.work.means;
     let net = net(&verification);
@@ -101,7 +101,6 @@ fn answered(options: &Verify, mut verification: Verification, account: &Account,
             Ok(())
         }
     })?;
-    account.begin(folder)?;
     let work = Work { means, jobs, ends: false };
     let history = looked.history.clone();
     let until = options.until.map(|until| (until, &history));
@@ -119,17 +118,18 @@ fn answered(options: &Verify, mut verification: Verification, account: &Account,
     let wish = Wish { most: 0, validation: false, dear: true, limits: means.limits(here)?, jobs: here };
     verify::finish(&mut verification, folder, &mut summary, &wish);
     // Last, as what is written here is complete.
-    if let Some(budget) = &mut verification.session.request.budget {
+    let request = &mut verification.session.request;
+    if let (Some(budget), Some(account)) = (&mut request.budget, &mut request.account) {
         budget.places = told.places;
+        *account = account.after(summary.surrogate.as_ref().map_or(account.left(), |surrogate| surrogate.runs));
     }
     let session = &verification.session;
     session.request.write(folder, &session.study)?;
-    account.end(folder, summary.surrogate.as_ref().map_or(account.left(), |surrogate| surrogate.runs))?;
     Ok(summary)
 }
 
 /// The study with its budget, which goes on from what the folder holds where that is resumed.
-fn open(options: &Verify, runs: u64, folder: &Path) -> Result<(Verification, Account)> {
+fn open(options: &Verify, runs: u64, folder: &Path) -> Result<Verification> {
     let resumed = options.work.resuming.resume && Request::is_in(folder);
     let then = if resumed { Request::read(folder)?.budget } else { None };
     let mut request = verify::request(options)?;
@@ -140,6 +140,7 @@ fn open(options: &Verify, runs: u64, folder: &Path) -> Result<(Verification, Acc
     let account = Account::open(folder, ("", resumed), runs, &verification.session.study, [1, 0])?;
     let budget = Budget::new(account.left(), jobs, cases, then)
         .map_err(|message| Error::option("budget", message + &account.told()))?;
-    verification.session.request.budget = Some(budget);
-    Ok((verification, account))
+    let request = &mut verification.session.request;
+    (request.budget, request.account) = (Some(budget), Some(account));
+    Ok(verification)
 }

@@ -12,7 +12,7 @@ use crate::{
     error::Result,
     options::{Means, Work},
     results::{origin::Origin, table, validity::Validity},
-    session::{Request, Session, account::Account},
+    session::{Request, Session},
 };
 use conformity::decision::Decision;
 use parameter_regions::table::PointTable;
@@ -46,11 +46,6 @@ pub trait Analysis {
     /// # Errors
     /// When the options say nothing that can be run.
     fn points(&self, source: &Self::Source) -> Result<PointSet>;
-
-    /// What it has of the folder's budget, where it has one.
-    fn account<'a>(&'a self, _: &'a Self::Source) -> Option<&'a Account> {
-        None
-    }
 
     /// Refuses what it cannot do, before the folder is taken and what an earlier run left there is replaced.
     ///
@@ -261,15 +256,13 @@ pub(super) fn run_by<A: Analysis>(
     let place = Place { output: &folder, analysis: Some(A::NAME), earlier };
     let taken = place.take(source.parts(), &header, || Ok(()))?;
     let state = place.state();
-    if let Some(account) = analysis.account(&source) {
-        account.begin(&state)?;
-    }
     let means = setup::Work { means, jobs: means.jobs_of(usize::MAX)?, ends: true };
     let ((mut result, points), kept) = setup::run(&mut source, &header, taken, means, |source, pipeline| {
         Ok((analysis.find(source, pipeline, &folder)?, pipeline.asked()))
     })?;
-    if let Some(account) = analysis.account(&source) {
-        account.end_after(&state, points)?;
+    let SourceParts { request, study, .. } = source.parts();
+    if let Some(account) = &request.account {
+        Request { account: Some(account.after(points)), ..request.clone() }.write(&state, study)?;
     }
     result.tell_validity(source.parts(), &state)?;
     Ok(Delivery::new(result, folder, kept))

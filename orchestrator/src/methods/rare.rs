@@ -63,12 +63,13 @@ pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
 /// When the options or the study cannot be used.
 pub fn run(options: &Options) -> Result<Delivery> {
     let mut analysis = Rare { event: options.event, account: Account::default(), seed: 1 };
-    let session = asking::open(&options.work, &analysis)?;
+    let mut session = asking::open(&options.work, &analysis)?;
     let folder = options.work.folder();
     let command = (Rare::NAME, options.work.resuming.resume);
     let cases = session.plan.cases.len().max(1) as u64;
     let runs = options.budget.unwrap_or(USUAL_RUNS);
     analysis.account = Account::open(&folder, command, runs, &session.study, [cases, BESIDE * cases])?;
+    session.request.account = Some(analysis.account.clone());
     analysis.seed = options.seed.unwrap_or(session.study.design.seed);
     // A refusal is one line, without doubts before it.
     analysis.check(&session)?;
@@ -141,10 +142,6 @@ impl Analysis for Rare {
         Budget::new(self.account.left(), 1, session.plan.cases.len().max(1), None)
             .map_err(|message| Error::option("budget", message + &self.account.told()))?;
         refuse(session, self.event)
-    }
-
-    fn account<'a>(&'a self, _: &'a Session) -> Option<&'a Account> {
-        Some(&self.account)
     }
 
     fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult> {

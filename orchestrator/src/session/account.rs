@@ -1,16 +1,14 @@
 //! `--budget N` counts the runs of all commands that had a budget in the same folder of results.
 
-use std::{fs, io, path::Path};
+use std::{fs, path::Path};
 
 use serde::{Deserialize, Serialize};
 
+use super::Request;
 use crate::error::{Error, Result};
-use point_journal::files::write_json;
 use study::Study;
 
-/// The account's file, in the folder of the command's journal.
-const FILE: &str = "budget.json";
-/// The folders of the commands that may have one. `verify` keeps its journal in the folder of the results itself.
+/// The folders of the commands that may have a budget. `verify` keeps its journal in the folder of the results itself.
 const COMMANDS: [&str; 5] = ["", "identify", "rare", "robustness", "tolerances"];
 
 /// What one command has of a folder's budget.
@@ -32,7 +30,7 @@ impl Account {
     /// may have run since, and its points are to be the same.
     ///
     /// # Errors
-    /// When the account of a command in the folder cannot be read.
+    /// When a request in the folder cannot be read.
     pub fn open(
         folder: &Path,
         (command, resumed): (&str, bool),
@@ -40,33 +38,21 @@ impl Account {
         study: &Study,
         cost: [u64; 2],
     ) -> Result<Self> {
-        let then = Self::read(&folder.join(command))?;
-        if let Some(then) = then.filter(|then| resumed && then.runs == runs) {
-            return Ok(Self { cost, ..then });
-        }
         let mut others = 0;
-        for other in COMMANDS.iter().filter(|other| **other != command) {
-            let state = folder.join(other);
-            // Results of what the study said before are replaced.
-            let is_of_study = fs::read_to_string(state.join("study.toml")).is_ok_and(|text| text == study.text());
-            if let Some(other) = Self::read(&state)?.filter(|_| is_of_study) {
-                others += other.own.unwrap_or(other.left());
+        for name in COMMANDS {
+            let state = folder.join(name);
+            let then = if Request::is_in(&state) { Request::read(&state)? } else { continue };
+            let Some(account) = then.account else { continue };
+            if name == command {
+                if resumed && account.runs == runs {
+                    return Ok(Self { cost, ..account });
+                }
+            // What the study said before is to be replaced.
+            } else if fs::read_to_string(then.study).is_ok_and(|text| text == study.text()) {
+                others += account.own.unwrap_or(account.left());
             }
         }
         Ok(Self { runs, others, own: None, cost })
-    }
-
-    /// The account in the folder of a command's journal.
-    ///
-    /// # Errors
-    /// When it cannot be read.
-    pub fn read(state: &Path) -> Result<Option<Self>> {
-        let path = state.join(FILE);
-        match fs::read(&path) {
-            Ok(text) => serde_json::from_slice(&text).map(Some).map_err(|error| Error::content(&path, error)),
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
-            Err(error) => Err(Error::io(&path)(error)),
-        }
     }
 
     /// The runs that others have left.
@@ -78,6 +64,12 @@ impl Account {
     pub fn points(&self) -> u64 {
         let [each, beside] = self.cost;
         self.left().saturating_sub(beside) / each
+    }
+
+    /// The account of the command when it has ended, after so many points.
+    pub fn after(&self, points: u64) -> Self {
+        let [each, beside] = self.cost;
+        Self { own: Some(if points > 0 { points * each + beside } else { 0 }), ..self.clone() }
     }
 
     /// What others have run, for the end of a message.
@@ -92,30 +84,5 @@ impl Account {
     pub fn too_few(&self, least: u64, what: &str) -> Error {
         let message = format!("{} runs: give {} or more{what}{}", self.runs, self.others + least, self.told());
         Error::option("budget", message)
-    }
-
-    /// Notes the account, before the first run.
-    ///
-    /// # Errors
-    /// When the system says no.
-    pub fn begin(&self, state: &Path) -> Result {
-        Ok(write_json(&state.join(FILE), self)?)
-    }
-
-    /// Notes that the command has ended, after so many runs.
-    ///
-    /// # Errors
-    /// When the system says no.
-    pub fn end(&self, state: &Path, own: u64) -> Result {
-        Self { own: Some(own), ..self.clone() }.begin(state)
-    }
-
-    /// The same after so many points.
-    ///
-    /// # Errors
-    /// When the system says no.
-    pub fn end_after(&self, state: &Path, points: u64) -> Result {
-        let [each, beside] = self.cost;
-        self.end(state, if points > 0 { points * each + beside } else { 0 })
     }
 }

@@ -8,7 +8,7 @@ use std::{
 
 use serde::{Deserialize, Serialize};
 
-use super::budget::Budget;
+use super::{account::Account, budget::Budget};
 use crate::error::{Error, Result};
 use point_journal::{
     files::{write_json, write_text},
@@ -37,6 +37,9 @@ pub struct Request {
     /// A number of runs that chosen points share, instead of a design.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub budget: Option<Budget>,
+    /// What the command has of the folder's budget.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub account: Option<Account>,
     /// The folder of the files that the study names, where that is not its own.
     #[serde(skip)]
     pub base: Option<PathBuf>,

@@ -183,8 +183,8 @@ fn asked(bench: &Bench, arguments: &[&str]) -> Said {
 /// What the commands in a folder say that they have run.
 fn accounts(bench: &Bench, folders: &[&str]) -> u64 {
     let own = |folder: &&str| {
-        let text = bench.read(&format!("out/{folder}/budget.json"));
-        serde_json::from_str::<serde_json::Value>(&text).unwrap()["own"].as_u64().unwrap()
+        let text = bench.read(&format!("out/{folder}/request.json"));
+        serde_json::from_str::<serde_json::Value>(&text).unwrap()["account"]["own"].as_u64().unwrap()
     };
     folders.iter().map(own).sum()
 }

@@ -115,7 +115,7 @@ pub fn run(options: &Options) -> Result<Delivery> {
         fit.known = Known::of(&fit, &folder)?;
         let beside = surrogate::UNASKED * fit.bound.problem.cases.len() as u64;
         let command = (Asked::NAME, work.resuming.resume);
-        fit.account = Some(Account::open(&folder, command, runs, &fit.study, [1, beside])?);
+        fit.request.account = Some(Account::open(&folder, command, runs, &fit.study, [1, beside])?);
     }
     asking::run(fit, asked, work, folder)
 }
@@ -151,8 +151,6 @@ pub struct Fit {
     bound: Bound,
     /// The study's points, where a budget uses them.
     known: Known,
-    /// What the search has of a budget.
-    account: Option<Account>,
 }
 
 impl Source for Fit {
@@ -189,15 +187,7 @@ impl Analysis for Asked {
         } else {
             from_study::bind(&study, &settings, fmu)?
         };
-        Ok(Fit {
-            request: Request { seed, ..request },
-            study,
-            settings,
-            package,
-            bound,
-            known: Known::default(),
-            account: None,
-        })
+        Ok(Fit { request: Request { seed, ..request }, study, settings, package, bound, known: Known::default() })
     }
 
     fn points(&self, fit: &Fit) -> Result<PointSet> {
@@ -219,10 +209,6 @@ impl Analysis for Asked {
         posterior::check(study, settings, bound, self.posterior.is_some())?;
         self.other(settings, bound)?;
         surrogate::check(fit)
-    }
-
-    fn account<'a>(&'a self, fit: &'a Fit) -> Option<&'a Account> {
-        fit.account.as_ref()
     }
 
     fn find(&self, fit: &Fit, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult> {
@@ -300,11 +286,11 @@ fn find(fit: &Fit, pipeline: &mut Pipeline<'_>) -> Result<(IdentificationOutcome
     let Fit { study, settings, package, bound, .. } = fit;
     let starts = starts(study, settings, bound.problem.free.len())?;
     let limits = search::Effort { descents: settings.descents, iterations: settings.iterations };
-    if fit.account.is_some() {
+    if fit.request.account.is_some() {
         pipeline.repeat_at_most(1);
     }
     let model = FmuModel::new(bound, pipeline);
-    let runs = fit.account.as_ref().map_or(u64::MAX, Account::points);
+    let runs = fit.request.account.as_ref().map_or(u64::MAX, Account::points);
     let capped = Capped::new(&model, runs);
     let remembered = Remembered::new(&capped, fit.known.answers(bound));
     let task =

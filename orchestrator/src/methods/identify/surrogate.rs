@@ -108,8 +108,8 @@ fn places(runs: u64, bound: &Bound) -> u64 {
 }
 
 /// Refuses numbers of runs from which no surrogate can be made. The study's points may be enough for one.
-pub fn check(Fit { bound, known, account, .. }: &Fit) -> Result {
-    let Some(account) = account else { return Ok(()) };
+pub fn check(Fit { bound, known, request, .. }: &Fit) -> Result {
+    let Some(account) = &request.account else { return Ok(()) };
     let cases = bound.problem.cases.len() as u64;
     let fewest = fewest(&bound.problem, known.places.len()) as u64;
     let least = if fewest > 0 { cases * (fewest + BESIDE) } else { 0 };
@@ -122,12 +122,12 @@ pub fn check(Fit { bound, known, account, .. }: &Fit) -> Result {
 
 /// Makes surrogates where a budget wants them.
 pub fn replaced(
-    Fit { study, settings, bound, known, account, .. }: &Fit,
+    Fit { request, study, settings, bound, known, .. }: &Fit,
     search: &rounds::Task<'_>,
     model: &dyn Simulate,
     say: &dyn Fn(String),
 ) -> Result<Option<Replaced>, SearchError> {
-    let Some(account) = account else { return Ok(None) };
+    let Some(account) = &request.account else { return Ok(None) };
     let unknowns = search.problem.unknowns();
     let evenly = |count: usize| cube(unknowns, count as u64, settings.seed.wrapping_add(1), 1);
     // Whether there is a net of so many dimensions shows at the first one.

@@ -78,24 +78,23 @@ pub fn run(options: &Options) -> Result<Delivery> {
         from: known::absolute(&from),
         level: level(options, &study)?,
         confirm: options.confirm.or(said.confirm).unwrap_or(0),
-        account: None,
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
     let mut session = asking::open(work, &analysis);
     let folder = work.output.clone().unwrap_or(from);
     if let Some(runs) = options.budget {
-        let opened = session?;
+        let mut opened = session?;
         let cases = opened.plan.cases.len().max(1) as u64;
         let command = (Asked::NAME, work.resuming.resume);
         let account = Account::open(&folder, command, runs, &opened.study, [cases, BESIDE * cases])?;
         analysis.confirm = account.points() as usize;
-        analysis.account = Some(account);
+        opened.request.account = Some(account);
         session = Ok(opened);
     }
     if analysis.confirm > 0 {
         return asking::run(session?, &analysis, work, folder);
     }
-    if work.resuming.resume && analysis.account.is_none() {
+    if work.resuming.resume && options.budget.is_none() {
         return Err(Error::option("confirm", "without new runs there is nothing to resume; add --confirm N"));
     }
     // Without the FMU there are no new runs, but all else can be told, unless it takes what binds the study's parameters.
@@ -139,8 +138,6 @@ pub struct Asked {
     level: f64,
     /// New runs in it.
     confirm: usize,
-    /// What it has of a budget, where runs are dear.
-    account: Option<Account>,
     seed: u64,
 }
 
@@ -187,14 +184,10 @@ impl Analysis for Asked {
         })
     }
 
-    fn account<'a>(&'a self, _: &'a Session) -> Option<&'a Account> {
-        self.account.as_ref()
-    }
-
     fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult> {
         let (origin, known, cloud) = self.known(&session.study, Some(&session.plan))?;
         let stated = self.stated(&known, &cloud)?;
-        if self.account.is_some() {
+        if session.request.account.is_some() {
             pipeline.repeat_at_most(1);
         }
         let mut confirmed =

@@ -84,10 +84,10 @@ pub fn run(options: &Options) -> Result<Delivery> {
         from: known::absolute(&known::from(options.from.as_deref(), options.work.output.as_deref(), path)),
         points: options.points.or(said.points).unwrap_or(1024).max(16),
         confirm: options.confirm.or(said.confirm).unwrap_or(1000).max(1),
-        account: None,
+        by_surrogate: options.budget.is_some(),
         seed: options.seed.or(said.seed).unwrap_or(1),
     };
-    let session = asking::open(&options.work, &analysis)?;
+    let mut session = asking::open(&options.work, &analysis)?;
     let folder = options.work.folder();
     if let Some(runs) = options.budget {
         let cases = session.plan.cases.len().max(1) as u64;
@@ -97,7 +97,7 @@ pub fn run(options: &Options) -> Result<Delivery> {
         if analysis.confirm == 0 {
             return Err(account.too_few((BESIDE + 1) * cases, ""));
         }
-        analysis.account = Some(account);
+        session.request.account = Some(account);
     }
     asking::run(session, &analysis, &options.work, folder)
 }
@@ -111,8 +111,8 @@ pub struct Asked {
     points: u64,
     /// Fresh runs that confirm the result.
     confirm: u64,
-    /// What it has of a budget: a surrogate then takes the place of all other runs.
-    account: Option<Account>,
+    /// Whether a surrogate takes the place of all other runs.
+    by_surrogate: bool,
     seed: u64,
 }
 
@@ -126,7 +126,7 @@ impl Analysis for Asked {
     }
 
     fn points(&self, session: &Session) -> Result<PointSet> {
-        let known = self.account.is_some() || self.known(session)?.is_some();
+        let known = self.by_surrogate || self.known(session)?.is_some();
         Ok(PointSet {
             seed: self.seed,
             // Rounds follow until the weights are sure enough.
@@ -134,10 +134,6 @@ impl Analysis for Asked {
             method: format!("rounds of {} points, {} to confirm", self.points, self.confirm),
             table: known.then(|| known::digest_of(&self.from)).transpose()?,
         })
-    }
-
-    fn account<'a>(&'a self, _: &'a Session) -> Option<&'a Account> {
-        self.account.as_ref()
     }
 
     fn check(&self, session: &Session) -> Result {
@@ -148,7 +144,7 @@ impl Analysis for Asked {
     fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult> {
         let goal = Goal::new(&session.study, &session.judge, &self.from)?;
         let problem = self.problem(session, &goal)?;
-        let stand = self.account.is_some().then(|| self.stand(session)).transpose()?;
+        let stand = self.by_surrogate.then(|| self.stand(session)).transpose()?;
         if stand.is_some() {
             pipeline.repeat_at_most(1);
         }
