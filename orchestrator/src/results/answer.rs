@@ -418,7 +418,10 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
             } else {
                 "tells the evidence, as Identification on the page does: correct what is wrong, and verify again"
             };
-            list.push(format!("`orchestrator identify {{study}}{{output}}` {told}."));
+            // Runs that were dear still are.
+            let by_surrogate = summary.surrogate.as_ref();
+            let budget = by_surrogate.map(|by| format!(" --budget {}", by.runs + 30)).unwrap_or_default();
+            list.push(format!("`orchestrator identify {{study}}{{output}}{budget}` {told}."));
             list.extend(nearest(summary));
         }
         Decision::Inconclusive => list.extend(match &summary.surrogate {

@@ -279,6 +279,12 @@ fn the_interval_holds_the_exact_share_and_decides() {
     assert!(summary["surrogate"]["criteria"]["C"]["error"].as_f64().unwrap() < 0.01);
     assert!(summary["verdict_words"].as_str().unwrap().contains("by surrogate"), "{}", summary["verdict_words"]);
     assert!(bench.read("out.xml").contains("failures=\"0\""));
+    // What comes next is as dear.
+    bench.write("high.toml", &functions(&criterion.replace("40 %", "90 %")));
+    let said = bench.run(&["verify", "high.toml", "--output", "high", "--budget", "60"]);
+    assert_eq!(said.code, 1, "{}{}", said.out, said.err);
+    let words: Vec<&str> = said.out.split_whitespace().collect();
+    assert!(words.join(" ").contains("identify high.toml --output high --budget 90`"), "{}", said.out);
     // It ends when that is decided.
     let said = bench.run(&["verify", "study.toml", "--output", "soon", "--budget", "100", "--until", "verdict"]);
     assert_eq!(said.code, 0, "{}", said.err);
