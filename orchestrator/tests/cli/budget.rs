@@ -247,6 +247,8 @@ fn a_hundred_runs_are_those_of_all_commands() {
     assert!(said.out.contains("The budget has no run left: neither the optimum was run"), "{}", said.out);
     let said = asked(&bench, &["robustness", "--from", "out", "--budget", "100"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    let note = "no run left to confirm the box; other commands have made 100 runs in this folder";
+    assert!(said.out.contains(note), "{}", said.out);
     asked(&bench, &["tolerances", "--from", "out", "--budget", "100"]).is_mistake(&["100 runs: give 103 or more"]);
     asked(&bench, &["verify", "--rare", "--budget", "100"]).is_mistake(&["20 to 1000", "have made 100 runs"]);
     assert_eq!(instances(&bench, "log"), 100);

@@ -263,6 +263,8 @@ fn analyses_work_with_cases() {
     for command in [
         &["sensitivity", "cases.toml", "--base", "16", "--output", "s"][..],
         &["robustness", "cases.toml", "--from", "out"],
+        // Each case of a point is a run.
+        &["robustness", "cases.toml", "--from", "out", "--budget", "33", "--output", "b"],
         &["pareto", "cases.toml", "--from", "out"],
         &["verify", "cases.toml", "--rare", "--budget", "60", "--output", "rare"],
         &["tolerances", "goal.toml", "--points", "256", "--output", "t"],
@@ -272,6 +274,8 @@ fn analyses_work_with_cases() {
         let said = bench.run(command);
         assert!(said.code < 2, "{command:?}: {}{}", said.out, said.err);
     }
+    let robust: serde_json::Value = serde_json::from_str(&bench.read("b/robustness.json")).unwrap();
+    assert_eq!(robust["region"]["fresh"]["points"], 14, "{robust}");
     let found: serde_json::Value = serde_json::from_str(&bench.read("s/sensitivity.json")).unwrap();
     let outputs = found["outputs"].as_array().unwrap().iter();
     let names: Vec<&str> = outputs.map(|output| output["name"].as_str().unwrap()).collect();

@@ -330,8 +330,9 @@ fn find(fit: &Fit, pipeline: &mut Pipeline<'_>) -> Result<(IdentificationOutcome
         if runs > 0 {
             look_closer(&mut outcome, &searched, &model)?;
         } else {
-            let note = "The budget has no run left: neither the optimum was run nor half the communication step.";
-            outcome.notes.push(note.to_owned());
+            let told = fit.request.account.as_ref().map(Account::told).unwrap_or_default();
+            let note = "The budget has no run left: neither the optimum was run nor half the communication step";
+            outcome.notes.push(format!("{note}{told}."));
         }
         (outcome.farthest, outcome.influence) =
             calibration::influence::of_values(&searched.problem, &optima[0], &document::groups(bound));

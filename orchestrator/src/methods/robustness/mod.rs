@@ -110,7 +110,11 @@ pub fn run(options: &Options) -> Result<Delivery> {
     if let Some(plan) = plan {
         result.keep_together(&plan.together());
     }
-    let result = AnalysisResult::new(&result, origin, document(&result).as_text(), FILE);
+    let mut text = document(&result).as_text();
+    if let Some(account) = session.as_ref().and_then(|session| session.request.account.as_ref()) {
+        text += &format!("note: the budget has no run left to confirm the box{}\n", account.told());
+    }
+    let result = AnalysisResult::new(&result, origin, text, FILE);
     Delivery::without_runs(result, &work.study, work.resuming.earlier(), folder)
 }
 
