@@ -24,8 +24,6 @@ use sampling::word;
 
 const FILE: &str = "rare.json";
 const USUAL_RUNS: u64 = 150;
-/// Runs of each case beside the points: one before the first, and one point once more.
-const BESIDE: u64 = 2;
 
 /// A share that `verify --rare` finds.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize, ValueEnum)]
@@ -66,10 +64,7 @@ pub fn run(options: &Options) -> Result<Delivery> {
     let mut session = asking::open(&options.work, &analysis)?;
     let folder = options.work.folder();
     let command = (Rare::NAME, options.work.resuming.resume);
-    let cases = session.plan.cases.len().max(1) as u64;
-    let runs = options.budget.unwrap_or(USUAL_RUNS);
-    analysis.account = Account::open(&folder, command, runs, &session.study, [cases, BESIDE * cases])?;
-    session.request.account = Some(analysis.account.clone());
+    analysis.account = session.account(&folder, command, options.budget.unwrap_or(USUAL_RUNS))?;
     analysis.seed = options.seed.unwrap_or(session.study.design.seed);
     // A refusal is one line, without doubts before it.
     analysis.check(&session)?;
@@ -164,7 +159,7 @@ impl Analysis for Rare {
             let points: Vec<Vec<f64>> = scores.iter().map(|scores| plan.at_scores(scores)).collect();
             Ok(pipeline.ask(&points)?.into_iter().map(Result::ok).collect())
         })?;
-        let statement = Statement::new(self.event, &answer, session);
+        let statement = Statement::new((self.event, &self.account), &answer, session);
         let origin = asking::origin(session)?;
         let mut result = AnalysisResult::new(&statement, origin, statement.document().as_text(), FILE);
         result.code = match (statement.verdict, self.event) {
@@ -181,7 +176,7 @@ impl Analysis for Rare {
 #[derive(Debug, Serialize, Deserialize)]
 struct BySurrogate {
     /// All runs of the FMU.
-    runs: usize,
+    runs: u64,
     share: Option<f64>,
     /// Holds the share with the probability `confidence`.
     interval: Option<[f64; 2]>,
@@ -203,7 +198,7 @@ struct Statement {
 }
 
 impl Statement {
-    fn new(event: RareEvent, answer: &Answer, session: &Session) -> Self {
+    fn new((event, account): (RareEvent, &Account), answer: &Answer, session: &Session) -> Self {
         const USUAL: f64 = 0.95;
         let Session { plan, judge, .. } = session;
         let confidence = judge.rule.map_or(USUAL, |rule| rule.confidence);
@@ -215,7 +210,7 @@ impl Statement {
         Self {
             event,
             surrogate: BySurrogate {
-                runs: (answer.scores.len() + BESIDE as usize) * plan.cases.len().max(1),
+                runs: account.of(answer.scores.len() as u64),
                 share: share.map(|share| share.estimate),
                 interval,
                 reason: answer.share.as_ref().err().map(|unknown| reason(*unknown, answer.inside.len())),

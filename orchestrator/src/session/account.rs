@@ -4,12 +4,15 @@ use std::{fs, path::Path};
 
 use serde::{Deserialize, Serialize};
 
-use super::Request;
+use super::{Request, Session};
 use crate::error::{Error, Result};
 use study::Study;
 
 /// The folders of the commands that may have a budget. `verify` keeps its journal in the folder of the results itself.
 const COMMANDS: [&str; 5] = ["", "identify", "rare", "robustness", "tolerances"];
+
+/// Runs of each case that tell nothing: the first point runs twice, and one runs once more at the end.
+const BESIDE: u64 = 2;
 
 /// What one command has of a folder's budget.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -23,6 +26,19 @@ pub struct Account {
     /// Runs that it takes for each point, and beside all points.
     #[serde(skip)]
     cost: [u64; 2],
+}
+
+impl Session {
+    /// Opens the account of a command whose points have all cases of the study.
+    ///
+    /// # Errors
+    /// Those of [`Account::open`].
+    pub fn account(&mut self, folder: &Path, command: (&str, bool), runs: u64) -> Result<Account> {
+        let cases = self.plan.cases.len().max(1) as u64;
+        let account = Account::open(folder, command, runs, &self.study, [cases, BESIDE * cases])?;
+        self.request.account = Some(account.clone());
+        Ok(account)
+    }
 }
 
 impl Account {
@@ -66,10 +82,15 @@ impl Account {
         self.left().saturating_sub(beside) / each
     }
 
+    /// The runs of so many points.
+    pub fn of(&self, points: u64) -> u64 {
+        let [each, beside] = self.cost;
+        if points > 0 { points * each + beside } else { 0 }
+    }
+
     /// The account of the command when it has ended, after so many points.
     pub fn after(&self, points: u64) -> Self {
-        let [each, beside] = self.cost;
-        Self { own: Some(if points > 0 { points * each + beside } else { 0 }), ..self.clone() }
+        Self { own: Some(self.of(points)), ..self.clone() }
     }
 
     /// What others have run, for the end of a message.

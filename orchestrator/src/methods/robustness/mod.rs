@@ -15,7 +15,7 @@ use crate::{
     error::{Error, Result},
     options::Work,
     results::origin::Origin,
-    session::{Request, Session, account::Account},
+    session::{Request, Session},
 };
 use confirm::Confirmation;
 use parameter_regions::{
@@ -57,9 +57,6 @@ pub struct Options {
     pub seed: Option<u64>,
 }
 
-/// Runs of each case of a budget that judge nothing: one before the first, and one once more.
-const BESIDE: u64 = 2;
-
 /// A result in the folder of a finished study, as its page shows it.
 pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
     study.result(FILE).map(|result| document(&result))
@@ -84,11 +81,7 @@ pub fn run(options: &Options) -> Result<Delivery> {
     let folder = work.output.clone().unwrap_or(from);
     if let Some(runs) = options.budget {
         let mut opened = session?;
-        let cases = opened.plan.cases.len().max(1) as u64;
-        let command = (Asked::NAME, work.resuming.resume);
-        let account = Account::open(&folder, command, runs, &opened.study, [cases, BESIDE * cases])?;
-        analysis.confirm = account.points() as usize;
-        opened.request.account = Some(account);
+        analysis.confirm = opened.account(&folder, (Asked::NAME, work.resuming.resume), runs)?.points() as usize;
         session = Ok(opened);
     }
     if analysis.confirm > 0 {

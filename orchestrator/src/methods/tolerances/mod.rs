@@ -15,7 +15,7 @@ use crate::{
     error::{Error, Result},
     options::Work,
     results::{summary::ParameterSummary, table},
-    session::{Request, Session, account::Account},
+    session::{Request, Session},
 };
 use goal::Goal;
 use number_tables::files::FileError;
@@ -65,9 +65,6 @@ pub struct Options {
     pub seed: Option<u64>,
 }
 
-/// Runs of each case of a budget that confirm nothing: one before the first, and one once more.
-const BESIDE: u64 = 2;
-
 /// A result in the folder of a finished study, as its page shows it.
 pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
     study.result(FILE).map(|result| document(&result))
@@ -90,14 +87,11 @@ pub fn run(options: &Options) -> Result<Delivery> {
     let mut session = asking::open(&options.work, &analysis)?;
     let folder = options.work.folder();
     if let Some(runs) = options.budget {
-        let cases = session.plan.cases.len().max(1) as u64;
-        let command = (Asked::NAME, options.work.resuming.resume);
-        let account = Account::open(&folder, command, runs, &session.study, [cases, BESIDE * cases])?;
+        let account = session.account(&folder, (Asked::NAME, options.work.resuming.resume), runs)?;
         analysis.confirm = account.points();
         if analysis.confirm == 0 {
-            return Err(account.too_few((BESIDE + 1) * cases, ""));
+            return Err(account.too_few(account.of(1), ""));
         }
-        session.request.account = Some(account);
     }
     asking::run(session, &analysis, &options.work, folder)
 }
