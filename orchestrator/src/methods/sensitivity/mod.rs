@@ -21,7 +21,7 @@ use crate::{
 };
 use ::sensitivity::{
     RUNS,
-    method::{self, Settled},
+    method::{FromRuns, Settled},
     named,
 };
 use number_tables::csv_file;
@@ -78,7 +78,7 @@ pub fn run(options: &Options) -> Result<Delivery> {
     let study = Study::read(&options.work.study)?;
     let analysis = Asked::new(options, &study)?;
     if let Some(from) = &options.from {
-        return of_points(options, from, analysis.seed);
+        return of_points(options, from, analysis.settled.seed);
     }
     let session = asking::open(&options.work, &analysis)?;
     asking::run(session, &analysis, &options.work, options.work.folder())
@@ -98,11 +98,9 @@ fn of_points(options: &Options, from: &Path, seed: u64) -> Result<Delivery> {
 }
 
 /// An analysis by runs of its own.
-#[derive(Debug)]
 pub struct Asked {
-    method: String,
-    size: u64,
-    seed: u64,
+    method: &'static dyn FromRuns,
+    settled: Settled,
 }
 
 impl Asked {
@@ -128,19 +126,8 @@ impl Asked {
                 (usual, said.size.as_ref().map(|size| *size.as_ref()))
             }
         };
-        Ok(Self {
-            method: method.facts().name.to_owned(),
-            size: size.unwrap_or(method.facts().usual_size),
-            seed: options.seed.or(said.seed).unwrap_or(1),
-        })
-    }
-
-    fn method(&self) -> Result<&'static dyn method::FromRuns> {
-        named(&self.method).map_err(|message| Error::option("method", message))
-    }
-
-    fn settled(&self) -> Settled {
-        Settled { size: self.size, seed: self.seed }
+        let size = size.unwrap_or(method.facts().usual_size);
+        Ok(Self { method, settled: Settled { size, seed: options.seed.or(said.seed).unwrap_or(1) } })
     }
 }
 
@@ -154,24 +141,24 @@ impl Analysis for Asked {
     }
 
     fn points(&self, session: &Session) -> Result<PointSet> {
-        let method = self.method()?;
-        enough(self.size).map_err(|message| Error::option(method.facts().option, message))?;
+        let Self { method, settled: Settled { size, seed } } = *self;
+        enough(size).map_err(|message| Error::option(method.facts().option, message))?;
         Ok(PointSet {
-            seed: self.seed,
-            points: Some(method.runs(session.plan.varied().len(), self.size)),
-            method: method.title(self.size),
+            seed,
+            points: Some(method.runs(session.plan.varied().len(), size)),
+            method: method.title(size),
             table: None,
         })
     }
 
     fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult> {
-        let method = self.method()?;
+        let method = self.method;
         let design = method
-            .design(session.plan.varied().len(), &self.settled())
+            .design(session.plan.varied().len(), &self.settled)
             .map_err(|message| Error::option(method.facts().option, message))?;
         let rows = simulate(session, pipeline, &design)?;
         keep_runs(folder, &rows)?;
-        let result = from_runs(method, &design, &rows, &self.settled());
+        let result = from_runs(method, &design, &rows, &self.settled);
         Ok(AnalysisResult::new(&result, asking::origin(session)?, document(&result).as_text(), FILE))
     }
 }
