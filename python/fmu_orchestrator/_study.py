@@ -220,7 +220,7 @@ class Study:
         weighs the model against that of another result on the same data.
         """
         if points_of is not None and budget is None:
-            raise OrchestratorError("identify(points_of=...) needs budget=N, the most further runs; without one leave points_of out")
+            raise OrchestratorError("identify(points_of=...) needs budget=N, the most runs; without one leave points_of out")
         source, folder = self._folders(points_of, output)
         if source is not None and folder != source:
             raise OrchestratorError("identify(points_of=...) writes into the folder of the points; leave output out")

@@ -137,9 +137,8 @@ fn open(options: &Verify, runs: u64, folder: &Path) -> Result<Verification> {
     let mut verification = Verification::open(request)?;
     let jobs = options.work.means.jobs_of(usize::MAX)?;
     let cases = verification.session.plan.cases.len().max(1);
-    let account = Account::open(folder, ("", resumed), runs, &verification.session.study, [1, 0])?;
-    let budget = Budget::new(account.left(), jobs, cases, then)
-        .map_err(|message| Error::option("budget", message + &account.told()))?;
+    let account = Account::open(folder, ("", resumed), runs, [1, 0])?;
+    let budget = Budget::new(&account, jobs, cases, then)?;
     let request = &mut verification.session.request;
     (request.budget, request.account) = (Some(budget), Some(account));
     Ok(verification)

@@ -3,6 +3,7 @@
 use std::{
     path::{Path, PathBuf},
     process::ExitCode,
+    sync::atomic::Ordering,
 };
 
 use serde::Serialize;
@@ -15,6 +16,7 @@ use crate::{
     session::{Request, Session},
 };
 use conformity::decision::Decision;
+use fmu_points::stop;
 use parameter_regions::table::PointTable;
 use point_journal::{
     Header, Outcome,
@@ -257,13 +259,23 @@ pub(super) fn run_by<A: Analysis>(
     let taken = place.take(source.parts(), &header, || Ok(()))?;
     let state = place.state();
     let means = setup::Work { means, jobs: means.jobs_of(usize::MAX)?, ends: true };
-    let ((mut result, points), kept) = setup::run(&mut source, &header, taken, means, |source, pipeline| {
-        Ok((analysis.find(source, pipeline, &folder)?, pipeline.asked()))
-    })?;
+    let mut points = 0;
+    let found = setup::run(&mut source, &header, taken, means, |source, pipeline| {
+        let found = analysis.find(source, pipeline, &folder);
+        points = pipeline.asked();
+        found
+    });
     let SourceParts { request, study, .. } = source.parts();
-    if let Some(account) = &request.account {
-        Request { account: Some(account.after(points)), ..request.clone() }.write(&state, study)?;
-    }
+    // For what was only interrupted its runs are held.
+    let has_ended = found.is_ok() || !stop::flag().load(Ordering::Relaxed);
+    let noted = match &request.account {
+        Some(account) if has_ended => {
+            Request { account: Some(account.after(points)), ..request.clone() }.write(&state, study)
+        }
+        _ => Ok(()),
+    };
+    let (mut result, kept) = found?;
+    noted?;
     result.tell_validity(source.parts(), &state)?;
     Ok(Delivery::new(result, folder, kept))
 }

@@ -11,7 +11,7 @@ use super::{
     known::Finished,
 };
 use crate::{
-    error::{Error, Result},
+    error::Result,
     options::Work,
     results::surrogate::limits,
     session::{Request, Session, account::Account, budget::Budget},
@@ -134,8 +134,7 @@ impl Analysis for Rare {
     }
 
     fn check(&self, session: &Session) -> Result {
-        Budget::new(self.account.left(), 1, session.plan.cases.len().max(1), None)
-            .map_err(|message| Error::option("budget", message + &self.account.told()))?;
+        Budget::check(&self.account, session.plan.cases.len().max(1) as u64)?;
         refuse(session, self.event)
     }
 

@@ -1,12 +1,11 @@
 //! `--budget N` counts the runs of all commands that had a budget in the same folder of results.
 
-use std::{fs, path::Path};
+use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
 use super::{Request, Session};
 use crate::error::{Error, Result};
-use study::Study;
 
 /// The folders of the commands that may have a budget. `verify` keeps its journal in the folder of the results itself.
 const COMMANDS: [&str; 5] = ["", "identify", "rare", "robustness", "tolerances"];
@@ -20,12 +19,17 @@ pub struct Account {
     /// The most runs of all commands together.
     pub runs: u64,
     /// Those of the other commands.
-    others: u64,
+    pub(super) others: u64,
     /// Those of this one, once it has ended.
-    own: Option<u64>,
+    pub(super) own: Option<u64>,
+    /// How often `verify` has begun anew in the folder: what others made of earlier points is of no use, and does not count.
+    pub(super) series: u64,
+    /// Another command that has not ended, whose runs are held for it.
+    #[serde(skip)]
+    pub(super) unfinished: Option<&'static str>,
     /// Runs that it takes for each point, and beside all points.
     #[serde(skip)]
-    cost: [u64; 2],
+    pub(super) cost: [u64; 2],
 }
 
 impl Session {
@@ -35,7 +39,7 @@ impl Session {
     /// Those of [`Account::open`].
     pub fn account(&mut self, folder: &Path, command: (&str, bool), runs: u64) -> Result<Account> {
         let cases = self.plan.cases.len().max(1) as u64;
-        let account = Account::open(folder, command, runs, &self.study, [cases, BESIDE * cases])?;
+        let account = Account::open(folder, command, runs, [cases, BESIDE * cases])?;
         self.request.account = Some(account.clone());
         Ok(account)
     }
@@ -47,33 +51,41 @@ impl Account {
     ///
     /// # Errors
     /// When a request in the folder cannot be read.
-    pub fn open(
-        folder: &Path,
-        (command, resumed): (&str, bool),
-        runs: u64,
-        study: &Study,
-        cost: [u64; 2],
-    ) -> Result<Self> {
-        let mut others = 0;
-        for name in COMMANDS {
+    pub fn open(folder: &Path, (command, resumed): (&str, bool), runs: u64, cost: [u64; 2]) -> Result<Self> {
+        let read = |name: &str| -> Result<Option<Self>> {
             let state = folder.join(name);
-            let then = if Request::is_in(&state) { Request::read(&state)? } else { continue };
-            let Some(account) = then.account else { continue };
-            if name == command {
-                if resumed && account.runs == runs {
-                    return Ok(Self { cost, ..account });
+            if !Request::is_in(&state) {
+                return Ok(None);
+            }
+            let remedy = |error| Error::Refused(format!("{error}; remove that file, or choose another --output"));
+            Ok(Request::read(&state).map_err(remedy)?.account)
+        };
+        if resumed && let Some(then) = read(command)?.filter(|then| then.runs == runs) {
+            return Ok(Self { cost, ..then });
+        }
+        let mut account = Self { runs, cost, ..Self::default() };
+        if let Some(of_verify) = read("")? {
+            account.series = of_verify.series.wrapping_add(u64::from(command.is_empty() && !resumed));
+        }
+        for name in COMMANDS.into_iter().filter(|name| *name != command) {
+            if let Some(other) = read(name)?.filter(|other| other.series == account.series) {
+                account.others = account.others.saturating_add(other.own.unwrap_or(other.left()));
+                if other.own.is_none() {
+                    account.unfinished = Some(if name.is_empty() { "verify" } else { name });
                 }
-            // What the study said before is to be replaced.
-            } else if fs::read_to_string(then.study).is_ok_and(|text| text == study.text()) {
-                others += account.own.unwrap_or(account.left());
             }
         }
-        Ok(Self { runs, others, own: None, cost })
+        Ok(account)
     }
 
     /// The runs that others have left.
     pub fn left(&self) -> u64 {
         self.runs.saturating_sub(self.others)
+    }
+
+    /// The budget that leaves so many runs.
+    pub fn with_others(&self, own: u64) -> u64 {
+        own.saturating_add(self.others)
     }
 
     /// The points that these pay for.
@@ -95,15 +107,20 @@ impl Account {
 
     /// What others have run, for the end of a message.
     pub fn told(&self) -> String {
-        match self.others {
-            0 => String::new(),
-            others => format!("; other commands have made {others} runs in this folder, which count"),
+        match (self.others, self.unfinished) {
+            (0, _) => String::new(),
+            (others, None) => format!("; other commands have made {others} runs in this folder, which count"),
+            (others, Some(name)) => format!(
+                "; other commands have made {others} runs in this folder, or hold them: `{name}` has not ended, which \
+                 --resume does"
+            ),
         }
     }
 
     /// Refuses a budget that leaves fewer runs than a command needs.
     pub fn too_few(&self, least: u64, what: &str) -> Error {
-        let message = format!("{} runs: give {} or more{what}{}", self.runs, self.others + least, self.told());
+        let least = self.with_others(least);
+        let message = format!("{} runs: give {least} or more{what}{}", self.runs, self.told());
         Error::option("budget", message)
     }
 }

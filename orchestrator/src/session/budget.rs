@@ -8,9 +8,9 @@ use std::collections::VecDeque;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Session, Until};
+use super::{Session, Until, account::Account};
 use crate::{
-    error::Result,
+    error::{Error, Result},
     results::{
         Summary,
         surrogate::{Evidence, limits},
@@ -57,35 +57,50 @@ pub struct Budget {
 }
 
 impl Budget {
-    /// So many runs of a study of so many cases, each of which is a run; `then` is what the folder holds that this goes on from.
+    /// Refuses what cannot be spent on a study of so many cases, each of which is a run.
     ///
     /// # Errors
-    /// When they are none that can be spent.
-    pub fn new(runs: u64, jobs: usize, cases: usize, then: Option<Self>) -> Result<Self, String> {
-        let cases = cases as u64;
+    /// Names what can.
+    pub fn check(account: &Account, cases: u64) -> Result {
         let [least, most] = RUNS;
-        if !(least..=most).contains(&(runs / cases)) {
-            let each = if cases > 1 { format!(" of each of the {cases} cases") } else { String::new() };
-            return Err(format!(
-                "a budget has {least} to {most} runs{each}; fewer tell nothing, and for more there is --points"
-            ));
+        let of_each = account.left() / cases;
+        if (least..=most).contains(&of_each) {
+            return Ok(());
         }
+        if of_each < least && account.left() < account.runs {
+            return Err(account.too_few(least * cases, ""));
+        }
+        let each = if cases > 1 { format!(" of each of the {cases} cases") } else { String::new() };
+        let message =
+            format!("a budget has {least} to {most} runs{each}; fewer tell nothing, and for more there is --points");
+        Err(Error::option("budget", message))
+    }
+
+    /// What is left of a budget; `then` is what the folder holds that this goes on from.
+    ///
+    /// # Errors
+    /// When it is none that can be spent.
+    pub fn new(account: &Account, jobs: usize, cases: usize, then: Option<Self>) -> Result<Self> {
+        let (runs, cases) = (account.left(), cases as u64);
+        Self::check(account, cases)?;
         match then {
             Some(then) if then.runs == runs && [0, then.points()].contains(&then.places.len()) => Ok(then),
-            Some(then) if then.runs > runs => {
-                Err(format!("{} runs are in this folder already; give as many or more", then.runs))
-            }
             then => {
                 let mut budget = then.unwrap_or_else(|| Self { batch: jobs.max(LEAST_BATCH), ..Self::default() });
                 if budget.runs == runs {
                     // It ended early, and its end is not reached.
                     budget.ends.pop();
                 }
-                budget.runs = runs;
+                let beside = budget.beside.saturating_add(BESIDE * cases);
+                let (before, end) = (budget.points() as u64, runs.saturating_sub(beside) / cases);
+                if end <= before {
+                    let [then, more] = [budget.runs, cases * (before + 1) + beside].map(|own| account.with_others(own));
+                    let message = format!("{then} runs are in this folder already; give as many, or {more} or more");
+                    return Err(Error::option("budget", message + &account.told()));
+                }
+                (budget.runs, budget.beside) = (runs, beside);
                 budget.places.clear();
-                let beside = budget.beside + BESIDE * cases;
-                budget.beside = beside;
-                budget.ends.push(runs.saturating_sub(beside) / cases);
+                budget.ends.push(end);
                 Ok(budget)
             }
         }
@@ -271,10 +286,13 @@ mod tests {
 
     #[test]
     fn all_runs_are_counted_and_a_larger_budget_goes_on_behind_the_points_that_are_there() {
-        let first = Budget::new(100, 2, 1, None).unwrap();
+        let of = |runs, jobs, cases, then| {
+            Budget::new(&Account { runs, ..Account::default() }, jobs, cases, then).map_err(|error| error.to_string())
+        };
+        let first = of(100, 2, 1, None).unwrap();
         assert_eq!((first.points(), first.beside, first.batch), (96, 4, 10));
-        assert_eq!(Budget::new(100, 8, 1, Some(first.clone())).unwrap().ends, first.ends);
-        let second = Budget::new(200, 2, 1, Some(first.clone())).unwrap();
+        assert_eq!(of(100, 8, 1, Some(first.clone())).unwrap().ends, first.ends);
+        let second = of(200, 2, 1, Some(first.clone())).unwrap();
         assert_eq!((second.points(), second.beside), (192, 8));
         let sizes = |budget: &Budget| {
             let mut done = vec![0];
@@ -285,10 +303,15 @@ mod tests {
             done
         };
         assert!(sizes(&second).starts_with(&sizes(&first)), "{:?} {:?}", sizes(&first), sizes(&second));
-        assert!(Budget::new(60, 2, 1, Some(second)).is_err());
-        assert_eq!(Budget::new(100, 2, 3, None).unwrap().points(), 29);
-        assert!(Budget::new(50, 2, 3, None).unwrap_err().contains("3 cases"));
-        assert_eq!(Budget::new(100, 32, 1, None).unwrap().batch, 32);
+        // As many, or at least one point more beside what each budget takes beside its points.
+        for runs in [60, 199, 201, 204] {
+            let refused = of(runs, 2, 1, Some(second.clone())).unwrap_err();
+            assert!(refused.contains("200 runs are in this folder already; give as many, or 205 or more"), "{refused}");
+        }
+        assert_eq!(of(205, 2, 1, Some(second)).unwrap().points(), 193);
+        assert_eq!(of(100, 2, 3, None).unwrap().points(), 29);
+        assert!(of(50, 2, 3, None).unwrap_err().contains("3 cases"));
+        assert_eq!(of(100, 32, 1, None).unwrap().batch, 32);
     }
 
     #[test]

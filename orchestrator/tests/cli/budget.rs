@@ -250,15 +250,63 @@ fn a_hundred_runs_are_those_of_all_commands() {
     let note = "no run left to confirm the box; other commands have made 100 runs in this folder";
     assert!(said.out.contains(note), "{}", said.out);
     asked(&bench, &["tolerances", "--from", "out", "--budget", "100"]).is_mistake(&["100 runs: give 103 or more"]);
-    asked(&bench, &["verify", "--rare", "--budget", "100"]).is_mistake(&["20 to 1000", "have made 100 runs"]);
+    asked(&bench, &["verify", "--rare", "--budget", "100"]).is_mistake(&["give 120 or more", "have made 100 runs"]);
     assert_eq!(instances(&bench, "log"), 100);
-    // A study that says something else begins anew.
+    // Where the points are made anew, so is the account, and what others made of the old points does not count.
     bench.write("study.toml", &bench.read("study.toml").replace("tolerance = 4", "tolerance = 5"));
+    let stale = ["robustness", "--from", "out", "--budget", "160"];
+    asked(&bench, &stale).is_mistake(&["verify it again"]);
     assert!(asked(&bench, &["verify", "--budget", "40", "--force"]).code < 2);
     assert_eq!(instances(&bench, "log"), 140);
     let said = asked(&bench, &["identify", "--budget", "70", "--force"]);
     assert_eq!(said.code, 0, "{}{}", said.out, said.err);
     assert!((141..=170).contains(&instances(&bench, "log")), "{}", instances(&bench, "log"));
+    // A file that is spoilt is named, with a remedy.
+    bench.write("out/identify/request.json", "{");
+    asked(&bench, &stale).is_mistake(&["identify/request.json", "remove that file, or choose another --output"]);
+}
+
+/// For what was killed its runs are held, and what failed before any run holds none.
+#[test]
+fn runs_are_held_for_what_is_to_be_resumed() {
+    let bench = measured_lag();
+    assert_eq!(asked(&bench, &["verify", "--points", "5"]).code, 3);
+    asked(&bench, &["robustness", "--from", "out", "--budget", "60"]).is_mistake(&["too few"]);
+    assert!(asked(&bench, &["verify", "--budget", "40", "--force"]).code < 2);
+    let before = instances(&bench, "log");
+    let arguments = ["identify", "study.toml", "--output", "out", "--jobs", "1", "--budget", "80"];
+    let mut command = bench.command(&arguments);
+    command.env("LAG_INSTANCES", bench.path("log")).stdout(Stdio::null()).stderr(Stdio::null());
+    let mut child = command.spawn().unwrap();
+    while instances(&bench, "log") == before {
+        sleep(Duration::from_millis(5));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let held = "made 80 runs in this folder, or hold them: `identify` has not ended, which --resume does";
+    asked(&bench, &["tolerances", "--from", "out", "--budget", "80"]).is_mistake(&["80 runs: give 83 or more", held]);
+    assert_eq!(asked(&bench, &["identify", "--budget", "80", "--resume"]).code, 0);
+    assert_eq!(asked(&bench, &["tolerances", "--from", "out", "--budget", "80"]).code, 0);
+}
+
+/// In `identify`, too, each case of a study is a run.
+#[test]
+fn cases_that_are_identified_count() {
+    let bench = lag();
+    let case = |name: &str, stop: f64, value: f64| {
+        format!(
+            "[[cases]]\nname = \"{name}\"\nsimulation = {{ stop = {stop} }}\n\
+             criteria.Y = {{ variable = \"lag.y\", nominal = {value}, tolerance = 0.04, uncertainty = 0.01 }}\n"
+        )
+    };
+    let head = &LAG[..LAG.find("[parameters.\"lag.length\"]").unwrap()];
+    bench.write("study.toml", &[head, &case("short", 1.0, 0.63), &case("long", 2.0, 0.86)].concat());
+    asked(&bench, &["identify", "--budget", "40"])
+        .is_mistake(&["40 runs: give 46 or more for these unknowns of 2 cases"]);
+    let said = asked(&bench, &["identify", "--budget", "60"]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    let ran = instances(&bench, "log");
+    assert!(ran <= 60 && accounts(&bench, &["identify"]) == ran as u64, "{ran}");
 }
 
 /// P(-1 <= x1 + 2 x2 + 3 x3 <= 4) of normal numbers, whose sum has the variance 14.

@@ -113,9 +113,8 @@ pub fn run(options: &Options) -> Result<Delivery> {
     let folder = work.folder();
     if let Some(runs) = asked.budget {
         fit.known = Known::of(&fit, &folder)?;
-        let beside = surrogate::UNASKED * fit.bound.problem.cases.len() as u64;
         let command = (Asked::NAME, work.resuming.resume);
-        fit.request.account = Some(Account::open(&folder, command, runs, &fit.study, [1, beside])?);
+        fit.request.account = Some(Account::open(&folder, command, runs, surrogate::cost(&fit.bound))?);
     }
     asking::run(fit, asked, work, folder)
 }

@@ -27,7 +27,7 @@ const BESIDE: u64 = 5;
 /// The fit of more runs takes minutes.
 const MOST: u64 = 1000;
 /// Those of them that are not asked for by the search.
-pub const UNASKED: u64 = 3;
+const UNASKED: u64 = 3;
 
 /// The fit takes the cube of the number of places; more points of a study tell little more.
 const POINTS: usize = 250;
@@ -102,15 +102,27 @@ impl Known {
     }
 }
 
-/// Places, each with all cases, of which a budget makes surrogates.
+/// Runs of each query of the search, and those that it does not ask for. A place is asked for with all cases of the table, and
+/// those of the study run together.
+pub fn cost(bound: &Bound) -> [u64; 2] {
+    let each = bound.simulations.len().max(1) as u64;
+    [each, UNASKED * cases(bound)]
+}
+
+/// Runs of each place.
+fn cases(Bound { problem, simulations, .. }: &Bound) -> u64 {
+    (problem.cases.len().max(1) * simulations.len().max(1)) as u64
+}
+
+/// Places of which a budget makes surrogates.
 fn places(runs: u64, bound: &Bound) -> u64 {
-    (runs / bound.problem.cases.len().max(1) as u64).saturating_sub(BESIDE)
+    (runs / cases(bound)).saturating_sub(BESIDE)
 }
 
 /// Refuses numbers of runs from which no surrogate can be made. The study's points may be enough for one.
 pub fn check(Fit { bound, known, request, .. }: &Fit) -> Result {
     let Some(account) = &request.account else { return Ok(()) };
-    let cases = bound.problem.cases.len() as u64;
+    let cases = cases(bound);
     let fewest = fewest(&bound.problem, known.places.len()) as u64;
     let least = if fewest > 0 { cases * (fewest + BESIDE) } else { 0 };
     if (least..=MOST * cases).contains(&account.left()) {

@@ -83,7 +83,7 @@ fn confirmed(result: &Tolerances) -> String {
     let judged = match confirmed.decision {
         Decision::Verified => "confirmed",
         Decision::NotVerified => "not confirmed",
-        Decision::Inconclusive => "not decided; more runs with `--confirm` decide",
+        Decision::Inconclusive => "not decided; more runs decide (`--confirm`, or a larger `--budget`)",
     };
     format!(
         "At the stated tolerances {least} to {most} % were expected of {} fresh runs, and {} % came (interval {low} to \
