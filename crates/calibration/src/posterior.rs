@@ -33,9 +33,9 @@ pub struct Posterior {
     /// Covariance of all unknowns, the free parameters first.
     pub covariance: DMatrix<f64>,
     /// Its inverse.
-    pub(crate) precision: DMatrix<f64>,
+    pub precision: DMatrix<f64>,
     /// The misfits' derivatives over the places, case by case, and how they lie along the shared errors.
-    pub(crate) slopes: [DMatrix<f64>; 2],
+    pub slopes: [DMatrix<f64>; 2],
     /// The logarithm of the posterior's volume (the root of the covariance's determinant) but for a constant.
     pub log_volume: f64,
     /// Precision of the free parameters' places before the measurement.

@@ -175,7 +175,7 @@ pub(crate) enum Archive {
 }
 
 impl Archive {
-    pub(crate) fn open(path: &Path) -> Result<Self, ArchiveError> {
+    pub fn open(path: &Path) -> Result<Self, ArchiveError> {
         let metadata = fs::metadata(path).map_err(|error| match error.kind() {
             io::ErrorKind::NotFound => ArchiveError::Missing,
             _ => ArchiveError::Io(error),
@@ -204,7 +204,7 @@ impl Archive {
     }
 
     /// The bytes of `modelDescription.xml`.
-    pub(crate) fn description(&mut self) -> Result<Vec<u8>, ArchiveError> {
+    pub fn description(&mut self) -> Result<Vec<u8>, ArchiveError> {
         let is_there = match self {
             Self::Folder(path) => path.join(DESCRIPTION).exists(),
             Self::Zip { zip, .. } => zip.index_for_name(DESCRIPTION).is_some(),
@@ -232,7 +232,7 @@ impl Archive {
     }
 
     /// The names of the files.
-    pub(crate) fn entries(&self) -> Vec<String> {
+    pub fn entries(&self) -> Vec<String> {
         match self {
             Self::Folder(path) => files_below(path, path),
             // Not by the zip's own order of names: what could not be unpacked is to be seen, too.
@@ -241,7 +241,7 @@ impl Archive {
     }
 
     /// The names that more than one entry has.
-    pub(crate) fn twice(&self) -> &[String] {
+    pub fn twice(&self) -> &[String] {
         match self {
             Self::Folder(_) => &[],
             Self::Zip { twice, .. } => twice,
@@ -262,7 +262,7 @@ impl Archive {
     }
 
     /// The content of one file.
-    pub(crate) fn bytes_of(&mut self, entry: &str) -> Result<Vec<u8>, ArchiveError> {
+    pub fn bytes_of(&mut self, entry: &str) -> Result<Vec<u8>, ArchiveError> {
         self.content(entry, MAX_FILE)?.ok_or_else(|| ArchiveError::LargeFile(entry.to_owned()))
     }
 
@@ -286,14 +286,14 @@ impl Archive {
     }
 
     /// The file that identifies the content: the archive, or the description in a folder.
-    pub(crate) fn identity(&self) -> Result<File, ArchiveError> {
+    pub fn identity(&self) -> Result<File, ArchiveError> {
         match self {
             Self::Folder(path) => open(&path.join(DESCRIPTION)),
             Self::Zip { path, .. } => open(path),
         }
     }
 
-    pub(crate) fn folder(&self) -> Option<&Path> {
+    pub fn folder(&self) -> Option<&Path> {
         match self {
             Self::Folder(path) => Some(path),
             Self::Zip { .. } => None,
@@ -301,7 +301,7 @@ impl Archive {
     }
 
     /// The platforms with a binary of this model, sorted.
-    pub(crate) fn platforms(&self, identifier: &str) -> Vec<String> {
+    pub fn platforms(&self, identifier: &str) -> Vec<String> {
         let mut platforms: Vec<String> = match self {
             Self::Folder(path) => folder_platforms(&path.join("binaries"), identifier),
             Self::Zip { zip, .. } => zip.file_names().filter_map(|name| platform_of(&name.ok()?, identifier)).collect(),
@@ -313,12 +313,7 @@ impl Archive {
 
     /// Unpacks the description, this platform's binaries and the resources into a new folder
     /// within `parent`; copies them from a folder, which an FMU that writes must not spoil.
-    pub(crate) fn unpack(
-        &mut self,
-        identifier: &str,
-        version: Version,
-        parent: &Path,
-    ) -> Result<TempDir, ArchiveError> {
+    pub fn unpack(&mut self, identifier: &str, version: Version, parent: &Path) -> Result<TempDir, ArchiveError> {
         let platform = version.platform();
         let held = self.platforms(identifier);
         if !held.iter().any(|held| held == platform) {

@@ -30,11 +30,11 @@ pub fn beat(patience: Duration) -> Duration {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Greeting {
     /// The version of its program.
-    pub(crate) version: String,
+    pub version: String,
     /// The SHA-256 digest of its program.
-    pub(crate) program: String,
+    pub program: String,
     /// The name of its machine.
-    pub(crate) host: String,
+    pub host: String,
 }
 
 impl Greeting {
@@ -55,38 +55,38 @@ impl Greeting {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Terms {
     /// The number that marks all further frames.
-    pub(crate) ticket: u64,
+    pub ticket: u64,
     /// How long the supervisor suffers silence; it may be silent itself for twice as long.
-    pub(crate) patience: Duration,
+    pub patience: Duration,
     /// The FMU's path.
-    pub(crate) fmu: PathBuf,
+    pub fmu: PathBuf,
     /// The FMU's digest.
-    pub(crate) digest: String,
+    pub digest: String,
     /// Whether the FMU is sent.
-    pub(crate) ship: bool,
+    pub ship: bool,
     /// The supervisor's working directory, and whether the FMU needs it.
-    pub(crate) folder: PathBuf,
-    pub(crate) here: bool,
+    pub folder: PathBuf,
+    pub here: bool,
     /// How long a point may take.
-    pub(crate) time: Duration,
+    pub time: Duration,
     /// How much memory; none for a fair share of the machine's.
-    pub(crate) memory: Option<u64>,
+    pub memory: Option<u64>,
     /// How many workers its machine has; where that is not known, it takes the machine's cores for it.
-    pub(crate) slots: Option<usize>,
+    pub slots: Option<usize>,
     /// Whether points run beside others.
-    pub(crate) company: bool,
+    pub company: bool,
     /// How the user wishes points to share processes.
-    pub(crate) isolation: Isolation,
+    pub isolation: Isolation,
 }
 
 /// The points that follow.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Series {
-    pub(crate) cases: Vec<Case>,
+    pub cases: Vec<Case>,
     /// Whether they run again, to be compared.
-    pub(crate) again: bool,
+    pub again: bool,
     /// Whether the cases name a file in the working directory.
-    pub(crate) here: bool,
+    pub here: bool,
 }
 
 /// A message to a worker.

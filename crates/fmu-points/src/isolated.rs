@@ -40,9 +40,9 @@ const PAUSES: [Duration; 3] = [Duration::from_millis(50), Duration::from_millis(
 /// What the workers of a run share.
 #[derive(Debug)]
 pub struct Common {
-    pub(crate) ground: Ground,
+    pub ground: Ground,
     /// Whether the user wants points to share processes.
-    pub(crate) shared: bool,
+    pub shared: bool,
     /// Whether points run beside others.
     company: bool,
     start: Mutex<Start>,

@@ -40,7 +40,7 @@ const MARGIN: Duration = Duration::from_secs(20);
 
 /// Why a worker gives no further answers.
 #[derive(Debug)]
-pub(crate) enum Gone {
+pub enum Gone {
     /// It was lost; what becomes of the point that it was at.
     Lost(Failure),
     /// The run is to end.
@@ -55,7 +55,7 @@ pub(crate) enum Gone {
 
 impl Gone {
     /// What becomes of the only point of a worker, for which its end is the end of its time.
-    pub(crate) fn failure(self) -> Result<Failure, RunError> {
+    pub fn failure(self) -> Result<Failure, RunError> {
         match self {
             Self::Stopped => Ok(Failure::Timeout),
             Self::Lost(failure) => Ok(failure),
@@ -79,12 +79,12 @@ impl From<Gone> for RunError {
 /// A worker, started when it is needed and replaced when it is lost.
 #[derive(Debug)]
 pub struct Process {
-    pub(crate) setup: Setup,
+    pub setup: Setup,
     /// The folders that its points have for themselves, once it has any.
     room: Option<Arc<Room>>,
     /// Whether it is for many points: it gets a control group where there can be such, which takes the system longer than
     /// most points.
-    pub(crate) lasting: bool,
+    pub lasting: bool,
     running: Option<Running>,
 }
 

@@ -9,16 +9,16 @@ use fmu_import::{Called, Instance};
 /// Real variables that are read in one call.
 #[derive(Debug)]
 pub struct Watched {
-    pub(super) references: Vec<u32>,
+    pub references: Vec<u32>,
     /// The values of some steps, those of a step side by side.
-    pub(super) values: Vec<f64>,
+    pub values: Vec<f64>,
     /// Those steps.
-    pub(super) steps: Together,
+    pub steps: Together,
     /// How many of them there may be.
-    pub(super) most: usize,
-    pub(super) collectors: Vec<Collector>,
+    pub most: usize,
+    pub collectors: Vec<Collector>,
     /// The numbers of each collector's probes.
-    pub(super) probes: Vec<Range<usize>>,
+    pub probes: Vec<Range<usize>>,
 }
 
 impl Watched {
