@@ -33,11 +33,6 @@ impl Part {
         })
     }
 
-    /// The logarithm of the density at a place, with all deviations `scale` times as large.
-    fn log_density(&self, place: &[f64], scale: f64) -> f64 {
-        self.log_between(&self.mean, place, scale)
-    }
-
     /// The logarithm of the density of a step, with all deviations `scale` times as large.
     fn log_between(&self, from: &[f64], to: &[f64], scale: f64) -> f64 {
         let squares = squared(&self.inverse, from, to) / (scale * scale);
@@ -139,7 +134,7 @@ impl Mixture {
 
     /// The logarithm of each part's share of the density, with all deviations `scale` times as large.
     fn logs(&self, place: &[f64], scale: f64) -> Vec<f64> {
-        self.parts.iter().map(|part| part.weight.ln() + part.log_density(place, scale)).collect()
+        self.parts.iter().map(|part| part.weight.ln() + part.log_between(&part.mean, place, scale)).collect()
     }
 
     /// The logarithm of the density, with all deviations `scale` times as large.

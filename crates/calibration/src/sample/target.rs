@@ -118,12 +118,7 @@ impl<'a> Target<'a> {
 
     /// The logarithm of prior and likelihood at a minimum.
     pub fn log_density(&self, minimum: &Minimum) -> f64 {
-        self.log_prior(&minimum.places) + self.log_likelihood(minimum)
-    }
-
-    /// The logarithm of the likelihood at a minimum.
-    pub fn log_likelihood(&self, minimum: &Minimum) -> f64 {
-        self.likelihood(&minimum.misfit).log
+        self.log_prior(&minimum.places) + self.likelihood(&minimum.misfit).log
     }
 
     fn likelihood(&self, misfit: &Misfit) -> Likelihood {
