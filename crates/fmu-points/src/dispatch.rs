@@ -12,7 +12,7 @@ use crate::{
     failure::Failure,
     isolation::Isolation,
     notices::Notices,
-    points::{Event, Job, RunError, Simulated},
+    points::{Event, Job, Simulated},
     system,
     task::Case,
 };
@@ -109,8 +109,8 @@ pub enum Report {
     Wanted,
     /// It has the FMU.
     Ready,
-    /// It cannot work: why, and whether that will be so the next time.
-    Unable(String, bool),
+    /// It cannot work.
+    Unable(Fault),
     /// What happened.
     News(Vec<News>),
     /// All that was ordered is done: the first file that the FMU changed in its folder, and how long it took, s.
@@ -153,6 +153,18 @@ impl News {
 }
 
 /// Why a worker cannot go on, and whether another one there could not either.
-pub fn unable(error: &RunError) -> Report {
-    Report::Unable(error.to_string(), matches!(error, RunError::Unloadable(_)))
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Fault {
+    pub how: String,
+    pub lasting: bool,
+}
+
+impl Fault {
+    pub fn lasting(how: impl ToString) -> Self {
+        Self { how: how.to_string(), lasting: true }
+    }
+
+    pub fn passing(how: impl ToString) -> Self {
+        Self { how: how.to_string(), lasting: false }
+    }
 }

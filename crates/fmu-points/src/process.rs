@@ -263,7 +263,7 @@ impl Running {
 
     /// How the worker ended, whose pipes are closed.
     fn ending(&mut self) -> Failure {
-        let status = self.wait_for_end(Duration::from_secs(1));
+        let status = wait_for_end(&mut self.child, Duration::from_secs(1));
         let reason = match status.map(system::loss) {
             Some(Loss::Signal(signal)) => signal_name(signal),
             // An emulator, for one, cannot start the program again: then no FMU has been loaded yet.
@@ -277,10 +277,6 @@ impl Running {
             _ => "its pipes are closed".to_owned(),
         };
         Failure::Crashed(format!("the FMU ended the process that watches it: {reason}"))
-    }
-
-    fn wait_for_end(&mut self, patience: Duration) -> Option<ExitStatus> {
-        wait_for_end(&mut self.child, patience)
     }
 }
 
@@ -302,7 +298,7 @@ impl Drop for Running {
     fn drop(&mut self) {
         // A worker ends its children and itself when nobody can send it orders any more.
         self.orders = None;
-        let sound = self.wait_for_end(Duration::from_millis(300)).is_some_and(|end| end.success());
+        let sound = wait_for_end(&mut self.child, Duration::from_millis(300)).is_some_and(|end| end.success());
         if !sound {
             system::kill_group(self.child.id());
             let _ = self.child.kill();

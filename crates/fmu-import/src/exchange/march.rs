@@ -370,8 +370,7 @@ impl Exchange {
 
     fn attempt(&mut self, h: f64, allowed: &[f64], end: &mut [f64]) -> Called<Option<f64>> {
         let Self { plant, march, .. } = self;
-        let mut rates = |t: f64, x: &[f64], into: &mut [f64]| plant.rates_at(t, x, into);
-        let method = &mut march.method;
-        method.attempt(&mut rates, march.time, &march.states, h, allowed, end)
+        let rates = &mut |t: f64, x: &[f64], into: &mut [f64]| plant.rates_at(t, x, into);
+        march.method.attempt(rates, march.time, &march.states, h, allowed, end)
     }
 }

@@ -67,15 +67,14 @@ impl Watched {
 fn take_columns(collectors: &mut [Collector], begins: &[f64], sizes: &[f64], values: &[f64]) {
     let count = collectors.len();
     for (number, collector) in collectors.iter_mut().enumerate() {
+        let column = || sizes.iter().copied().zip(values[number..].iter().step_by(count).copied());
         match collector {
-            Collector::Statistic(accumulator) => {
-                accumulator.add_all(sizes.iter().copied().zip(values[number..].iter().step_by(count).copied()));
-            }
+            Collector::Statistic(accumulator) => accumulator.add_all(column()),
             Collector::Event(accumulator, first) => {
                 if let ([begin, ..], [size, ..]) = (begins, sizes) {
                     first.get_or_insert(begin + size);
                 }
-                accumulator.add_all(sizes.iter().copied().zip(values[number..].iter().step_by(count).copied()));
+                accumulator.add_all(column());
             }
             // They need another variable, which a gauge reads, too.
             Collector::Turns(_) => {}
