@@ -96,7 +96,7 @@ impl Comparison {
             a.total_cmp(&b)
         });
         let model_error = [-1.0, 1.0].map(|side| error + side * coverage * u_val);
-        [mean, error, deviation, u_val].into_iter().chain(model_error).into_iter().all(f64::is_finite).then(|| Self {
+        [mean, error, deviation, u_val].into_iter().chain(model_error).all(f64::is_finite).then(|| Self {
             model: mean,
             error,
             u_num: numerical.standard,
