@@ -225,10 +225,8 @@ impl Archive {
         }
         entries
             .into_iter()
-            .filter(|entry| entry.eq_ignore_ascii_case(DESCRIPTION))
-            .map(ArchiveError::Misnamed)
-            .next()
-            .unwrap_or(ArchiveError::NoDescription)
+            .find(|entry| entry.eq_ignore_ascii_case(DESCRIPTION))
+            .map_or(ArchiveError::NoDescription, ArchiveError::Misnamed)
     }
 
     /// The names of the files.
@@ -377,12 +375,14 @@ fn platform_of(name: &str, identifier: &str) -> Option<String> {
     (stem == identifier).then(|| platform.to_owned())
 }
 
+/// What a folder holds, as far as it can be read.
+pub(crate) fn entries_in(folder: &Path) -> impl Iterator<Item = fs::DirEntry> {
+    fs::read_dir(folder).into_iter().flatten().flatten()
+}
+
 /// The files below a folder, by their paths from `root`, with forward slashes.
 fn files_below(folder: &Path, root: &Path) -> Vec<String> {
-    fs::read_dir(folder)
-        .into_iter()
-        .flatten()
-        .flatten()
+    entries_in(folder)
         .flat_map(|entry| match entry.file_type() {
             Ok(kind) if kind.is_dir() => files_below(&entry.path(), root),
             _ => {
@@ -395,15 +395,9 @@ fn files_below(folder: &Path, root: &Path) -> Vec<String> {
 }
 
 fn folder_platforms(binaries: &Path, identifier: &str) -> Vec<String> {
-    fs::read_dir(binaries)
-        .into_iter()
-        .flatten()
-        .flatten()
+    entries_in(binaries)
         .filter(|platform| {
-            fs::read_dir(platform.path())
-                .into_iter()
-                .flatten()
-                .flatten()
+            entries_in(&platform.path())
                 .map(|file| file.path())
                 .any(|file| file.file_stem().is_some_and(|stem| stem == identifier))
         })
