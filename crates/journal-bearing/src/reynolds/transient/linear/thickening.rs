@@ -31,16 +31,17 @@ fn add(
 /// Adds the derivatives of all flows to the matrix.
 pub fn thicken(ring: &mut Ring, unknowns: &Unknowns, base: &Base<'_>) {
     let Base { cells, liquid, field, balance, stage, .. } = *base;
-    let Ring { diagonal, below, above, before, after, .. } = ring;
     for (a, b) in edges(cells) {
-        add(diagonal, [&mut after[a], &mut before[b]], [a, b], balance.along[b], unknowns, base);
+        let couplings = [&mut ring.after[a], &mut ring.before[b]];
+        add(&mut ring.diagonal, couplings, [a, b], balance.along[b], unknowns, base);
     }
     for b in 1..cells.count() {
         let a = b - 1;
-        add(diagonal, [&mut above[a], &mut below[b]], [a, b], balance.across[b], unknowns, base);
+        let couplings = [&mut ring.above[a], &mut ring.below[b]];
+        add(&mut ring.diagonal, couplings, [a, b], balance.across[b], unknowns, base);
     }
     for cell in 0..cells.count() {
         let flow = balance.open[cell] * (field.pressure[cell] - stage.side);
-        diagonal[cell] += unknowns.full[cell] * flow * liquid.easing[cell] / liquid.ease[cell];
+        ring.diagonal[cell] += unknowns.full[cell] * flow * liquid.easing[cell] / liquid.ease[cell];
     }
 }
