@@ -26,7 +26,7 @@ pub mod search;
 mod shared;
 #[cfg(test)]
 mod shared_tests;
-pub mod stated;
+mod stated;
 #[cfg(test)]
 mod stated_tests;
 pub mod surrogate;
