@@ -434,18 +434,7 @@ impl Model for Stand {
             rheology: self.oil.thickening,
             experiment,
         })?;
-        self.state = State {
-            time: experiment.start,
-            angle: 0.0,
-            eccentricity: [0.0, 0.0],
-            stretched: None,
-            temperatures,
-            worn: 0.0,
-            next_step: FIRST_STEP,
-            means: TurnMeans::default(),
-            moves: false,
-            validity: 0,
-        };
+        self.state = State { time: experiment.start, temperatures, next_step: FIRST_STEP, ..State::default() };
         self.check_wear_and_clearance()?;
         self.settle(log)?;
         self.update()?;

@@ -27,7 +27,7 @@ pub struct Errors {
 impl Errors {
     /// The curvature with the shared errors as unknowns behind the others, given that without them and how the derivatives lie
     /// along them: what they take from it comes back.
-    pub(crate) fn with_sources(&self, precision: &DMatrix<f64>, along: &DMatrix<f64>) -> DMatrix<f64> {
+    pub fn with_sources(&self, precision: &DMatrix<f64>, along: &DMatrix<f64>) -> DMatrix<f64> {
         let (n, sources) = (precision.nrows(), self.sources());
         let halved = self.halved(along.clone());
         let mut full = DMatrix::zeros(n + sources, n + sources);
@@ -69,12 +69,12 @@ impl Errors {
     }
 
     /// `M`.
-    pub(crate) fn matrix(&self) -> DMatrix<f64> {
+    pub fn matrix(&self) -> DMatrix<f64> {
         self.factor.as_ref().map(Cholesky::l).map_or_else(|| DMatrix::zeros(0, 0), |l| &l * l.transpose())
     }
 
     /// The row of `V` of a value.
-    pub(crate) fn effects(&self, case: usize, quantity: usize) -> DVector<f64> {
+    pub fn effects(&self, case: usize, quantity: usize) -> DVector<f64> {
         let effect = |column: &Vec<(usize, f64)>| -> f64 {
             column.iter().filter(|(place, _)| *place == quantity).map(|(_, part)| part).sum()
         };
@@ -87,7 +87,7 @@ impl Errors {
     }
 
     /// The accuracy of a value.
-    pub(crate) fn accuracy(&self, case: usize, quantity: usize) -> f64 {
+    pub fn accuracy(&self, case: usize, quantity: usize) -> f64 {
         self.accuracy[case][quantity]
     }
 
@@ -137,7 +137,7 @@ impl Errors {
     }
 
     /// `V'x`, for the values of one case.
-    pub(crate) fn onto(&self, case: usize, values: &[f64]) -> DVector<f64> {
+    pub fn onto(&self, case: usize, values: &[f64]) -> DVector<f64> {
         let sum = |column: &Vec<(usize, f64)>| -> f64 {
             column.iter().map(|(quantity, part)| part * values[*quantity]).sum()
         };
@@ -145,12 +145,12 @@ impl Errors {
     }
 
     /// `M^-1 x`.
-    pub(crate) fn solved(&self, x: &DVector<f64>) -> DVector<f64> {
+    pub fn solved(&self, x: &DVector<f64>) -> DVector<f64> {
         self.factor.as_ref().map_or_else(|| x.clone(), |factor| factor.solve(x))
     }
 
     /// `L^-1 X` with `M = L L'`: its squares are those of `X` in the metric of `M^-1`.
-    pub(crate) fn halved(&self, mut matrix: DMatrix<f64>) -> DMatrix<f64> {
+    pub fn halved(&self, mut matrix: DMatrix<f64>) -> DMatrix<f64> {
         if let Some(factor) = &self.factor {
             let solves = factor.l_dirty().solve_lower_triangular_mut(&mut matrix);
             assert!(solves, "the diagonal of a Cholesky factor is positive");
@@ -159,7 +159,7 @@ impl Errors {
     }
 
     /// Mean and standard deviation of each channel's error, given the sources' most probable values for one set of unknowns.
-    pub(crate) fn channels(&self, problem: &Problem, sources: &[f64]) -> Vec<[f64; 2]> {
+    pub fn channels(&self, problem: &Problem, sources: &[f64]) -> Vec<[f64; 2]> {
         problem
             .channels
             .iter()

@@ -72,12 +72,7 @@ struct Rows<'a> {
 impl<'a> Rows<'a> {
     fn new(problem: &'a Problem, optimum: &'a Optimum) -> Option<Self> {
         let errors = Errors::new(problem);
-        let posterior = &optimum.posterior;
-        let full = errors.with_sources(&posterior.precision, &posterior.slopes[1]);
-        let n = problem.unknowns();
-        let open: Vec<usize> = (0..full.nrows())
-            .filter(|k| *k >= n || (optimum.minimum.places[*k] > 0.0 && optimum.minimum.places[*k] < 1.0))
-            .collect();
+        let (full, open) = optimum.precision(&errors);
         let factor = Cholesky::new(full.select_rows(&open).select_columns(&open))?;
         Some(Self { problem, open, factor, errors, optimum })
     }

@@ -2,7 +2,7 @@
 
 pub mod capped;
 pub mod digits;
-pub mod errors;
+mod errors;
 mod expected;
 pub mod failures;
 pub mod fit;
@@ -13,9 +13,9 @@ pub mod objective;
 pub mod optima;
 #[cfg(test)]
 mod optima_tests;
-pub mod order;
+mod order;
 pub mod outcome;
-pub mod posterior;
+mod posterior;
 pub mod problem;
 #[cfg(test)]
 mod recovery_tests;
@@ -23,10 +23,10 @@ pub mod remembered;
 pub mod rounds;
 pub mod sample;
 pub mod search;
-pub mod shared;
+mod shared;
 #[cfg(test)]
 mod shared_tests;
-pub(crate) mod stated;
+mod stated;
 #[cfg(test)]
 mod stated_tests;
 pub mod surrogate;

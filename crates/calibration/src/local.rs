@@ -46,6 +46,13 @@ pub struct Minimum {
     pub surrounded: Vec<usize>,
 }
 
+impl Minimum {
+    /// The sum of squares there.
+    pub fn cost(&self) -> f64 {
+        self.misfit.cost()
+    }
+}
+
 /// Looks for the minimum nearest to a start. Unknowns that are `held` stay where they are, as do those on both sides of
 /// which runs fail.
 ///
@@ -63,11 +70,10 @@ pub fn minimise(
     let mut damping = Damping { value: 1e-3, growth: 2.0 };
     for _ in 0..limits.iterations {
         let linear = objective.linear(&at.places, &at.misfit, differences)?;
-        let before = at.misfit.cost();
+        let before = at.cost();
         at.blocked |= !linear.surrounded.is_empty();
         let held = [held, &linear.surrounded].concat();
-        if !descend(objective, &linear, &held, &mut damping, &mut at)?
-            || before - at.misfit.cost() < limits.decrease * before
+        if !descend(objective, &linear, &held, &mut damping, &mut at)? || before - at.cost() < limits.decrease * before
         {
             at.end = End::Converged;
             break;
@@ -98,9 +104,8 @@ fn goes_on(
         return Ok(false);
     }
     match objective.misfit(&moved(&at.places, &step)) {
-        Ok(_) => Ok(false),
         Err(NoPrediction::Here(_)) => Ok(true),
-        Err(NoPrediction::Stopped) => Err(NoPrediction::Stopped),
+        ended => ended.map(|_| false),
     }
 }
 
@@ -146,19 +151,19 @@ fn descend(
         }
         let places = moved(&at.places, &step);
         match objective.misfit(&places) {
-            Ok(misfit) if misfit.cost() < at.misfit.cost() => {
-                let decrease = at.misfit.cost() - misfit.cost();
+            Ok(misfit) if misfit.cost() < at.cost() => {
+                let decrease = at.cost() - misfit.cost();
                 damping.accept(decrease / linear.fall(&step).max(f64::MIN_POSITIVE));
                 at.places = places;
                 at.misfit = misfit;
                 return Ok(true);
             }
-            Err(NoPrediction::Stopped) => return Err(NoPrediction::Stopped),
+            Ok(_) => damping.refuse(),
             Err(NoPrediction::Here(_)) => {
                 at.blocked = true;
                 damping.refuse();
             }
-            Ok(_) => damping.refuse(),
+            Err(stopped) => return Err(stopped),
         }
     }
     damping.value = Damping::MOST.sqrt();

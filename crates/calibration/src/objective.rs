@@ -72,7 +72,8 @@ pub struct Linear {
     pub curvature: DMatrix<f64>,
     /// Half the gradient.
     pub gradient: DVector<f64>,
-    /// How the misfits' derivatives lie along the shared errors: `V'J` (see [`Errors`]), a row a source.
+    /// How the misfits' derivatives lie along the shared errors: `V'J`, a row a source, where `V` has the effects of each
+    /// source in a column.
     pub shared: DMatrix<f64>,
     /// The misfits' derivatives `J`, case by case.
     pub slopes: DMatrix<f64>,

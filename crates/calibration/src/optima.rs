@@ -11,10 +11,12 @@
 //! approximations for posterior moments and marginal densities, J. American Statistical Association 81, 82-86), of
 //! which only the part between the bounds counts.
 
+use nalgebra::DMatrix;
 use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal};
 
 use super::{
+    errors::Errors,
     failures::Edge,
     local::{Limits, Minimum, minimise},
     objective::{Differences, Misfit, Objective},
@@ -114,6 +116,14 @@ impl Optimum {
         Ok(Self { intervals: intervals.collect(), posterior, minimum, reached, weight: 0.0, edge: Edge::default() })
     }
 
+    /// The precision of the unknowns and the shared errors, and the places of those that are at no bound.
+    pub fn precision(&self, errors: &Errors) -> (DMatrix<f64>, Vec<usize>) {
+        let full = errors.with_sources(&self.posterior.precision, &self.posterior.slopes[1]);
+        let inside = |k: &usize| self.minimum.places.get(*k).is_none_or(|place| *place > 0.0 && *place < 1.0);
+        let open = (0..full.nrows()).filter(inside).collect();
+        (full, open)
+    }
+
     /// Runs the model at the ends of the free parameters' intervals, where the other unknowns go with them as the normal
     /// approximation has it. Where the sum of squares has risen less than it says, the interval is lengthened.
     ///
@@ -142,7 +152,7 @@ impl Optimum {
             for (&(index, side, predicted), misfit) in open.iter().zip(misfits) {
                 // Failed runs have words of their own.
                 let Ok(misfit) = misfit else { continue };
-                let rise = misfit.cost() - self.minimum.misfit.cost();
+                let rise = misfit.cost() - self.minimum.cost();
                 let local = &mut self.intervals[index];
                 if let Some(by) = local.take(rise, predicted) {
                     let place = self.minimum.places[index];
@@ -201,12 +211,12 @@ impl<'a, 'b> Optima<'a, 'b> {
     /// How many minima could be the right one.
     pub fn count(&self) -> usize {
         let least = self.least();
-        self.optima.iter().filter(|optimum| optimum.minimum.misfit.cost() <= least + RELEVANT).count()
+        self.optima.iter().filter(|optimum| optimum.minimum.cost() <= least + RELEVANT).count()
     }
 
     /// The least sum of squares so far; infinite without a minimum.
     pub fn least(&self) -> f64 {
-        self.optima.iter().map(|optimum| optimum.minimum.misfit.cost()).fold(f64::INFINITY, f64::min)
+        self.optima.iter().map(|optimum| optimum.minimum.cost()).fold(f64::INFINITY, f64::min)
     }
 
     /// Adds the end of a local search: to the minimum that it belongs to, or as a new one. Ends that are too improbable
@@ -215,12 +225,12 @@ impl<'a, 'b> Optima<'a, 'b> {
     /// # Errors
     /// When there are no further predictions.
     pub fn add(&mut self, end: &Minimum) -> Result<(), NoPrediction> {
-        let cost = end.misfit.cost();
+        let cost = end.cost();
         if cost > self.least() + RELEVANT {
             return Ok(());
         }
         if let Some(known) = self.same(end)?
-            && self.optima[known].minimum.misfit.cost() <= cost
+            && self.optima[known].minimum.cost() <= cost
         {
             self.optima[known].reached += 1;
             return Ok(());
@@ -230,7 +240,7 @@ impl<'a, 'b> Optima<'a, 'b> {
         let known = self.same(&minimum)?;
         let reached = known.map_or(0, |known| self.optima[known].reached) + 1;
         match known {
-            Some(known) if self.optima[known].minimum.misfit.cost() <= minimum.misfit.cost() => {
+            Some(known) if self.optima[known].minimum.cost() <= minimum.cost() => {
                 self.optima[known].reached = reached;
             }
             _ => {
@@ -261,7 +271,7 @@ impl<'a, 'b> Optima<'a, 'b> {
     /// Whether a way without a barrier leads from one place to the other, bent so often at most; the line from which this one
     /// was bent rose by `whole`.
     fn connected(&self, a: &Minimum, b: &Minimum, (bends, whole): (usize, f64)) -> Result<bool, NoPrediction> {
-        let higher = a.misfit.cost().max(b.misfit.cost());
+        let higher = a.cost().max(b.cost());
         let at = |part: f64| -> Vec<f64> { a.places.iter().zip(&b.places).map(|(a, b)| a + part * (b - a)).collect() };
         let line = (1..=BETWEEN).map(|k| at(k as f64 / (BETWEEN + 1) as f64));
         let misfits = self.objective.misfits(&line.collect::<Vec<_>>())?;
@@ -273,11 +283,10 @@ impl<'a, 'b> Optima<'a, 'b> {
         }
         let limits = Limits { iterations: STEPS_DOWN, decrease: 1e-4 };
         let middle = match minimise(self.objective, at(0.5), &[], Differences::Forward, &limits) {
-            Ok(middle) => middle,
             Err(NoPrediction::Here(_)) => return Ok(false),
-            Err(NoPrediction::Stopped) => return Err(NoPrediction::Stopped),
+            ended => ended?,
         };
-        if middle.misfit.cost() > higher + BARRIER || !between(&a.places, &middle.places, &b.places) {
+        if middle.cost() > higher + BARRIER || !between(&a.places, &middle.places, &b.places) {
             return Ok(false);
         }
         let left = (bends - 1, rise);
@@ -288,9 +297,9 @@ impl<'a, 'b> Optima<'a, 'b> {
     pub fn weighed(self) -> Vec<Optimum> {
         let least = self.least();
         let mut optima = self.optima;
-        optima.retain(|optimum| optimum.minimum.misfit.cost() <= least + RELEVANT);
+        optima.retain(|optimum| optimum.minimum.cost() <= least + RELEVANT);
         let mass = |optimum: &Optimum| {
-            let density = -0.5 * (optimum.minimum.misfit.cost() - least);
+            let density = -0.5 * (optimum.minimum.cost() - least);
             density + optimum.posterior.log_volume + log_inside(optimum)
         };
         let masses: Vec<f64> = optima.iter().map(mass).collect();

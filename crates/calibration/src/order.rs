@@ -24,7 +24,7 @@ impl Order {
     /// The correlation is Durbin & Watson's statistic in another form (1950, Testing for serial correlation in least squares
     /// regression I, Biometrika 37, 409-428), with the variance of Ljung & Box (1978, On a measure of lack of fit in time series
     /// models, Biometrika 65, 297-303). That of the noise is known as from as many rows as its estimate has degrees of freedom.
-    pub(crate) fn of(name: &str, residuals: &[f64], noise: Option<&Estimate>) -> Option<Self> {
+    pub fn of(name: &str, residuals: &[f64], noise: Option<&Estimate>) -> Option<Self> {
         const FEWEST: usize = 10;
         if residuals.len() < FEWEST {
             return None;
@@ -47,7 +47,7 @@ impl Order {
 
     /// Whether it is more than chance at this level, and enough to matter: errors with a correlation of 0.1 that are taken as
     /// independent make intervals a tenth too narrow.
-    pub(crate) fn is_doubtful(&self, level: f64) -> bool {
+    pub fn is_doubtful(&self, level: f64) -> bool {
         const MATTERS: f64 = 0.1;
         self.correlation - self.of_noise > MATTERS && self.probability < level
     }

@@ -255,7 +255,7 @@ impl IdentificationOutcome {
     pub fn new(problem: &Problem, optima: &[Optimum], progress: &Progress) -> Self {
         let Optimum { minimum, posterior, .. } = &optima[0];
         let n = problem.free.len();
-        let cost = minimum.misfit.cost();
+        let cost = minimum.cost();
         let data_cost = minimum.misfit.data_cost(problem);
         let inside = minimum.places.iter().filter(|&&place| bound(place).is_none()).count();
         // A shared error is an unknown with a prior: one square more, and one unknown more.
@@ -320,7 +320,7 @@ fn beyond_normal(problem: &Problem, minimum: &Minimum) -> f64 {
 fn optimum(problem: &Problem, optimum: &Optimum) -> OptimumOutcome {
     OptimumOutcome {
         weight: optimum.weight,
-        cost: optimum.minimum.misfit.cost(),
+        cost: optimum.minimum.cost(),
         end: optimum.minimum.end,
         reached: optimum.reached,
         edge: optimum.edge,
@@ -419,6 +419,6 @@ fn searches(progress: &Progress) -> SearchOutcome {
     SearchOutcome {
         screened: progress.screened.len(),
         failed: screened.filter(|cost| cost.is_none()).count(),
-        minima: sorted(ended.map(|end| end.misfit.cost()).collect()),
+        minima: sorted(ended.map(|end| end.cost()).collect()),
     }
 }

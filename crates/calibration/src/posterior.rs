@@ -33,9 +33,9 @@ pub struct Posterior {
     /// Covariance of all unknowns, the free parameters first.
     pub covariance: DMatrix<f64>,
     /// Its inverse.
-    pub(crate) precision: DMatrix<f64>,
+    pub precision: DMatrix<f64>,
     /// The misfits' derivatives over the places, case by case, and how they lie along the shared errors.
-    pub(crate) slopes: [DMatrix<f64>; 2],
+    pub slopes: [DMatrix<f64>; 2],
     /// The logarithm of the posterior's volume (the root of the covariance's determinant) but for a constant.
     pub log_volume: f64,
     /// Precision of the free parameters' places before the measurement.
@@ -167,9 +167,7 @@ impl Posterior {
 
     /// By how much the sum of squares rises between two sets of places, by the normal approximation.
     pub fn rise(&self, from: &[f64], to: &[f64]) -> f64 {
-        let step = DVector::from_iterator(to.len(), to.iter().zip(from).map(|(to, from)| to - from));
-        let away = from.iter().zip(&self.centre).map(|(from, centre)| from - centre);
-        let away = DVector::from_iterator(from.len(), away);
+        let (step, away) = (difference(to, from), difference(from, &self.centre));
         let bounds = step.iter().zip(&self.bounds).map(|(step, bounds)| bounds * step * step);
         (&self.precision * &step).dot(&(&step + 2.0 * away)) - bounds.sum::<f64>()
     }
@@ -192,7 +190,7 @@ impl Posterior {
 
     /// The squared distance of two sets of places, in standard deviations of the posterior.
     pub fn distance(&self, a: &[f64], b: &[f64]) -> f64 {
-        let way = DVector::from_iterator(a.len(), a.iter().zip(b).map(|(a, b)| a - b));
+        let way = difference(a, b);
         (&self.precision * &way).dot(&way)
     }
 
@@ -200,6 +198,11 @@ impl Posterior {
     pub fn correlation(&self, a: usize, b: usize) -> f64 {
         self.covariance[(a, b)] / (self.deviation(a) * self.deviation(b))
     }
+}
+
+/// One set of places less another.
+fn difference(a: &[f64], b: &[f64]) -> DVector<f64> {
+    DVector::from_iterator(a.len(), a.iter().zip(b).map(|(a, b)| a - b))
 }
 
 /// Mean and variance, given the quantiles.

@@ -70,10 +70,9 @@ fn settled(task: &Task<'_>, model: &dyn Simulate, mut minimum: Minimum) -> Resul
         problem = task.problem.with_parts(Some(&predicted)).unwrap_or(problem);
         let objective = Objective::new(&problem, model, task.difference);
         minimum = match minimise(&objective, minimum.places, &[], Differences::Central, &limits) {
-            Ok(minimum) => minimum,
-            Err(NoPrediction::Stopped) => return Err(SearchError::Stopped),
             // The search that follows tells what fails.
             Err(NoPrediction::Here(_)) => break,
+            ended => ended?,
         };
         let values = predicted.iter().zip(&minimum.misfit.predicted).flat_map(|(a, b)| a.iter().zip(b));
         if values.into_iter().all(|(before, now)| (now - before).abs() <= SETTLED * before.abs()) {

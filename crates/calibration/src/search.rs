@@ -13,7 +13,7 @@ use super::{
     local::{End, Limits, Minimum, minimise},
     objective::{Differences, Objective},
     optima::{Optima, Optimum},
-    problem::NoPrediction,
+    problem::{NoPrediction, Problem},
     sample::SampleError,
 };
 
@@ -40,7 +40,7 @@ pub struct Progress {
 impl Progress {
     /// The deepest place so far.
     pub fn best(&self) -> Option<&Minimum> {
-        self.descents.iter().flatten().min_by(|a, b| a.misfit.cost().total_cmp(&b.misfit.cost()))
+        self.descents.iter().flatten().min_by(|a, b| a.cost().total_cmp(&b.cost()))
     }
 }
 
@@ -90,7 +90,7 @@ pub fn search(
     let mut progress = Progress::default();
     let mut last_error = String::new();
     for starts in starts.chunks(TOGETHER.div_ceil(objective.problem.cases.len().max(1))) {
-        let sets = starts.iter().map(|start| unknowns(objective, start));
+        let sets = starts.iter().map(|start| unknowns(objective.problem, start));
         for misfit in objective.misfits(&sets.collect::<Vec<_>>())? {
             let misfit = misfit.map_err(|error| last_error = error);
             progress.screened.push(misfit.ok().map(|misfit| misfit.cost()));
@@ -112,13 +112,13 @@ pub fn search(
         let ends = descend(objective, starts, &batch, settings, &mut progress, observe)?;
         for end in ends {
             // A search that was still on its way down has found no minimum; only the deepest is followed further.
-            if end.end == End::Converged || end.misfit.cost() < optima.least() {
+            if end.end == End::Converged || end.cost() < optima.least() {
                 optima.add(&end)?;
             }
         }
     }
     if optima.count() == 0 {
-        let start = unknowns(objective, &starts[first]);
+        let start = unknowns(objective.problem, &starts[first]);
         let none = Limits { iterations: 0, ..deepest };
         optima.add(&minimise(objective, start, &[], Differences::Forward, &none)?)?;
     }
@@ -145,7 +145,7 @@ fn descend(
     let limits = Limits { iterations: settings.iterations, decrease: 1e-4 };
     let mut ends: Vec<Minimum> = Vec::new();
     for &start in batch {
-        let from = unknowns(objective, &starts[start]);
+        let from = unknowns(objective.problem, &starts[start]);
         let minimum = match minimise(objective, from, &[], Differences::Forward, &limits) {
             Err(NoPrediction::Stopped) => return Err(SearchError::Stopped),
             other => other.ok(),
@@ -154,14 +154,14 @@ fn descend(
         progress.descents.push(minimum);
         observe(progress);
     }
-    ends.sort_by(|a, b| a.misfit.cost().total_cmp(&b.misfit.cost()));
+    ends.sort_by(|a, b| a.cost().total_cmp(&b.cost()));
     Ok(ends)
 }
 
 /// All unknowns at a start: latent parameters begin in the middle of their intervals.
-fn unknowns(objective: &Objective<'_>, free: &[f64]) -> Vec<f64> {
+pub fn unknowns(problem: &Problem, free: &[f64]) -> Vec<f64> {
     let mut places = free.to_vec();
-    places.resize(objective.problem.unknowns(), 0.5);
+    places.resize(problem.unknowns(), 0.5);
     places
 }
 

@@ -27,7 +27,7 @@ pub struct SharedOutcome {
 
 impl SharedOutcome {
     /// A channel's error with this mean, standard deviation and interval.
-    pub(crate) fn new(channel: &Channel, [value, deviation]: [f64; 2], interval: [f64; 2]) -> Self {
+    pub fn new(channel: &Channel, [value, deviation]: [f64; 2], interval: [f64; 2]) -> Self {
         Self {
             name: channel.name.clone(),
             kind: channel.kind,

@@ -33,6 +33,7 @@ struct Rectangle {
 }
 
 impl Stated {
+    /// That of a problem: of the values without a shared part, and of the rectangular sources.
     pub fn new(problem: &Problem, errors: &Errors) -> Self {
         /// The ends of a rectangle are rounded by this part of its half-width: a sample cannot find its way to where the
         /// density is 0 almost everywhere.

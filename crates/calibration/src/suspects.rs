@@ -9,6 +9,7 @@
 use std::{collections::HashSet, mem::discriminant};
 
 use nalgebra::{Cholesky, DMatrix, DVector};
+use sampling::statistics::moments::sorted;
 use serde::Serialize;
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
@@ -21,6 +22,7 @@ use super::{
     optima::Optimum,
     problem::{Effect, Free, NoPrediction, Problem, SharedKind, Simulate, Source, Spacing},
     remembered::Remembered,
+    search::unknowns,
 };
 
 /// What may be wrong.
@@ -229,11 +231,9 @@ impl Inquiry<'_> {
 
     /// Offsets, gains and delays of sensors.
     fn of_sensors(&self, linear: &Linear) -> Vec<Candidate> {
-        let predicted = &self.optimum.minimum.misfit.predicted;
         let mut candidates = Vec::new();
         for (number, sensor) in self.sensors.iter().enumerate() {
-            let values: Vec<f64> =
-                sensor.group.values.iter().map(|&[case, quantity]| predicted[case][quantity]).collect();
+            let values = self.predicted(sensor);
             let mut patterns = vec![(Fault::Offset, vec![1.0; values.len()])];
             if values.len() > 2 {
                 patterns.push((Fault::Gain, values.clone()));
@@ -297,36 +297,13 @@ impl Inquiry<'_> {
             .collect()
     }
 
-    /// The problem with a constant as a last free parameter.
-    fn with(&self, constant: &Constant<'_>) -> Problem {
-        let mut problem = self.problem.clone();
-        problem.free.push(constant.free.clone());
-        problem
-    }
-
-    /// The optimum's places with that of a constant.
-    fn placed(&self, place: f64) -> Vec<f64> {
-        let mut places = self.optimum.minimum.places.clone();
-        places.insert(self.problem.free.len(), place);
-        places
-    }
-
     /// Other units, signs and rows, of which a run of the search says that they may explain much: with the places of that run.
     fn units(&self) -> Result<Vec<Candidate>, NoPrediction> {
         /// A unit is wrong by far or not at all.
         const PART: f64 = 0.25;
-        let now = self.optimum.minimum.misfit.cost();
-        let unknowns = self.problem.unknowns();
-        let places: Vec<Vec<f64>> = self
-            .starts
-            .iter()
-            .map(|start| {
-                let mut start = start.clone();
-                start.resize(unknowns, 0.5);
-                start
-            })
-            .chain([self.optimum.minimum.places.clone()])
-            .collect();
+        let now = self.optimum.minimum.cost();
+        let starts = self.starts.iter().map(|start| unknowns(self.problem, start));
+        let places: Vec<Vec<f64>> = starts.chain([self.optimum.minimum.places.clone()]).collect();
         let mut candidates = Vec::new();
         for (number, sensor) in self.sensors.iter().enumerate() {
             for (which, confusion) in sensor.confusions.iter().enumerate() {
@@ -393,9 +370,8 @@ impl Inquiry<'_> {
             What::Unit(number, which, from) => self.unit(&self.sensors[*number], *which, from),
         };
         match fitted {
-            Ok(suspect) => Ok(Some(suspect)),
             Err(NoPrediction::Here(_)) => Ok(None),
-            Err(stopped) => Err(stopped),
+            ended => ended.map(Some),
         }
     }
 
@@ -407,10 +383,8 @@ impl Inquiry<'_> {
 
     /// The suspect of a minimum.
     fn suspect(&self, fault: Fault, name: &str, problem: &Problem, minimum: &Minimum) -> Suspect {
-        let inside = minimum.places.iter().filter(|place| **place > 0.0 && **place < 1.0).count();
         let more = usize::from(matches!(fault, Fault::Offset | Fault::Gain | Fault::Delay));
-        let squares = minimum.misfit.residuals.len() - problem.sources.len();
-        let after = minimum.misfit.cost();
+        let after = minimum.cost();
         Suspect {
             fault,
             name: name.to_owned(),
@@ -418,8 +392,8 @@ impl Inquiry<'_> {
             unit: None,
             allowed: None,
             departure: 0.0,
-            cost: [self.optimum.minimum.misfit.cost(), after],
-            probability: Expected::new(problem, squares, inside + more).chance(after),
+            cost: [self.optimum.minimum.cost(), after],
+            probability: expected(problem, minimum, more).chance(after),
         }
     }
 
@@ -460,11 +434,15 @@ impl Inquiry<'_> {
     }
 
     fn constant(&self, constant: &Constant<'_>, place: f64) -> Result<Suspect, NoPrediction> {
-        let problem = self.with(constant);
-        let model = Remembered::new(&*constant.model, []);
-        let minimum = self.minimised(&problem, &model, self.placed(place.clamp(0.02, 0.98)))?;
         let free = &constant.free;
-        let value = free.value(minimum.places[self.problem.free.len()]);
+        let last = self.problem.free.len();
+        let mut problem = self.problem.clone();
+        problem.free.push(free.clone());
+        let mut start = self.optimum.minimum.places.clone();
+        start.insert(last, place.clamp(0.02, 0.98));
+        let model = Remembered::new(&*constant.model, []);
+        let minimum = self.minimised(&problem, &model, start)?;
+        let value = free.value(minimum.places[last]);
         let departure = match constant.usual {
             0.0 => 2.0,
             usual => ((value - constant.value) / usual).abs(),
@@ -527,13 +505,7 @@ impl Inquiry<'_> {
         let spacing = spacing(&sensor.times);
         // What is left of a delay by whole rows.
         if confusion.rows != 0 {
-            let values: Vec<f64> = sensor
-                .group
-                .values
-                .iter()
-                .map(|&[case, quantity]| self.optimum.minimum.misfit.predicted[case][quantity])
-                .collect();
-            let column = self.column(sensor, sensor.rates(&values));
+            let column = self.column(sensor, sensor.rates(&self.predicted(sensor)));
             self.free(&mut problem, sensor, &column, WIDE * spacing);
         }
         let minimum = self.minimised(&problem, self.model, from.to_vec())?;
@@ -553,17 +525,25 @@ impl Inquiry<'_> {
         })
     }
 
+    /// A sensor's values at the optimum.
+    fn predicted(&self, sensor: &Sensor) -> Vec<f64> {
+        let predicted = &self.optimum.minimum.misfit.predicted;
+        sensor.group.values.iter().map(|&[case, quantity]| predicted[case][quantity]).collect()
+    }
+
     /// The middle accuracy of a sensor's values.
     fn accuracy(&self, sensor: &Sensor) -> f64 {
-        let mut all: Vec<f64> = sensor
-            .group
-            .values
-            .iter()
-            .map(|&[case, quantity]| self.problem.cases[case].measured[quantity].accuracy)
-            .collect();
-        all.sort_by(f64::total_cmp);
-        all.get(all.len() / 2).copied().unwrap_or(0.0)
+        let values = sensor.group.values.iter();
+        let all = values.map(|&[case, quantity]| self.problem.cases[case].measured[quantity].accuracy);
+        middle(all.collect(), 0.0)
     }
+}
+
+/// What is expected of the sum of squares at a minimum, with so many more unknowns than those between their bounds.
+fn expected(problem: &Problem, minimum: &Minimum, more: usize) -> Expected {
+    let inside = minimum.places.iter().filter(|place| **place > 0.0 && **place < 1.0).count();
+    let squares = minimum.misfit.residuals.len() - problem.sources.len();
+    Expected::new(problem, squares, inside + more)
 }
 
 /// A value at a place that may be outside of the bounds.
@@ -576,9 +556,14 @@ fn wide(free: &Free, place: f64) -> f64 {
 
 /// The middle distance of times.
 fn spacing(times: &[Vec<f64>]) -> f64 {
-    let mut all: Vec<f64> = times.iter().flat_map(|times| times.windows(2)).map(|pair| pair[1] - pair[0]).collect();
-    all.sort_by(f64::total_cmp);
-    all.get(all.len() / 2).copied().unwrap_or(1.0)
+    let all = times.iter().flat_map(|times| times.windows(2)).map(|pair| pair[1] - pair[0]);
+    middle(all.collect(), 1.0)
+}
+
+/// The middle one of some values, or another value where there are none.
+fn middle(values: Vec<f64>, without: f64) -> f64 {
+    let values = sorted(values);
+    values.get(values.len() / 2).copied().unwrap_or(without)
 }
 
 /// The linear problem at the optimum, with the shared errors as unknowns. An unknown at a bound is known.
@@ -598,10 +583,8 @@ impl<'a> Linear<'a> {
     fn new(inquiry: &Inquiry<'a>) -> Option<Self> {
         let (problem, minimum) = (inquiry.problem, &inquiry.optimum.minimum);
         let posterior = &inquiry.optimum.posterior;
-        let (errors, n, values) = (Errors::new(problem), problem.unknowns(), problem.values());
-        let full = errors.with_sources(&posterior.precision, &posterior.slopes[1]);
-        let inside = |k: &usize| *k >= n || (minimum.places[*k] > 0.0 && minimum.places[*k] < 1.0);
-        let open: Vec<usize> = (0..full.nrows()).filter(inside).collect();
+        let (errors, values) = (Errors::new(problem), problem.values());
+        let (full, open) = inquiry.optimum.precision(&errors);
         let mut effects = DMatrix::zeros(values, problem.sources.len());
         let quantities = problem.quantities.len();
         for value in 0..values {
@@ -609,8 +592,6 @@ impl<'a> Linear<'a> {
             effects.set_row(value, &row.transpose());
         }
         let accuracies = problem.cases.iter().flat_map(|case| &case.measured).map(|measured| measured.accuracy);
-        let inside = minimum.places.iter().filter(|place| **place > 0.0 && **place < 1.0).count();
-        let squares = minimum.misfit.residuals.len() - problem.sources.len();
         (values > 0).then(|| Self {
             slopes: &posterior.slopes[0],
             effects,
@@ -618,7 +599,7 @@ impl<'a> Linear<'a> {
             residuals: minimum.misfit.residuals.rows(0, values).into_owned(),
             full,
             open,
-            freedom: Expected::new(problem, squares, inside).freedom,
+            freedom: expected(problem, minimum, 0).freedom,
         })
     }
 

@@ -54,13 +54,14 @@ impl JointNormal {
         Ok(joint)
     }
 
-    /// The probability that all errors lie between their limits, in units of their standard
-    /// deviations.
+    /// The probability that all errors lie between their limits, in units of their standard deviations.
+    #[cfg(test)]
     pub fn probability(&self, lower: &[f64], upper: &[f64]) -> f64 {
         self.parts(lower, upper).iter().product()
     }
 
-    /// The same for each block of errors that depend on each other; they multiply.
+    /// The probability that the errors lie between their limits, in units of their standard deviations, for each block of errors
+    /// that depend on each other; these probabilities multiply.
     pub fn parts(&self, lower: &[f64], upper: &[f64]) -> Vec<f64> {
         let [lower, upper] = self.narrowed(lower, upper);
         self.blocks.iter().map(|block| block.probability(&lower, &upper)).collect()
@@ -143,14 +144,14 @@ fn part(matrix: &[Vec<f64>], members: &[usize]) -> Vec<Vec<f64>> {
 }
 
 /// Errors that depend on each other, each in its order, with their correlations.
-pub(super) struct Correlated {
-    pub(super) members: Vec<usize>,
-    pub(super) correlation: Vec<Vec<f64>>,
+pub struct Correlated {
+    pub members: Vec<usize>,
+    pub correlation: Vec<Vec<f64>>,
 }
 
 /// The errors in blocks that are independent of each other. A matrix of all errors would take the square of their number,
 /// and its factor the cube.
-pub(super) fn blocks(errors: usize, pairs: &[(usize, usize, f64)]) -> Result<Vec<Correlated>, String> {
+pub fn blocks(errors: usize, pairs: &[(usize, usize, f64)]) -> Result<Vec<Correlated>, String> {
     let mut linked = vec![Vec::new(); errors];
     for &(a, b, coefficient) in pairs {
         if !(-1.0..=1.0).contains(&coefficient) {

@@ -3,12 +3,12 @@
 pub mod conclusion;
 pub mod decision;
 pub mod interval;
-pub mod joint;
+mod joint;
 pub mod looks;
 pub mod measured;
 pub mod normal;
 pub mod risk;
-pub mod sequence;
+mod sequence;
 pub mod uncertainty;
 pub mod validation;
 

@@ -120,7 +120,7 @@ pub(super) struct GaussLegendre(Vec<[f64; 2]>);
 
 impl GaussLegendre {
     /// The rule with this number of nodes: the zeros of the Legendre polynomial, by Newton's method.
-    pub(super) fn new(nodes: usize) -> Self {
+    pub fn new(nodes: usize) -> Self {
         Self(
             (0..nodes)
                 .map(|i| {
@@ -139,7 +139,7 @@ impl GaussLegendre {
     }
 
     /// The same on (0, 1).
-    pub(super) fn on_unit_interval(&self) -> impl Iterator<Item = [f64; 2]> {
+    pub fn on_unit_interval(&self) -> impl Iterator<Item = [f64; 2]> {
         self.0.iter().map(|[node, weight]| [0.5 * (1.0 + node), 0.5 * weight])
     }
 }

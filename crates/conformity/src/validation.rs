@@ -33,11 +33,9 @@ pub struct Comparison {
     pub complete: bool,
     /// The effective degrees of freedom of u_val (Welch and Satterthwaite); none where they are as good as infinite. `coverage` is
     /// larger than Student's factor of these.
-    #[serde(default)]
     pub freedom: Option<f64>,
     /// E_n = E / sqrt(U_S^2 + U_D^2), with the expanded uncertainties of model and measured value (ISO 13528, 9.7), whose intervals
     /// hold 95.45 % each, whatever k the study states; none where the latter is not stated, or both are 0.
-    #[serde(default)]
     pub e_n: Option<f64>,
     /// The coverage factor k of the interval: with it 95.45 % of the sum's distribution lie within, as 2 does of a normal number.
     pub coverage: f64,
@@ -98,7 +96,7 @@ impl Comparison {
             a.total_cmp(&b)
         });
         let model_error = [-1.0, 1.0].map(|side| error + side * coverage * u_val);
-        [mean, error, deviation, u_val].into_iter().chain(model_error).into_iter().all(f64::is_finite).then(|| Self {
+        [mean, error, deviation, u_val].into_iter().chain(model_error).all(f64::is_finite).then(|| Self {
             model: mean,
             error,
             u_num: numerical.standard,

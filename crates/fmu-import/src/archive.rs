@@ -175,7 +175,7 @@ pub(crate) enum Archive {
 }
 
 impl Archive {
-    pub(crate) fn open(path: &Path) -> Result<Self, ArchiveError> {
+    pub fn open(path: &Path) -> Result<Self, ArchiveError> {
         let metadata = fs::metadata(path).map_err(|error| match error.kind() {
             io::ErrorKind::NotFound => ArchiveError::Missing,
             _ => ArchiveError::Io(error),
@@ -204,7 +204,7 @@ impl Archive {
     }
 
     /// The bytes of `modelDescription.xml`.
-    pub(crate) fn description(&mut self) -> Result<Vec<u8>, ArchiveError> {
+    pub fn description(&mut self) -> Result<Vec<u8>, ArchiveError> {
         let is_there = match self {
             Self::Folder(path) => path.join(DESCRIPTION).exists(),
             Self::Zip { zip, .. } => zip.index_for_name(DESCRIPTION).is_some(),
@@ -225,14 +225,12 @@ impl Archive {
         }
         entries
             .into_iter()
-            .filter(|entry| entry.eq_ignore_ascii_case(DESCRIPTION))
-            .map(ArchiveError::Misnamed)
-            .next()
-            .unwrap_or(ArchiveError::NoDescription)
+            .find(|entry| entry.eq_ignore_ascii_case(DESCRIPTION))
+            .map_or(ArchiveError::NoDescription, ArchiveError::Misnamed)
     }
 
     /// The names of the files.
-    pub(crate) fn entries(&self) -> Vec<String> {
+    pub fn entries(&self) -> Vec<String> {
         match self {
             Self::Folder(path) => files_below(path, path),
             // Not by the zip's own order of names: what could not be unpacked is to be seen, too.
@@ -241,7 +239,7 @@ impl Archive {
     }
 
     /// The names that more than one entry has.
-    pub(crate) fn twice(&self) -> &[String] {
+    pub fn twice(&self) -> &[String] {
         match self {
             Self::Folder(_) => &[],
             Self::Zip { twice, .. } => twice,
@@ -262,7 +260,7 @@ impl Archive {
     }
 
     /// The content of one file.
-    pub(crate) fn bytes_of(&mut self, entry: &str) -> Result<Vec<u8>, ArchiveError> {
+    pub fn bytes_of(&mut self, entry: &str) -> Result<Vec<u8>, ArchiveError> {
         self.content(entry, MAX_FILE)?.ok_or_else(|| ArchiveError::LargeFile(entry.to_owned()))
     }
 
@@ -286,14 +284,14 @@ impl Archive {
     }
 
     /// The file that identifies the content: the archive, or the description in a folder.
-    pub(crate) fn identity(&self) -> Result<File, ArchiveError> {
+    pub fn identity(&self) -> Result<File, ArchiveError> {
         match self {
             Self::Folder(path) => open(&path.join(DESCRIPTION)),
             Self::Zip { path, .. } => open(path),
         }
     }
 
-    pub(crate) fn folder(&self) -> Option<&Path> {
+    pub fn folder(&self) -> Option<&Path> {
         match self {
             Self::Folder(path) => Some(path),
             Self::Zip { .. } => None,
@@ -301,7 +299,7 @@ impl Archive {
     }
 
     /// The platforms with a binary of this model, sorted.
-    pub(crate) fn platforms(&self, identifier: &str) -> Vec<String> {
+    pub fn platforms(&self, identifier: &str) -> Vec<String> {
         let mut platforms: Vec<String> = match self {
             Self::Folder(path) => folder_platforms(&path.join("binaries"), identifier),
             Self::Zip { zip, .. } => zip.file_names().filter_map(|name| platform_of(&name.ok()?, identifier)).collect(),
@@ -313,12 +311,7 @@ impl Archive {
 
     /// Unpacks the description, this platform's binaries and the resources into a new folder
     /// within `parent`; copies them from a folder, which an FMU that writes must not spoil.
-    pub(crate) fn unpack(
-        &mut self,
-        identifier: &str,
-        version: Version,
-        parent: &Path,
-    ) -> Result<TempDir, ArchiveError> {
+    pub fn unpack(&mut self, identifier: &str, version: Version, parent: &Path) -> Result<TempDir, ArchiveError> {
         let platform = version.platform();
         let held = self.platforms(identifier);
         if !held.iter().any(|held| held == platform) {
@@ -382,12 +375,14 @@ fn platform_of(name: &str, identifier: &str) -> Option<String> {
     (stem == identifier).then(|| platform.to_owned())
 }
 
+/// What a folder holds, as far as it can be read.
+pub(crate) fn entries_in(folder: &Path) -> impl Iterator<Item = fs::DirEntry> {
+    fs::read_dir(folder).into_iter().flatten().flatten()
+}
+
 /// The files below a folder, by their paths from `root`, with forward slashes.
 fn files_below(folder: &Path, root: &Path) -> Vec<String> {
-    fs::read_dir(folder)
-        .into_iter()
-        .flatten()
-        .flatten()
+    entries_in(folder)
         .flat_map(|entry| match entry.file_type() {
             Ok(kind) if kind.is_dir() => files_below(&entry.path(), root),
             _ => {
@@ -400,15 +395,9 @@ fn files_below(folder: &Path, root: &Path) -> Vec<String> {
 }
 
 fn folder_platforms(binaries: &Path, identifier: &str) -> Vec<String> {
-    fs::read_dir(binaries)
-        .into_iter()
-        .flatten()
-        .flatten()
+    entries_in(binaries)
         .filter(|platform| {
-            fs::read_dir(platform.path())
-                .into_iter()
-                .flatten()
-                .flatten()
+            entries_in(&platform.path())
                 .map(|file| file.path())
                 .any(|file| file.file_stem().is_some_and(|stem| stem == identifier))
         })

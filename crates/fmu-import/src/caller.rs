@@ -10,32 +10,32 @@ use crate::{
 
 /// Makes the calls of one instance and judges what they return.
 #[derive(Debug)]
-pub(crate) struct Caller {
-    pub(crate) log: Log,
+pub struct Caller {
+    pub log: Log,
     /// The FMU's own mode, which its next call finds again.
-    pub(crate) mode: Mode,
+    pub mode: Mode,
     /// Whether a call ended with `fmi2Fatal` or `fmi3Fatal`: nothing may be called any more.
-    pub(crate) dead: bool,
+    pub dead: bool,
     /// How many calls were made: what one told is known until the next.
-    pub(crate) calls: u64,
+    pub calls: u64,
 }
 
 impl Caller {
     /// A caller of an FMU whose binary left the processor in this mode.
-    pub(crate) fn new(mode: Mode) -> Self {
+    pub fn new(mode: Mode) -> Self {
         Self { log: Log::open(), mode, dead: false, calls: 0 }
     }
 
     /// Makes a call in the FMU's own floating-point mode.
     #[inline(always)]
-    pub(crate) fn call<T>(&mut self, call: impl FnOnce() -> T) -> T {
+    pub fn call<T>(&mut self, call: impl FnOnce() -> T) -> T {
         self.calls += 1;
         within(&mut self.mode, call)
     }
 
     /// Judges the status that a function returned.
     #[inline]
-    pub(crate) fn check(&mut self, function: &'static str, status: c_int) -> Called {
+    pub fn check(&mut self, function: &'static str, status: c_int) -> Called {
         match status {
             0 => Ok(()),
             1 => {
@@ -47,7 +47,7 @@ impl Caller {
     }
 
     #[cold]
-    pub(crate) fn failed(&mut self, function: &'static str, status: Status) -> Call {
+    pub fn failed(&mut self, function: &'static str, status: Status) -> Call {
         self.dead |= status == Status::Fatal;
         Call { function, status, message: self.log.last(), ended: None }
     }
@@ -55,12 +55,12 @@ impl Caller {
 
 impl Call {
     /// A call of the optional function `function`, which some FMUs leave out.
-    pub(crate) fn missing(function: &'static str) -> Self {
+    pub fn missing(function: &'static str) -> Self {
         Self::impossible(function, "the FMU does not export the function".to_owned())
     }
 
     /// A call that was not made, and why.
-    pub(crate) fn impossible(function: &'static str, why: String) -> Self {
+    pub fn impossible(function: &'static str, why: String) -> Self {
         Self { function, status: Status::Error, message: Some(why), ended: None }
     }
 }

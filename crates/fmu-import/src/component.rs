@@ -10,8 +10,8 @@ use crate::{
 
 /// The functions that have the same signature in every version.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Common {
-    pub(crate) get_version: Function<Text>,
+pub struct Common {
+    pub get_version: Function<Text>,
     free_instance: Function<unsafe extern "C" fn(Component)>,
     exit_initialization_mode: Function<Plain>,
     terminate: Function<Plain>,
@@ -20,7 +20,7 @@ pub(crate) struct Common {
 
 impl Common {
     /// Finds them in a loaded binary.
-    pub(crate) fn find(symbols: &Symbols<'_>) -> Result<Self, LibraryError> {
+    pub fn find(symbols: &Symbols<'_>) -> Result<Self, LibraryError> {
         Ok(Self {
             get_version: symbols.find("GetVersion"),
             free_instance: symbols.need("FreeInstance")?,
@@ -33,16 +33,16 @@ impl Common {
 
 /// A component, with the functions that every version has and the importer's side of its calls.
 #[derive(Debug)]
-pub(crate) struct Base {
-    pub(crate) component: Component,
-    pub(crate) common: Common,
-    pub(crate) caller: Caller,
+pub struct Base {
+    pub component: Component,
+    pub common: Common,
+    pub caller: Caller,
 }
 
 impl Base {
     /// Lets the FMU tell its errors and warnings, where it has categories for them. What it answers does not matter:
     /// without it there are fewer messages. `log` gets the number of categories and their names.
-    pub(crate) fn hear<F: Copy>(
+    pub fn hear<F: Copy>(
         &mut self,
         categories: &[String],
         function: Function<F>,
@@ -59,35 +59,35 @@ impl Base {
 
     /// Calls a function of the component in its own floating-point mode, and judges what it returns.
     #[inline(always)]
-    pub(crate) fn call<F: Copy>(&mut self, function: Function<F>, call: impl FnOnce(F, Component) -> c_int) -> Called {
+    pub fn call<F: Copy>(&mut self, function: Function<F>, call: impl FnOnce(F, Component) -> c_int) -> Called {
         let (code, component) = (function.get()?, self.component);
         let status = self.caller.call(|| call(code, component));
         self.caller.check(function.name, status)
     }
 
     /// Calls a function of nothing but the component.
-    pub(crate) fn plain(&mut self, function: Function<Plain>) -> Called {
+    pub fn plain(&mut self, function: Function<Plain>) -> Called {
         // SAFETY: the component is alive.
         self.call(function, |call, component| unsafe { call(component) })
     }
 
-    pub(crate) fn exit_initialization_mode(&mut self) -> Called {
+    pub fn exit_initialization_mode(&mut self) -> Called {
         self.plain(self.common.exit_initialization_mode)
     }
 
-    pub(crate) fn reset(&mut self) -> Called {
+    pub fn reset(&mut self) -> Called {
         self.plain(self.common.reset)
     }
 
     /// Ends the simulation; nothing is done where the FMU has no function for that.
-    pub(crate) fn terminate(&mut self) -> Called {
+    pub fn terminate(&mut self) -> Called {
         match self.common.terminate {
             terminate if terminate.is_there() => self.plain(terminate),
             _ => Ok(()),
         }
     }
 
-    pub(crate) fn free(&mut self) {
+    pub fn free(&mut self) {
         if let Ok(free) = self.common.free_instance.get() {
             // SAFETY: the component is alive and never used again.
             self.caller.call(|| unsafe { free(self.component) });

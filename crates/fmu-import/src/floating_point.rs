@@ -7,7 +7,7 @@
 
 /// The control bits of the processor's floating-point units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Mode {
+pub struct Mode {
     /// Rounding, subnormal numbers and exception masks of vector instructions, without the exceptions that have
     /// occurred.
     vector: u64,
@@ -17,7 +17,7 @@ pub(crate) struct Mode {
 
 impl Mode {
     /// The mode in which every process starts: to nearest, with subnormal numbers, without exceptions.
-    pub(crate) const USUAL: Self = if cfg!(target_arch = "x86_64") {
+    pub const USUAL: Self = if cfg!(target_arch = "x86_64") {
         Self { vector: 0x1f80, extended: 0x037f }
     } else {
         Self { vector: 0, extended: 0 }
@@ -120,7 +120,8 @@ fn read() -> Mode {
 #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
 fn write(_: Mode) {}
 
-#[cfg(all(test, any(target_arch = "x86_64", target_arch = "aarch64")))]
+#[cfg(test)]
+#[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 mod tests {
     use super::*;
     use std::hint::black_box;

@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::{
     call::{Called, Warnings},
     library::Library,
+    logger::Log,
     simulation::{Batch, Experiment, Simulation},
     value::{Handle, Value},
 };
@@ -36,17 +37,21 @@ impl Instance {
     /// The warnings since the instance was created or reset, or since they were
     /// [forgotten](Self::forget_warnings).
     pub fn warnings(&self) -> Warnings {
-        self.simulation.base().caller.log.warnings()
+        self.log().warnings()
     }
 
     /// Counts warnings from zero again.
     pub fn forget_warnings(&mut self) {
-        self.simulation.base().caller.log.forget_warnings();
+        self.log().forget_warnings();
     }
 
     /// How many messages the FMU has passed to the logger with an environment that is not its own.
     pub fn strays(&self) -> u64 {
-        self.simulation.base().caller.log.strays()
+        self.log().strays()
+    }
+
+    fn log(&self) -> &Log {
+        &self.simulation.base().caller.log
     }
 
     /// Announces the experiment: start and stop time in s, and the relative tolerance.
@@ -103,8 +108,7 @@ impl Instance {
     /// # Errors
     /// When the FMU refuses, or cannot.
     pub fn set_slope(&mut self, reference: u32, slope: f64) -> Called {
-        let simulation = &mut self.simulation;
-        simulation.set_slope(reference, slope)
+        self.simulation.set_slope(reference, slope)
     }
 
     /// Writes one variable, by the reference of its [handle](crate::Variable::handle).
@@ -167,7 +171,7 @@ impl Instance {
     /// # Errors
     /// When the FMU cannot; then a new instance is needed.
     pub fn reset(&mut self) -> Called {
-        self.simulation.base().caller.log.clear();
+        self.log().clear();
         let reset = self.simulation.reset();
         // As after its creation.
         self.simulation.base_mut().caller.mode = self.library.mode;
@@ -182,7 +186,7 @@ impl Instance {
     /// # Errors
     /// When the FMU refuses. What was computed before holds all the same.
     pub fn terminate(&mut self) -> Called {
-        if self.simulation.base().caller.dead {
+        if self.is_dead() {
             return Ok(());
         }
         self.simulation.base_mut().terminate()
@@ -191,7 +195,7 @@ impl Instance {
 
 impl Drop for Instance {
     fn drop(&mut self) {
-        if !self.simulation.base().caller.dead {
+        if !self.is_dead() {
             self.simulation.base_mut().free();
         }
     }

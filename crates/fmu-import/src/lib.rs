@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 
 pub mod archive;
-pub mod call;
+mod call;
 mod caller;
 mod component;
 mod decode;
@@ -10,20 +10,20 @@ mod exchange;
 mod floating_point;
 mod fmi2;
 mod fmi3;
-pub mod instance;
+mod instance;
 pub mod isolation;
-pub mod library;
+mod library;
 mod logger;
 pub mod needed;
-pub mod package;
+mod package;
 mod parse;
 pub mod quantity;
 mod simulation;
-pub mod symbols;
+mod symbols;
 pub mod units;
 pub mod validity;
-pub mod value;
-pub mod version;
+mod value;
+mod version;
 pub mod xml;
 
 pub use archive::ArchiveError;

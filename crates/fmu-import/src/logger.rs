@@ -32,12 +32,12 @@ const RESTING: usize = 32;
 /// The struct `fmi2CallbackFunctions`.
 #[repr(C)]
 #[derive(Debug)]
-pub(crate) struct Callbacks {
-    pub(crate) logger: unsafe extern "C" fn(),
-    pub(crate) allocate_memory: unsafe extern "C" fn(usize, usize) -> *mut c_void,
-    pub(crate) free_memory: unsafe extern "C" fn(*mut c_void),
-    pub(crate) step_finished: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
-    pub(crate) environment: *const c_void,
+pub struct Callbacks {
+    pub logger: unsafe extern "C" fn(),
+    pub allocate_memory: unsafe extern "C" fn(usize, usize) -> *mut c_void,
+    pub free_memory: unsafe extern "C" fn(*mut c_void),
+    pub step_finished: Option<unsafe extern "C" fn(*mut c_void, c_int)>,
+    pub environment: *const c_void,
 }
 
 /// The place at which an instance's messages arrive. It is never freed.
@@ -122,14 +122,14 @@ impl Seat {
 
 /// The last messages of one instance.
 #[derive(Debug)]
-pub(crate) struct Log {
+pub struct Log {
     number: usize,
     seat: &'static Seat,
 }
 
 impl Log {
     /// Takes a seat.
-    pub(crate) fn open() -> Self {
+    pub fn open() -> Self {
         let mut seats = locked(&SEATS);
         if seats.free.len() > RESTING
             && let Some(number) = seats.free.pop_front()
@@ -146,28 +146,28 @@ impl Log {
     }
 
     /// The struct for `fmi2Instantiate`. It stays valid for ever: some FMUs use it after they were freed.
-    pub(crate) fn callbacks(&self) -> *const Callbacks {
+    pub fn callbacks(&self) -> *const Callbacks {
         &raw const self.seat.callbacks
     }
 
     /// The environment for FMI 3.0, which passes it beside the callback.
-    pub(crate) fn environment(&self) -> *const c_void {
+    pub fn environment(&self) -> *const c_void {
         self.seat.callbacks.environment
     }
 
     /// Forgets all messages.
-    pub(crate) fn clear(&self) {
+    pub fn clear(&self) {
         locked(&self.seat.heard).messages.clear();
         self.forget_warnings();
     }
 
     /// The warnings of messages and calls.
-    pub(crate) fn warnings(&self) -> Warnings {
+    pub fn warnings(&self) -> Warnings {
         locked(&self.seat.heard).warnings.clone()
     }
 
     /// Counts warnings from zero again; the messages stay.
-    pub(crate) fn forget_warnings(&self) {
+    pub fn forget_warnings(&self) {
         let mut heard = locked(&self.seat.heard);
         (heard.warnings, heard.returned) = (Warnings::default(), 0);
         heard.is_named = false;
@@ -175,7 +175,7 @@ impl Log {
 
     /// Counts a call that returned a warning, unless it has logged one.
     #[cold]
-    pub(crate) fn returned_warning(&self, function: &str) {
+    pub fn returned_warning(&self, function: &str) {
         let last = self.last();
         let mut heard = locked(&self.seat.heard);
         heard.warnings.count += u64::from(heard.warnings.count == heard.returned);
@@ -190,7 +190,7 @@ impl Log {
     }
 
     /// The last message of an error, or else the last message at all.
-    pub(crate) fn last(&self) -> Option<String> {
+    pub fn last(&self) -> Option<String> {
         let heard = locked(&self.seat.heard);
         let mut newest_first = heard.messages.iter().rev();
         newest_first
@@ -200,7 +200,7 @@ impl Log {
     }
 
     /// How many messages came with an environment that nobody gave to the FMU.
-    pub(crate) fn strays(&self) -> u64 {
+    pub fn strays(&self) -> u64 {
         locked(&self.seat.heard).strays
     }
 }

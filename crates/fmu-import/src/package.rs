@@ -85,9 +85,8 @@ impl Package {
     /// Co-Simulation.
     pub fn open(path: &Path) -> Result<Self, FmuError> {
         let unusable = |fault| FmuError { path: path.to_owned(), fault };
-        let mut archive = Archive::open(path).map_err(FmuFault::from).map_err(unusable)?;
-        let description = archive.description().map_err(FmuFault::from);
-        let description = description.and_then(|xml| Ok(parse::description(&xml, &[])?)).map_err(unusable)?;
+        let mut archive = Archive::open(path).map_err(|fault| unusable(fault.into()))?;
+        let description = described(&mut archive, &[]).map_err(unusable)?;
         Ok(Self { path: path.to_owned(), archive, description, unpacked: None, own: None })
     }
 
@@ -98,8 +97,7 @@ impl Package {
     /// When it cannot be read any more.
     pub fn resize(&mut self, sizes: &[(u32, u64)]) -> Result<(), FmuError> {
         if sizes != self.description.sizes {
-            let xml = self.archive.description().map_err(FmuFault::from);
-            let read = xml.and_then(|xml| Ok(parse::description(&xml, sizes)?));
+            let read = described(&mut self.archive, sizes);
             self.description = read.map_err(|fault| self.unusable(fault))?;
         }
         Ok(())
@@ -239,6 +237,11 @@ impl Package {
         let library = Library::load(&folder, self.own.clone(), &self.description);
         Ok(Arc::new(library.map_err(|fault| self.unusable(fault))?))
     }
+}
+
+/// The description, with these values of structural parameters.
+fn described(archive: &mut Archive, sizes: &[(u32, u64)]) -> Result<Description, FmuFault> {
+    Ok(parse::description(&archive.description()?, sizes)?)
 }
 
 /// The SHA-256 digest of bytes as lower-case hexadecimal digits: what tells two files apart.

@@ -173,10 +173,10 @@ pub struct Reader {
 }
 
 impl Reader {
-    pub fn remark(&mut self, node: Node<'_, '_>, about: About, text: &str) {
+    pub fn remark(&mut self, node: Node<'_, '_>, about: About, text: impl Into<String>) {
         const ENOUGH: usize = 100;
         if self.remarks.len() < ENOUGH {
-            self.remarks.push(Remark { line: line(node) as usize, about, text: text.to_owned() });
+            self.remarks.push(Remark { line: line(node) as usize, about, text: text.into() });
         }
     }
 
@@ -203,8 +203,7 @@ impl Reader {
                 Ok(_) => "a whole number of 32 bits",
                 Err(_) => "a number",
             };
-            let text = format!("{name}=\"{text}\" is not {what}");
-            self.remark(node, About::Value, &text);
+            self.remark(node, About::Value, format!("{name}=\"{text}\" is not {what}"));
         }
         value
     }
@@ -213,8 +212,7 @@ impl Reader {
         let text = node.attribute(name)?.trim();
         let value = truth(text);
         if value.is_none() {
-            let text = format!("{name}=\"{text}\" is neither true nor false");
-            self.remark(node, About::Value, &text);
+            self.remark(node, About::Value, format!("{name}=\"{text}\" is neither true nor false"));
         }
         value
     }
@@ -223,7 +221,7 @@ impl Reader {
     pub fn choice<T: DeserializeOwned + Default>(&mut self, node: Node<'_, '_>, name: &str) -> T {
         let Some(text) = node.attribute(name) else { return T::default() };
         item(text).unwrap_or_else(|| {
-            self.remark(node, About::Value, &format!("unknown {name} \"{text}\""));
+            self.remark(node, About::Value, format!("unknown {name} \"{text}\""));
             T::default()
         })
     }
@@ -263,10 +261,13 @@ impl Reader {
         // Without its states an FMU would stand still and look well.
         let states = if listed == 0 { rates(root) } else { listed };
         if states > listed {
-            let text = format!(
-                "ModelStructure lists no derivatives; the {states} variables with the attribute derivative count"
+            self.remark(
+                root,
+                About::Value,
+                format!(
+                    "ModelStructure lists no derivatives; the {states} variables with the attribute derivative count"
+                ),
             );
-            self.remark(root, About::Value, &text);
         }
         ExchangeSizes {
             states,
@@ -350,8 +351,7 @@ impl Reader {
         let name = self.name(node)?;
         let value_reference = self.reference(node, &name)?;
         let Some(element) = typed(node) else {
-            let text = format!("`{name}` has no type and is left out");
-            self.remark(node, About::Variable, &text);
+            self.remark(node, About::Variable, format!("`{name}` has no type and is left out"));
             return None;
         };
         let declared = element.attribute("declaredType").and_then(|name| types.get(name));
@@ -398,8 +398,7 @@ impl Reader {
                 }
                 None => "no valueReference".to_owned(),
             };
-            let text = format!("`{name}` has {wrong} and is left out");
-            self.remark(node, About::Variable, &text);
+            self.remark(node, About::Variable, format!("`{name}` has {wrong} and is left out"));
         }
         reference
     }
@@ -408,8 +407,7 @@ impl Reader {
     pub fn add(&mut self, node: Node<'_, '_>, variable: Variable, into: &mut Description) {
         if into.variables.contains_key(&variable.name) {
             let name = &variable.name;
-            let text = format!("a second variable `{name}`; the first one counts");
-            self.remark(node, About::Name, &text);
+            self.remark(node, About::Name, format!("a second variable `{name}`; the first one counts"));
             return;
         }
         into.variables.insert(variable.name.clone(), variable);

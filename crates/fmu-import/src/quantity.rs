@@ -30,8 +30,7 @@ impl std::str::FromStr for Quantity {
 
     fn from_str(text: &str) -> Result<Self, String> {
         let (number, unit) = split(text)?;
-        let unit = unit.map(str::to_owned);
-        Ok(Self { number, unit })
+        Ok(Self { number, unit: unit.map(str::to_owned) })
     }
 }
 

@@ -13,28 +13,28 @@ use crate::{
 
 /// The experiment that is announced to an FMU.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Experiment {
+pub struct Experiment {
     /// Start time, s.
-    pub(crate) start: f64,
+    pub start: f64,
     /// Stop time, s.
-    pub(crate) stop: f64,
+    pub stop: f64,
     /// Relative tolerance.
-    pub(crate) tolerance: Option<f64>,
+    pub tolerance: Option<f64>,
 }
 
 /// All that an FMU is told when a component of it is created.
 #[derive(Debug)]
 pub struct Birth {
     /// The GUID, or the instantiation token.
-    pub(crate) guid: String,
+    pub guid: String,
     /// The resources: a URI in FMI 2.0, a path in FMI 3.0.
-    pub(crate) resources: String,
+    pub resources: String,
     /// The log categories of errors and warnings, and that of the model's validity.
-    pub(crate) categories: Vec<String>,
+    pub categories: Vec<String>,
     /// The interface of the component.
-    pub(crate) interface: Interface,
+    pub interface: Interface,
     /// The file of the binary.
-    pub(crate) binary: PathBuf,
+    pub binary: PathBuf,
 }
 
 impl Birth {
@@ -61,20 +61,20 @@ impl Birth {
 }
 
 /// Steps that are taken one after another, and what is read after each.
-pub(crate) struct Batch<'a> {
+pub struct Batch<'a> {
     /// When the steps begin, s.
-    pub(crate) times: &'a [f64],
+    pub times: &'a [f64],
     /// How long they are, s; as many as times.
-    pub(crate) sizes: &'a [f64],
+    pub sizes: &'a [f64],
     /// The real variables.
-    pub(crate) references: &'a [u32],
+    pub references: &'a [u32],
     /// A row of their values a step.
-    pub(crate) rows: &'a mut [f64],
+    pub rows: &'a mut [f64],
 }
 
 impl Batch<'_> {
     /// The row of a step.
-    pub(crate) fn row(&mut self, step: usize) -> &mut [f64] {
+    pub fn row(&mut self, step: usize) -> &mut [f64] {
         let width = self.references.len();
         &mut self.rows[step * width..(step + 1) * width]
     }
@@ -87,7 +87,7 @@ pub type Within<'a> = &'a mut dyn FnMut(&mut dyn Simulation) -> Called;
 /// methods.
 ///
 /// A reference is that of a [`Handle`]: in FMI 2.0 the value reference, in FMI 3.0 the number of an element.
-pub(crate) trait Simulation: Debug + Send {
+pub trait Simulation: Debug + Send {
     /// Lets the FMU log its messages in these categories.
     fn hear(&mut self, categories: &[String]);
     /// Announces the experiment.

@@ -44,27 +44,27 @@ fn place_in_fmu(path: &Path) -> String {
 /// The pointer by which a binary knows an instance.
 #[repr(transparent)]
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Component(pub(crate) *mut c_void);
+pub struct Component(pub *mut c_void);
 
 // SAFETY: neither version of FMI ties a component to a thread; they only forbid concurrent calls, which `&mut` at every
 // call and the missing `Sync` rule out.
 unsafe impl Send for Component {}
 
 /// A function without arguments that returns a text, such as `fmi2GetVersion`.
-pub(crate) type Text = unsafe extern "C" fn() -> *const c_char;
+pub type Text = unsafe extern "C" fn() -> *const c_char;
 /// A function of nothing but the component.
-pub(crate) type Plain = unsafe extern "C" fn(Component) -> c_int;
+pub type Plain = unsafe extern "C" fn(Component) -> c_int;
 
 /// The functions of a binary by their names.
-pub(crate) struct Symbols<'a> {
-    pub(crate) library: &'a Loaded,
-    pub(crate) version: Version,
+pub struct Symbols<'a> {
+    pub library: &'a Loaded,
+    pub version: Version,
 }
 
 impl Symbols<'_> {
     /// Looks for a function that the binary may lack. The name is without its prefix, and `F` the function type that the
     /// standard gives to it.
-    pub(crate) fn find<F: Copy>(&self, name: &str) -> Function<F> {
+    pub fn find<F: Copy>(&self, name: &str) -> Function<F> {
         // Kept for ever, as the library is.
         let name = String::leak(format!("{}{name}", self.version.prefix()));
         // SAFETY: the caller names the type of the standard.
@@ -74,7 +74,7 @@ impl Symbols<'_> {
     }
 
     /// The same of a function without which the FMU cannot be used.
-    pub(crate) fn need<F: Copy>(&self, name: &str) -> Result<Function<F>, LibraryError> {
+    pub fn need<F: Copy>(&self, name: &str) -> Result<Function<F>, LibraryError> {
         let function = self.find(name);
         match function.code {
             Some(_) => Ok(function),
@@ -83,43 +83,43 @@ impl Symbols<'_> {
     }
 
     /// The same of a function that only some FMUs must have.
-    pub(crate) fn need_if<F: Copy>(&self, is_needed: bool, name: &str) -> Result<Function<F>, LibraryError> {
+    pub fn need_if<F: Copy>(&self, is_needed: bool, name: &str) -> Result<Function<F>, LibraryError> {
         if is_needed { self.need(name) } else { Ok(self.find(name)) }
     }
 
     /// Looks for the functions that read and write variables of a type.
-    pub(crate) fn access<G: Copy, S: Copy>(&self, kind: &str) -> Access<G, S> {
+    pub fn access<G: Copy, S: Copy>(&self, kind: &str) -> Access<G, S> {
         Access { get: self.find(&format!("Get{kind}")), set: self.find(&format!("Set{kind}")) }
     }
 
     /// The same where the FMU cannot be used without them.
-    pub(crate) fn needed_access<G: Copy, S: Copy>(&self, kind: &str) -> Result<Access<G, S>, LibraryError> {
+    pub fn needed_access<G: Copy, S: Copy>(&self, kind: &str) -> Result<Access<G, S>, LibraryError> {
         Ok(Access { get: self.need(&format!("Get{kind}"))?, set: self.need(&format!("Set{kind}"))? })
     }
 }
 
 /// The functions that read and write variables of one type.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Access<G, S> {
-    pub(crate) get: Function<G>,
-    pub(crate) set: Function<S>,
+pub struct Access<G, S> {
+    pub get: Function<G>,
+    pub set: Function<S>,
 }
 
 /// A function of a binary, which may lack it.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Function<F> {
-    pub(crate) name: &'static str,
+pub struct Function<F> {
+    pub name: &'static str,
     code: Option<F>,
 }
 
 impl<F: Copy> Function<F> {
-    pub(crate) fn is_there(&self) -> bool {
+    pub fn is_there(&self) -> bool {
         self.code.is_some()
     }
 
     /// The function, or why it cannot be called.
     #[inline]
-    pub(crate) fn get(self) -> Called<F> {
+    pub fn get(self) -> Called<F> {
         self.code.ok_or_else(|| Call::missing(self.name))
     }
 }

@@ -33,7 +33,7 @@ pub unsafe fn child(keeper: &mut Keeper, estate: &mut Estate<'_>, order: &Order)
 /// # Safety
 /// None is needed: it is there as on Unix.
 #[cfg(windows)]
-pub(crate) unsafe fn child(keeper: &mut Keeper, estate: &mut Estate<'_>, order: &Order) -> io::Result<Child> {
+pub unsafe fn child(keeper: &mut Keeper, estate: &mut Estate<'_>, order: &Order) -> io::Result<Child> {
     let mut command = std::process::Command::new(crate::system::program()?);
     command.arg(CHILD);
     let mut child = keeper.start(&mut command)?;
@@ -44,14 +44,14 @@ pub(crate) unsafe fn child(keeper: &mut Keeper, estate: &mut Estate<'_>, order: 
 
 /// The argument that makes this program a worker's child.
 #[cfg(windows)]
-pub(crate) const CHILD: &str = "fmu-points-child";
+pub const CHILD: &str = "fmu-points-child";
 
 /// Works for the worker that has started this process.
 ///
 /// # Errors
 /// When the worker cannot be understood or reached.
 #[cfg(windows)]
-pub(crate) fn serve() -> io::Result<()> {
+pub fn serve() -> io::Result<()> {
     use std::panic::{AssertUnwindSafe, catch_unwind};
 
     use fmu_import::isolation::Place;

@@ -23,16 +23,16 @@ const HOLD: Duration = Duration::from_millis(1);
 
 /// All that a worker gives its children.
 pub struct Estate<'a> {
-    pub(crate) setup: &'a mut Setup,
-    pub(crate) package: Option<&'a mut Package>,
+    pub setup: &'a mut Setup,
+    pub package: Option<&'a mut Package>,
     /// What runs points, where the worker has loaded the FMU for them: a fork has a copy of its own.
-    pub(crate) runner: &'a mut Option<Box<Runner>>,
+    pub runner: &'a mut Option<Box<Runner>>,
 }
 
 /// A worker's child.
 pub struct Child<'a> {
-    pub(crate) place: Place,
-    pub(crate) estate: Estate<'a>,
+    pub place: Place,
+    pub estate: Estate<'a>,
 }
 
 impl Child<'_> {

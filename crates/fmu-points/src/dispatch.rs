@@ -12,7 +12,7 @@ use crate::{
     failure::Failure,
     isolation::Isolation,
     notices::Notices,
-    points::{Event, Job, RunError, Simulated},
+    points::{Event, Job, Simulated},
     system,
     task::Case,
 };
@@ -30,11 +30,11 @@ pub fn beat(patience: Duration) -> Duration {
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Greeting {
     /// The version of its program.
-    pub(crate) version: String,
+    pub version: String,
     /// The SHA-256 digest of its program.
-    pub(crate) program: String,
+    pub program: String,
     /// The name of its machine.
-    pub(crate) host: String,
+    pub host: String,
 }
 
 impl Greeting {
@@ -55,38 +55,38 @@ impl Greeting {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Terms {
     /// The number that marks all further frames.
-    pub(crate) ticket: u64,
+    pub ticket: u64,
     /// How long the supervisor suffers silence; it may be silent itself for twice as long.
-    pub(crate) patience: Duration,
+    pub patience: Duration,
     /// The FMU's path.
-    pub(crate) fmu: PathBuf,
+    pub fmu: PathBuf,
     /// The FMU's digest.
-    pub(crate) digest: String,
+    pub digest: String,
     /// Whether the FMU is sent.
-    pub(crate) ship: bool,
+    pub ship: bool,
     /// The supervisor's working directory, and whether the FMU needs it.
-    pub(crate) folder: PathBuf,
-    pub(crate) here: bool,
+    pub folder: PathBuf,
+    pub here: bool,
     /// How long a point may take.
-    pub(crate) time: Duration,
+    pub time: Duration,
     /// How much memory; none for a fair share of the machine's.
-    pub(crate) memory: Option<u64>,
+    pub memory: Option<u64>,
     /// How many workers its machine has; where that is not known, it takes the machine's cores for it.
-    pub(crate) slots: Option<usize>,
+    pub slots: Option<usize>,
     /// Whether points run beside others.
-    pub(crate) company: bool,
+    pub company: bool,
     /// How the user wishes points to share processes.
-    pub(crate) isolation: Isolation,
+    pub isolation: Isolation,
 }
 
 /// The points that follow.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Series {
-    pub(crate) cases: Vec<Case>,
+    pub cases: Vec<Case>,
     /// Whether they run again, to be compared.
-    pub(crate) again: bool,
+    pub again: bool,
     /// Whether the cases name a file in the working directory.
-    pub(crate) here: bool,
+    pub here: bool,
 }
 
 /// A message to a worker.
@@ -109,8 +109,8 @@ pub enum Report {
     Wanted,
     /// It has the FMU.
     Ready,
-    /// It cannot work: why, and whether that will be so the next time.
-    Unable(String, bool),
+    /// It cannot work.
+    Unable(Fault),
     /// What happened.
     News(Vec<News>),
     /// All that was ordered is done: the first file that the FMU changed in its folder, and how long it took, s.
@@ -153,6 +153,18 @@ impl News {
 }
 
 /// Why a worker cannot go on, and whether another one there could not either.
-pub fn unable(error: &RunError) -> Report {
-    Report::Unable(error.to_string(), matches!(error, RunError::Unloadable(_)))
+#[derive(Debug, Serialize, Deserialize)]
+pub struct Fault {
+    pub how: String,
+    pub lasting: bool,
+}
+
+impl Fault {
+    pub fn lasting(how: impl ToString) -> Self {
+        Self { how: how.to_string(), lasting: true }
+    }
+
+    pub fn passing(how: impl ToString) -> Self {
+        Self { how: how.to_string(), lasting: false }
+    }
 }

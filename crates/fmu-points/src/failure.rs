@@ -83,11 +83,12 @@ impl Failure {
 
     /// The result of this number, where the run has that one although others are no finite numbers.
     pub fn value(&self, number: usize) -> Option<f64> {
-        match self {
-            Self::NotFinite(partial) => partial.values.get(number).copied().flatten(),
-            Self::InCase(of) => of.values.get(number).copied().flatten(),
-            _ => None,
-        }
+        let values = match self {
+            Self::NotFinite(partial) => &partial.values,
+            Self::InCase(of) => &of.values,
+            _ => return None,
+        };
+        values.get(number).copied().flatten()
     }
 
     /// The failure of the simulation, whatever its case.

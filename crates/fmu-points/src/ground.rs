@@ -18,11 +18,11 @@ use fmu_import::{FmuError, Package, isolation::watch::Watch};
 #[derive(Debug)]
 pub struct Ground {
     /// The folder that points share.
-    pub(crate) shared: PathBuf,
+    pub shared: PathBuf,
     /// The FMU's path as the user gave it.
-    pub(crate) name: PathBuf,
+    pub name: PathBuf,
     /// For further folders.
-    pub(crate) scratch: PathBuf,
+    pub scratch: PathBuf,
     state: Mutex<State>,
 }
 

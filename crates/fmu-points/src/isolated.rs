@@ -40,9 +40,9 @@ const PAUSES: [Duration; 3] = [Duration::from_millis(50), Duration::from_millis(
 /// What the workers of a run share.
 #[derive(Debug)]
 pub struct Common {
-    pub(crate) ground: Ground,
+    pub ground: Ground,
     /// Whether the user wants points to share processes.
-    pub(crate) shared: bool,
+    pub shared: bool,
     /// Whether points run beside others.
     company: bool,
     start: Mutex<Start>,
@@ -183,10 +183,8 @@ impl Isolated {
             }
             self.count += 1;
         }
-        let folder = match common.ground.changed() {
-            Some(_) => Some(common.ground.folder().map_err(|error| Gone::Start(error.to_string()))?),
-            None => None,
-        };
+        let folder = common.ground.changed().map(|_| common.ground.folder()).transpose();
+        let folder = folder.map_err(|error| Gone::Start(error.to_string()))?;
         if let Some(folder) = &folder {
             worker.end();
             worker.setup.fmu = folder.path().to_owned();
@@ -328,10 +326,11 @@ impl Isolated {
         let common = Arc::clone(&self.common);
         let mut failed = Vec::new();
         let floor = common.quiet.beside_others();
-        let ran = self.run_by(way, jobs, post, &mut |post, job, reply| match reply.answer {
-            Ok(simulated) => post.send(Event::Answer(job.index, Ok(simulated))),
+        let mut take = |post: &mut Post<'_>, job, reply: Reply| match reply.answer {
+            Ok(simulated) => post.send(Event::Answer(reply.index, Ok(simulated))),
             Err(_) => failed.push((job, reply)),
-        });
+        };
+        let ran = self.run_by(way, jobs, post, &mut take);
         drop(floor);
         let (lost, failure) = ran?;
         // One of them has ended the worker, and nobody knows which: each runs in a worker that has no other point.
@@ -344,10 +343,7 @@ impl Isolated {
                 self.once(way, job, post)?
             };
             drop(floor);
-            match reply.answer {
-                Ok(simulated) => post.send(Event::Answer(job.index, Ok(simulated))),
-                Err(_) => failed.push((job, reply)),
-            }
+            take(post, job, reply);
         }
         for (job, reply) in failed {
             let reply = self.insist(reply, way, job, post)?;

@@ -94,7 +94,7 @@ pub fn joined(cases: &[Part], mut outcomes: Vec<Outcome>) -> Outcome {
         .min_by_key(|&case| outcomes[case].as_ref().err().map(|trouble| trouble.from))
     else {
         let values = outcomes.into_iter().flatten().flat_map(|simulated| simulated.values);
-        return Ok(Simulated { values: values.collect(), notices: (!notices.is_empty()).then(|| Box::new(notices)) });
+        return Ok(Simulated::new(values.collect(), &notices));
     };
     let values: Vec<Option<f64>> =
         cases.iter().zip(&outcomes).flat_map(|(case, outcome)| known(outcome, case.results)).collect();

@@ -107,17 +107,17 @@ impl Launcher {
 
 /// Where one worker is started.
 #[derive(Clone, Debug)]
-pub(crate) struct Place {
+pub struct Place {
     words: Vec<String>,
     /// The host's name, where the user gave it.
-    pub(crate) name: Option<String>,
+    pub name: Option<String>,
     /// How many workers that host has.
-    pub(crate) slots: usize,
+    pub slots: usize,
 }
 
 impl Place {
     /// The command that starts `program` with this argument there.
-    pub(crate) fn command(&self, launcher: &Launcher, argument: &str) -> Command {
+    pub fn command(&self, launcher: &Launcher, argument: &str) -> Command {
         let mut command = Command::new(&self.words[0]);
         command.args(&self.words[1..]);
         command.arg(&launcher.program).arg(argument);
@@ -125,7 +125,7 @@ impl Place {
     }
 
     /// What a user calls it.
-    pub(crate) fn label(&self) -> String {
+    pub fn label(&self) -> String {
         match &self.name {
             Some(name) => name.clone(),
             None => format!("`{}`", self.words.join(" ")),

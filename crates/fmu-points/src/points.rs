@@ -71,8 +71,7 @@ pub struct Simulated {
 
 impl From<Vec<f64>> for Simulated {
     fn from(values: Vec<f64>) -> Self {
-        let notices = None;
-        Self { values, notices }
+        Self { values, notices: None }
     }
 }
 

@@ -40,7 +40,7 @@ const MARGIN: Duration = Duration::from_secs(20);
 
 /// Why a worker gives no further answers.
 #[derive(Debug)]
-pub(crate) enum Gone {
+pub enum Gone {
     /// It was lost; what becomes of the point that it was at.
     Lost(Failure),
     /// The run is to end.
@@ -55,7 +55,7 @@ pub(crate) enum Gone {
 
 impl Gone {
     /// What becomes of the only point of a worker, for which its end is the end of its time.
-    pub(crate) fn failure(self) -> Result<Failure, RunError> {
+    pub fn failure(self) -> Result<Failure, RunError> {
         match self {
             Self::Stopped => Ok(Failure::Timeout),
             Self::Lost(failure) => Ok(failure),
@@ -79,12 +79,12 @@ impl From<Gone> for RunError {
 /// A worker, started when it is needed and replaced when it is lost.
 #[derive(Debug)]
 pub struct Process {
-    pub(crate) setup: Setup,
+    pub setup: Setup,
     /// The folders that its points have for themselves, once it has any.
     room: Option<Arc<Room>>,
     /// Whether it is for many points: it gets a control group where there can be such, which takes the system longer than
     /// most points.
-    pub(crate) lasting: bool,
+    pub lasting: bool,
     running: Option<Running>,
 }
 
@@ -263,7 +263,7 @@ impl Running {
 
     /// How the worker ended, whose pipes are closed.
     fn ending(&mut self) -> Failure {
-        let status = self.wait_for_end(Duration::from_secs(1));
+        let status = wait_for_end(&mut self.child, Duration::from_secs(1));
         let reason = match status.map(system::loss) {
             Some(Loss::Signal(signal)) => signal_name(signal),
             // An emulator, for one, cannot start the program again: then no FMU has been loaded yet.
@@ -277,10 +277,6 @@ impl Running {
             _ => "its pipes are closed".to_owned(),
         };
         Failure::Crashed(format!("the FMU ended the process that watches it: {reason}"))
-    }
-
-    fn wait_for_end(&mut self, patience: Duration) -> Option<ExitStatus> {
-        wait_for_end(&mut self.child, patience)
     }
 }
 
@@ -302,7 +298,7 @@ impl Drop for Running {
     fn drop(&mut self) {
         // A worker ends its children and itself when nobody can send it orders any more.
         self.orders = None;
-        let sound = self.wait_for_end(Duration::from_millis(300)).is_some_and(|end| end.success());
+        let sound = wait_for_end(&mut self.child, Duration::from_millis(300)).is_some_and(|end| end.success());
         if !sound {
             system::kill_group(self.child.id());
             let _ = self.child.kill();

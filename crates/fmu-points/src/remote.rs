@@ -19,7 +19,7 @@ use std::{
 use fmu_import::{FmuError, Package};
 
 use crate::{
-    dispatch::{Greeting, Order, Report, Series, Terms},
+    dispatch::{Fault, Greeting, Order, Report, Series, Terms},
     failure::Failure,
     isolation::Isolation,
     launcher::{Launcher, Place},
@@ -86,23 +86,6 @@ struct Lane {
     next: Instant,
     /// Whether it is left out.
     out: bool,
-}
-
-/// Why a worker is lost, and whether that would be so again.
-struct Fault {
-    how: String,
-    lasting: bool,
-}
-
-impl Fault {
-    fn lasting(how: String) -> Self {
-        Self { how, lasting: true }
-    }
-
-    fn passing(how: String) -> Self {
-        let lasting = false;
-        Self { how, lasting }
-    }
 }
 
 /// How an order ended.
@@ -243,8 +226,8 @@ impl Team {
                     let part = self.part(&mut shipped).map_err(Fault::lasting)?;
                     link.order(&Order::Bytes(part));
                 }
-                Ok(Report::Unable(how, lasting)) => return Err(Fault { how, lasting }),
-                Ok(_) => return Err(Fault::passing("it answers what was not asked".to_owned())),
+                Ok(Report::Unable(fault)) => return Err(fault),
+                Ok(_) => return Err(Fault::passing("it answers what was not asked")),
                 Err(Cut::Stopped) => return Ok(None),
                 Err(Cut::Lost(how)) => return Err(Fault::passing(how)),
             }
@@ -355,9 +338,9 @@ impl Team {
                         left => End::Lost(Fault::lasting(format!("it left {left} points without an answer"))),
                     };
                 }
-                Ok(Report::Unable(how, lasting)) => break End::Lost(Fault { how, lasting }),
+                Ok(Report::Unable(fault)) => break End::Lost(fault),
                 Ok(_) => {
-                    break End::Lost(Fault::passing("it answers what was not asked".to_owned()));
+                    break End::Lost(Fault::passing("it answers what was not asked"));
                 }
                 Err(Cut::Stopped) => break End::Stopped,
                 Err(Cut::Lost(how)) => break End::Lost(Fault::passing(how)),

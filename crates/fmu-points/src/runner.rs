@@ -36,11 +36,11 @@ pub struct Runner {
     /// Whether a reused instance has been compared with a fresh one.
     trusted: bool,
     /// Whether the last point failed because the FMU refused an instance, such as for want of a licence.
-    pub(crate) refused: bool,
+    pub refused: bool,
     /// The instance of a simulation that failed, until another one is wanted.
     failed: Option<Held>,
     /// The FMU's remarks in the last simulation, beside its results.
-    pub(crate) notices: Notices,
+    pub notices: Notices,
     /// The version of FMI that the binary says where that is an unusual one, once it was asked.
     version: Option<Option<String>>,
 }
@@ -335,7 +335,7 @@ fn before_the_window(mut call: Call) -> Call {
 
 impl Probe {
     /// The variable's present value as a number.
-    pub(crate) fn read(&self, instance: &mut Instance) -> Called<f64> {
+    pub fn read(&self, instance: &mut Instance) -> Called<f64> {
         instance.value(self.handle).map(|value| value.number())
     }
 }

@@ -25,10 +25,10 @@ use fmu_import::{
 
 use crate::{
     crew::{Crew, Place},
-    dispatch::{Greeting, MAGIC, News, Order, Report, Series, Terms, beat, unable},
+    dispatch::{Fault, Greeting, MAGIC, News, Order, Report, Series, Terms, beat},
     launcher::Launcher,
     locked::locked,
-    points::{Job, Limits, Post, Worker},
+    points::{Job, Limits, Post, RunError, Worker},
     process, scratch, stop, system,
     wire::{bytes, read},
 };
@@ -93,8 +93,8 @@ pub fn serve() -> io::Result<()> {
     let station = Station::new(&terms, &output, &mut bytes);
     let station = match station {
         Ok(station) => station,
-        Err((how, lasting)) => {
-            locked(&output).say(&Report::Unable(how, lasting))?;
+        Err(fault) => {
+            locked(&output).say(&Report::Unable(fault))?;
             // It is told before this process ends.
             while next()?.is_some() {}
             return Ok(());
@@ -201,25 +201,17 @@ struct Station {
 /// Gives a part of the FMU.
 type Source<'a> = &'a mut dyn FnMut() -> io::Result<Vec<u8>>;
 
-/// Why there can be no worker here, and whether that would be so again.
-type Unable = (String, bool);
-
 impl Station {
-    fn new(terms: &Terms, output: &Arc<Mutex<Output>>, source: Source<'_>) -> Result<Self, Unable> {
-        let passing = |error: &dyn ToString| (error.to_string(), false);
-        let lasting = |error: &dyn ToString| (error.to_string(), true);
+    fn new(terms: &Terms, output: &Arc<Mutex<Output>>, source: Source<'_>) -> Result<Self, Fault> {
         let nowhere = std::env::set_current_dir(&terms.folder)
             .err()
             .map(|error| format!("the study names a file relative to {}: {error}", terms.folder.display()));
         if let (true, Some(nowhere)) = (terms.here, &nowhere) {
-            return Err((nowhere.clone(), true));
+            return Err(Fault::lasting(nowhere));
         }
-        let scratch = stop::scratch().map_err(|error| passing(&error))?;
-        let path = if terms.ship {
-            receive(scratch.path(), source).map_err(|error| passing(&error))?
-        } else {
-            terms.fmu.clone()
-        };
+        let scratch = stop::scratch().map_err(Fault::passing)?;
+        let path =
+            if terms.ship { receive(scratch.path(), source).map_err(Fault::passing)? } else { terms.fmu.clone() };
         let mut package = open(&path, terms)?;
         let place = Place::Processes(
             Limits {
@@ -232,8 +224,8 @@ impl Station {
             },
             terms.isolation,
         );
-        let crew = Crew::new(&mut package, place, scratch.path(), 1 + usize::from(terms.company))
-            .map_err(|error| lasting(&error))?;
+        let crew =
+            Crew::new(&mut package, place, scratch.path(), 1 + usize::from(terms.company)).map_err(Fault::lasting)?;
         Ok(Self { crew, worker: None, output: Arc::clone(output), nowhere, _package: package, _scratch: scratch })
     }
 
@@ -257,7 +249,7 @@ impl Station {
 
     fn begin(&mut self, series: &Series) -> io::Result<()> {
         if let (true, Some(nowhere)) = (series.here, &self.nowhere) {
-            return locked(&self.output).say(&Report::Unable(nowhere.clone(), true));
+            return locked(&self.output).say(&Report::Unable(Fault::lasting(nowhere)));
         }
         let again = if series.again { self.crew.again(&series.cases, None) } else { None };
         self.worker = Some(again.unwrap_or_else(|| self.crew.worker(&series.cases)));
@@ -267,7 +259,7 @@ impl Station {
     fn run(&mut self, jobs: &[Job]) -> io::Result<()> {
         let begun = Instant::now();
         let Some(worker) = &mut self.worker else {
-            return locked(&self.output).say(&Report::Unable("it knows no points".to_owned(), false));
+            return locked(&self.output).say(&Report::Unable(Fault::passing("it knows no points")));
         };
         let output = &self.output;
         let mut take = |event| {
@@ -283,7 +275,9 @@ impl Station {
         output.send()?;
         output.say(&match ran {
             Ok(()) => Report::Done(changed, begun.elapsed().as_secs_f64()),
-            Err(error) => unable(&error),
+            Err(error) => {
+                Report::Unable(Fault { how: error.to_string(), lasting: matches!(error, RunError::Unloadable(_)) })
+            }
         })
     }
 }
@@ -303,22 +297,19 @@ fn receive(folder: &Path, source: Source<'_>) -> io::Result<PathBuf> {
 }
 
 /// Opens the FMU, which must be the supervisor's.
-fn open(path: &Path, terms: &Terms) -> Result<Package, Unable> {
+fn open(path: &Path, terms: &Terms) -> Result<Package, Fault> {
     let package = Package::open(path).map_err(|error| {
         let hint = if terms.ship { "" } else { " (--ship sends it)" };
-        (format!("{error}{hint}"), true)
+        Fault::lasting(format!("{error}{hint}"))
     })?;
-    let digest = package.digest().map_err(|error| (error.to_string(), false))?;
+    let digest = package.digest().map_err(Fault::passing)?;
     if digest == terms.digest {
         Ok(package)
     } else {
-        Err((
-            format!(
-                "{} is another file there (SHA-256 {digest:.12}...) than here ({:.12}...)",
-                path.display(),
-                terms.digest
-            ),
-            true,
-        ))
+        Err(Fault::lasting(format!(
+            "{} is another file there (SHA-256 {digest:.12}...) than here ({:.12}...)",
+            path.display(),
+            terms.digest
+        )))
     }
 }

@@ -22,23 +22,23 @@ use fmu_import::{FmuError, Handle, Package, Value};
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Setup {
     /// The folder of the unpacked FMU.
-    pub(crate) fmu: PathBuf,
+    pub fmu: PathBuf,
     /// The FMU's path as the user gave it.
-    pub(crate) name: PathBuf,
+    pub name: PathBuf,
     /// Folders that are empty for each child: for temporary files, and as its working directory; the latter is none where
     /// that is the supervisor's own.
-    pub(crate) temporary: Option<PathBuf>,
-    pub(crate) place: Option<PathBuf>,
+    pub temporary: Option<PathBuf>,
+    pub place: Option<PathBuf>,
     /// The simulations of a point. Those of several cases are ordered one by one: see [`join`](crate::join).
-    pub(crate) cases: Vec<Case>,
+    pub cases: Vec<Case>,
     /// How long a point may take, and how much memory.
-    pub(crate) limits: Limits,
+    pub limits: Limits,
     /// The number that marks all further frames.
-    pub(crate) ticket: u64,
+    pub ticket: u64,
     /// The byte that fills memory which the FMU has not written; none for memory as it comes.
-    pub(crate) fill: Option<u8>,
+    pub fill: Option<u8>,
     /// Whether what the FMU prints is shown on standard error.
-    pub(crate) echo: bool,
+    pub echo: bool,
 }
 
 impl Setup {
@@ -90,11 +90,11 @@ pub enum Said {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reply {
     /// The index of the simulation.
-    pub(crate) index: u64,
+    pub index: u64,
     /// Its results in the FMU's units, or why there are none.
-    pub(crate) answer: Outcome,
+    pub answer: Outcome,
     /// Whether the process that has loaded the FMU may be forked, where that has been looked at.
-    pub(crate) forkable: Option<bool>,
+    pub forkable: Option<bool>,
 }
 
 impl Reply {
@@ -111,15 +111,15 @@ pub type Outcome = Result<Simulated, Trouble>;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Trouble {
     /// Where the failure comes from.
-    pub(crate) from: Origin,
+    pub from: Origin,
     /// The failure as the results show it.
     #[serde(with = "as_json")]
-    pub(crate) failure: Failure,
+    pub failure: Failure,
     /// The FMU's warnings before it failed.
     #[serde(with = "as_json")]
-    pub(crate) notices: Box<Notices>,
+    pub notices: Box<Notices>,
     /// Whether another try may go otherwise, where the FMU was not loaded.
-    pub(crate) passing: bool,
+    pub passing: bool,
 }
 
 /// Where a failure comes from. Of several, the first one decides: an FMU that cannot be loaded or gives no instance is no

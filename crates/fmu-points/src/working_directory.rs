@@ -70,7 +70,8 @@ fn from_here(name: &str, list: &OsStr) -> OsString {
     env::join_paths(env::split_paths(list).map(absolute)).unwrap_or_else(|_| list.to_owned())
 }
 
-#[cfg(all(test, unix))]
+#[cfg(test)]
+#[cfg(unix)]
 mod tests {
     use super::*;
 

@@ -74,7 +74,7 @@ fn report_rough() -> Result<(), Box<dyn Error>> {
             continue;
         };
         let slices = RoughSlices::new(&family.slice(width), width, roughness, 1.0)?;
-        let film = slices.look_up(eps, e, &touch, 1.0, load);
+        let film = slices.with_clearance(1.0).look_up(eps, e, &touch, load);
         let direct = exact_between(roughness, width, e, angle, CELLS)?;
         let of = [
             (film.mobility() - direct.mobility).norm() / direct.mobility.norm(),

@@ -41,7 +41,6 @@
 pub use nalgebra;
 
 pub mod contact;
-pub mod literature;
 pub mod mobility;
 pub mod profile;
 pub mod reynolds;

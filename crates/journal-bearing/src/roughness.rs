@@ -28,7 +28,7 @@ use crate::spline::{End, Spline};
 pub use flow::{pressure_flow_factor, shear_flow_factor};
 pub use reach::Reach;
 use stress::sliding_resistance;
-pub use stress::{pressure_stress_factor, shear_stress_factor, sliding_stress_factor};
+pub use stress::{shear_stress_factor, sliding_stress_factor};
 
 /// How the film sees rough surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]

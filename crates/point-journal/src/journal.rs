@@ -161,13 +161,9 @@ impl Journal {
     /// # Errors
     /// When the system says no.
     pub fn note(&mut self, note: &Note) -> Result {
-        self.append_note(note);
-        self.flush_when_full()
-    }
-
-    fn append_note(&mut self, note: &Note) {
         let text = serde_json::to_string(note).expect("a note is texts and numbers");
         self.append_line(&format!("note {text}"));
+        self.flush_when_full()
     }
 
     /// Notes a set of points by what tells it from others; `first` is the index of its first point.

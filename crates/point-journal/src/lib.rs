@@ -2,7 +2,7 @@
 
 mod error;
 pub mod files;
-pub mod finished;
+mod finished;
 mod header;
 pub mod journal;
 pub mod lines;

@@ -62,16 +62,16 @@ pub(crate) struct Lines {
 }
 
 impl Lines {
-    pub(crate) fn new(file: File) -> Self {
+    pub fn new(file: File) -> Self {
         Self { reader: BufReader::with_capacity(1 << 16, file), line: Vec::new(), place: 0 }
     }
 
     /// Position at which the next line begins.
-    pub(crate) fn place(&self) -> u64 {
+    pub fn place(&self) -> u64 {
         self.place
     }
 
-    pub(crate) fn seek(&mut self, place: u64) -> io::Result<()> {
+    pub fn seek(&mut self, place: u64) -> io::Result<()> {
         match i64::try_from(i128::from(place) - i128::from(self.place)) {
             // Stays in the buffer where that holds the place.
             Ok(distance) => self.reader.seek_relative(distance)?,
@@ -82,7 +82,7 @@ impl Lines {
     }
 
     /// The next line without its checksum.
-    pub(crate) fn next_line(&mut self) -> io::Result<Line<'_>> {
+    pub fn next_line(&mut self) -> io::Result<Line<'_>> {
         self.line.clear();
         let length = self.reader.read_until(b'\n', &mut self.line)? as u64;
         let Some(line) = self.line.strip_suffix(b"\n") else {

@@ -6,7 +6,7 @@ mod functions;
 pub mod method;
 pub mod morris;
 pub mod pairs;
-pub mod ratio;
+mod ratio;
 pub mod shapley;
 pub mod sobol;
 #[cfg(test)]

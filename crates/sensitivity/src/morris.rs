@@ -63,16 +63,12 @@ impl FromRuns for Morris {
     }
 
     fn shown(&self, told: &Told) -> Vec<Measure> {
-        let effects: Option<Vec<Effect>> = read(told, "morris");
-        effects
-            .map(|effects| {
-                let alone = |value| Estimate::around(value, f64::NAN);
-                vec![
-                    Measure::drawn("mu*", effects.iter().map(|e| e.mu_star).collect()),
-                    Measure::listed("sigma", effects.iter().map(|e| alone(e.sigma)).collect()),
-                ]
-            })
-            .unwrap_or_default()
+        let Some(effects) = read::<Vec<Effect>>(told, "morris") else { return Vec::new() };
+        let alone = |value| Estimate::around(value, f64::NAN);
+        vec![
+            Measure::drawn("mu*", effects.iter().map(|e| e.mu_star).collect()),
+            Measure::listed("sigma", effects.iter().map(|e| alone(e.sigma)).collect()),
+        ]
     }
 }
 

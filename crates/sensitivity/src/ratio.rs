@@ -76,7 +76,7 @@ pub fn variance(points: &[[f64; 2]]) -> Parts {
 }
 
 /// The mean of the values that are numbers.
-pub(crate) fn centre(points: &[[f64; 2]]) -> f64 {
+pub fn centre(points: &[[f64; 2]]) -> f64 {
     let known = points.iter().flatten().copied().filter(|v| v.is_finite());
     mean(&known.collect::<Vec<f64>>())
 }
@@ -184,7 +184,7 @@ fn half_width(over: &Parts, under: &Parts, least: f64) -> Option<f64> {
 }
 
 /// The standard error of an estimate from its values with each group left out.
-pub(crate) fn jackknife(without: &[f64]) -> f64 {
+pub fn jackknife(without: &[f64]) -> f64 {
     let (n, centre) = (without.len() as f64, mean(without));
     let squares: f64 = without.iter().map(|v| (v - centre).powi(2)).sum();
     ((n - 1.0) / n * squares).sqrt()
@@ -240,7 +240,7 @@ pub fn combined(first: &[f64], second: &[f64], under: &Parts) -> Combined {
 }
 
 /// Outputs in a unit in which their squares are numbers: no part of a variance depends on the unit.
-pub(crate) fn moderate(outputs: &[f64]) -> Vec<f64> {
+pub fn moderate(outputs: &[f64]) -> Vec<f64> {
     let unit = moderate_unit(outputs.iter().copied());
     outputs.iter().map(|value| value / unit).collect()
 }

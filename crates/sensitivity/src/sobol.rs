@@ -48,10 +48,8 @@ impl FromRuns for Sobol {
     }
 
     fn shown(&self, told: &Told) -> Vec<Measure> {
-        let indices: Option<Indices> = read(told, "sobol");
-        indices
-            .map(|indices| vec![Measure::drawn("total", indices.total), Measure::drawn("first order", indices.first)])
-            .unwrap_or_default()
+        let Some(indices) = read::<Indices>(told, "sobol") else { return Vec::new() };
+        vec![Measure::drawn("total", indices.total), Measure::drawn("first order", indices.first)]
     }
 }
 

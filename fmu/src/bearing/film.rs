@@ -62,27 +62,31 @@ macro_rules! films {
                 }
             }
 
-            /// Each film's code in its place, as the time integration asks for nothing else.
-            #[inline]
-            fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &mut Press) -> Drift {
-                match self {
-                    Self::None => Drift::default(),
-                    $(Self::$model(film) => film.drift(bearing, at, side_flow, press),)*
-                }
-            }
-
-            #[inline]
-            fn strain(&self, bearing: &Bearing, at: &Situation, press: &Press) -> Strain {
-                match self {
-                    Self::None => Strain::default(),
-                    $(Self::$model(film) => film.strain(bearing, at, press),)*
-                }
-            }
-
             fn film_mut(&mut self) -> Option<&mut dyn JournalFilm> {
                 match self {
                     Self::None => None,
                     $(Self::$model(film) => Some(film),)*
+                }
+            }
+        }
+
+        // Each film's code in its place, as the time integration asks for nothing else.
+        impl Film {
+            /// The velocities and flows that the time integration needs; the side flow where it is asked for.
+            #[inline]
+            pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &mut Press) -> Drift {
+                match &self.running {
+                    Running::None => Drift::default(),
+                    $(Running::$model(film) => film.drift(bearing, at, side_flow, press),)*
+                }
+            }
+
+            /// How film and asperities press at an instant, of which `press` is known from [`drift`](Self::drift).
+            #[inline]
+            pub fn strain(&self, bearing: &Bearing, at: &Situation, press: &Press) -> Strain {
+                match &self.running {
+                    Running::None => Strain::default(),
+                    $(Running::$model(film) => film.strain(bearing, at, press),)*
                 }
             }
         }
@@ -160,18 +164,6 @@ impl Film {
         film.map_or_else(Motion::default, |film| film.motion(bearing, at))
     }
 
-    /// How film and asperities press at an instant, of which `press` is known from [`drift`](Self::drift).
-    #[inline]
-    pub fn strain(&self, bearing: &Bearing, at: &Situation, press: &Press) -> Strain {
-        self.running.strain(bearing, at, press)
-    }
-
-    /// The velocities and flows that the time integration needs; the side flow where it is asked for.
-    #[inline]
-    pub fn drift(&self, bearing: &Bearing, at: &Situation, side_flow: bool, press: &mut Press) -> Drift {
-        self.running.drift(bearing, at, side_flow, press)
-    }
-
     /// [`drift`](Self::drift) at many instants of one clearance, m.
     pub fn drift_at<'a>(
         &'a self,
@@ -184,7 +176,7 @@ impl Film {
         };
         move |at, side_flow, press| match &mobility {
             Some(film) => film.drift(bearing, at, side_flow, press),
-            None => self.running.drift(bearing, at, side_flow, press),
+            None => self.drift(bearing, at, side_flow, press),
         }
     }
 

@@ -44,14 +44,14 @@ impl Orbit {
 #[derive(Clone, Copy, Debug)]
 pub struct Piece {
     /// How many nodes are below the gap.
-    pub(super) gap: usize,
+    pub gap: usize,
     /// How many nodes it passes through.
-    pub(super) count: usize,
+    pub count: usize,
     /// Places of these nodes, the ones next to the gap first.
-    pub(super) x: [f64; 4],
+    pub x: [f64; 4],
     /// The divided differences.
     coefficients: [SVector<f64, 5>; 4],
-    pub(super) nearest: Orbit,
+    pub nearest: Orbit,
     /// Weights of viscous and boundary friction in the heat of the nearest orbit.
     weights: [f64; 2],
 }

@@ -11,13 +11,13 @@ pub struct DormandPrince<const N: usize> {
     pub budget: Budget,
 }
 
-const A: [[f64; 6]; 6] = [
-    [1.0 / 5.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-    [3.0 / 40.0, 9.0 / 40.0, 0.0, 0.0, 0.0, 0.0],
-    [44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0, 0.0, 0.0, 0.0],
-    [19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0, 0.0, 0.0],
-    [9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0, 0.0],
-    [35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
+const A: [&[f64]; 6] = [
+    &[1.0 / 5.0],
+    &[3.0 / 40.0, 9.0 / 40.0],
+    &[44.0 / 45.0, -56.0 / 15.0, 32.0 / 9.0],
+    &[19372.0 / 6561.0, -25360.0 / 2187.0, 64448.0 / 6561.0, -212.0 / 729.0],
+    &[9017.0 / 3168.0, -355.0 / 33.0, 46732.0 / 5247.0, 49.0 / 176.0, -5103.0 / 18656.0],
+    &[35.0 / 384.0, 0.0, 500.0 / 1113.0, 125.0 / 192.0, -2187.0 / 6784.0, 11.0 / 84.0],
 ];
 const C: [f64; 6] = [0.2, 0.3, 0.8, 8.0 / 9.0, 1.0, 1.0];
 /// Fifth order minus fourth order weights.
@@ -116,7 +116,7 @@ impl<const N: usize> DormandPrince<N> {
         for (stage, (row, c)) in A.iter().zip(C).enumerate() {
             // No reference to this one leaves the loop, so that it may stay in registers.
             let mut at = *y;
-            for (a, slope) in row[..=stage].iter().zip(&*k) {
+            for (a, slope) in row.iter().zip(&*k) {
                 for (value, slope) in at.iter_mut().zip(slope) {
                     *value += h * a * slope;
                 }
@@ -144,7 +144,7 @@ pub struct Passage<const Q: usize> {
 impl<const Q: usize> Passage<Q> {
     /// A step of `h` seconds from the integrands at its stages.
     fn new(from: f64, to: f64, h: f64, stages: &[[f64; Q]; 7]) -> Self {
-        let means = weighted(&A[5], stages);
+        let means = weighted(A[5], stages);
         Self { from, to, integrals: means.map(|mean| h * mean), ends: [stages[0], stages[6]] }
     }
 

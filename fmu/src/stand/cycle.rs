@@ -38,11 +38,6 @@ impl Stand {
         self.turns_of_a_cycle() as f64 * self.turn()
     }
 
-    /// Whether a step leaps.
-    pub(super) fn can_leap(&self, span: f64) -> bool {
-        self.is_long(span) && self.hindrance().is_none()
-    }
-
     /// Whether a step should leap: it has enough cycles of constant inputs.
     pub(super) fn is_long(&self, span: f64) -> bool {
         let steady = (self.inputs.all().iter()).all(|input| input.slope == 0.0);

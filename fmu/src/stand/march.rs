@@ -231,7 +231,7 @@ impl Stand {
     /// takes tiny steps, some of them are one: each inner step may take as much work as a communication step. A leap passes over
     /// its turns, so that there is nothing to see within it.
     pub(super) fn inner_step(&self, span: f64) -> f64 {
-        if self.can_leap(span) {
+        if self.is_long(span) && self.hindrance().is_none() {
             span
         } else if self.film.is_transient() {
             span / self.film_steps(span, 1.0)

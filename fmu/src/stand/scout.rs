@@ -39,7 +39,7 @@ const SLOWEST: f64 = 0.97;
 
 /// Means over a turn of the film.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Turn {
+pub struct Turn {
     /// Its heat and flows.
     pub flows: Flows,
     /// The film's temperature, K.
@@ -48,7 +48,7 @@ pub(super) struct Turn {
 
 impl Turn {
     /// Adds a share of the turn.
-    pub(super) fn add(&mut self, flows: &Flows, film: f64, share: f64) {
+    pub fn add(&mut self, flows: &Flows, film: f64, share: f64) {
         self.flows = self.flows.plus(&flows.times(share));
         self.film += share * film;
     }

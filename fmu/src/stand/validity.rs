@@ -57,7 +57,7 @@ const WIDER: f64 = 1e-3;
 /// What the limits are about at one instant: that of the latest evaluation of the rates, which writes it in place. After a step that is
 /// taken it is its end.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Seen {
+pub struct Seen {
     /// Its time within the step, s.
     pub tau: Option<f64>,
     /// The film's situation.
@@ -70,7 +70,7 @@ pub(super) struct Seen {
 
 /// Limits that are passed: their bits, and for each of them when and how it was passed first.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Passing {
+pub struct Passing {
     bits: i32,
     said: Vec<(i32, f64, String)>,
 }

@@ -8,11 +8,6 @@ use fmu_export::{
 
 pub type V = Variable<Stand>;
 
-/// A real number; the table has its unit and range.
-pub fn real(access: Access<Stand, f64, f64>) -> Kind<Stand> {
-    Kind::Real(Quantity::of(access, &ONE))
-}
-
 /// A real number that the stand computes.
 pub fn computed(get: fn(&Stand) -> f64) -> Quantity<Stand> {
     Quantity::of(Access { get, set: None }, &ONE)
@@ -37,6 +32,11 @@ pub fn label(access: Access<Stand, str, String>) -> Kind<Stand> {
 /// Reads and writes a field of the stand.
 macro_rules! field {
     ($($path:tt)+) => { fmu_export::field!(Stand: $($path)+) };
+}
+
+/// A field that is a real number; the table has its unit and range.
+macro_rules! real {
+    ($($path:tt)+) => { Kind::Real(Quantity::of(field!($($path)+), &units::ONE)) };
 }
 
 /// Reads and writes a text of the stand.

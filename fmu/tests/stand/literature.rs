@@ -1,10 +1,13 @@
 //! The stand against published values.
 
+#[path = "../../../crates/journal-bearing/tests/literature/mod.rs"]
+mod published;
+
 use fmu_export::model::{Experiment, Model};
-use journal_bearing::literature::RAIMONDI_BOYD;
 use plain_bearing_stand::bearing::FilmModel;
 use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;
+use published::RAIMONDI_BOYD;
 use std::f64::consts::TAU;
 
 /// A journal at rest in a smooth, isothermal bearing of L/D = 1, under the load of a Sommerfeld number.

@@ -33,11 +33,6 @@ impl Part {
         })
     }
 
-    /// The logarithm of the density at a place, with all deviations `scale` times as large.
-    fn log_density(&self, place: &[f64], scale: f64) -> f64 {
-        self.log_between(&self.mean, place, scale)
-    }
-
     /// The logarithm of the density of a step, with all deviations `scale` times as large.
     fn log_between(&self, from: &[f64], to: &[f64], scale: f64) -> f64 {
         let squares = squared(&self.inverse, from, to) / (scale * scale);
@@ -71,7 +66,7 @@ fn squared(triangle: &[Vec<f64>], from: &[f64], to: &[f64]) -> f64 {
 
 /// A mixture of normal distributions.
 #[derive(Clone, Debug)]
-pub(super) struct Mixture {
+pub struct Mixture {
     parts: Vec<Part>,
 }
 
@@ -86,7 +81,7 @@ const OVERLAP: f64 = 1.5;
 
 impl Mixture {
     /// Normal distributions with weights, means and covariances; those that are no covariances are left out.
-    pub(super) fn new(parts: Vec<(f64, DVector<f64>, DMatrix<f64>)>) -> Option<Self> {
+    pub fn new(parts: Vec<(f64, DVector<f64>, DMatrix<f64>)>) -> Option<Self> {
         let mut parts: Vec<Part> = parts
             .into_iter()
             .filter_map(|(weight, mean, covariance)| Part::new(weight, &mean, covariance))
@@ -98,13 +93,13 @@ impl Mixture {
     }
 
     /// Whether weighted points are enough for one part at least.
-    pub(super) fn enough(points: &[&[f64]], weights: &[f64]) -> bool {
+    pub fn enough(points: &[&[f64]], weights: &[f64]) -> bool {
         points.first().is_some_and(|point| effective(weights) >= PARTICLES * (point.len() + 1) as f64)
     }
 
     /// A mixture that has the shape of weighted points: each part has mean and covariance of the points nearest to one
     /// of them.
-    pub(super) fn fitted(points: &[&[f64]], weights: &[f64], random: &mut Random) -> Option<Self> {
+    pub fn fitted(points: &[&[f64]], weights: &[f64], random: &mut Random) -> Option<Self> {
         let d = points.first()?.len();
         let effective = effective(weights);
         let count = (effective / (PARTICLES * (d + 1) as f64)).floor();
@@ -125,7 +120,7 @@ impl Mixture {
 
     /// The mixture that is fitted to points of equal weight, and in equal parts a normal distribution of all of them: the
     /// small parts alone leave out the tails.
-    pub(super) fn covering(points: &[&[f64]], random: &mut Random) -> Option<Self> {
+    pub fn covering(points: &[&[f64]], random: &mut Random) -> Option<Self> {
         let weights = vec![(points.len() as f64).recip(); points.len()];
         let mut mixture = Self::fitted(points, &weights, random)?;
         let all: Vec<usize> = (0..points.len()).collect();
@@ -139,11 +134,11 @@ impl Mixture {
 
     /// The logarithm of each part's share of the density, with all deviations `scale` times as large.
     fn logs(&self, place: &[f64], scale: f64) -> Vec<f64> {
-        self.parts.iter().map(|part| part.weight.ln() + part.log_density(place, scale)).collect()
+        self.parts.iter().map(|part| part.weight.ln() + part.log_between(&part.mean, place, scale)).collect()
     }
 
     /// The logarithm of the density, with all deviations `scale` times as large.
-    pub(super) fn log_density(&self, place: &[f64], scale: f64) -> f64 {
+    pub fn log_density(&self, place: &[f64], scale: f64) -> f64 {
         ln_sum(&self.logs(place, scale))
     }
 
@@ -158,20 +153,20 @@ impl Mixture {
     }
 
     /// A place from the mixture, with all deviations `scale` times as large; `level` from 0 to 1 chooses the part.
-    pub(super) fn draw(&self, level: f64, scale: f64, random: &mut Random) -> Vec<f64> {
+    pub fn draw(&self, level: f64, scale: f64, random: &mut Random) -> Vec<f64> {
         let part = &self.parts[chosen(self.parts.iter().map(|part| part.weight), level)];
         part.draw(&part.mean, scale, random)
     }
 
     /// A step from a place in the shape that the mixture has there.
-    pub(super) fn step(&self, place: &[f64], scale: f64, random: &mut Random) -> Vec<f64> {
+    pub fn step(&self, place: &[f64], scale: f64, random: &mut Random) -> Vec<f64> {
         let shares = self.shares(place);
         let part = chosen(shares.iter().map(|log| log.exp()), random.unit());
         self.parts[part].draw(place, scale, random)
     }
 
     /// The logarithm of the density of such a step.
-    pub(super) fn log_step(&self, from: &[f64], to: &[f64], scale: f64) -> f64 {
+    pub fn log_step(&self, from: &[f64], to: &[f64], scale: f64) -> f64 {
         let logs =
             self.parts.iter().zip(self.shares(from)).map(|(part, share)| share + part.log_between(from, to, scale));
         ln_sum(&logs.collect::<Vec<_>>())
@@ -184,7 +179,7 @@ fn effective(weights: &[f64]) -> f64 {
 }
 
 /// The index at which the weights' sum reaches a level from 0 to 1.
-pub(super) fn chosen(weights: impl Iterator<Item = f64>, level: f64) -> usize {
+pub fn chosen(weights: impl Iterator<Item = f64>, level: f64) -> usize {
     let mut sum = 0.0;
     let mut last = 0;
     for (index, weight) in weights.enumerate() {

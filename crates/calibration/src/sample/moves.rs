@@ -10,16 +10,16 @@ use sampling::random::Random;
 use super::{Particle, mixture::Mixture};
 
 /// Leaps go to places from a mixture that is so much wider than the sample.
-pub(super) const WIDER: f64 = 1.2;
+pub const WIDER: f64 = 1.2;
 
 /// The acceptance of walks that is aimed at (Roberts, Gelman & Gilks 1997, Annals of Applied Probability 7, 110-120).
 const WANTED: f64 = 0.27;
 
 /// Moves, adapted to what was accepted so far.
 #[derive(Clone)]
-pub(super) struct Mover {
+pub struct Mover {
     /// The shape of the sample, which the moves follow.
-    pub(super) mixture: Option<Mixture>,
+    pub mixture: Option<Mixture>,
     /// The step of a walk in units of what is best for a normal distribution.
     scale: f64,
     /// The part of the moves that are leaps.
@@ -28,20 +28,20 @@ pub(super) struct Mover {
 }
 
 /// A place to move to.
-pub(super) struct Proposal {
-    pub(super) places: Vec<f64>,
+pub struct Proposal {
+    pub places: Vec<f64>,
     leap: bool,
     /// The logarithm of the density of the way back over that of the way there.
     back: f64,
 }
 
 impl Mover {
-    pub(super) fn new(unknowns: usize) -> Self {
+    pub fn new(unknowns: usize) -> Self {
         Self { mixture: None, scale: 1.0, leaps: 0.5, unknowns }
     }
 
     /// A place to move to for each particle.
-    pub(super) fn propose(&self, particles: &[Particle], random: &mut Random) -> Vec<Proposal> {
+    pub fn propose(&self, particles: &[Particle], random: &mut Random) -> Vec<Proposal> {
         let proposals = particles.iter().map(|particle| match &self.mixture {
             Some(mixture) => self.proposal(mixture, &particle.places, random),
             // Nothing could be fitted: the particles stay.
@@ -64,7 +64,7 @@ impl Mover {
     }
 
     /// Moves the particles whose proposals are accepted, and tells which are; adapts the next moves.
-    pub(super) fn decide(
+    pub fn decide(
         &mut self,
         particles: &mut [Particle],
         there: &[Particle],

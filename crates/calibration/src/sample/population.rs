@@ -21,7 +21,7 @@ const FARTHEST: f64 = 6.0;
 const MOVES: usize = 8;
 
 /// A population in the coordinates of the sample.
-pub(super) struct Common {
+pub struct Common {
     members: Vec<usize>,
     /// The coordinate of the mean; that of the spread is the next one.
     at: usize,
@@ -33,7 +33,7 @@ pub(super) struct Common {
 
 impl Common {
     /// The mean has the prior of a single value. The spread has a half-normal prior with the standard deviation of that.
-    pub(super) fn new(problem: &Problem, population: &Population, at: usize) -> Self {
+    pub fn new(problem: &Problem, population: &Population, at: usize) -> Self {
         let prior = problem.free[population.members[0]].prior_place();
         let deviation = population.scale(problem);
         Self {
@@ -46,17 +46,17 @@ impl Common {
     }
 
     /// Whether a coordinate is that of a member.
-    pub(super) fn has(&self, coordinate: usize) -> bool {
+    pub fn has(&self, coordinate: usize) -> bool {
         self.members.contains(&coordinate)
     }
 
     /// The spread of the members' places.
-    pub(super) fn deviation(&self, coordinates: &[f64]) -> f64 {
+    pub fn deviation(&self, coordinates: &[f64]) -> f64 {
         self.largest * coordinates[self.at + 1]
     }
 
     /// Turns the members' coordinates into their places, and the spread's into the standard deviation of these.
-    pub(super) fn place(&self, coordinates: &mut [f64]) {
+    pub fn place(&self, coordinates: &mut [f64]) {
         let (mean, deviation) = (coordinates[self.at], self.deviation(coordinates));
         for &member in &self.members {
             let scores = (2.0 * coordinates[member] - 1.0) * FARTHEST;
@@ -93,7 +93,7 @@ impl Common {
     }
 
     /// The logarithm of the prior density of the coordinates of members, mean and spread.
-    pub(super) fn log_prior(&self, coordinates: &[f64]) -> f64 {
+    pub fn log_prior(&self, coordinates: &[f64]) -> f64 {
         let (mean, deviation) = (coordinates[self.at], self.deviation(coordinates));
         let volume = self.members.len() as f64 * (2.0 * FARTHEST * deviation).ln();
         let common = self.log_common(mean, coordinates[self.at + 1]);
@@ -105,7 +105,7 @@ impl Common {
     }
 
     /// Draws mean, spread and members from the prior.
-    pub(super) fn draw(&self, coordinates: &mut [f64], random: &mut Random) {
+    pub fn draw(&self, coordinates: &mut [f64], random: &mut Random) {
         coordinates[self.at] = self.mean.quantile(random.unit());
         coordinates[self.at + 1] = self.spread.quantile(random.unit());
         let (mean, deviation) = (coordinates[self.at], self.deviation(coordinates));
@@ -122,7 +122,7 @@ impl Common {
     }
 
     /// Moves mean and spread by Metropolis steps and leaves the members' places as they are.
-    pub(super) fn refresh(&self, coordinates: &mut [f64], random: &mut Random) {
+    pub fn refresh(&self, coordinates: &mut [f64], random: &mut Random) {
         let places = self.places(coordinates);
         let count = places.len() as f64;
         let middle = places.iter().sum::<f64>() / count;
@@ -156,7 +156,7 @@ impl Common {
 }
 
 /// The prior of a place, given its centre and deviation where there are any.
-pub(super) fn before(prior: Option<(f64, f64)>) -> Distribution {
+pub fn before(prior: Option<(f64, f64)>) -> Distribution {
     let [min, max] = [0.0, 1.0];
     match prior {
         None => Distribution::Uniform { min, max },

@@ -17,7 +17,7 @@ const WORTH: f64 = 0.05;
 
 /// The value below which a part of a sorted sample lies: a further value of the same kind lies below it with just this
 /// probability.
-pub(super) fn quantile(sorted: &[f64], part: f64) -> f64 {
+pub fn quantile(sorted: &[f64], part: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let place = (part * (sorted.len() + 1) as f64 - 1.0).clamp(0.0, last as f64);
     let below = place.floor() as usize;
@@ -26,7 +26,7 @@ pub(super) fn quantile(sorted: &[f64], part: f64) -> f64 {
 }
 
 /// The intervals that hold 95 % of a sorted sample between bounds: its [`interval`] without the gaps between modes.
-pub(super) fn regions(sorted: &[f64], bounds: [f64; 2]) -> Vec<[f64; 2]> {
+pub fn regions(sorted: &[f64], bounds: [f64; 2]) -> Vec<[f64; 2]> {
     let [low, high] = interval(bounds, |part| quantile(sorted, part));
     let mut values = sorted.to_vec();
     values.dedup();

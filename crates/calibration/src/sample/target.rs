@@ -13,10 +13,10 @@ use super::{
 };
 
 /// The posterior that is sampled.
-pub(super) struct Target<'a> {
-    pub(super) objective: &'a Objective<'a>,
+pub struct Target<'a> {
+    pub objective: &'a Objective<'a>,
     /// The prior of each coordinate: uniform from 0 to 1, or normal and cut there. Those of populations depend on each other.
-    pub(super) before: Vec<Distribution>,
+    pub before: Vec<Distribution>,
     /// Parameters that vary from case to case, each with the coordinates of its mean and spread behind all others.
     populations: Vec<Common>,
     /// What is beyond normal errors.
@@ -25,11 +25,11 @@ pub(super) struct Target<'a> {
 
 /// How probable the measured values are at a place.
 #[derive(Clone, Debug)]
-pub(super) struct Likelihood {
+pub struct Likelihood {
     /// The logarithm of their density.
-    pub(super) log: f64,
+    pub log: f64,
     /// Mean and standard deviation of each channel's shared error there.
-    pub(super) shared: Vec<[f64; 2]>,
+    pub shared: Vec<[f64; 2]>,
 }
 
 impl Likelihood {
@@ -40,7 +40,7 @@ impl Likelihood {
 }
 
 impl<'a> Target<'a> {
-    pub(super) fn new(objective: &'a Objective<'a>) -> Self {
+    pub fn new(objective: &'a Objective<'a>) -> Self {
         let problem = objective.problem;
         let free = problem.free.iter().map(|free| before(free.prior_place()));
         let populations = problem.populations.iter().enumerate();
@@ -63,7 +63,7 @@ impl<'a> Target<'a> {
     }
 
     /// Coordinates from the prior.
-    pub(super) fn draw(&self, random: &mut Random) -> Vec<f64> {
+    pub fn draw(&self, random: &mut Random) -> Vec<f64> {
         let mut coordinates = vec![0.0; self.before.len()];
         for (index, distribution) in self.alone() {
             coordinates[index] = distribution.quantile(random.unit());
@@ -75,7 +75,7 @@ impl<'a> Target<'a> {
     }
 
     /// The logarithm of the prior density: minus infinity outside of the bounds.
-    pub(super) fn log_prior(&self, coordinates: &[f64]) -> f64 {
+    pub fn log_prior(&self, coordinates: &[f64]) -> f64 {
         let alone: f64 = self.alone().map(|(index, distribution)| distribution.ln_density(coordinates[index])).sum();
         let common: f64 = self.populations.iter().map(|each| each.log_prior(coordinates)).sum();
         // Where the spread is not positive, one of the terms may be no number.
@@ -84,7 +84,7 @@ impl<'a> Target<'a> {
     }
 
     /// The places of the unknowns at given coordinates; of a population, its mean's place and its spread.
-    pub(super) fn places(&self, mut coordinates: Vec<f64>) -> Vec<f64> {
+    pub fn places(&self, mut coordinates: Vec<f64>) -> Vec<f64> {
         for population in &self.populations {
             population.place(&mut coordinates);
         }
@@ -92,7 +92,7 @@ impl<'a> Target<'a> {
     }
 
     /// Moves means and spreads, which the likelihood does not depend on; tells whether there are any.
-    pub(super) fn refresh(&self, coordinates: &mut [f64], random: &mut Random) -> bool {
+    pub fn refresh(&self, coordinates: &mut [f64], random: &mut Random) -> bool {
         for population in &self.populations {
             population.refresh(coordinates, random);
         }
@@ -103,7 +103,7 @@ impl<'a> Target<'a> {
     ///
     /// # Errors
     /// When there are no further predictions.
-    pub(super) fn likelihoods(&self, sets: &[Vec<f64>]) -> Result<Vec<Likelihood>, NoPrediction> {
+    pub fn likelihoods(&self, sets: &[Vec<f64>]) -> Result<Vec<Likelihood>, NoPrediction> {
         let inside: Vec<usize> = (0..sets.len()).filter(|&index| self.log_prior(&sets[index]).is_finite()).collect();
         let asked: Vec<Vec<f64>> = inside.iter().map(|&index| self.places(sets[index].clone())).collect();
         let misfits = self.objective.misfits(&asked)?;
@@ -117,13 +117,8 @@ impl<'a> Target<'a> {
     }
 
     /// The logarithm of prior and likelihood at a minimum.
-    pub(super) fn log_density(&self, minimum: &Minimum) -> f64 {
-        self.log_prior(&minimum.places) + self.log_likelihood(minimum)
-    }
-
-    /// The logarithm of the likelihood at a minimum.
-    pub(super) fn log_likelihood(&self, minimum: &Minimum) -> f64 {
-        self.likelihood(&minimum.misfit).log
+    pub fn log_density(&self, minimum: &Minimum) -> f64 {
+        self.log_prior(&minimum.places) + self.likelihood(&minimum.misfit).log
     }
 
     fn likelihood(&self, misfit: &Misfit) -> Likelihood {

@@ -16,11 +16,11 @@ const REST: f64 = 0.05;
 
 /// A place at which the model was run, and what it said of all cases.
 #[derive(Clone, Debug)]
-pub(super) struct Run {
+pub struct Run {
     /// The unknowns, as places between their bounds.
-    pub(super) places: Vec<f64>,
+    pub places: Vec<f64>,
     /// Predictions, case by case; or why a run failed.
-    pub(super) predicted: Result<Vec<Vec<f64>>, String>,
+    pub predicted: Result<Vec<Vec<f64>>, String>,
 }
 
 /// The ends of a box, an unknown each.
@@ -83,9 +83,9 @@ impl Components {
 
 /// The surrogate of a case.
 #[derive(Clone, Debug)]
-pub(super) struct OfCase {
+pub struct OfCase {
     components: Components,
-    pub(super) surrogate: Surrogate,
+    pub surrogate: Surrogate,
     /// Errors of the values over their accuracies when each run is left out, a row a run.
     errors: DMatrix<f64>,
 }
@@ -143,13 +143,13 @@ impl OfCase {
 
 /// Surrogates of all cases from the runs within a box.
 #[derive(Clone, Debug)]
-pub(super) struct Layer {
+pub struct Layer {
     /// The box.
-    pub(super) region: Bounds,
-    pub(super) cases: Vec<OfCase>,
+    pub region: Bounds,
+    pub cases: Vec<OfCase>,
     /// The largest eigenvalue of the errors' correlations: with this factor independent errors are nowhere smaller than those
     /// of the surrogates, which go together.
-    pub(super) together: f64,
+    pub together: f64,
 }
 
 impl Layer {
@@ -161,7 +161,7 @@ impl Layer {
     }
 
     /// Whether places lie in the box.
-    pub(super) fn holds(&self, places: &[f64]) -> bool {
+    pub fn holds(&self, places: &[f64]) -> bool {
         within(places, &self.region)
     }
 }

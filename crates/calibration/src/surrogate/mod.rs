@@ -168,13 +168,13 @@ pub fn replaced(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(String))
 #[derive(Clone, Debug)]
 pub(crate) struct Fresh {
     /// How many were compared.
-    pub(crate) compared: usize,
+    pub compared: usize,
     /// How many failed though they were expected to end.
-    pub(crate) failed: usize,
+    pub failed: usize,
     /// Errors over the deviations stated for them, root mean square.
-    pub(crate) missed: f64,
+    pub missed: f64,
     /// By how much the sums of squares of surrogates and model differ, in the middle.
-    pub(crate) apart: f64,
+    pub apart: f64,
 }
 
 impl Default for Fresh {

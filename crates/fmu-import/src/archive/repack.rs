@@ -8,7 +8,7 @@ use super::{Archive, ArchiveError};
 
 impl Archive {
     /// Writes a copy without the entries that `leave_out`, and with these files.
-    pub(crate) fn copy_with(
+    pub fn copy_with(
         &mut self,
         into: impl Write + Seek,
         leave_out: impl Fn(&str) -> bool,

@@ -275,10 +275,9 @@ impl Clocks {
         let clocked = self.all.iter().flat_map(|clock| &clock.clocked);
         for handle in clocked.filter(|handle| !self.inputs.contains_key(handle)) {
             let value = match model.value(*handle) {
-                Ok(value) => value,
                 // It has none before the first tick.
                 Err(call) if call.status == Status::Discard => blank(handle.content),
-                Err(call) => return Err(call),
+                told => told?,
             };
             self.values.insert(*handle, value);
         }

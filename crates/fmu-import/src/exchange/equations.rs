@@ -99,36 +99,36 @@ impl Functions {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Update {
     /// Another round is needed.
-    pub(super) again: bool,
+    pub again: bool,
     /// The FMU ends the simulation.
-    pub(super) ends: bool,
+    pub ends: bool,
     /// The nominal values have changed.
-    pub(super) nominals: bool,
+    pub nominals: bool,
     /// The states have changed.
-    pub(super) states: bool,
+    pub states: bool,
     /// The time of the next event that is known beforehand, s.
-    pub(super) next: Option<f64>,
+    pub next: Option<f64>,
 }
 
 /// The FMU as the integrator sees it.
 #[derive(Debug)]
 pub struct Plant {
     /// The component, by which variables are read and written.
-    pub(super) model: Box<dyn Simulation>,
-    pub(super) functions: Functions,
+    pub model: Box<dyn Simulation>,
+    pub functions: Functions,
     /// The declarations of the description.
-    pub(super) declared: ExchangeSizes,
-    pub(super) ramps: Vec<Ramp>,
+    pub declared: ExchangeSizes,
+    pub ramps: Vec<Ramp>,
 }
 
 /// An input that varies linearly.
 #[derive(Clone, Copy, Debug)]
 pub struct Ramp {
-    pub(super) reference: u32,
+    pub reference: u32,
     /// Its value at a time, s, and its rate.
-    pub(super) value: f64,
-    pub(super) from: f64,
-    pub(super) slope: f64,
+    pub value: f64,
+    pub from: f64,
+    pub slope: f64,
 }
 
 impl Plant {
@@ -225,9 +225,8 @@ impl Plant {
     /// The rates at a time and states; whether the FMU computes them there.
     pub fn rates_at(&mut self, time: f64, states: &[f64], into: &mut [f64]) -> Called<bool> {
         match self.place(time, states).and_then(|()| self.read(self.functions.get_derivatives, into)) {
-            Ok(()) => Ok(true),
             Err(call) if call.status == Status::Discard => Ok(false),
-            Err(call) => Err(call),
+            done => done.map(|()| true),
         }
     }
 

@@ -20,15 +20,15 @@ pub type Columns = Vec<Vec<(usize, f64)>>;
 /// Where it is computed: the rates at a time, s, and states, and what is small for each state.
 #[derive(Clone, Copy)]
 pub struct Place<'a> {
-    pub(super) time: f64,
-    pub(super) states: &'a [f64],
-    pub(super) rates: &'a [f64],
-    pub(super) sizes: &'a [f64],
+    pub time: f64,
+    pub states: &'a [f64],
+    pub rates: &'a [f64],
+    pub sizes: &'a [f64],
 }
 
 #[derive(Debug, Default)]
 pub struct Jacobian {
-    pub(super) columns: Columns,
+    pub columns: Columns,
     /// The states that are changed together.
     groups: Vec<Vec<usize>>,
     at: Vec<f64>,

@@ -38,14 +38,14 @@ pub enum Mode {
 /// A simulation of an FMU whose events are handled here.
 #[derive(Debug)]
 pub struct Exchange {
-    pub(super) plant: Plant,
+    pub plant: Plant,
     /// The inputs, and whether each may be set without an event.
-    pub(super) inputs: Arc<HashMap<Handle, bool>>,
+    pub inputs: Arc<HashMap<Handle, bool>>,
     /// The inputs that were set before the initialisation and may be set within it only.
-    pub(super) waiting: Vec<(u32, Value)>,
-    pub(super) clocks: Clocks,
-    pub(super) mode: Mode,
-    pub(super) march: March,
+    pub waiting: Vec<(u32, Value)>,
+    pub clocks: Clocks,
+    pub mode: Mode,
+    pub march: March,
 }
 
 impl Exchange {
@@ -74,7 +74,7 @@ pub struct March {
     /// An FMU refuses times after its stop.
     experiment: Experiment,
     method: Rosenbrock,
-    pub(super) time: f64,
+    pub time: f64,
     states: Vec<f64>,
     nominals: Vec<f64>,
     /// The event indicators at the present time.
@@ -370,8 +370,7 @@ impl Exchange {
 
     fn attempt(&mut self, h: f64, allowed: &[f64], end: &mut [f64]) -> Called<Option<f64>> {
         let Self { plant, march, .. } = self;
-        let mut rates = |t: f64, x: &[f64], into: &mut [f64]| plant.rates_at(t, x, into);
-        let method = &mut march.method;
-        method.attempt(&mut rates, march.time, &march.states, h, allowed, end)
+        let rates = &mut |t: f64, x: &[f64], into: &mut [f64]| plant.rates_at(t, x, into);
+        march.method.attempt(rates, march.time, &march.states, h, allowed, end)
     }
 }

@@ -19,10 +19,10 @@ use crate::{
     simulation::{Experiment, Simulation, Within},
     value::{Content, Handle, Value},
 };
-pub(crate) use clocks::Clocks;
-pub(crate) use equations::Functions;
+pub use clocks::Clocks;
+pub use equations::Functions;
 use equations::Ramp;
-pub(crate) use march::Exchange;
+pub use march::Exchange;
 use march::{March, Mode};
 
 /// Whether two times, s, differ by rounding only.

@@ -21,8 +21,8 @@ pub type Access<T> = symbols::Access<Get<T>, Set<T>>;
 /// The functions of FMI 2.0 that an importer calls.
 #[derive(Clone, Copy, Debug)]
 pub struct Functions {
-    pub(crate) get_types_platform: Function<Text>,
-    pub(super) instantiate: Function<
+    pub get_types_platform: Function<Text>,
+    pub instantiate: Function<
         unsafe extern "C" fn(
             *const c_char,
             c_int,
@@ -33,21 +33,20 @@ pub struct Functions {
             c_int,
         ) -> Component,
     >,
-    pub(super) set_debug_logging:
-        Function<unsafe extern "C" fn(Component, c_int, usize, *const *const c_char) -> c_int>,
-    pub(super) setup_experiment: Function<unsafe extern "C" fn(Component, c_int, f64, f64, c_int, f64) -> c_int>,
-    pub(super) enter_initialization_mode: Function<Plain>,
-    pub(super) real: Access<f64>,
-    pub(super) integer: Access<c_int>,
-    pub(super) boolean: Access<c_int>,
+    pub set_debug_logging: Function<unsafe extern "C" fn(Component, c_int, usize, *const *const c_char) -> c_int>,
+    pub setup_experiment: Function<unsafe extern "C" fn(Component, c_int, f64, f64, c_int, f64) -> c_int>,
+    pub enter_initialization_mode: Function<Plain>,
+    pub real: Access<f64>,
+    pub integer: Access<c_int>,
+    pub boolean: Access<c_int>,
     /// Some FMUs without texts leave them out.
-    pub(super) string: Access<*const c_char>,
+    pub string: Access<*const c_char>,
     /// To set the rates of inputs, where the FMU interpolates them.
-    pub(super) set_slopes: Function<SetSlopes>,
-    pub(super) do_step: Function<unsafe extern "C" fn(Component, f64, f64, c_int) -> c_int>,
-    pub(super) get_status: Function<GetStatus<c_int>>,
-    pub(super) get_real_status: Function<GetStatus<f64>>,
-    pub(super) get_boolean_status: Function<GetStatus<c_int>>,
+    pub set_slopes: Function<SetSlopes>,
+    pub do_step: Function<unsafe extern "C" fn(Component, f64, f64, c_int) -> c_int>,
+    pub get_status: Function<GetStatus<c_int>>,
+    pub get_real_status: Function<GetStatus<f64>>,
+    pub get_boolean_status: Function<GetStatus<c_int>>,
 }
 
 impl Functions {

@@ -4,5 +4,5 @@ mod functions;
 mod simulation;
 mod steps;
 
-pub(crate) use functions::Functions;
-pub(crate) use simulation::Model;
+pub use functions::Functions;
+pub use simulation::Model;

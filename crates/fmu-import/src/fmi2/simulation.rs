@@ -19,8 +19,8 @@ use crate::{
 /// A component for Co-Simulation; the equations of one for Model Exchange stand on it.
 #[derive(Debug)]
 pub struct Model {
-    pub(super) base: Base,
-    pub(super) functions: Arc<Functions>,
+    pub base: Base,
+    pub functions: Arc<Functions>,
 }
 
 impl Model {

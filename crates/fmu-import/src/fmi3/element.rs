@@ -12,13 +12,13 @@ use crate::{
 #[derive(Clone, Debug)]
 pub struct Element {
     /// The value reference of the variable.
-    pub(super) reference: u32,
-    pub(super) storage: Storage,
+    pub reference: u32,
+    pub storage: Storage,
     /// Its index in the array.
-    pub(super) index: usize,
+    pub index: usize,
     /// How many elements the array has.
-    pub(super) of: usize,
-    pub(super) start: Option<Value>,
+    pub of: usize,
+    pub start: Option<Value>,
 }
 
 impl Element {

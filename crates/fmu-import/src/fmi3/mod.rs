@@ -5,6 +5,6 @@ mod functions;
 mod simulation;
 mod values;
 
-pub(crate) use element::Element;
-pub(crate) use functions::Functions;
-pub(crate) use simulation::Model;
+pub use element::Element;
+pub use functions::Functions;
+pub use simulation::Model;

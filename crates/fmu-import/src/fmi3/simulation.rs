@@ -27,17 +27,17 @@ type Written = HashMap<u32, Vec<Value>>;
 /// A component for Co-Simulation; the equations of one for Model Exchange stand on it.
 #[derive(Debug)]
 pub struct Model {
-    pub(super) base: Base,
-    pub(super) functions: Arc<Functions>,
-    pub(super) elements: Arc<[Element]>,
+    pub base: Base,
+    pub functions: Arc<Functions>,
+    pub elements: Arc<[Element]>,
     /// The values of the arrays that were written before the initialisation, by their references; none after it.
-    pub(super) written: Option<Written>,
+    pub written: Option<Written>,
     experiment: Experiment,
     /// Numbers of plain elements that were read together last, and their value references.
     together: Vec<u32>,
     references: Vec<u32>,
     /// The array that the last call read, with the number of that call, and the reference of its variable.
-    pub(super) array: Option<(u64, u32, Vec<Value>)>,
+    pub array: Option<(u64, u32, Vec<Value>)>,
 }
 
 impl Model {

@@ -42,13 +42,10 @@ pub fn write(mut to: impl Write, ticket: u64, payload: &[u8]) -> io::Result<()> 
     // One write for head and payload: nothing that an FMU's thread writes meanwhile comes between them. No pipe takes
     // more than `TOGETHER` in one go, so a longer payload, such as a measured curve, is not copied for it.
     let (first, rest) = payload.split_at(payload.len().min(TOGETHER));
-    let mut bytes = Vec::with_capacity(HEAD + first.len());
-    bytes.extend_from_slice(&MARK);
-    bytes.extend_from_slice(&ticket.to_le_bytes());
     // `LONGEST` fits.
-    bytes.extend_from_slice(&(payload.len() as u32).to_le_bytes());
-    bytes.extend_from_slice(&checksum(ticket, payload).to_le_bytes());
-    bytes.extend_from_slice(first);
+    let length = (payload.len() as u32).to_le_bytes();
+    let checksum = checksum(ticket, payload).to_le_bytes();
+    let bytes = [&MARK[..], &ticket.to_le_bytes(), &length, &checksum, first].concat();
     to.write_all(&bytes)?;
     to.write_all(rest)?;
     to.flush()

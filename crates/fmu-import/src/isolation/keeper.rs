@@ -112,15 +112,15 @@ const PAUSE: Timespec = Timespec { tv_sec: 0, tv_nsec: 1_000_000 };
 
 /// The process of a child, by its number.
 #[derive(Debug)]
-pub(super) struct Process(pub(super) u32);
+pub(super) struct Process(pub u32);
 
 impl Process {
-    pub(super) fn resident(&self) -> u64 {
+    pub fn resident(&self) -> u64 {
         offspring::resident(self.0)
     }
 
     /// Looks at the child without reaping it, so that its number stays its own.
-    pub(super) fn state(&self) -> State {
+    pub fn state(&self) -> State {
         let options = WaitIdOptions::EXITED | WaitIdOptions::STOPPED | WaitIdOptions::NOHANG | WaitIdOptions::NOWAIT;
         let status = match waitid(WaitId::Pid(self.pid()), options) {
             Ok(Some(status)) => status,
@@ -140,7 +140,7 @@ impl Process {
     }
 
     /// Waits a short time for the child's end. Where the system does not tell of it, the time is shorter.
-    pub(super) fn await_end(&self) {
+    pub fn await_end(&self) {
         #[cfg(target_os = "linux")]
         if let Ok(process) = rustix::process::pidfd_open(self.pid(), rustix::process::PidfdFlags::empty()) {
             let _ = poll(&mut [PollFd::new(&process, PollFlags::IN)], Some(&PAUSE));
@@ -150,7 +150,7 @@ impl Process {
     }
 
     /// Ends the child with its group at once, and reaps it. The loss that its status tells.
-    pub(super) fn finish(&mut self) -> Option<Loss> {
+    pub fn finish(&mut self) -> Option<Loss> {
         kill_group(self.0);
         // SIGKILL ends the child, so the wait is short.
         let ended = waitpid(Some(self.pid()), WaitOptions::empty());

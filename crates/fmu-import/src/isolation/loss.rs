@@ -26,7 +26,7 @@ pub enum Loss {
 }
 
 /// The state of a child.
-pub(super) enum State {
+pub enum State {
     Running,
     #[cfg_attr(windows, allow(dead_code))]
     Stopped,

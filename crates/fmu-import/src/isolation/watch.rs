@@ -11,6 +11,8 @@ use std::{
     path::{Path, PathBuf},
 };
 
+use crate::archive::entries_in;
+
 /// The files and folders below a folder, each with its size and times.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Snapshot(BTreeMap<PathBuf, State>);
@@ -40,8 +42,7 @@ impl Snapshot {
         while let Some(path) = open.pop() {
             let Ok(entry) = fs::symlink_metadata(&path) else { continue };
             if entry.is_dir() {
-                let entries = fs::read_dir(&path).into_iter().flatten().flatten();
-                open.extend(entries.map(|entry| entry.path()));
+                open.extend(entries_in(&path).map(|entry| entry.path()));
             }
             // The size of a folder says nothing more.
             let size = if entry.is_dir() { 0 } else { entry.len() };

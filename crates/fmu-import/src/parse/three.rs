@@ -130,12 +130,15 @@ impl Reader {
         let count = written.count();
         // Other sizes leave the start values to the FMU.
         if !matches!(starts.len(), 0 | 1) && starts.len() != count && into.sizes.is_empty() {
-            let text = format!(
-                "`{}` has {} start values for {count} elements; they are not read",
-                variable.name,
-                starts.len()
+            self.remark(
+                node,
+                About::Value,
+                format!(
+                    "`{}` has {} start values for {count} elements; they are not read",
+                    variable.name,
+                    starts.len()
+                ),
             );
-            self.remark(node, About::Value, &text);
         }
         let elements: Vec<Variable> = (0..count)
             .map(|index| {
@@ -217,8 +220,11 @@ impl Reader {
             Kind::Clock(_) => {}
         }
         if kind.start_value().is_none() {
-            let text = format!("start=\"{text}\" cannot be read as a value of the variable's type");
-            self.remark(node, About::Value, &text);
+            self.remark(
+                node,
+                About::Value,
+                format!("start=\"{text}\" cannot be read as a value of the variable's type"),
+            );
         }
     }
 }

@@ -11,9 +11,9 @@ use fmu_import::{Called, Instance};
 #[derive(Debug)]
 pub struct Gauge {
     /// The numbers of its probes.
-    pub(super) probes: Range<usize>,
+    pub probes: Range<usize>,
     window: [f64; 2],
-    pub(super) collector: Collector,
+    pub collector: Collector,
     /// When it looked first and last, s.
     seen: Option<[f64; 2]>,
 }

@@ -18,18 +18,18 @@ use sampling::{
 #[derive(Debug)]
 pub struct Scene {
     /// The number of the case.
-    pub(super) number: usize,
-    pub(super) task: Task,
+    pub number: usize,
+    pub task: Task,
     /// The times between communication points to which the FMU takes a step, since a recorded input turns there.
-    pub(super) stops: Vec<f64>,
+    pub stops: Vec<f64>,
     /// The real variables that are read at every communication point.
-    pub(super) watched: Watched,
+    pub watched: Watched,
     /// The other probes that are read there: all of them where one has a window, or looks at another variable, too.
-    pub(super) gauges: Vec<Gauge>,
-    pub(super) has_windows: bool,
+    pub gauges: Vec<Gauge>,
+    pub has_windows: bool,
     /// The rows of each input as they were recorded, and how its sensor read in this point.
     recorded: Vec<(Vec<f64>, Reading)>,
-    pub(super) results: Vec<f64>,
+    pub results: Vec<f64>,
 }
 
 /// How a sensor reads: a multiple of the true value, and a shift.

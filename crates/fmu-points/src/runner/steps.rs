@@ -80,8 +80,8 @@ impl Scene {
 /// Even steps that are handed over together.
 #[derive(Debug, Default)]
 pub struct Together {
-    pub(super) begins: [f64; Self::MOST],
-    pub(super) sizes: [f64; Self::MOST],
+    pub begins: [f64; Self::MOST],
+    pub sizes: [f64; Self::MOST],
 }
 
 impl Together {

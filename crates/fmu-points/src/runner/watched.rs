@@ -9,16 +9,16 @@ use fmu_import::{Called, Instance};
 /// Real variables that are read in one call.
 #[derive(Debug)]
 pub struct Watched {
-    pub(super) references: Vec<u32>,
+    pub references: Vec<u32>,
     /// The values of some steps, those of a step side by side.
-    pub(super) values: Vec<f64>,
+    pub values: Vec<f64>,
     /// Those steps.
-    pub(super) steps: Together,
+    pub steps: Together,
     /// How many of them there may be.
-    pub(super) most: usize,
-    pub(super) collectors: Vec<Collector>,
+    pub most: usize,
+    pub collectors: Vec<Collector>,
     /// The numbers of each collector's probes.
-    pub(super) probes: Vec<Range<usize>>,
+    pub probes: Vec<Range<usize>>,
 }
 
 impl Watched {
@@ -67,15 +67,14 @@ impl Watched {
 fn take_columns(collectors: &mut [Collector], begins: &[f64], sizes: &[f64], values: &[f64]) {
     let count = collectors.len();
     for (number, collector) in collectors.iter_mut().enumerate() {
+        let column = || sizes.iter().copied().zip(values[number..].iter().step_by(count).copied());
         match collector {
-            Collector::Statistic(accumulator) => {
-                accumulator.add_all(sizes.iter().copied().zip(values[number..].iter().step_by(count).copied()));
-            }
+            Collector::Statistic(accumulator) => accumulator.add_all(column()),
             Collector::Event(accumulator, first) => {
                 if let ([begin, ..], [size, ..]) = (begins, sizes) {
                     first.get_or_insert(begin + size);
                 }
-                accumulator.add_all(sizes.iter().copied().zip(values[number..].iter().step_by(count).copied()));
+                accumulator.add_all(column());
             }
             // They need another variable, which a gauge reads, too.
             Collector::Turns(_) => {}

@@ -6,9 +6,12 @@ mod unix;
 mod windows;
 
 #[cfg(unix)]
-pub use unix::*;
+use unix as own;
 #[cfg(windows)]
-pub use windows::*;
+use windows as own;
+
+pub(crate) use own::*;
+pub use own::{held, memory_of_machine};
 
 /// Four fifths of the machine's memory, shared by so many workers, bytes.
 pub fn share_of_memory(workers: usize) -> u64 {

@@ -25,21 +25,19 @@ use rustix::{
     stdio::dup2_stdin,
 };
 
-pub(crate) use fmu_import::isolation::offspring::{
-    adopt_orphans, end_all, end_marked, is_stopped, kill_group as kill_worker,
-};
+pub use fmu_import::isolation::offspring::{adopt_orphans, end_all, end_marked, is_stopped, kill_group as kill_worker};
 
 /// Whether a worker needs a control group to be ended with all that it has started; else a group only makes that surer.
-pub(crate) const GROUPS_ARE_NEEDED: bool = false;
+pub const GROUPS_ARE_NEEDED: bool = false;
 
 /// Lets a command, which is this program, run in a process group of its own, out of reach of Ctrl-C.
-pub(crate) fn detach(command: &mut Command) -> &mut Command {
+pub fn detach(command: &mut Command) -> &mut Command {
     let name = std::env::args_os().next().unwrap_or_default();
     command.arg0(name).process_group(0)
 }
 
 /// Lets a command run in a session of its own: out of reach of Ctrl-C, and without a terminal where it could ask for a password.
-pub(crate) fn set_apart(command: &mut Command) -> &mut Command {
+pub fn set_apart(command: &mut Command) -> &mut Command {
     // SAFETY: a system call, which is all that happens between fork and exec.
     unsafe {
         command.pre_exec(|| rustix::process::setsid().map(|_| ()).map_err(Into::into));
@@ -48,39 +46,39 @@ pub(crate) fn set_apart(command: &mut Command) -> &mut Command {
 }
 
 /// This program, even when its file has been replaced since.
-pub(crate) fn program() -> io::Result<PathBuf> {
+pub fn program() -> io::Result<PathBuf> {
     let program = Path::new("/proc/self/exe");
     if program.exists() { Ok(program.to_owned()) } else { std::env::current_exe() }
 }
 
 /// Where a worker's replies come from.
-pub(crate) type Source = File;
+pub type Source = File;
 
 /// The same, from its standard output.
-pub(crate) fn source(pipe: ChildStdout) -> Source {
+pub fn source(pipe: ChildStdout) -> Source {
     File::from(OwnedFd::from(pipe))
 }
 
 /// Waits until there is something to read, or the end of it; `false` when the time is over.
-pub(crate) fn is_ready(replies: &mut Inbox<Source>, time: Duration) -> bool {
+pub fn is_ready(replies: &mut Inbox<Source>, time: Duration) -> bool {
     let mut replies = [PollFd::new(replies.source(), PollFlags::IN)];
     let time = Timespec::try_from(time).ok();
     poll(&mut replies, time.as_ref()).is_ok_and(|ready| ready > 0)
 }
 
 /// How a process ended.
-pub(crate) fn loss(status: ExitStatus) -> Loss {
+pub fn loss(status: ExitStatus) -> Loss {
     status.signal().map_or_else(|| Loss::Exit(status.code().unwrap_or(-1)), Loss::Signal)
 }
 
 /// Ends the group of a process at once. The process itself may have ended, and its number may be another's.
-pub(crate) fn kill_group(leader: u32) {
+pub fn kill_group(leader: u32) {
     // Where that fails, there is none left to end.
     let _ = Pid::from_raw(leader as i32).map(|leader| kill_process_group(leader, Signal::KILL));
 }
 
 /// Asks the group of a process to end, also where it is stopped: a scheduler's command takes its job back.
-pub(crate) fn ask_to_end(leader: u32) {
+pub fn ask_to_end(leader: u32) {
     if let Some(leader) = Pid::from_raw(leader as i32) {
         for signal in [Signal::TERM, Signal::CONT] {
             // Where that fails, there is none left to end.
@@ -90,23 +88,23 @@ pub(crate) fn ask_to_end(leader: u32) {
 }
 
 /// The user's number.
-pub(crate) fn user() -> u32 {
+pub fn user() -> u32 {
     geteuid().as_raw()
 }
 
 /// Makes a folder into which nobody else can look.
-pub(crate) fn make_private(folder: &Path) -> io::Result<()> {
+pub fn make_private(folder: &Path) -> io::Result<()> {
     fs::DirBuilder::new().mode(0o700).create(folder)
 }
 
 /// Whether a path is that of an open file.
-pub(crate) fn is_that_file(file: &File, path: &Path) -> bool {
+pub fn is_that_file(file: &File, path: &Path) -> bool {
     let place = |of: fs::Metadata| (of.dev(), of.ino());
     file.metadata().ok().zip(fs::metadata(path).ok()).is_some_and(|(open, named)| place(open) == place(named))
 }
 
 /// Sets a handler of signals, and leaves a hangup ignored where it was before, as by `nohup`.
-pub(crate) fn without_hangup(set: impl FnOnce()) {
+pub fn without_hangup(set: impl FnOnce()) {
     // SAFETY: zeroes are a valid value of this plain struct, which the call fills.
     let ignored = unsafe {
         let mut now: libc::sigaction = std::mem::zeroed();
@@ -180,17 +178,17 @@ fn option(descriptor: i32, which: i32) -> Option<i32> {
 }
 
 /// Ends this process at once: the destructors of an FMU in it have no say any more.
-pub(crate) fn leave(code: i32) -> ! {
+pub fn leave(code: i32) -> ! {
     // SAFETY: never returns, runs no code of this process.
     unsafe { libc::_exit(code) }
 }
 
 /// Whether a process may be forked; the rest is for the FMU to spoil.
-pub(crate) const FORKS: bool = true;
+pub const FORKS: bool = true;
 
 /// A worker's standard streams, taken for the supervisor alone.
 #[derive(Debug)]
-pub(crate) struct Streams {
+pub struct Streams {
     superior: OwnedFd,
     error: OwnedFd,
 }
@@ -198,7 +196,7 @@ pub(crate) struct Streams {
 impl Streams {
     /// Takes them: where orders come from, where replies go, and the rest. Reading gives the FMU nothing; what it prints
     /// the keeper hears.
-    pub(crate) fn take() -> io::Result<(File, File, Self)> {
+    pub fn take() -> io::Result<(File, File, Self)> {
         let input = io::stdin().as_fd().try_clone_to_owned()?;
         let output = io::stdout().as_fd().try_clone_to_owned()?;
         let error = io::stderr().as_fd().try_clone_to_owned()?;
@@ -209,7 +207,7 @@ impl Streams {
     }
 
     /// The keeper of the worker's children; with `echo`, what they print is shown on standard error.
-    pub(crate) fn keeper(self, echo: bool, seed: u64) -> io::Result<Keeper> {
+    pub fn keeper(self, echo: bool, seed: u64) -> io::Result<Keeper> {
         let echo = echo.then(|| File::from(self.error));
         Ok(Keeper::new(self.superior, Words::overhear(echo)?, seed))
     }

@@ -12,26 +12,26 @@ use std::{
 use fmu_import::isolation::{Keeper, Loss, frame::Inbox, pipe::Arrivals, process};
 
 pub use fmu_import::isolation::process::memory_of_machine;
-pub(crate) use fmu_import::isolation::process::{detach, detach as set_apart};
+pub use fmu_import::isolation::process::{detach, detach as set_apart};
 
 /// Whether a worker needs a control group to be ended with all that it has started.
-pub(crate) const GROUPS_ARE_NEEDED: bool = true;
+pub const GROUPS_ARE_NEEDED: bool = true;
 
 /// A process that ends leaves its children to nobody.
-pub(crate) fn adopt_orphans() {}
+pub fn adopt_orphans() {}
 
 /// This program. Its file cannot be replaced while it runs.
-pub(crate) fn program() -> io::Result<PathBuf> {
+pub fn program() -> io::Result<PathBuf> {
     std::env::current_exe()
 }
 
 /// Makes a folder: the user's own folder for temporary files is nobody else's.
-pub(crate) fn make_private(folder: &Path) -> io::Result<()> {
+pub fn make_private(folder: &Path) -> io::Result<()> {
     std::fs::create_dir(folder)
 }
 
 /// Whether a path is that of an open file: an open file keeps its folder.
-pub(crate) fn is_that_file(_: &File, _: &Path) -> bool {
+pub fn is_that_file(_: &File, _: &Path) -> bool {
     true
 }
 
@@ -41,20 +41,20 @@ pub fn held() -> Option<String> {
 }
 
 /// Where a worker's replies come from.
-pub(crate) type Source = Arrivals;
+pub type Source = Arrivals;
 
 /// The same, from its standard output.
-pub(crate) fn source(pipe: ChildStdout) -> Source {
+pub fn source(pipe: ChildStdout) -> Source {
     Arrivals::of(pipe)
 }
 
 /// Waits until there is something to read, or the end of it; `false` when the time is over.
-pub(crate) fn is_ready(replies: &mut Inbox<Source>, time: Duration) -> bool {
+pub fn is_ready(replies: &mut Inbox<Source>, time: Duration) -> bool {
     replies.source_mut().wait(time)
 }
 
 /// How a process ended.
-pub(crate) fn loss(status: ExitStatus) -> Loss {
+pub fn loss(status: ExitStatus) -> Loss {
     match process::loss(status) {
         Loss::Mute => Loss::Exit(status.code().unwrap_or(-1)),
         loss => loss,
@@ -62,59 +62,59 @@ pub(crate) fn loss(status: ExitStatus) -> Loss {
 }
 
 /// Whether a process has been stopped: Windows does not tell, so its deadline ends it.
-pub(crate) fn is_stopped(_: u32) -> bool {
+pub fn is_stopped(_: u32) -> bool {
     false
 }
 
 /// Jobs end processes here.
-pub(crate) fn kill_group(_: u32) {}
+pub fn kill_group(_: u32) {}
 
 /// There is no such request here.
-pub(crate) fn ask_to_end(_: u32) {}
+pub fn ask_to_end(_: u32) {}
 
 /// Users have folders for temporary files of their own here.
-pub(crate) fn user() -> u32 {
+pub fn user() -> u32 {
     0
 }
 
 /// Sets a handler of signals.
-pub(crate) fn without_hangup(set: impl FnOnce()) {
+pub fn without_hangup(set: impl FnOnce()) {
     set();
 }
 
 /// Jobs end workers here.
-pub(crate) fn kill_worker(_: u32) {}
+pub fn kill_worker(_: u32) {}
 
 /// Jobs end processes here, so none outlives its worker. Whether there were any.
-pub(crate) fn end_marked(_: &str, _: impl Fn(u32) -> bool) -> bool {
+pub fn end_marked(_: &str, _: impl Fn(u32) -> bool) -> bool {
     false
 }
 
 /// The keeper's children end with their jobs.
-pub(crate) fn end_all() {}
+pub fn end_all() {}
 
 /// Ends this process at once: the destructors of an FMU in it have no say any more.
-pub(crate) fn leave(code: i32) -> ! {
+pub fn leave(code: i32) -> ! {
     process::end(code)
 }
 
 /// There are no forks.
-pub(crate) const FORKS: bool = false;
+pub const FORKS: bool = false;
 
 /// A worker's standard streams. The FMU runs in other processes, which have streams of their own.
 #[derive(Debug)]
-pub(crate) struct Streams;
+pub struct Streams;
 
 impl Streams {
     /// Where orders come from, where replies go, and the rest.
-    pub(crate) fn take() -> io::Result<(File, File, Self)> {
+    pub fn take() -> io::Result<(File, File, Self)> {
         let input = io::stdin().as_handle().try_clone_to_owned()?;
         let output = io::stdout().as_handle().try_clone_to_owned()?;
         Ok((input.into(), output.into(), Self))
     }
 
     /// The keeper of the worker's children; with `echo`, what they print is shown on standard error.
-    pub(crate) fn keeper(self, echo: bool, seed: u64) -> io::Result<Keeper> {
+    pub fn keeper(self, echo: bool, seed: u64) -> io::Result<Keeper> {
         let error = echo.then(|| io::stderr().as_handle().try_clone_to_owned());
         let error: Option<OwnedHandle> = error.transpose()?;
         Ok(Keeper::new(error.map(File::from), seed))

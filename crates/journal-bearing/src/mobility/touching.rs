@@ -30,7 +30,7 @@ use crate::{contact::Touch, roughness::NO_CONTACT};
 /// let touch = ContactTable::new(&surface, c, width, diameter).touch(eps.x).unwrap();
 /// assert!(touch.contact.force > 1000.0); // N
 /// // The film still lets the journal move.
-/// assert!(rough.look_up(eps, eps.x, &touch, c, load).mobility().x > 0.0);
+/// assert!(rough.with_clearance(c).look_up(eps, eps.x, &touch, load).mobility().x > 0.0);
 /// # Ok::<(), journal_bearing::mobility::MapError>(())
 /// ```
 #[derive(Clone, Debug)]
@@ -92,12 +92,6 @@ impl RoughSlices {
             others: (first..last).map(|_| OnceLock::new()).collect(),
             first,
         })
-    }
-
-    /// [`RoughAt::look_up`] at a radial clearance, m.
-    #[inline]
-    pub fn look_up(&self, eps: Vector2<f64>, e: f64, touch: &Touch, clearance: f64, direction: Vector2<f64>) -> LookUp {
-        self.with_clearance(clearance).look_up(eps, e, touch, direction)
     }
 
     /// The film at one radial clearance, m, for many look-ups.
@@ -178,8 +172,9 @@ mod tests {
                     let touch = table.touch(e).unwrap();
                     for angle in [0.03_f64, 0.4, 1.3, 2.9] {
                         let load = Vector2::new(angle.cos(), angle.sin());
-                        let [film, expected] = [&slices, &own]
-                            .map(|slices| slices.look_up(Vector2::new(e, 0.0), e, &touch, clearance, load));
+                        let [film, expected] = [&slices, &own].map(|slices| {
+                            slices.with_clearance(clearance).look_up(Vector2::new(e, 0.0), e, &touch, load)
+                        });
                         let size = expected.mobility().norm();
                         let apart = (film.mobility() - expected.mobility()).norm() / size;
                         let pressure = film.max_pressure() / expected.max_pressure() - 1.0;
@@ -218,7 +213,8 @@ mod tests {
         let touch = ContactTable::new(&surface, 1.07, 0.76, 1.0);
         let touch = touch.touch(0.8).unwrap();
         let at = |slices: &RoughSlices, clearance: f64| {
-            let film = slices.look_up(Vector2::new(0.8, 0.0), 0.8, &touch, clearance, Vector2::x());
+            let slices = slices.with_clearance(clearance);
+            let film = slices.look_up(Vector2::new(0.8, 0.0), 0.8, &touch, Vector2::x());
             film.mobility()
         };
         let used = fresh();

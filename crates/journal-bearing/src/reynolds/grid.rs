@@ -1,5 +1,6 @@
 //! The cells on which a film is solved: the angle `theta` around the bush, and `zeta` over half the width.
 
+use nalgebra::Vector2;
 use std::f64::consts::PI;
 
 /// A tensor grid of finite-volume cells. `theta` runs once around the bush. `zeta = 2 z / B` runs from the mid-plane (0) to
@@ -97,6 +98,12 @@ impl Grid {
     /// The angular width of column `i`, rad.
     pub fn theta_width(&self, i: usize) -> f64 {
         self.theta[i + 1] - self.theta[i]
+    }
+
+    /// The integral over column `i` of the direction from the bush's axis to the film.
+    pub(crate) fn normal(&self, i: usize) -> Vector2<f64> {
+        let (a, b) = (self.theta[i], self.theta[i + 1]);
+        Vector2::new(b.sin() - a.sin(), a.cos() - b.cos())
     }
 
     /// The edge before row `j` (`0..=rows`).

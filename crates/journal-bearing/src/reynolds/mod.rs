@@ -33,8 +33,7 @@ mod settings;
 mod transient;
 
 pub use crate::roughness::{
-    RoughFilm, mean_gap, pressure_flow_factor, pressure_stress_factor, shear_flow_factor, shear_stress_factor,
-    sliding_stress_factor,
+    RoughFilm, mean_gap, pressure_flow_factor, shear_flow_factor, shear_stress_factor, sliding_stress_factor,
 };
 pub use coefficients::Coefficients;
 pub use error::FilmError;

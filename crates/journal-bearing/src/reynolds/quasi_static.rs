@@ -130,12 +130,7 @@ impl QuasiStatic {
     /// roughness over the radial clearance.
     pub fn between(roughness: f64, grid: Grid, width_to_diameter: f64, boundary: Boundary) -> Self {
         let (columns, rows) = (grid.columns(), grid.rows());
-        let normal: Vec<_> = (0..columns)
-            .map(|i| {
-                let (a, b) = (grid.theta_edge(i), grid.theta_edge(i + 1));
-                Vector2::new(b.sin() - a.sin(), a.cos() - b.cos())
-            })
-            .collect();
+        let normal: Vec<_> = (0..columns).map(|i| grid.normal(i)).collect();
         let inverse_distance =
             (1..rows).map(|j| 1.0 / grid.zeta_distance(j)).chain([1.0 / grid.end_distance()]).collect();
         let stride = rows.next_multiple_of(LANES);

@@ -57,12 +57,6 @@ pub fn shear_stress_factor(ratio: f64) -> f64 {
     }
 }
 
-/// The factor `phi_fp` of isotropic surfaces at a film ratio `H`, 1: `1 - 1.40 exp(-0.66 H)` (Patir & Cheng 1979, table of
-/// coefficients, for `H > 0.75`). It is the share of shear in the force of a pressure gradient on a surface.
-pub fn pressure_stress_factor(ratio: f64) -> f64 {
-    1.0 - 1.40 * (-0.66 * ratio).exp()
-}
-
 /// Resistance to the sliding of rough surfaces, `(phi_f + phi_fs) / H`.
 pub fn sliding_resistance(ratio: f64) -> f64 {
     let flanks = if ratio > 0.0 { shear_stress_factor(ratio) / ratio } else { 0.0 };
@@ -73,6 +67,12 @@ pub fn sliding_resistance(ratio: f64) -> f64 {
 mod tests {
     use super::super::{mean_gap, shear_flow_factor};
     use super::*;
+
+    /// The factor `phi_fp` of isotropic surfaces at a film ratio `H`, 1: `1 - 1.40 exp(-0.66 H)` (Patir & Cheng 1979, table of
+    /// coefficients, for `H > 0.75`). It is the share of shear in the force of a pressure gradient on a surface.
+    fn pressure_stress_factor(ratio: f64) -> f64 {
+        1.0 - 1.40 * (-0.66 * ratio).exp()
+    }
 
     /// The mean of `1/h` over the published distribution and cut-off, by the midpoint rule over `ln h`.
     fn mean_thinness(ratio: f64) -> f64 {

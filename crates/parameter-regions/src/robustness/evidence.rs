@@ -43,8 +43,7 @@ impl Evidence<'_> {
         let sampled = self.unseen.points.iter().zip(self.unseen.verdicts);
         let sampled = sampled.filter(|(x, _)| contains(x)).map(|(_, p)| *p);
         let sampled: Vec<f64> = sampled.collect();
-        let inside = (0..self.points.len()).filter(|&i| contains(&self.points[i]));
-        let inside: Vec<usize> = inside.collect();
+        let inside: Vec<usize> = (0..self.points.len()).filter(|&i| contains(&self.points[i])).collect();
         let errors: Vec<f64> = inside.iter().map(|&i| self.error(i)).collect();
         let n = errors.len() as f64;
         let mut statement = Statement {

@@ -31,8 +31,7 @@ pub struct Map {
 /// All pairs.
 pub fn maps(table: &PointTable, stand: &Stand, inputs: &[Vec<f64>]) -> Vec<Map> {
     let d = table.parameters.len();
-    let columns = table.parameters.iter().map(|p| sorted(p.values.clone()));
-    let columns: Vec<Vec<f64>> = columns.collect();
+    let columns: Vec<Vec<f64>> = table.parameters.iter().map(|p| sorted(p.values.clone())).collect();
     let medians: Vec<f64> = columns.iter().map(|c| quantile(c, 0.5)).collect();
     let range = |k: usize| [0.01, 0.99].map(|part| quantile(&columns[k], part));
     let every = inputs.len().div_ceil(OTHERS).max(1);

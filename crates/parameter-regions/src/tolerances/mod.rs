@@ -89,8 +89,7 @@ impl Problem {
             if self.settled(sample, &scales) {
                 break;
             }
-            let near = scales.iter().map(|s| (WIDER * s).min(self.limit));
-            let near: Vec<f64> = near.collect();
+            let near: Vec<f64> = scales.iter().map(|s| (WIDER * s).min(self.limit)).collect();
             let points = self.draw(&near, self.seed.wrapping_add(round));
             let goods = run(points.clone())?;
             sample.extend(&near, points, goods);
@@ -176,8 +175,7 @@ impl Problem {
     /// Points with all tolerances at their centres: one, or some over the rows of the samples.
     pub fn centres(&self) -> Vec<Vec<f64>> {
         const ROWS: u64 = 128;
-        let centre = self.distributions.iter().map(Distribution::centre);
-        let centre: Vec<f64> = centre.collect();
+        let centre: Vec<f64> = self.distributions.iter().map(Distribution::centre).collect();
         if self.samples.is_empty() {
             return vec![centre];
         }

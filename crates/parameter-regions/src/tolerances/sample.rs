@@ -19,7 +19,7 @@ pub struct Sample {
 }
 
 /// A share at some tolerances.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimate {
     /// The share.
     pub share: f64,
@@ -91,7 +91,7 @@ impl Sample {
             pairs.map(|(point, ln_mixture)| (ln_density(&scaled, point) - ln_mixture).exp()).collect();
         let sum: f64 = weights.iter().sum();
         if sum.is_nan() || sum <= 0.0 {
-            return Estimate { share: 0.0, effective: 0.0, trials: 0.0 };
+            return Estimate::default();
         }
         let goods = || weights.iter().zip(&self.goods);
         let share = goods().map(|(w, good)| w * good).sum::<f64>() / sum;

@@ -38,7 +38,7 @@ pub struct Tolerances {
     /// Points that the weights rest on.
     pub points: u64,
     /// How many runs the surrogate was fitted to that told what came of these points, where there was one.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub surrogate: Option<usize>,
     /// Rounds in which further points were run.
     pub rounds: u64,

@@ -2,7 +2,10 @@
 //! base for every input. Every digit is permuted at random (Owen 2017, "A randomized Halton algorithm in R"):
 //! plain sequences are all but useless in large bases, permuted ones are uniformly distributed.
 
-use super::rule::{Inputs, Numbers, Registered, Rule};
+use super::{
+    rule::{Inputs, Registered, Rule},
+    sampling::Sampling,
+};
 use crate::{
     distribution::BELOW_ONE,
     random::{self, Purpose},
@@ -29,8 +32,8 @@ struct Radix {
 impl Registered for Sequence {
     const EXTENSIBLE: bool = true;
 
-    fn new(numbers: &Numbers, inputs: &Inputs) -> Result<Self, String> {
-        Self::of(numbers.seed, inputs.dimensions())
+    fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String> {
+        Self::of(sampling.seed, inputs.dimensions())
     }
 }
 

@@ -4,7 +4,10 @@
 //! The slice of point `i` comes from a permutation that is computed for one index at a time
 //! (a Feistel network with cycle walking: Black, Rogaway 2002), so that no table of N is kept.
 
-use super::rule::{Inputs, Numbers, Registered, Rule};
+use super::{
+    rule::{Inputs, Registered, Rule},
+    sampling::Sampling,
+};
 use crate::{
     distribution::BELOW_ONE,
     random::{self, Purpose, mix},
@@ -15,7 +18,7 @@ use crate::{
 pub struct Hypercube {
     seed: u64,
     points: u64,
-    /// Half the bits of the network's numbers.
+    /// Half the bits of the network's sampling.
     half: u32,
 }
 
@@ -25,8 +28,8 @@ impl Registered for Hypercube {
     // upper half of either of two inputs, and not of both, the exact intervals of 6 and 12 points hold in 90 and 92 %, of 64 and more in 93.7 %.
     const INDEPENDENT_FROM: u64 = 64;
 
-    fn new(numbers: &Numbers, _: &Inputs) -> Result<Self, String> {
-        Ok(Self::of(numbers.seed, numbers.points))
+    fn new(sampling: &Sampling, _: &Inputs) -> Result<Self, String> {
+        Ok(Self::of(sampling.seed, sampling.points))
     }
 }
 

@@ -40,9 +40,9 @@ macro_rules! methods {
             }
 
             /// The rule for the points of a study.
-            fn rule(self, numbers: &rule::Numbers, inputs: &Inputs) -> Result<Arc<dyn Rule>, String> {
+            fn rule(self, sampling: &Sampling, inputs: &Inputs) -> Result<Arc<dyn Rule>, String> {
                 Ok(match self {
-                    $(Self::$method => Arc::new(<$rule as rule::Registered>::new(numbers, inputs)?),)*
+                    $(Self::$method => Arc::new(<$rule as rule::Registered>::new(sampling, inputs)?),)*
                 })
             }
         }

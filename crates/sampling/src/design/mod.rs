@@ -64,7 +64,7 @@ impl Design {
             let with = Method::named(Method::has_replicates);
             return Err(format!("replicates need method = {with}; remove them"));
         }
-        let rule = sampling.method.rule(&sampling.numbers(), &inputs)?;
+        let rule = sampling.method.rule(sampling, &inputs)?;
         let Inputs { distributions: inputs, correlation, joints } = inputs;
         Ok(Self { points: sampling.points, rule, inputs, correlation, joints })
     }

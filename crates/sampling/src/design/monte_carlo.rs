@@ -1,6 +1,9 @@
 //! Independent random points.
 
-use super::rule::{Inputs, Numbers, Registered, Rule};
+use super::{
+    rule::{Inputs, Registered, Rule},
+    sampling::Sampling,
+};
 use crate::random::{Purpose, uniform};
 
 /// Independent points.
@@ -13,9 +16,8 @@ impl Registered for Independent {
     const EXTENSIBLE: bool = true;
     const INDEPENDENT_FROM: u64 = 0;
 
-    fn new(numbers: &Numbers, _: &Inputs) -> Result<Self, String> {
-        let seed = numbers.seed;
-        Ok(Self { seed })
+    fn new(sampling: &Sampling, _: &Inputs) -> Result<Self, String> {
+        Ok(Self { seed: sampling.seed })
     }
 }
 

@@ -2,24 +2,13 @@
 
 use std::fmt::Debug;
 
-use super::{correlation::Correlation, joint::Joint};
+use super::{correlation::Correlation, joint::Joint, sampling::Sampling};
 use crate::distribution::Distribution;
 
 /// A rule that gives every point a place in the unit cube.
 pub trait Rule: Debug + Send + Sync {
     /// The coordinate of a point in (0, 1).
     fn uniform(&self, index: u64, dimension: u32) -> f64;
-}
-
-/// The numbers that a design is made from.
-#[derive(Clone, Copy, Debug)]
-pub struct Numbers {
-    /// Number of points.
-    pub points: u64,
-    /// Seed of the random numbers.
-    pub seed: u64,
-    /// Independent randomisations to which the points belong in turn.
-    pub replicates: u64,
 }
 
 /// A rule as it is registered.
@@ -37,7 +26,7 @@ pub trait Registered: Rule + Sized + 'static {
     ///
     /// # Errors
     /// When it cannot serve this number of inputs or points.
-    fn new(numbers: &Numbers, inputs: &Inputs) -> Result<Self, String>;
+    fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String>;
 }
 
 /// The inputs of a design: distributions, correlations.

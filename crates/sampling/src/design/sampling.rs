@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::{Method, rule::Numbers};
+use super::Method;
 
 /// Which points are simulated: the section `[design]` of a study.
 #[derive(Clone, Copy, Debug, Deserialize)]
@@ -17,13 +17,6 @@ pub struct Sampling {
     /// Of a Sobol net: how many nets, scrambled independently of each other, the points belong to
     /// in turn. Their scatter says how sure the counts are.
     pub replicates: u64,
-}
-
-impl Sampling {
-    /// The numbers without the method.
-    pub fn numbers(&self) -> Numbers {
-        Numbers { points: self.points, seed: self.seed, replicates: self.replicates }
-    }
 }
 
 impl Default for Sampling {

@@ -4,7 +4,10 @@
 
 use ::sobol::params::JoeKuoD6;
 
-use super::rule::{Inputs, Numbers, Registered, Rule};
+use super::{
+    rule::{Inputs, Registered, Rule},
+    sampling::Sampling,
+};
 use crate::random::{self, Purpose, mix};
 
 const BITS: u32 = 32;
@@ -23,8 +26,8 @@ impl Registered for Nets {
     const EXTENSIBLE: bool = true;
     const REPLICATES: bool = true;
 
-    fn new(numbers: &Numbers, inputs: &Inputs) -> Result<Self, String> {
-        Self::of(numbers, inputs.dimensions())
+    fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String> {
+        Self::of(sampling, inputs.dimensions())
     }
 }
 
@@ -39,8 +42,8 @@ impl Rule for Nets {
 }
 
 impl Nets {
-    pub fn of(numbers: &Numbers, dimensions: usize) -> Result<Self, String> {
-        if numbers.points / numbers.replicates > 1 << BITS {
+    pub fn of(sampling: &Sampling, dimensions: usize) -> Result<Self, String> {
+        if sampling.points / sampling.replicates > 1 << BITS {
             return Err(format!("a Sobol net has at most 2^{BITS} points"));
         }
         let parameters = JoeKuoD6::minimal();
@@ -50,7 +53,7 @@ impl Nets {
         }
         let others = parameters.dim_params.iter().map(|dimension| directions(dimension.a, &dimension.m));
         let directions = std::iter::once(van_der_corput()).chain(others).take(dimensions).collect();
-        Ok(Self { seed: numbers.seed, replicates: numbers.replicates, directions })
+        Ok(Self { seed: sampling.seed, replicates: sampling.replicates, directions })
     }
 
     /// Where the scrambling hash of an input starts.
@@ -141,8 +144,8 @@ mod tests {
     }
 
     fn nets(points: u64, replicates: u64, dimensions: usize) -> Result<Nets, String> {
-        let numbers = Numbers { points, seed: 11, replicates };
-        Nets::of(&numbers, dimensions)
+        let sampling = Sampling { points, seed: 11, replicates, ..Sampling::default() };
+        Nets::of(&sampling, dimensions)
     }
 
     #[test]

@@ -64,16 +64,16 @@ const LOOK: Duration = Duration::from_millis(10);
 /// The process of a child, and the job in which it lies.
 #[derive(Debug)]
 pub(in crate::isolation) struct Process {
-    pub(super) process: std::process::Child,
-    pub(super) group: Option<ControlGroup>,
+    pub process: std::process::Child,
+    pub group: Option<ControlGroup>,
 }
 
 impl Process {
-    pub(in crate::isolation) fn resident(&self) -> u64 {
+    pub fn resident(&self) -> u64 {
         process::resident(self.process.id())
     }
 
-    pub(in crate::isolation) fn state(&mut self) -> State {
+    pub fn state(&mut self) -> State {
         match self.process.try_wait() {
             Ok(Some(status)) => State::Ended(loss(status)),
             _ => State::Running,
@@ -81,12 +81,12 @@ impl Process {
     }
 
     /// Waits a short time for the child's end.
-    pub(in crate::isolation) fn await_end(&self) {
+    pub fn await_end(&self) {
         std::thread::sleep(Duration::from_millis(1));
     }
 
     /// Ends the child with its job at once. The loss that its status tells.
-    pub(in crate::isolation) fn finish(&mut self) -> Option<Loss> {
+    pub fn finish(&mut self) -> Option<Loss> {
         match &self.group {
             Some(group) => group.end(),
             None => drop(self.process.kill()),

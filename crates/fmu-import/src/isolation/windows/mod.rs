@@ -7,8 +7,8 @@
 //! - [`process`]: memory, end and modes of processes;
 //! - `words`: what a child prints.
 
-pub(super) mod birth;
-pub(super) mod job;
+pub mod birth;
+pub mod job;
 pub mod keeper;
 pub mod pipe;
 pub mod process;

@@ -18,7 +18,7 @@ const PATIENCE: Duration = Duration::from_millis(200);
 
 /// Hears what a child prints.
 #[derive(Debug)]
-pub(in crate::isolation) struct Words {
+pub struct Words {
     heard: Arc<Mutex<Tail>>,
     /// Disconnected when nobody can print any more.
     over: Option<Receiver<()>>,
@@ -27,12 +27,12 @@ pub(in crate::isolation) struct Words {
 
 impl Words {
     /// Nothing yet; with `echo`, what is printed is repeated there.
-    pub(super) fn new(echo: Option<File>) -> Self {
+    pub fn new(echo: Option<File>) -> Self {
         Self { heard: Arc::default(), over: None, echo: echo.map(Arc::new) }
     }
 
     /// Forgets what was heard, and listens to a new child.
-    pub(super) fn listen(&mut self, mut pipe: impl Read + Send + 'static) {
+    pub fn listen(&mut self, mut pipe: impl Read + Send + 'static) {
         let heard = Arc::<Mutex<Tail>>::default();
         let (alive, over) = channel::<()>();
         let (place, echo) = (Arc::clone(&heard), self.echo.clone());
@@ -52,7 +52,7 @@ impl Words {
     }
 
     /// Waits for the last words of a child that has ended.
-    pub(super) fn settle(&mut self) {
+    pub fn settle(&mut self) {
         if let Some(over) = self.over.take() {
             // Nothing is ever sent: the wait ends with the thread.
             let _ = over.recv_timeout(PATIENCE);
@@ -64,12 +64,12 @@ impl Words {
     }
 
     /// The printed text that was kept.
-    pub(in crate::isolation) fn text(&self) -> String {
+    pub fn text(&self) -> String {
         self.heard().text()
     }
 
     /// The last line that is not empty.
-    pub(in crate::isolation) fn last_line(&self) -> String {
+    pub fn last_line(&self) -> String {
         self.heard().last_line()
     }
 }

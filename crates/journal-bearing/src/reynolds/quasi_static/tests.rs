@@ -1,6 +1,10 @@
 //! Tests of the quasi-static film.
 
-use crate::{literature::RAIMONDI_BOYD, reynolds::Grid};
+#[path = "../../../tests/literature/mod.rs"]
+mod literature;
+
+use crate::reynolds::Grid;
+use literature::RAIMONDI_BOYD;
 use nalgebra::{Matrix2, Vector2};
 
 use super::{Boundary, Groove, QuasiStatic};

@@ -67,10 +67,7 @@ pub struct Directions {
 
 impl Directions {
     fn new(grid: &Grid) -> Self {
-        let mean = |i: usize| {
-            let (a, b) = (grid.theta_edge(i), grid.theta_edge(i + 1));
-            Vector2::new(b.sin() - a.sin(), a.cos() - b.cos()) / (b - a)
-        };
+        let mean = |i: usize| grid.normal(i) / grid.theta_width(i);
         let edge = |i: usize| {
             let (sin, cos) = grid.theta_edge(i).sin_cos();
             Vector2::new(cos, sin)

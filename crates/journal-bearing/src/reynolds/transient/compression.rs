@@ -10,7 +10,7 @@
 //! Multiplied by the pressure and summed over the cells, the middle term is the work of the surfaces less the viscous
 //! dissipation. The other terms are stored, or lost where oil fills an emptier gap.
 
-use super::{stage::Stage, workspace::Workspace};
+use super::{stage::Stage, upwind::edges, workspace::Workspace};
 
 /// The powers of a film, dimensionless.
 #[derive(Clone, Copy, Debug, Default)]
@@ -30,11 +30,9 @@ const LACK: f64 = 1e-9;
 pub fn powers(work: &Workspace, stage: &Stage<'_>, squeeze: impl Fn(usize) -> f64) -> Powers {
     let mut powers = Powers::default();
     let cells = &work.geometry.cells;
-    for (behind, before) in cells.neighbours() {
-        for (behind, before) in behind.zip(before) {
-            powers.flow(work, [before, behind], work.balance.along[behind]);
-            powers.carry(work, [before, behind], work.balance.carried[behind]);
-        }
+    for (before, behind) in edges(cells) {
+        powers.flow(work, [before, behind], work.balance.along[behind]);
+        powers.carry(work, [before, behind], work.balance.carried[behind]);
     }
     for cell in 1..cells.count() {
         powers.flow(work, [cell - 1, cell], work.balance.across[cell]);

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use super::{cells::Cells, warmth::Warm};
 
 /// Pressure and content cell by cell, in the order of [`Cells`].
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Field {
     /// Pressure above that of the cavities, 1/s.
     pub pressure: Vec<f64>,
@@ -46,7 +46,7 @@ impl Field {
 }
 
 /// All that the film keeps from step to step; together with the settings it determines the future.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct State {
     /// Eccentricity ratio of the journal in the bearing's middle plane.
     pub eps: Vector2<f64>,
@@ -66,15 +66,7 @@ pub struct State {
 impl State {
     /// The journal in the middle of a flooded film.
     pub fn flooded(cells: &Cells) -> Self {
-        Self {
-            eps: Vector2::zeros(),
-            velocity: Vector2::zeros(),
-            angles: [0.0; 2],
-            step: None,
-            field: Field::flooded(cells),
-            warm: Vec::new(),
-            unit: 0.0,
-        }
+        Self { field: Field::flooded(cells), ..Self::default() }
     }
 
     /// Copies another state of the same size; allocates nothing.

@@ -40,7 +40,6 @@ pub struct PressureLoad {
     pub size: f64,
 }
 
-/// Setting up, and reading.
 impl Workspace {
     /// A flooded film with the journal in the middle.
     pub fn new(settings: FilmSettings) -> Result<Self, FilmError> {
@@ -102,10 +101,7 @@ impl Workspace {
         self.liquid.compress(&self.geometry.settings, field, unit);
         self.balance.weigh(&self.geometry.gap, &self.liquid, field);
     }
-}
 
-/// Moving on within a step.
-impl Workspace {
     /// Turns the surfaces for `duration` seconds.
     pub fn turn(&mut self, duration: f64, drive: &Drive) {
         self.state.angles[0] += drive.journal_speed * duration;
@@ -132,10 +128,7 @@ impl Workspace {
             *pressure += if full { ahead * (*pressure - start) } else { 0.0 };
         }
     }
-}
 
-/// The active set of full cells.
-impl Workspace {
     /// Moves cells into and out of the set by their unknowns; the number that moved.
     pub fn exchange(&mut self, stage: &Stage<'_>) -> usize {
         let field = &mut self.state.field;
@@ -147,10 +140,7 @@ impl Workspace {
         let field = &mut self.state.field;
         self.active_set.refill(&self.geometry.cells, field, &self.balance, stage)
     }
-}
 
-/// Balances and their linearisation.
-impl Workspace {
     /// Computes oil and balances at the present gap and field. True when the oil's properties have converged.
     pub fn update_balance(&mut self, stage: &Stage<'_>, drive: &Drive) -> bool {
         let (field, geometry) = (&self.state.field, &self.geometry);
