@@ -13,7 +13,7 @@ use std::{
 use csv::StringRecord;
 
 use crate::{
-    files::{self, FileError, convert},
+    files::{self, FileError, Result, convert},
     rows::{How, Rows},
 };
 use fmu_points::tell::{is_hidden, visible};
@@ -74,7 +74,7 @@ impl CsvFile {
     ///
     /// # Errors
     /// When it cannot be read.
-    pub fn open(path: &Path, comment: Option<u8>) -> Result<Self, FileError> {
+    pub fn open(path: &Path, comment: Option<u8>) -> Result<Self> {
         Self::begin(path, comment).map_err(|error| FileError::read(path, error))
     }
 
@@ -102,7 +102,7 @@ impl CsvFile {
     ///
     /// # Errors
     /// When it cannot be read.
-    pub fn header(&mut self) -> Result<Vec<String>, FileError> {
+    pub fn header(&mut self) -> Result<Vec<String>> {
         let header = self
             .reader
             .headers()
@@ -118,7 +118,7 @@ impl CsvFile {
     ///
     /// # Errors
     /// When it cannot be read.
-    pub fn row(&mut self, row: &mut StringRecord) -> Result<bool, FileError> {
+    pub fn row(&mut self, row: &mut StringRecord) -> Result<bool> {
         self.reader.get_mut().set_limit(MOST_ROW_BYTES);
         let more =
             self.reader.read_record(row).map_err(|error| FileError::new(&self.path, reason(&self.path, &error)))?;
@@ -132,7 +132,7 @@ impl CsvFile {
     }
 
     /// A row that ends with what may be read of it may be longer.
-    fn check_row(&self) -> Result<(), FileError> {
+    fn check_row(&self) -> Result {
         if self.reader.get_ref().limit() > 0 {
             return Ok(());
         }
@@ -164,7 +164,7 @@ struct CsvRows {
 ///
 /// # Errors
 /// When it cannot be read.
-pub fn rows(path: &Path, how: How) -> Result<Box<dyn Rows>, FileError> {
+pub fn rows(path: &Path, how: How) -> Result<Box<dyn Rows>> {
     let mut file = CsvFile::open(path, how.comments.then_some(b'#'))?;
     let names = file.header()?;
     let (mut blanks, mut skipped) = Default::default();
@@ -190,7 +190,7 @@ impl Rows for CsvRows {
         &self.names
     }
 
-    fn advance(&mut self) -> Result<bool, FileError> {
+    fn advance(&mut self) -> Result<bool> {
         self.is_ahead = self.is_ahead || self.file.row(&mut self.record)?;
         if !self.is_ahead {
             return Ok(false);

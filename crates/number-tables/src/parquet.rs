@@ -13,7 +13,7 @@ use parquet::{
 };
 
 use crate::{
-    files::{self, FileError},
+    files::{self, FileError, Result},
     rows::{How, Rows},
 };
 
@@ -30,7 +30,7 @@ struct ParquetRows {
 ///
 /// # Errors
 /// When there is none, or it is none of Parquet.
-pub fn rows(path: &Path, _: How) -> Result<Box<dyn Rows>, FileError> {
+pub fn rows(path: &Path, _: How) -> Result<Box<dyn Rows>> {
     let file = files::open(path).map_err(|error| FileError::read(path, error))?;
     let reader = SerializedFileReader::new(file).map_err(|error| wrong(path, &error))?;
     let schema = reader.metadata().file_metadata().schema();
@@ -84,7 +84,7 @@ impl Rows for ParquetRows {
         &self.names
     }
 
-    fn advance(&mut self) -> Result<bool, FileError> {
+    fn advance(&mut self) -> Result<bool> {
         let Some(row) = self.rows.next() else { return Ok(false) };
         let columns = row.map_err(|error| wrong(&self.path, &error))?.into_columns();
         self.cells = columns.into_iter().map(|(_, cell)| cell).collect();

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::files::FileError;
+use crate::files::Result;
 
 /// A table that is read row by row.
 pub trait Rows {
@@ -13,7 +13,7 @@ pub trait Rows {
     ///
     /// # Errors
     /// When it cannot be read.
-    fn advance(&mut self) -> Result<bool, FileError>;
+    fn advance(&mut self) -> Result<bool>;
 
     /// A cell of this row as a number.
     fn number(&self, place: usize) -> Option<f64>;

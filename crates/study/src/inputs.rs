@@ -17,7 +17,7 @@ use fmu_import::{
     units::Conversion,
 };
 use fmu_points::task::{Probe, Schedule, SensorError, Series, Slot, place};
-use number_tables::{Table, files::FileError};
+use number_tables::{Table, files::Result};
 use sampling::statistics::moments::{quantile, sorted};
 
 /// How the name of a sensor's zero error ends behind `/`, and its key in a study.
@@ -36,7 +36,7 @@ pub(super) struct Recordings {
 }
 
 /// Reads the recordings of a study for an FMU.
-pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> Result<Recordings, FileError> {
+pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> Result<Recordings> {
     let (mut errors, mut concerns) = (Vec::new(), Vec::new());
     let mut bind = |(name, recording): (&Name, &RecordingText)| {
         let wrong = |message| study.error_at(name, message);

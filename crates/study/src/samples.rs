@@ -12,7 +12,7 @@ use toml::Spanned;
 use super::{Name, ParameterText, Shape, Study, input::Input};
 use number_tables::{
     Column, Table,
-    files::{self, FileError},
+    files::{self, Result},
 };
 use sampling::{design::Joint, distribution::Distribution};
 
@@ -35,7 +35,7 @@ pub struct Together {
 ///
 /// # Errors
 /// With the place in the study, when a file cannot be read, has no such column, or has it in another unit.
-pub fn read(study: &Study, inputs: &[Input]) -> Result<Vec<Together>, FileError> {
+pub fn read(study: &Study, inputs: &[Input]) -> Result<Vec<Together>> {
     let mut files: IndexMap<PathBuf, (&Spanned<PathBuf>, Vec<Member<'_>>)> = IndexMap::new();
     for (index, (name, text)) in study.parameters.iter().enumerate() {
         if text.distribution != Shape::Sample {
@@ -48,12 +48,7 @@ pub fn read(study: &Study, inputs: &[Input]) -> Result<Vec<Together>, FileError>
     files.into_values().map(|(file, members)| together(study, file, &members, inputs)).collect()
 }
 
-fn together(
-    study: &Study,
-    file: &Spanned<PathBuf>,
-    members: &[Member<'_>],
-    inputs: &[Input],
-) -> Result<Together, FileError> {
+fn together(study: &Study, file: &Spanned<PathBuf>, members: &[Member<'_>], inputs: &[Input]) -> Result<Together> {
     let path = study.path_of(file.as_ref());
     let column = |member: &Member<'_>| {
         let name = member.name.as_ref();

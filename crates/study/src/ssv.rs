@@ -12,7 +12,7 @@ use super::{
     values::{find, value_of},
 };
 use fmu_import::{Description, Value, xml};
-use number_tables::files::{self, FileError};
+use number_tables::files::{self, FileError, Result};
 
 pub use write::write;
 
@@ -23,7 +23,7 @@ const TYPES: [&str; 5] = ["Real", "Integer", "Boolean", "Enumeration", "String"]
 ///
 /// # Errors
 /// When it cannot be read or is not a parameter set, and when a name, a type or a unit does not fit the FMU, with the line.
-pub fn read(path: &Path, fmu: &Description) -> Result<Vec<(String, u32, Value)>, FileError> {
+pub fn read(path: &Path, fmu: &Description) -> Result<Vec<(String, u32, Value)>> {
     parse(path, &files::text(path)?, |name, setting| {
         let variable = find(fmu, name)?;
         let value = value_of(fmu, variable, &setting)?;
@@ -32,7 +32,7 @@ pub fn read(path: &Path, fmu: &Description) -> Result<Vec<(String, u32, Value)>,
 }
 
 /// The results of `take` on each entry.
-fn parse<T>(path: &Path, text: &str, take: impl Fn(&str, Setting) -> Result<T, String>) -> Result<Vec<T>, FileError> {
+fn parse<T>(path: &Path, text: &str, take: impl Fn(&str, Setting) -> Result<T, String>) -> Result<Vec<T>> {
     let text = text.trim_start_matches('\u{feff}');
     let document = xml::parse(text).map_err(|error| FileError::new(path, format!("no SSP parameter set: {error}")))?;
     let at =
@@ -73,7 +73,7 @@ mod tests {
         Ok((name.to_owned(), setting))
     }
 
-    fn set(body: &str) -> Result<Vec<Entry>, FileError> {
+    fn set(body: &str) -> Result<Vec<Entry>> {
         let text = format!(
             "<ParameterSet xmlns=\"{NAMESPACE}\" version=\"1.0\" name=\"x\"><Parameters>\n{body}\
              </Parameters></ParameterSet>"

@@ -18,7 +18,7 @@ use indexmap::IndexMap;
 use number_tables::files::FileError;
 use sampling::statistics::Statistic;
 use study::{
-    Name, Study,
+    Name, Result, Study,
     case_table::CaseTable,
     identification::{Exception, FreeText, Identification, LatentText, MeasuredText},
     inputs::taken_as_exact,
@@ -73,7 +73,7 @@ impl Bound {
     ///
     /// # Errors
     /// When a name, a unit, a number or a column does not fit.
-    pub fn new(study: &Study, settings: &Identification, fmu: &Description) -> Result<Self, FileError> {
+    pub fn new(study: &Study, settings: &Identification, fmu: &Description) -> Result<Self> {
         Binder { study, settings, fmu, table: CaseTable::read(study, settings)? }.bind()
     }
 
@@ -92,7 +92,7 @@ impl Bound {
         free: Free,
         slot: Slot,
         conversion: Conversion,
-    ) -> Result<(), FileError> {
+    ) -> Result {
         for end in [free.min, free.max] {
             slot.check(conversion.value(end)).map_err(|message| study.error_of(name, message))?;
         }
@@ -121,7 +121,7 @@ pub(super) struct Input<'a> {
 }
 
 impl<'a> Input<'a> {
-    pub(super) fn new(study: &Study, fmu: &'a Description, name: &Name, unit: Option<&str>) -> Result<Self, FileError> {
+    pub(super) fn new(study: &Study, fmu: &'a Description, name: &Name, unit: Option<&str>) -> Result<Self> {
         let variable = find(fmu, name.as_ref()).map_err(|m| study.error_at(name, m))?;
         let input = || {
             let slot = slot_of(variable)?;
@@ -132,12 +132,7 @@ impl<'a> Input<'a> {
     }
 
     /// An unknown parameter of the study.
-    pub(super) fn free(
-        study: &Study,
-        fmu: &'a Description,
-        name: &Name,
-        text: &FreeText,
-    ) -> Result<(Free, Self), FileError> {
+    pub(super) fn free(study: &Study, fmu: &'a Description, name: &Name, text: &FreeText) -> Result<(Free, Self)> {
         let input = Self::new(study, fmu, name, text.unit.as_deref().or(text.min.unit.as_deref()))?;
         let free = free(name.as_ref(), text, &input.scale).map_err(|message| study.error_of(name, message))?;
         Ok((free, input))
@@ -155,7 +150,7 @@ pub(super) fn bare(mut case: Simulation) -> Simulation {
     case
 }
 
-pub(super) fn check_effort(study: &Study, settings: &Identification) -> Result<(), FileError> {
+pub(super) fn check_effort(study: &Study, settings: &Identification) -> Result {
     let numbers = [
         ("starts", settings.starts),
         ("descents", settings.descents as u64),
@@ -179,7 +174,7 @@ struct Binder<'a> {
 }
 
 impl Binder<'_> {
-    fn bind(&self) -> Result<Bound, FileError> {
+    fn bind(&self) -> Result<Bound> {
         let settings = self.settings;
         if !self.study.parameters.is_empty() {
             return Err(self.study.error(
@@ -214,7 +209,7 @@ impl Binder<'_> {
         Ok(bound)
     }
 
-    fn refuse_doubles(&self) -> Result<(), FileError> {
+    fn refuse_doubles(&self) -> Result {
         let known = self.settings.known.keys();
         let free = self.settings.free.keys();
         let latent = self.settings.latent.keys();
@@ -229,11 +224,11 @@ impl Binder<'_> {
         |message| self.study.error_of(name, message)
     }
 
-    fn input(&self, name: &Name, unit: Option<&str>) -> Result<Input<'_>, FileError> {
+    fn input(&self, name: &Name, unit: Option<&str>) -> Result<Input<'_>> {
         Input::new(self.study, self.fmu, name, unit)
     }
 
-    fn bind_known(&self, bound: &mut Bound) -> Result<(), FileError> {
+    fn bind_known(&self, bound: &mut Bound) -> Result {
         for (name, known) in &self.settings.known {
             let input = self.input(name, known.unit.as_deref())?;
             let values = self.table.column(&known.column);
@@ -246,7 +241,7 @@ impl Binder<'_> {
         Ok(())
     }
 
-    fn bind_free(&self, bound: &mut Bound) -> Result<(), FileError> {
+    fn bind_free(&self, bound: &mut Bound) -> Result {
         for (name, text) in &self.settings.free {
             let (free, input) = Input::free(self.study, self.fmu, name, text)?;
             bound.add_free(self.study, name, free, input.slot, input.scale.conversion)?;
@@ -254,7 +249,7 @@ impl Binder<'_> {
         Ok(())
     }
 
-    fn bind_latent(&self, bound: &mut Bound) -> Result<(), FileError> {
+    fn bind_latent(&self, bound: &mut Bound) -> Result {
         for (name, text) in &self.settings.latent {
             let input = self.input(name, text.unit.as_deref())?;
             for exception in &text.except {
@@ -282,7 +277,7 @@ impl Binder<'_> {
         Ok(())
     }
 
-    fn bind_measured(&self, bound: &mut Bound) -> Result<(), FileError> {
+    fn bind_measured(&self, bound: &mut Bound) -> Result {
         for (name, text) in &self.settings.measured {
             let (probe, scale) = self.probe(text)?;
             let sense = sense(text.statistic);
@@ -303,13 +298,7 @@ impl Binder<'_> {
     }
 
     /// The errors that the values of the last quantity share over all cases.
-    fn bind_shared(
-        &self,
-        bound: &mut Bound,
-        name: &Name,
-        text: &MeasuredText,
-        scale: &Scale<'_>,
-    ) -> Result<(), FileError> {
+    fn bind_shared(&self, bound: &mut Bound, name: &Name, text: &MeasuredText, scale: &Scale<'_>) -> Result {
         let problem = &mut bound.problem;
         let quantity = problem.quantities.len() - 1;
         let errors = [
@@ -352,7 +341,7 @@ impl Binder<'_> {
         Ok(())
     }
 
-    fn probe(&self, text: &MeasuredText) -> Result<(Probe, Scale<'_>), FileError> {
+    fn probe(&self, text: &MeasuredText) -> Result<(Probe, Scale<'_>)> {
         let at = |message| self.study.error_at::<String>(&text.variable, message);
         let variable = find(self.fmu, text.variable.as_ref()).map_err(at)?;
         let probe = Probe::of(variable, text.statistic)

@@ -30,7 +30,7 @@ use number_tables::files::FileError;
 use rig_signals::scatter;
 use sampling::distribution::Distribution;
 use study::{
-    CriterionText, EstimateText, Identification, Name, Study,
+    CriterionText, EstimateText, Identification, Name, Result, Study,
     cases::SEPARATOR,
     judge::{Criterion, Judge},
     plan::{self, Plan},
@@ -43,7 +43,7 @@ const LEAST: f64 = 0.05;
 ///
 /// # Errors
 /// When a criterion or a parameter does not say what identification needs, with its place and the remedy.
-pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Result<Bound, FileError> {
+pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Result<Bound> {
     check(study, settings)?;
     let mut fitted = study.fitted();
     if let (Some(first), true) = (study.cases.first(), fitted.cases.is_empty()) {
@@ -199,7 +199,7 @@ impl Lags {
         name: &Name,
         text: &CriterionText,
         bound: &mut Bound,
-    ) -> Result<(Vec<usize>, [f64; 2]), FileError> {
+    ) -> Result<(Vec<usize>, [f64; 2])> {
         let case = text.case.and_then(|case| study.cases.get(case));
         let of_case = case.and_then(|case| Some((&case.name, case.lag.as_ref()?)));
         let own = text.lag.as_ref().map(|lag| (name, lag));
@@ -231,7 +231,7 @@ impl Lags {
 }
 
 /// Refuses other data beside the criteria.
-fn check(study: &Study, settings: &Identification) -> Result<(), FileError> {
+fn check(study: &Study, settings: &Identification) -> Result {
     let advice = "the criteria of the study are the data of identify; remove";
     if let Some(table) = &settings.cases {
         return Err(study.error_at(table, format!("{advice} `cases` from [identify], or the criteria")));
@@ -530,7 +530,7 @@ struct Unknowns<'a> {
 }
 
 impl Unknowns<'_> {
-    fn bind(&self, bound: &mut Bound) -> Result<(), FileError> {
+    fn bind(&self, bound: &mut Bound) -> Result {
         let named = self.study.parameters.keys().zip(&self.plan.inputs).zip(&self.plan.slots);
         for ((name, input), slot) in named.clone() {
             let is_free = self.settings.free.contains_key(name.as_ref().as_str());
@@ -569,14 +569,7 @@ impl Unknowns<'_> {
     }
 
     /// Adds an unknown, or one for each case.
-    fn add(
-        &self,
-        bound: &mut Bound,
-        name: &Name,
-        free: Free,
-        slot: Slot,
-        conversion: Conversion,
-    ) -> Result<(), FileError> {
+    fn add(&self, bound: &mut Bound, name: &Name, free: Free, slot: Slot, conversion: Conversion) -> Result {
         let text = self.study.parameters.get(name.as_ref().as_str());
         let Some(varies) = text.and_then(|text| text.varies.as_ref()) else {
             return bound.add_free(self.study, name, free, slot, conversion);
@@ -606,7 +599,7 @@ impl Unknowns<'_> {
     }
 
     /// A parameter may be free too: then it is sought between other bounds than it is drawn from.
-    fn refuse_doubles(&self) -> Result<(), FileError> {
+    fn refuse_doubles(&self) -> Result {
         let free = || self.settings.free.keys();
         let is_free = |name: &Name| self.settings.free.contains_key(name.as_ref().as_str());
         for (_, study) in self.study.by_case() {

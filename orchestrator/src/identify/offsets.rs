@@ -8,14 +8,13 @@ use indexmap::IndexSet;
 use super::bind::{Bound, REACH};
 use calibration::problem::{Free, Prior, Spacing};
 use fmu_points::task::Series;
-use number_tables::files::FileError;
-use study::{Study, plan::Plan};
+use study::{Result, Study, plan::Plan};
 
 /// Adds the errors of the recorded inputs of a study's cases to its unknowns, and says which inputs count as exact.
 ///
 /// # Errors
 /// When the FMU does not allow one.
-pub(super) fn add(study: &Study, plan: &Plan, bound: &mut Bound) -> Result<(), FileError> {
+pub(super) fn add(study: &Study, plan: &Plan, bound: &mut Bound) -> Result {
     let (noisy, unknown): (Vec<_>, Vec<_>) = plan.input_errors.iter().partition(|error| error.is_noise());
     let noisy: BTreeSet<&str> = noisy.iter().map(|error| error.name.as_str()).collect();
     if !noisy.is_empty() {
