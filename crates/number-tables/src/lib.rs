@@ -12,9 +12,9 @@ use std::{collections::HashSet, path::Path};
 
 use fmu_import::units::known;
 use fmu_points::names::{did_you_mean, nearest};
-pub use rows::{How, Rows};
+pub use rows::Rows;
 
-type Open = fn(&Path, How) -> Result<Box<dyn Rows>>;
+type Open = fn(&Path, bool) -> Result<Box<dyn Rows>>;
 
 /// Endings of files' names in lower case, and who reads them; other files are taken for the first one's. A new format is a file with
 /// its [`Rows`], its `mod` line above and its line here.
@@ -34,13 +34,14 @@ pub fn is_table(path: &Path) -> bool {
     place(path).is_some()
 }
 
-/// Opens a table in the format that its ending names, in csv otherwise.
+/// Opens a table in the format that its ending names, in csv otherwise. With `gaps`, an empty cell is a missing value, and so is a
+/// blank line of a table with one column.
 ///
 /// # Errors
 /// When it cannot be read.
-pub fn open(path: &Path, how: How) -> Result<Box<dyn Rows>> {
+pub fn open(path: &Path, gaps: bool) -> Result<Box<dyn Rows>> {
     let (_, open) = FORMATS[place(path).unwrap_or(0)];
-    open(path, how)
+    open(path, gaps)
 }
 
 /// A column's name without the unit in it, and that: `n [1/min]`, and with a known unit `n (rpm)` and `Current(A)`. What stands in
@@ -171,7 +172,7 @@ impl Table {
 
     /// With `gaps`, an empty cell is not a number instead of an error.
     fn load<'a>(path: &'a Path, columns: &[Column], gaps: bool) -> Result<Reading<'a>> {
-        let mut rows = open(path, How { comments: true, gaps })?;
+        let mut rows = open(path, gaps)?;
         if rows.names().is_empty() {
             return Err(empty(path));
         }

@@ -14,7 +14,7 @@ use parquet::{
 
 use crate::{
     files::{self, FileError, Result},
-    rows::{How, Rows},
+    rows::Rows,
 };
 
 /// A Parquet file as [`Rows`].
@@ -30,7 +30,7 @@ struct ParquetRows {
 ///
 /// # Errors
 /// When there is none, or it is none of Parquet.
-pub fn rows(path: &Path, _: How) -> Result<Box<dyn Rows>> {
+pub fn rows(path: &Path, _: bool) -> Result<Box<dyn Rows>> {
     let file = files::open(path).map_err(|error| FileError::read(path, error))?;
     let reader = SerializedFileReader::new(file).map_err(|error| wrong(path, &error))?;
     let schema = reader.metadata().file_metadata().schema();

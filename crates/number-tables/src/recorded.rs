@@ -11,9 +11,7 @@ use crate::{
     clocks::{self, is_day},
     column,
     files::{self, FileError, Result, convert},
-    is_of_time, is_time_name, name_and_unit,
-    rows::How,
-    shown,
+    is_of_time, is_time_name, name_and_unit, shown,
 };
 use fmu_import::units::{Conversion, known};
 use fmu_points::names::{did_you_mean, nearest};
@@ -120,7 +118,7 @@ impl RecordedTable {
             Some(_) => error,
             None => error.with(format!("; {}", convert(path))),
         };
-        let mut rows = crate::open(path, How { comments: true, gaps: true }).map_err(plain)?;
+        let mut rows = crate::open(path, true).map_err(plain)?;
         let column = |name: &String| {
             let (bare, unit) = name_and_unit(name);
             Column { name: name.clone(), bare: bare.to_owned(), unit, ..Column::default() }

@@ -37,11 +37,3 @@ pub trait Rows {
     /// The line of this row, or its number from 1 where the format has no lines.
     fn line(&self) -> u64;
 }
-
-/// How a table is read.
-pub struct How {
-    /// Lines that begin with `#` are left out.
-    pub comments: bool,
-    /// An empty cell is a missing value, and so is a blank line of a table with one column.
-    pub gaps: bool,
-}
