@@ -24,6 +24,7 @@ pub use variable::{
     Access, Base, DisplayUnit, Enumeration, Item, Kind, Quantity, Role, Unit, Variable, check_fixed, check_ranges,
     elements,
 };
+pub(crate) use variable::{inside, named};
 
 /// A simulation model that a boundary (an FMU, a test, a benchmark) can drive.
 ///

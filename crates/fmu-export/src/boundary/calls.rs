@@ -1,7 +1,7 @@
 //! The C functions of a version of the standard, from one table: name, arguments, the phases in which each may be called, and
 //! what it does.
 
-use super::{refusal::Outcome, types::Status};
+use super::refusal::Outcome;
 
 /// Defines the C functions for a model, the 44 of FMI 2.0 and the 75 of FMI 3.0:
 /// `fmu_export::export!(Tank);`
@@ -106,7 +106,7 @@ pub(crate) use c_functions;
 /// Answers with a value.
 pub fn answer<T>(place: &mut T, value: T) -> Outcome {
     *place = value;
-    Ok(Status::Ok)
+    Ok(())
 }
 
 /// Answers that nothing has happened.
@@ -114,5 +114,5 @@ pub fn nothing<T: Default, const N: usize>(flags: [&mut T; N]) -> Outcome {
     for flag in flags {
         *flag = T::default();
     }
-    Ok(Status::Ok)
+    Ok(())
 }

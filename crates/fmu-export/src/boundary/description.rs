@@ -14,7 +14,7 @@ use super::{
     values::TIME,
     xml::{Number, Tag, Xml},
 };
-use crate::model::{Kind, Model, Role, Variable, indicators, offered};
+use crate::model::{Kind, Model, Role, Variable, indicators, named, offered};
 
 pub use super::{
     describe::{Interface, token},
@@ -254,8 +254,7 @@ fn variables<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
 
 /// The independent variable, which FMI 3.0 lists. A model that has a variable called `time` keeps the name.
 fn independent<M: Model>(xml: &mut Xml) {
-    let taken = |name: &str| M::variables().iter().any(|variable| variable.name == name);
-    let name = ["time", "independentTime"].into_iter().find(|name| !taken(name));
+    let name = ["time", "independentTime"].into_iter().find(|name| named::<M>(name).is_none());
     let head = Head {
         name: name.unwrap_or("simulationTime"),
         reference: TIME as usize,

@@ -104,7 +104,7 @@ c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
         fmi2DoStep = do_step(from: Real, step: Real, no_set_state_prior: Boolean) in of(&[StepComplete]) =>
             |instance| instance.step(from, step);
         /// Steps are synchronous, so there is none to cancel: it is refused in every phase.
-        fmi2CancelStep = cancel_step() in of(&[]) => |_| Ok(Status::Ok);
+        fmi2CancelStep = cancel_step() in of(&[]) => |_| Ok(());
         /// How the last step ended.
         fmi2GetStatus = get_status(kind: Choice, value: *mut Status) in STEPPED =>
             |instance| tell(value, (kind == DO_STEP_STATUS).then_some(instance.run.last_step));
