@@ -109,6 +109,13 @@ pub struct Figure {
     pub numbers: Option<Table>,
 }
 
+impl Table {
+    /// A table of the usual look.
+    pub fn new(name: impl Into<String>, columns: impl Into<Vec<Column>>, rows: Vec<Vec<String>>) -> Self {
+        Self { name: name.into(), class: Cow::default(), columns: columns.into(), rows }
+    }
+}
+
 impl Document {
     /// A document without content; its parts follow.
     pub fn new(id: &'static str, link: &'static str, title: impl Into<String>) -> Self {
@@ -135,6 +142,21 @@ impl Document {
         if !table.rows.is_empty() {
             self.blocks.push(Block::Table(table));
         }
+    }
+
+    /// Adds a list.
+    pub fn list(&mut self, sentences: Vec<String>) {
+        self.blocks.push(Block::List(sentences));
+    }
+
+    /// Adds the meaning of marks.
+    pub fn legend(&mut self, keys: impl Into<Vec<Key>>) {
+        self.blocks.push(Block::Legend(keys.into()));
+    }
+
+    /// Adds pictures in a grid of this class.
+    pub fn show(&mut self, grid: &'static str, figures: impl IntoIterator<Item = Figure>) {
+        self.blocks.push(Block::Figures(grid.into(), Vec::from_iter(figures)));
     }
 
     /// Adds an explanation for the page.

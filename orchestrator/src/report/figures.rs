@@ -6,7 +6,7 @@ use parameter_regions::table::PointTable;
 use result_document::{
     bins::{axis_range, bins_for, histogram},
     format::{count, number, with_unit},
-    svg::{Axis, Frame, area, circle, envelope, path, text, ticks},
+    svg::{Axis, Frame, area, circle, path, text, ticks},
 };
 use std::fmt::Write as _;
 
@@ -247,7 +247,7 @@ pub fn history(series: &Series) -> Option<String> {
         out.push_str(&measured.draw(&frame));
     }
     let class = if series.last_periods().is_some() { "line fast" } else { "line" };
-    out += &path(class, envelope(series.time.iter().zip(&series.values), &frame));
+    out += &frame.line(class, &series.time, &series.values);
     Some(frame.wrap(&format!("{} over time", series.name), &out))
 }
 

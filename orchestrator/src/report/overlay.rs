@@ -3,7 +3,7 @@
 use curves::Curve;
 use result_document::{
     bins::axis_range,
-    svg::{Frame, envelope, path},
+    svg::{Frame, path},
 };
 
 /// A measured curve on the model's time, in the criterion's unit.
@@ -36,14 +36,13 @@ impl Measured {
     pub(super) fn draw(&self, frame: &Frame) -> String {
         let mut out = String::new();
         if let Some([low, high]) = self.edges() {
-            let back = self.time.iter().zip(&high).rev();
-            out += &path("band", envelope(self.time.iter().zip(&low).chain(back), frame) + "z");
+            out += &frame.band(&self.time, [&low, &high]);
         }
         for time in [self.time.first(), self.time.last()].into_iter().flatten() {
             let (x, y) = (frame.x.at(*time), frame.y);
             out += &path("judged", format_args!("M{x:.1},{:.1}V{:.1}", y.from, y.to));
         }
-        out += &path("line measured", envelope(self.time.iter().zip(&self.values), frame));
+        out += &frame.line("line measured", &self.time, &self.values);
         out
     }
 
@@ -68,7 +67,7 @@ impl Measured {
         let frame = Frame::new(560.0, 150.0, [start, end], y);
         let mut out = frame.axes("time (s)", Some(unit));
         out.push_str(&around.draw(&frame));
-        out += &path("line", envelope(self.time.iter().zip(&deviations), &frame));
+        out += &frame.line("line", &self.time, &deviations);
         Some(frame.wrap(&format!("{name}: model less measurement over time"), &out))
     }
 }

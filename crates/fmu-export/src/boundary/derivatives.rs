@@ -274,6 +274,7 @@ mod tests {
 
     use super::*;
     use crate::boundary::logger::Logger;
+    use crate::boundary::types::Status;
     use crate::boundary::version::Version;
     use crate::declare::{input, output};
     use crate::model::{Experiment, Fault, Info, Log};

@@ -207,6 +207,7 @@ mod tests {
 
     use super::*;
     use crate::boundary::logger::Logger;
+    use crate::boundary::types::Status;
     use crate::boundary::version::Version;
     use crate::declare::input;
     use crate::model::{Experiment, Fault, Info, Log};

@@ -18,7 +18,7 @@ use fmu_points::{
     task::{SensorError, Slot},
 };
 use indexmap::IndexMap;
-use result_document::{Block, Document, format::number};
+use result_document::{Document, format::number};
 use study::cases::SEPARATOR;
 
 use crate::{
@@ -274,7 +274,7 @@ pub fn document(outcome: &IdentificationOutcome) -> Option<Document> {
         "Nothing that was tried explains all of it. Most of it goes with these, each alone."
     });
     let sentences = rivals.into_iter().take(SHOWN).map(|suspect| format!("{}: {}.", sentence(suspect), falls(suspect)));
-    told.blocks.push(Block::List(sentences.collect()));
+    told.list(sentences.collect());
     Some(told)
 }
 
