@@ -8,7 +8,7 @@ use point_journal::files::{make_folder, write_text};
 use result_document::format::escape;
 
 /// A test as a build server lists it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone)]
 pub struct Test {
     /// Its group: the study, with the case.
     pub class: String,
@@ -19,7 +19,7 @@ pub struct Test {
 }
 
 /// What came out of a test.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone)]
 pub enum Outcome {
     /// It passed.
     Passed,

@@ -76,7 +76,7 @@ fn window<'de, D: Deserializer<'de>>(text: D) -> Result<Option<[f64; 2]>, D::Err
 }
 
 /// The time of a file.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TimeColumn {
     /// Where it is not named, the one that has a unit of time, or is called time, and rises.
@@ -91,7 +91,7 @@ struct TimeColumn {
 }
 
 /// Which of several rows with one time counts.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Repeated {
     First,
@@ -99,7 +99,7 @@ enum Repeated {
 }
 
 /// Samples that may be none of the signal.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Doubtful {
     Clipped,
@@ -114,7 +114,7 @@ struct FileLayout {
 }
 
 /// A column of a file and its use.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Signal {
     column: Option<String>,

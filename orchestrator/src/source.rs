@@ -7,7 +7,6 @@ use sampling::{design::Design, distribution::Distribution};
 use study::{ParameterText, Result, Study, inputs::InputError, plan::Input};
 
 /// The points of a run, by index from 0.
-#[derive(Clone, Debug)]
 pub enum Source {
     /// Points of a design.
     Design(Design),

@@ -29,7 +29,6 @@ pub(crate) struct Document<'a> {
 pub type Place<'a> = (&'a str, &'a str);
 
 /// What is looked for among the names of a variable.
-#[derive(Clone, Copy)]
 pub enum Sort {
     Any,
     Settable,
@@ -153,7 +152,6 @@ pub fn at(node: Node<'_, '_>, text: impl Into<String>) -> Hit {
 }
 
 /// A variable as it is written.
-#[derive(Clone, Copy)]
 pub(crate) struct Scalar<'a> {
     pub(crate) node: Node<'a, 'a>,
     /// The element of its type: in FMI 2.0 `Real` for instance, in FMI 3.0 that of the variable.

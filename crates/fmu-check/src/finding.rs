@@ -48,7 +48,7 @@ pub struct Rule {
 }
 
 /// Finds breaches of a rule.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(crate) enum Find {
     /// Looks at the whole model description of FMI 2.0.
     Document(fn(&Document<'_>) -> Vec<Hit>),

@@ -19,7 +19,7 @@ use fmu_points::{
 };
 
 /// Kinds of probes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Life {
     /// One simulation.
     Alone,
@@ -52,7 +52,7 @@ pub struct Setup {
 }
 
 /// An end of a simulation before its stop time, which is no failure.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct End {
     /// After so many steps.
     pub(crate) steps: Option<u64>,

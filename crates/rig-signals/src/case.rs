@@ -25,7 +25,7 @@ pub struct Frame<'a> {
 }
 
 /// A variable of the FMU that is driven as it was recorded.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug)]
 pub struct Drive {
     /// The variable.
     pub variable: String,
@@ -38,7 +38,7 @@ pub struct Drive {
 }
 
 /// The values of an input.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug)]
 pub enum Driven {
     /// One for the whole run.
     Constant(f64),

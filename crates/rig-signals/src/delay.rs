@@ -22,7 +22,7 @@ use super::{
 };
 
 /// The delay of the torque, with its uncertainty.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default)]
 pub struct Delay {
     /// How much later the torque is than the load, s, with its 95 % interval; `None` where the signals are not related.
     pub delay: Option<Estimate>,

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use std::{f64::consts::PI, fmt};
 
 /// How a signal is smoothed.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(tag = "method", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Smoothing {
     /// Not at all.

@@ -11,7 +11,7 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Result of the stationarity tests on a window.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Debug, PartialEq, Serialize)]
 pub struct Stationarity {
     /// The change over the window by the straight line through the block means, with its interval,
     /// in the signal's unit.

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub const ACCEPTS_ZERO: &str = "Correct each tolerance that accepts 0, or its unit.";
 
 /// A doubt about a verdict.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Concern {
     /// Its kind, for programs.
     pub code: Code,
@@ -48,7 +48,7 @@ impl fmt::Display for Concern {
 }
 
 /// The kinds of doubts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Code {
     /// A nominal value is the model's own, and nothing was measured.

@@ -81,7 +81,7 @@ pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> R
 }
 
 /// An unknown error of the sensor that recorded an input.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct InputError {
     /// The input in the study.
     pub key: Name,

@@ -6,7 +6,7 @@ use fmu_import::quantity::Quantity;
 use serde::Deserialize;
 
 /// How far from the measured value a model value may be.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(try_from = "ToleranceForm")]
 pub enum ToleranceText {
     /// As far to both sides.

@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use parameter_regions::table::PointTable;
 
 /// The points of two tables.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Pairs {
     /// The rows of points with the same number and the same parameters, in the order of the old table.
     pub(super) both: Vec<[usize; 2]>,

@@ -31,7 +31,7 @@ use study::{
 pub(super) const REACH: f64 = 5.0;
 
 /// An identification in terms of an FMU.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Bound {
     /// The unknown parameters.
     pub problem: Problem,
@@ -56,7 +56,7 @@ pub struct Bound {
 }
 
 /// A measured curve.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct BoundCurve {
     /// Its criterion.
     pub name: String,

@@ -80,7 +80,7 @@ struct Head {
 }
 
 /// The folder of a finished study.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Finished<'a> {
     /// The folder.
     pub folder: &'a Path,

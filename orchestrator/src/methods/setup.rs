@@ -110,7 +110,7 @@ impl Place<'_> {
 }
 
 /// The processes of a run, and how many points they compute at a time.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub struct Work<'a> {
     /// The processes and their limits.
     pub means: &'a Means,

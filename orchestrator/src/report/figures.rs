@@ -190,7 +190,7 @@ fn bars(counts: &[usize], frame: &Frame, range: [f64; 2], filled: bool) -> Strin
 }
 
 /// A quantity over time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Series {
     /// The variable's name.
     pub name: String,

@@ -7,7 +7,7 @@ use result_document::{
 };
 
 /// A measured curve on the model's time, in the criterion's unit.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Measured {
     /// Times, s, ascending.
     pub time: Vec<f64>,

@@ -32,7 +32,7 @@ use point_journal::files::write_json;
 use study::plan::Plan;
 
 /// The runs that are to be made once more.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Wish {
     /// So many points at the most.
     pub most: usize,

@@ -158,7 +158,6 @@ fn types<M: Model>(xml: &mut Xml, version: Version) {
 }
 
 /// The attributes that variables of all types have.
-#[derive(Clone, Copy)]
 struct Head<'a> {
     name: &'a str,
     reference: usize,

@@ -44,7 +44,6 @@ pub fn wrong_type<M>(version: Version, variable: &Variable<M>, asked: &'static s
 pub const TIME: ValueReference = i32::MAX as ValueReference;
 
 /// The kinds of variables that a function for whole numbers takes.
-#[derive(Clone, Copy)]
 pub struct Whole {
     integers: bool,
     items: bool,

@@ -6,7 +6,7 @@ use conformity::uncertainty::Uncertainty;
 use fmu_import::Description;
 
 /// A criterion whose error follows from others'.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Derived {
     /// Its number.
     number: usize,

@@ -20,7 +20,6 @@ pub const TOLERANCE: f64 = 0.05;
 pub const SMALL: f64 = 0.01;
 
 /// What a variable did, in its own unit.
-#[derive(Debug)]
 pub struct Signal<'a> {
     pub(super) variable: &'a Variable,
     pub(super) least: f64,

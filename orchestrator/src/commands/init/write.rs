@@ -23,7 +23,6 @@ const FEWEST_PARAMETERS: usize = 5;
 const CRITERIA: usize = 3;
 
 /// A study to be written.
-#[derive(Debug)]
 pub struct Study<'a> {
     pub(super) fmu: &'a Description,
     /// The FMU's path, as seen from the study.
@@ -36,7 +35,6 @@ pub struct Study<'a> {
 }
 
 /// The lines of the criteria, and how many criteria these are.
-#[derive(Debug)]
 pub struct Criteria {
     lines: Vec<String>,
     /// What drives the model as it was measured.
@@ -47,7 +45,6 @@ pub struct Criteria {
 }
 
 /// In what unit people read a variable.
-#[derive(Clone, Copy, Debug)]
 struct View<'a> {
     unit: Option<&'a str>,
     to_variable: Conversion,
@@ -77,7 +74,6 @@ fn rounded(value: f64) -> f64 {
 }
 
 /// A parameter's range in the unit in which people read it.
-#[derive(Debug)]
 pub struct Shown<'a> {
     view: View<'a>,
     ends: [f64; 2],
