@@ -7,14 +7,14 @@ use fmu_import::Version;
 use roxmltree::Node;
 
 use crate::{
-    document::{Document, Scalar, at, elements, named},
+    document::{Document, Scalar, at, elements, named, tag},
     hit::Hit,
 };
 
 /// Of each parent the first element that has an attribute's value of an earlier one: of several attributes, the first by
 /// which two are alike. `path` leads from the root to the elements, with `*` for those of any name.
 pub fn alike(document: &Document<'_>, path: &'static str, attributes: &[&'static str]) -> Vec<Hit> {
-    let is = |node: &Node<'_, '_>, step: &str| step == "*" || node.tag_name().name() == step;
+    let is = |node: &Node<'_, '_>, step: &str| step == "*" || tag(*node) == step;
     let mut steps = path.split('/');
     let last = steps.next_back().unwrap_or_default();
     steps
@@ -36,7 +36,7 @@ pub fn factors(document: &Document<'_>) -> Vec<Hit> {
         .flat_map(elements)
         .filter_map(|node| {
             let nothing = node.attribute("factor")?.trim().parse::<f64>() == Ok(0.0);
-            let element = node.tag_name().name();
+            let element = tag(node);
             let text = format!("{element}: factor is 0: nothing can be converted with it");
             nothing.then(|| at(node, text))
         })
@@ -92,7 +92,7 @@ fn twice<'a>(nodes: impl Iterator<Item = Node<'a, 'a>>, attribute: &str) -> Opti
     let mut seen = HashSet::new();
     let mut known = nodes.filter_map(|node| Some((node, node.attribute(attribute)?)));
     let (node, value) = known.find(|(_, value)| !seen.insert(*value))?;
-    let element = node.tag_name().name();
+    let element = tag(node);
     Some(at(node, format!("a second `{element}` with {attribute}=\"{value}\": rename or remove it")))
 }
 

@@ -146,6 +146,11 @@ fn starts_of_lines(text: &str) -> Vec<usize> {
     std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect()
 }
 
+/// The name of an element's kind.
+pub fn tag<'a>(node: Node<'a, '_>) -> &'a str {
+    node.tag_name().name()
+}
+
 /// A finding at an element.
 pub fn at(node: Node<'_, '_>, text: impl Into<String>) -> Hit {
     Hit { position: Some(node.range().start), ..Hit::of(NAME, text) }
@@ -169,11 +174,11 @@ impl<'a> Scalar<'a> {
     fn new(version: Version, node: Node<'a, 'a>, position: usize) -> Option<Self> {
         let types = ["Real", "Integer", "Boolean", "String", "Enumeration"];
         let typed = match version {
-            Version::Two => elements(node).find(|child| types.contains(&child.tag_name().name()))?,
+            Version::Two => elements(node).find(|child| types.contains(&tag(*child)))?,
             Version::Three => node,
         };
         let causality = node.attribute("causality").unwrap_or("local");
-        let usual = match (causality, typed.tag_name().name()) {
+        let usual = match (causality, tag(typed)) {
             ("parameter" | "calculatedParameter" | "structuralParameter", _) if version == Version::Three => "fixed",
             (_, "Real" | "Float32" | "Float64") => "continuous",
             // The default of FMI 2.0 is continuous, which only a Real can be; tools mean discrete.
@@ -198,7 +203,7 @@ impl<'a> Scalar<'a> {
 
     /// The name of its type, such as `Real` or `Float64`.
     pub(crate) fn kind(&self) -> &'a str {
-        self.typed.tag_name().name()
+        tag(self.typed)
     }
 
     /// Where its value is; enumerations are integers to calls.

@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use roxmltree::Node;
 
 use crate::{
-    document::{Document, at, elements},
+    document::{Document, at, elements, tag},
     hit::Hit,
 };
 use fmu_import::Version;
@@ -67,7 +67,7 @@ pub fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
             let (foreign, attribute) = (attribute.namespace().is_some(), attribute.name());
             if foreign || known(attributes).all(|known| known != attribute) {
                 let meant = did_you_mean(nearest(attribute, known(attributes)));
-                let name = node.tag_name().name();
+                let name = tag(node);
                 hits.push(at(
                     node,
                     format!("`{name}` has no attribute `{attribute}` in FMI {version}: remove it{meant}"),
@@ -81,7 +81,7 @@ pub fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
 pub fn missing_attributes(document: &Document<'_>) -> Vec<Hit> {
     visit(document, |node, (_, attributes, _), hits| {
         for attribute in missing(attributes).filter(|wanted| !node.has_attribute(*wanted)) {
-            let name = node.tag_name().name();
+            let name = tag(node);
             hits.push(at(node, format!("`{name}` needs the attribute `{attribute}`: add it")));
         }
     })
@@ -92,14 +92,14 @@ pub fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
     let version = document.read.standard.number();
     visit(document, |node, (_, _, children), hits| {
         for child in node.children().filter(Node::is_element) {
-            let inner = child.tag_name().name();
+            let inner = tag(child);
             let foreign = child.tag_name().namespace().is_some();
             let strange = foreign || known(children).all(|known| known != inner);
             if children != ANYTHING && strange {
                 let meant = did_you_mean(nearest(inner, known(children)));
                 hits.push(at(child, format!(
                     "`{}` has no element `{inner}` in FMI {version}: remove it, or put it into an annotation{meant}",
-                    node.tag_name().name()
+                    tag(node)
                 )));
             }
         }
@@ -115,7 +115,7 @@ pub fn text(document: &Document<'_>) -> Vec<Hit> {
             .filter_map(|text| Some(text.text()?.trim()))
             .find(|text| !text.is_empty());
         if let Some(stray) = stray.filter(|_| children != ANYTHING) {
-            hits.push(at(node, format!("the text `{}` in `{}`: remove it", start_of(stray), node.tag_name().name())));
+            hits.push(at(node, format!("the text `{}` in `{}`: remove it", start_of(stray), tag(node))));
         }
     })
 }
@@ -134,8 +134,8 @@ fn start_of(text: &str) -> String {
 pub fn missing_elements(document: &Document<'_>) -> Vec<Hit> {
     visit(document, |node, (_, _, children), hits| {
         for wanted in missing(children) {
-            if elements(node).all(|child| child.tag_name().name() != wanted) {
-                let name = node.tag_name().name();
+            if elements(node).all(|child| tag(child) != wanted) {
+                let name = tag(node);
                 hits.push(at(node, format!("`{name}` needs the element `{wanted}`: add it")));
             }
         }
@@ -161,7 +161,7 @@ pub fn empty_lists(document: &Document<'_>) -> Vec<Hit> {
                 "SimpleType/Enumeration" => "add its items",
                 _ => "remove it, or add one",
             };
-            let list = node.tag_name().name();
+            let list = tag(node);
             hits.push(at(node, format!("`{list}` has no `{inner}` in it: {remedy}")));
         }
     })
@@ -245,12 +245,12 @@ fn visit(document: &Document<'_>, mut look: impl FnMut(Node<'_, '_>, Element, &m
     let mut hits = Vec::new();
     let mut open = vec![(document.root, "")];
     while let Some((node, parent)) = open.pop() {
-        let Some(element) = element(document.read.standard, parent, node.tag_name().name()) else { continue };
+        let Some(element) = element(document.read.standard, parent, tag(node)) else { continue };
         look(node, element, &mut hits);
-        let inner = elements(node)
-            .filter(|child| element.2 != ANYTHING && known(element.2).any(|known| known == child.tag_name().name()));
+        let inner =
+            elements(node).filter(|child| element.2 != ANYTHING && known(element.2).any(|known| known == tag(*child)));
         let begin = open.len();
-        open.extend(inner.map(|child| (child, node.tag_name().name())));
+        open.extend(inner.map(|child| (child, tag(node))));
         open[begin..].reverse();
     }
     hits
@@ -268,7 +268,7 @@ fn disordered(version: Version, node: Node<'_, '_>, children: &'static str) -> O
     };
     let mut last: Option<usize> = None;
     elements(node).find_map(|child| {
-        let name = child.tag_name().name();
+        let name = tag(child);
         let place = order.iter().position(|known| *known == name)?;
         let wrong = match last {
             Some(before) if TYPES.contains(&name) && TYPES.contains(&order[before]) => {

@@ -10,7 +10,7 @@ pub(crate) use variables::{
 use roxmltree::Node;
 
 use crate::{
-    document::{Document, Scalar, at, elements, named},
+    document::{Document, Scalar, at, elements, named, tag},
     hit::Hit,
 };
 
@@ -51,7 +51,7 @@ pub fn empty_names(document: &Document<'_>) -> Vec<Hit> {
         .descendants()
         .filter(|node| node.attribute("name").is_some_and(str::is_empty))
         .map(|node| {
-            let element = node.tag_name().name();
+            let element = tag(node);
             at(node, format!("{element}: an empty name: give it one"))
         })
         .collect()
@@ -208,7 +208,7 @@ pub fn structure(document: &Document<'_>) -> Vec<Hit> {
     named(document.root, "ModelStructure")
         .flat_map(elements)
         .filter_map(|node| {
-            let kind = node.tag_name().name();
+            let kind = tag(node);
             let Some(of) = reference(node).filter(|of| known.contains(of)) else {
                 return Some(at(node, format!("{kind} refers to no variable: correct its valueReference")));
             };

@@ -4,7 +4,7 @@ use fmu_import::Version;
 
 use crate::{
     combinations,
-    document::{Document, Scalar},
+    document::{Document, Scalar, tag},
     hit::Hit,
 };
 use fmu_points::names::{did_you_mean, nearest};
@@ -124,7 +124,7 @@ pub fn undeclared(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String
 /// Types of another kind.
 pub fn mistyped(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
     let wanted = scalar.kind();
-    let kind = document.declared(scalar)?.tag_name().name();
+    let kind = tag(document.declared(scalar)?);
     let name = scalar.typed.attribute("declaredType")?;
     (kind != wanted).then(|| {
         format!("declaredType \"{name}\" is a type of {kind}, but the variable is {wanted}: use a type of {wanted}")

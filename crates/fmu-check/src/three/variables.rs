@@ -9,7 +9,7 @@ use fmu_import::{Interface, Version};
 use super::{listed, reference};
 use crate::{
     combinations,
-    document::{Document, Scalar, at, elements, named},
+    document::{Document, Scalar, at, elements, named, tag},
     hit::Hit,
     variables::is_clear,
 };
@@ -144,24 +144,22 @@ pub fn structure(document: &Document<'_>) -> Vec<Hit> {
     let mut seen = HashSet::new();
     let second = all
         .iter()
+        .copied()
         .find(|node| {
-            let of = reference(**node);
-            of.is_some_and(|of| !seen.insert((node.tag_name().name(), of)))
+            let of = reference(*node);
+            of.is_some_and(|of| !seen.insert((tag(*node), of)))
         })
         .map(|node| {
-            let kind = node.tag_name().name();
+            let kind = tag(node);
             let of = node.attribute("valueReference").unwrap_or_default();
-            at(*node, format!("a second {kind} {of}: remove it"))
+            at(node, format!("a second {kind} {of}: remove it"))
         });
-    let counts = all.iter().filter_map(|node| {
+    let counts = all.iter().filter_map(|&node| {
         let kinds = node.attribute("dependenciesKind")?;
         let count = |text: Option<&str>| text.unwrap_or_default().split_whitespace().count();
         let (kinds, dependencies) = (count(Some(kinds)), count(node.attribute("dependencies")));
-        let text = format!(
-            "{} has {dependencies} dependencies and {kinds} kinds of them: give one each",
-            node.tag_name().name()
-        );
-        (kinds != dependencies).then(|| at(*node, text))
+        let text = format!("{} has {dependencies} dependencies and {kinds} kinds of them: give one each", tag(node));
+        (kinds != dependencies).then(|| at(node, text))
     });
     second.into_iter().chain(counts).collect()
 }
