@@ -23,13 +23,12 @@ pub struct Concern {
 
 impl Concern {
     /// A doubt of a kind, which decides how far it touches the verdict.
-    pub fn new(code: Code, text: impl Into<String>) -> Self {
+    pub fn new(code: Code, text: impl fmt::Display) -> Self {
         let severity = match code {
             Code::ManySteps | Code::NotCompared | Code::NotReRun => Severity::Note,
             _ => Severity::Warning,
         };
-        let text = text.into();
-        Self { code, severity, text, remedy: None }
+        Self { code, severity, text: text.to_string(), remedy: None }
     }
 
     /// The same with what to do about it.
