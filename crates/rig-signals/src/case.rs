@@ -9,6 +9,7 @@ use super::{
     thin::{Polyline, polyline},
     uncertainty::from_bound,
 };
+use sampling::statistics::moments::sorted;
 
 /// Settings by which a recording becomes a case.
 pub struct Frame<'a> {
@@ -262,8 +263,7 @@ impl<'a> Case<'a> {
             }
             files.push((Self::file(place), text));
         }
-        let mut times: Vec<f64> = self.inputs.iter().flat_map(|input| input.line.time.clone()).collect();
-        times.sort_by(f64::total_cmp);
+        let mut times = sorted(self.inputs.iter().flat_map(|input| input.line.time.clone()).collect());
         times.dedup();
         if !times.is_empty() {
             let mut text = head(self.inputs.iter().map(|input| cell(&input.drive.variable)).collect());
@@ -378,13 +378,7 @@ impl<'a> Case<'a> {
         let criterion = self.result.findings.iter().find(|c| c.name == channel.name);
         let steady = criterion
             .and_then(|criterion| criterion.stationarity.as_ref())
-            .map(|s| {
-                let (word, change) = (if s.steady() { "steady" } else { "drifting" }, s.change);
-                format!(
-                    "# {word}: change over the window {:.2e} ({:.2e} to {:.2e}) {}\n",
-                    change.value, change.low, change.high, channel.unit
-                )
-            })
+            .map(|s| format!("{}\n", s.comment("drifting", &channel.unit)))
             .unwrap_or_default();
         let mut uncertainty = known(channel);
         let noise = criterion.and_then(|criterion| criterion.noise);
@@ -513,7 +507,7 @@ fn about(noise: Noise, unit: &str) -> String {
 }
 
 /// A text of TOML.
-fn quoted(text: &str) -> String {
+pub fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }
 

@@ -61,8 +61,7 @@ impl Spline {
         if let Some(w) = time.windows(2).find(|w| w[1] <= w[0]) {
             return Err(SignalError::Unsorted { name: name.into(), time: w[1] });
         }
-        let mut steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
-        steps.sort_by(f64::total_cmp);
+        let steps = sorted(time.windows(2).map(|w| w[1] - w[0]).collect());
         let longest = longest_gap * steps[steps.len() / 2];
         if let Some(w) = time.windows(2).find(|w| w[1] - w[0] > longest) {
             return Err(SignalError::Gap { name: name.into(), from: w[0], to: w[1] });

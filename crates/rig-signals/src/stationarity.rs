@@ -37,6 +37,15 @@ impl Stationarity {
     pub fn steady(&self) -> bool {
         !self.trend && !self.drift
     }
+
+    /// A line of a file of TOML about it, with the word for a signal that is not steady.
+    pub fn comment(&self, otherwise: &str, unit: &str) -> String {
+        let (word, change) = (if self.steady() { "steady" } else { otherwise }, self.change);
+        format!(
+            "# {word}: change over the window {:.2e} ({:.2e} to {:.2e}) {unit}",
+            change.value, change.low, change.high
+        )
+    }
 }
 
 /// Means of equal blocks of `length` samples; a rest at the end is left out.

@@ -11,7 +11,7 @@ use fmu_import::{
     units::Conversion,
 };
 use fmu_points::{
-    task::{Case as Simulation, Probe, Slot},
+    task::{Case as Simulation, Probe, Slot, Task},
     tell,
 };
 use indexmap::IndexMap;
@@ -75,6 +75,11 @@ impl Bound {
     /// When a name, a unit, a number or a column does not fit.
     pub fn new(study: &Study, settings: &Identification, fmu: &Description) -> Result<Self> {
         Binder { study, settings, fmu, table: CaseTable::read(study, settings)? }.bind()
+    }
+
+    /// What is simulated in the cases.
+    pub fn tasks(&self) -> impl Iterator<Item = &Task> {
+        self.simulations.iter().map(|simulation| &simulation.task)
     }
 
     /// Lets a variable take a value of each query.

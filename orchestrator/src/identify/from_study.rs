@@ -533,8 +533,7 @@ impl Unknowns<'_> {
     fn bind(&self, bound: &mut Bound) -> Result {
         let named = self.study.parameters.keys().zip(&self.plan.inputs).zip(&self.plan.slots);
         for ((name, input), slot) in named.clone() {
-            let is_free = self.settings.free.contains_key(name.as_ref().as_str());
-            if let (Distribution::Fixed { value }, false) = (&input.distribution, is_free) {
+            if let (Distribution::Fixed { value }, false) = (&input.distribution, self.is_free(name)) {
                 bound.known[0].push(input.conversion.value(*value));
                 bound.vary(slot.clone());
             }
@@ -545,8 +544,7 @@ impl Unknowns<'_> {
             self.add(bound, name, free, input.slot, input.scale.conversion)?;
         }
         for ((name, input), slot) in named {
-            let is_free = self.settings.free.contains_key(name.as_ref().as_str());
-            if is_free || !input.distribution.varies() {
+            if self.is_free(name) || !input.distribution.varies() {
                 continue;
             }
             if !self.settings.free.is_empty() {
@@ -566,6 +564,11 @@ impl Unknowns<'_> {
         } else {
             Ok(())
         }
+    }
+
+    /// Whether a name stands under `[identify.free]`.
+    fn is_free(&self, name: &Name) -> bool {
+        self.settings.free.contains_key(name.as_ref().as_str())
     }
 
     /// Adds an unknown, or one for each case.
@@ -600,11 +603,9 @@ impl Unknowns<'_> {
 
     /// A parameter may be free too: then it is sought between other bounds than it is drawn from.
     fn refuse_doubles(&self) -> Result {
-        let free = || self.settings.free.keys();
-        let is_free = |name: &Name| self.settings.free.contains_key(name.as_ref().as_str());
         for (_, study) in self.study.by_case() {
-            let others = study.set().filter(|(name, section)| *section != "[parameters]" || !is_free(name));
-            let names = free().map(|name| (name, "[identify.free]"));
+            let others = study.set().filter(|(name, section)| *section != "[parameters]" || !self.is_free(name));
+            let names = self.settings.free.keys().map(|name| (name, "[identify.free]"));
             self.study.once(self.fmu, others.chain(names))?;
         }
         Ok(())

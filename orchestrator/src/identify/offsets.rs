@@ -53,14 +53,16 @@ pub(super) fn add(study: &Study, plan: &Plan, bound: &mut Bound) -> Result {
 
 /// What a misfit may come from where recorded inputs are held for whole steps.
 pub fn held(bound: &Bound) -> Option<String> {
-    let tasks = || bound.simulations.iter().map(|simulation| &simulation.task);
     let is_held = |series: &&Series| {
         let moves = series.values.iter().any(|value| *value != series.values[0]);
         moves && !series.hold && !series.ramp
     };
-    let names: IndexSet<&str> =
-        tasks().flat_map(|task| task.inputs.iter().filter(is_held)).map(|series| series.slot.name.as_str()).collect();
-    let step = tasks().map(|task| task.schedule.step).reduce(f64::max)?;
+    let names: IndexSet<&str> = bound
+        .tasks()
+        .flat_map(|task| task.inputs.iter().filter(is_held))
+        .map(|series| series.slot.name.as_str())
+        .collect();
+    let step = bound.tasks().map(|task| task.schedule.step).reduce(f64::max)?;
     (!names.is_empty()).then(|| {
         format!(
             "{} is held for each step of {step} s, so the model sees it half a step late on average, and an output that follows it \

@@ -6,6 +6,7 @@ use conformity::conclusion::grouped;
 use curves::{Kind, Metric};
 use parameter_regions::table::{CriterionColumn, PointTable};
 use result_document::format::{dash, number};
+use sampling::statistics::moments::sorted;
 use serde::Serialize;
 
 #[derive(Default, Serialize)]
@@ -125,7 +126,7 @@ fn interval([low, high]: [f64; 2], unit: &str) -> String {
 
 /// The median deviation of the points that fail a criterion, in units of its tolerance.
 fn median_miss(criterion: &CriterionColumn) -> Option<f64> {
-    let mut misses: Vec<f64> = criterion
+    let misses = criterion
         .values
         .iter()
         .zip(&criterion.ok)
@@ -133,6 +134,6 @@ fn median_miss(criterion: &CriterionColumn) -> Option<f64> {
         .map(|(value, _)| criterion.deviation(*value))
         .filter(|miss| !miss.is_nan())
         .collect();
-    misses.sort_by(f64::total_cmp);
+    let misses = sorted(misses);
     misses.get(misses.len() / 2).copied()
 }

@@ -181,15 +181,14 @@ struct Known {
 fn of_inputs(bound: &Bound, fmu: &Description) -> Vec<Known> {
     /// So large a part is as odd as the whole of what was stated of another.
     const ODD: f64 = 0.02;
-    let tasks = || bound.simulations.iter().map(|simulation| &simulation.task);
     let mut all: Vec<Known> = Vec::new();
-    for series in tasks().flat_map(|task| &task.inputs) {
+    for series in bound.tasks().flat_map(|task| &task.inputs) {
         let handle = series.slot.handle;
         let is_unknown = |slot: &Slot| slot.handle == handle;
         let is_told = all.iter().any(|known| known.slot.handle == handle);
         if is_told
-            || !tasks().all(|task| task.inputs.iter().any(|other| other.slot.handle == handle))
-            || tasks().flat_map(|task| &task.varied).any(is_unknown)
+            || !bound.tasks().all(|task| task.inputs.iter().any(|other| other.slot.handle == handle))
+            || bound.tasks().flat_map(|task| &task.varied).any(is_unknown)
         {
             continue;
         }
@@ -221,9 +220,9 @@ fn of_inputs(bound: &Bound, fmu: &Description) -> Vec<Known> {
 /// The real parameters and start values of the FMU that the study does not vary.
 fn found(bound: &Bound, fmu: &Description) -> Vec<Known> {
     const ODD: f64 = 0.05;
-    let tasks = || bound.simulations.iter().map(|simulation| &simulation.task);
-    let mut seen: BTreeSet<u32> = tasks().flat_map(|task| &task.varied).map(|slot| slot.handle.reference).collect();
-    seen.extend(tasks().flat_map(|task| &task.inputs).map(|series| series.slot.handle.reference));
+    let mut seen: BTreeSet<u32> =
+        bound.tasks().flat_map(|task| &task.varied).map(|slot| slot.handle.reference).collect();
+    seen.extend(bound.tasks().flat_map(|task| &task.inputs).map(|series| series.slot.handle.reference));
     let mut all = of_inputs(bound, fmu);
     for variable in fmu.variables.values() {
         let Some(slot) = Slot::of(variable).filter(|slot| slot.handle.content == Content::Real) else { continue };
@@ -235,7 +234,7 @@ fn found(bound: &Bound, fmu: &Description) -> Vec<Known> {
             _ => None,
         };
         let start = variable.kind.start();
-        let mut values = tasks().map(|task| task.fixed.iter().find_map(fixed).or(start));
+        let mut values = bound.tasks().map(|task| task.fixed.iter().find_map(fixed).or(start));
         let Some(Some(value)) = values.next() else { continue };
         if values.any(|other| other != Some(value)) {
             continue;

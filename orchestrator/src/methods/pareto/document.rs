@@ -8,6 +8,7 @@ use result_document::{
     svg::{Frame, area, circle, path},
     words,
 };
+use sampling::statistics::moments::sorted;
 
 /// Most pairs of criteria that are drawn.
 const MOST_PLOTS: usize = 6;
@@ -78,8 +79,7 @@ fn plots(result: &Pareto) -> Vec<Figure> {
 
 /// End of an axis: it covers the tolerance and all of the front but its outermost twentieth.
 fn end(result: &Pareto, k: usize) -> f64 {
-    let mut values: Vec<f64> = result.front.iter().map(|m| m.deviations[k]).collect();
-    values.sort_by(f64::total_cmp);
+    let values = sorted(result.front.iter().map(|m| m.deviations[k]).collect());
     let most = values.get(values.len() * 19 / 20).copied().unwrap_or(1.0);
     (1.08 * most).clamp(1.2, 4.0)
 }
