@@ -12,15 +12,15 @@ use fmu_import::{Description, Version, description::About};
 pub const NAME: &str = "modelDescription.xml";
 
 /// A model description, as it is written and as it was read.
-pub(crate) struct Document<'a> {
-    pub(crate) root: Node<'a, 'a>,
+pub struct Document<'a> {
+    pub root: Node<'a, 'a>,
     /// The variables in their order, which `ModelStructure` counts; none where one cannot be read.
-    pub(crate) scalars: Vec<Option<Scalar<'a>>>,
+    pub scalars: Vec<Option<Scalar<'a>>>,
     /// The element of each type definition, in FMI 2.0 `Real` for instance, by its name.
-    pub(crate) types: HashMap<&'a str, Node<'a, 'a>>,
-    pub(crate) read: &'a Description,
+    pub types: HashMap<&'a str, Node<'a, 'a>>,
+    pub read: &'a Description,
     /// The first names of the variables, by what names of one variable share.
-    pub(crate) aliases: HashMap<Place<'a>, Firsts>,
+    pub aliases: HashMap<Place<'a>, Firsts>,
     /// Where each line begins, bytes.
     lines: Vec<usize>,
 }
@@ -56,7 +56,7 @@ fn note(firsts: &mut Firsts, scalar: &Scalar<'_>, document: &Document<'_>) {
 }
 
 impl<'a> Document<'a> {
-    pub(crate) fn new(root: Node<'a, 'a>, read: &'a Description) -> Self {
+    pub fn new(root: Node<'a, 'a>, read: &'a Description) -> Self {
         let version = read.standard;
         let scalars: Vec<Option<Scalar<'a>>> = named(root, "ModelVariables")
             .flat_map(elements)
@@ -83,14 +83,14 @@ impl<'a> Document<'a> {
     }
 
     /// Gives a finding its line.
-    pub(crate) fn locate(&self, hit: &mut Hit) {
+    pub fn locate(&self, hit: &mut Hit) {
         if let Some(position) = hit.position {
             hit.line.get_or_insert(self.line(position));
         }
     }
 
     /// The remarks of the reader on a part of the description.
-    pub(crate) fn remarks(&self, about: About) -> Vec<Hit> {
+    pub fn remarks(&self, about: About) -> Vec<Hit> {
         self.read
             .remarks
             .iter()
@@ -100,27 +100,27 @@ impl<'a> Document<'a> {
     }
 
     /// The line of a position, from 1.
-    pub(crate) fn line(&self, position: usize) -> usize {
+    pub fn line(&self, position: usize) -> usize {
         self.lines.partition_point(|start| *start <= position)
     }
 
     /// The variables that can be read.
-    pub(crate) fn known(&self) -> impl Iterator<Item = &Scalar<'a>> {
+    pub fn known(&self) -> impl Iterator<Item = &Scalar<'a>> {
         self.scalars.iter().flatten()
     }
 
     /// A finding at each variable where `wrong` says something.
-    pub(crate) fn of_each(&self, wrong: impl Fn(&Scalar<'a>) -> Option<String>) -> Vec<Hit> {
+    pub fn of_each(&self, wrong: impl Fn(&Scalar<'a>) -> Option<String>) -> Vec<Hit> {
         self.known().filter_map(|scalar| Some(scalar.finding(wrong(scalar)?))).collect()
     }
 
     /// All elements of one kind within the lists of another.
-    pub(crate) fn all(&self, list: &'static str, of: &'static str) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
+    pub fn all(&self, list: &'static str, of: &'static str) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
         named(self.root, list).flat_map(move |list| named(list, of))
     }
 
     /// The fault of a unit that is not defined.
-    pub(crate) fn undefined_unit(&self, unit: &str) -> Option<String> {
+    pub fn undefined_unit(&self, unit: &str) -> Option<String> {
         self.read
             .units
             .0
@@ -130,13 +130,13 @@ impl<'a> Document<'a> {
     }
 
     /// The definition of a variable's declared type.
-    pub(crate) fn declared(&self, scalar: &Scalar<'_>) -> Option<Node<'a, 'a>> {
+    pub fn declared(&self, scalar: &Scalar<'_>) -> Option<Node<'a, 'a>> {
         let name = scalar.typed.attribute("declaredType")?;
         self.types.get(name).copied()
     }
 
     /// An attribute of a variable's type: its own, or else that of its declared type.
-    pub(crate) fn effective(&self, scalar: &Scalar<'a>, name: &str) -> Option<&'a str> {
+    pub fn effective(&self, scalar: &Scalar<'a>, name: &str) -> Option<&'a str> {
         scalar.typed.attribute(name).or_else(|| self.declared(scalar)?.attribute(name))
     }
 }
@@ -157,17 +157,17 @@ pub fn at(node: Node<'_, '_>, text: impl Into<String>) -> Hit {
 }
 
 /// A variable as it is written.
-pub(crate) struct Scalar<'a> {
-    pub(crate) node: Node<'a, 'a>,
+pub struct Scalar<'a> {
+    pub node: Node<'a, 'a>,
     /// The element of its type: in FMI 2.0 `Real` for instance, in FMI 3.0 that of the variable.
-    pub(crate) typed: Node<'a, 'a>,
+    pub typed: Node<'a, 'a>,
     /// Its place among the variables, from 0.
-    pub(crate) position: usize,
-    pub(crate) name: &'a str,
-    pub(crate) causality: &'a str,
-    pub(crate) variability: &'a str,
+    pub position: usize,
+    pub name: &'a str,
+    pub causality: &'a str,
+    pub variability: &'a str,
     /// As written, or as the standard has it for the causality and variability; empty where there is none.
-    pub(crate) initial: &'a str,
+    pub initial: &'a str,
 }
 
 impl<'a> Scalar<'a> {
@@ -202,12 +202,12 @@ impl<'a> Scalar<'a> {
     }
 
     /// The name of its type, such as `Real` or `Float64`.
-    pub(crate) fn kind(&self) -> &'a str {
+    pub fn kind(&self) -> &'a str {
         tag(self.typed)
     }
 
     /// Where its value is; enumerations are integers to calls.
-    pub(crate) fn place(&self) -> Option<Place<'a>> {
+    pub fn place(&self) -> Option<Place<'a>> {
         let base = match self.kind() {
             "Enumeration" => "Integer",
             kind => kind,
@@ -215,21 +215,21 @@ impl<'a> Scalar<'a> {
         Some((base, self.node.attribute("valueReference")?.trim()))
     }
 
-    pub(crate) fn is_float(&self) -> bool {
+    pub fn is_float(&self) -> bool {
         matches!(self.kind(), "Real" | "Float32" | "Float64")
     }
 
-    pub(crate) fn start(&self) -> Option<&'a str> {
+    pub fn start(&self) -> Option<&'a str> {
         self.typed.attribute("start")
     }
 
     /// Whether an importer may set it freely.
-    pub(crate) fn is_settable(&self) -> bool {
+    pub fn is_settable(&self) -> bool {
         matches!(self.causality, "parameter" | "input")
     }
 
     /// A finding at this variable.
-    pub(crate) fn finding(&self, text: impl Display) -> Hit {
+    pub fn finding(&self, text: impl Display) -> Hit {
         at(self.node, format!("{}: {text}", self.name))
     }
 }

@@ -14,8 +14,8 @@ use fmu_import::{Description, FmuError, Interface, Package, Version};
 
 /// Faults of the files, and whether this machine's binary has one.
 pub struct Faults {
-    pub(crate) findings: Vec<Breach>,
-    pub(crate) fatal: bool,
+    pub findings: Vec<Breach>,
+    pub fatal: bool,
 }
 
 /// A platform: the folder, and the format and machine of its binaries.

@@ -26,9 +26,9 @@ struct Member<'a> {
 /// Parameters that are drawn together.
 pub struct Together {
     /// The sample.
-    pub(super) joint: Joint,
+    pub joint: Joint,
     /// The distribution of each by itself, with its place among the parameters.
-    pub(super) alone: Vec<(usize, Distribution)>,
+    pub alone: Vec<(usize, Distribution)>,
 }
 
 /// Reads the samples of a study for its parameters: those from one file are drawn together.

@@ -66,7 +66,7 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
 }
 
 /// Effective degrees of freedom; with so many the distribution is normal.
-pub(super) fn of_freedom(freedom: f64) -> String {
+pub fn of_freedom(freedom: f64) -> String {
     const MANY: f64 = 1000.0;
     if freedom > MANY { "over 1,000".to_owned() } else { number(freedom, 2) }
 }

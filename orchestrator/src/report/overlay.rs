@@ -28,12 +28,12 @@ impl Measured {
     }
 
     /// All values that a picture must have room for.
-    pub(super) fn extremes(&self) -> Vec<f64> {
+    pub fn extremes(&self) -> Vec<f64> {
         self.values.iter().copied().chain(self.edges().into_iter().flatten().flatten()).collect()
     }
 
     /// The band, the curve, and its first and last time, between which the model is judged.
-    pub(super) fn draw(&self, frame: &Frame) -> String {
+    pub fn draw(&self, frame: &Frame) -> String {
         let mut out = String::new();
         if let Some([low, high]) = self.edges() {
             out += &frame.band(&self.time, [&low, &high]);
@@ -47,7 +47,7 @@ impl Measured {
     }
 
     /// The model's deviations from the measurement over the time of the run, with the band around zero.
-    pub(super) fn residuals(&self, name: &str, unit: &str, time: &[f64], model: &[f64]) -> Option<String> {
+    pub fn residuals(&self, name: &str, unit: &str, time: &[f64], model: &[f64]) -> Option<String> {
         let curve = Curve::new(time.to_vec(), model.to_vec()).ok()?;
         let [start, end] = curve.span();
         let deviations: Vec<f64> = self

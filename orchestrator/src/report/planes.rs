@@ -11,10 +11,10 @@ pub const PLANES: usize = 4;
 /// A plane of two columns.
 #[derive(Serialize)]
 pub struct Plane {
-    pub(super) x: usize,
-    pub(super) y: usize,
-    pub(super) title: String,
-    pub(super) svg: String,
+    pub x: usize,
+    pub y: usize,
+    pub title: String,
+    pub svg: String,
 }
 
 /// The planes to start with: neighbouring criteria of every group, then the criteria left over in

@@ -40,7 +40,7 @@ pub fn check_variable(study: &Study, text: &CriterionText, variable: Option<&Var
 
 impl Judge {
     /// Reads what is required of the model as a whole, once the criteria are known.
-    pub(super) fn add_requirements(&mut self, study: &Study) -> Result {
+    pub fn add_requirements(&mut self, study: &Study) -> Result {
         self.measurement = self.correlated(study)?;
         if let Some(required) = &study.verdict {
             self.rule = Some(rule(study, required.as_ref())?);

@@ -14,14 +14,14 @@ use number_tables::{Table, recorded::RecordedTable};
 /// The columns of a table of measured values that are outputs of the FMU.
 #[derive(Debug)]
 pub struct Measured<'a> {
-    pub(super) file: PathBuf,
+    pub file: PathBuf,
     /// The column of the time; where there is none, the rows are single readings.
-    pub(super) time: Option<String>,
+    pub time: Option<String>,
     /// The first and the last time, s.
-    pub(super) span: Option<[f64; 2]>,
-    pub(super) columns: Vec<Column<'a>>,
+    pub span: Option<[f64; 2]>,
+    pub columns: Vec<Column<'a>>,
     /// The columns that are inputs of the FMU: over time, or one value for each row, which is an operating point then.
-    pub(super) inputs: Vec<Column<'a>>,
+    pub inputs: Vec<Column<'a>>,
     /// Names of the others, each with the reason.
     left: Vec<(String, String)>,
 }
@@ -29,10 +29,10 @@ pub struct Measured<'a> {
 /// A column of measured values.
 #[derive(Debug)]
 pub struct Column<'a> {
-    pub(super) header: String,
-    pub(super) unit: Option<String>,
-    pub(super) variable: &'a Variable,
-    pub(super) values: Vec<f64>,
+    pub header: String,
+    pub unit: Option<String>,
+    pub variable: &'a Variable,
+    pub values: Vec<f64>,
 }
 
 impl<'a> Measured<'a> {

@@ -21,10 +21,10 @@ pub const SMALL: f64 = 0.01;
 
 /// What a variable did, in its own unit.
 pub struct Signal<'a> {
-    pub(super) variable: &'a Variable,
-    pub(super) least: f64,
-    pub(super) most: f64,
-    pub(super) is_finite: bool,
+    pub variable: &'a Variable,
+    pub least: f64,
+    pub most: f64,
+    pub is_finite: bool,
     last: f64,
     mean: Accumulator,
     rms: Accumulator,

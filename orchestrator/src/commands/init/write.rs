@@ -24,14 +24,14 @@ const CRITERIA: usize = 3;
 
 /// A study to be written.
 pub struct Study<'a> {
-    pub(super) fmu: &'a Description,
+    pub fmu: &'a Description,
     /// The FMU's path, as seen from the study.
-    pub(super) path: PathBuf,
-    pub(super) schedule: Schedule,
-    pub(super) parameters: Vec<(&'a Variable, Shown<'a>)>,
+    pub path: PathBuf,
+    pub schedule: Schedule,
+    pub parameters: Vec<(&'a Variable, Shown<'a>)>,
     /// Start values of the user's.
-    pub(super) set: Vec<(&'a Variable, String)>,
-    pub(super) criteria: Criteria,
+    pub set: Vec<(&'a Variable, String)>,
+    pub criteria: Criteria,
 }
 
 /// The lines of the criteria, and how many criteria these are.

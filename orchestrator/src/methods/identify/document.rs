@@ -30,9 +30,9 @@ const MANY_CASES: usize = 6;
 
 /// An identification for its page.
 pub struct Page<'a> {
-    pub(super) title: &'a str,
-    pub(super) bound: &'a Bound,
-    pub(super) outcome: &'a IdentificationOutcome,
+    pub title: &'a str,
+    pub bound: &'a Bound,
+    pub outcome: &'a IdentificationOutcome,
 }
 
 /// Quantities that were measured together, in all cases.
