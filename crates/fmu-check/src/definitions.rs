@@ -174,7 +174,7 @@ pub fn reinit(document: &Document<'_>) -> Vec<Hit> {
     let is_exchange =
         document.read.standard == Version::Three || named(document.root, "ModelExchange").next().is_some();
     document.of_each(|scalar| {
-        let is_state = number(scalar).is_some_and(|number| states.contains(&number));
+        let is_state = number(&scalar).is_some_and(|number| states.contains(&number));
         (is_exchange && scalar.typed.has_attribute("reinit") && !is_state)
             .then(|| "it has the attribute reinit, but is no continuous-time state: remove it".to_owned())
     })

@@ -1,6 +1,6 @@
 //! `modelDescription.xml` as the rules see it: its elements with their lines, its variables in their order.
 
-use std::{collections::HashMap, fmt::Display};
+use std::{collections::HashMap, fmt::Display, ops::Deref};
 
 use roxmltree::Node;
 
@@ -41,14 +41,14 @@ pub enum Sort {
 pub type Firsts = [Option<usize>; 5];
 
 /// Notes a further name of a variable.
-fn note(firsts: &mut Firsts, scalar: &Scalar<'_>, document: &Document<'_>) {
+fn note(firsts: &mut Firsts, scalar: Variable<'_>) {
     for sort in [Sort::Any, Sort::Settable, Sort::Independent, Sort::Started, Sort::WithUnit] {
         let is = match sort {
             Sort::Any => true,
             Sort::Settable => scalar.is_settable(),
             Sort::Independent => scalar.causality == "independent",
             Sort::Started => scalar.start().is_some(),
-            Sort::WithUnit => document.effective(scalar, "unit").is_some(),
+            Sort::WithUnit => scalar.effective("unit").is_some(),
         };
         let first = &mut firsts[sort as usize];
         *first = first.or(is.then_some(scalar.position));
@@ -73,9 +73,9 @@ impl<'a> Document<'a> {
         let lines = starts_of_lines(root.document().input_text());
         let mut document = Self { root, scalars, types, read, aliases: HashMap::new(), lines };
         let mut aliases: HashMap<Place<'a>, Firsts> = HashMap::new();
-        for scalar in document.scalars.iter().flatten() {
+        for scalar in document.known() {
             if let Some(place) = scalar.place() {
-                note(aliases.entry(place).or_default(), scalar, &document);
+                note(aliases.entry(place).or_default(), document.variable(scalar));
             }
         }
         document.aliases = aliases;
@@ -110,8 +110,13 @@ impl<'a> Document<'a> {
     }
 
     /// A finding at each variable where `wrong` says something.
-    pub fn of_each(&self, wrong: impl Fn(&Scalar<'a>) -> Option<String>) -> Vec<Hit> {
-        self.known().filter_map(|scalar| Some(scalar.finding(wrong(scalar)?))).collect()
+    pub fn of_each(&self, wrong: impl Fn(Variable<'_>) -> Option<String>) -> Vec<Hit> {
+        self.known().filter_map(|scalar| Some(scalar.finding(wrong(self.variable(scalar))?))).collect()
+    }
+
+    /// One of its variables.
+    pub fn variable<'s>(&'s self, scalar: &'s Scalar<'a>) -> Variable<'s> {
+        Variable { scalar, document: self }
     }
 
     /// All elements of one kind within the lists of another.
@@ -128,16 +133,38 @@ impl<'a> Document<'a> {
             .is_none()
             .then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
     }
+}
 
-    /// The definition of a variable's declared type.
-    pub fn declared(&self, scalar: &Scalar<'_>) -> Option<Node<'a, 'a>> {
-        let name = scalar.typed.attribute("declaredType")?;
-        self.types.get(name).copied()
+/// A variable within its document.
+#[derive(Clone, Copy)]
+pub struct Variable<'a> {
+    scalar: &'a Scalar<'a>,
+    pub document: &'a Document<'a>,
+}
+
+impl<'a> Deref for Variable<'a> {
+    type Target = Scalar<'a>;
+
+    fn deref(&self) -> &Scalar<'a> {
+        self.scalar
+    }
+}
+
+impl<'a> Variable<'a> {
+    /// The same as it was read.
+    pub fn read(&self) -> Option<&'a fmu_import::Variable> {
+        self.document.read.variables.get(self.name)
     }
 
-    /// An attribute of a variable's type: its own, or else that of its declared type.
-    pub fn effective(&self, scalar: &Scalar<'a>, name: &str) -> Option<&'a str> {
-        scalar.typed.attribute(name).or_else(|| self.declared(scalar)?.attribute(name))
+    /// The definition of its declared type.
+    pub fn declared(&self) -> Option<Node<'a, 'a>> {
+        let name = self.typed.attribute("declaredType")?;
+        self.document.types.get(name).copied()
+    }
+
+    /// An attribute of its type: its own, or else that of its declared type.
+    pub fn effective(&self, name: &str) -> Option<&'a str> {
+        self.typed.attribute(name).or_else(|| self.declared()?.attribute(name))
     }
 }
 

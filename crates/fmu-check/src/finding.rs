@@ -4,7 +4,7 @@ use fmu_import::description::About;
 use serde::Serialize;
 
 use crate::{
-    document::{Document, Scalar},
+    document::{Document, Variable},
     hit::Hit,
 };
 
@@ -55,13 +55,13 @@ pub(crate) enum Find {
     /// Looks at one of FMI 3.0.
     Three(fn(&Document<'_>) -> Vec<Hit>),
     /// Looks at one variable of FMI 3.0.
-    Each(fn(&Scalar<'_>, &Document<'_>) -> Option<String>),
+    Each(fn(Variable<'_>) -> Option<String>),
     /// Looks at a whole one of either version.
     Either(fn(&Document<'_>) -> Vec<Hit>),
     /// The reader of the model description remarks on it.
     Remark(About),
     /// Looks at one variable of FMI 2.0. Of all such rules the first that finds something counts: others would only repeat it.
-    Variable(fn(&Scalar<'_>, &Document<'_>) -> Option<String>),
+    Variable(fn(Variable<'_>) -> Option<String>),
     /// The archive or a simulation shows it while it is looked at.
     Elsewhere,
 }

@@ -1,7 +1,7 @@
 //! Names of variables (FMI 2.0.5, section 2.2.9).
 
 use crate::{
-    document::{Document, Scalar, at},
+    document::{Document, Scalar, Variable, at},
     hit::Hit,
 };
 
@@ -14,7 +14,7 @@ pub fn convention(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Names of which nothing can be made: empty ones, and such with line breaks or tabs.
-pub fn legal(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub fn legal(scalar: Variable<'_>) -> Option<String> {
     if scalar.name.is_empty() {
         return Some("an empty name: give the variable a name".to_owned());
     }
@@ -22,8 +22,8 @@ pub fn legal(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
 }
 
 /// Derivatives, by their structured names, that are no Reals.
-pub fn of_real(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let structured = document.root.attribute("variableNamingConvention") == Some("structured");
+pub fn of_real(scalar: Variable<'_>) -> Option<String> {
+    let structured = scalar.document.root.attribute("variableNamingConvention") == Some("structured");
     let derivative = structured && scalar.name.starts_with("der(") && scalar.kind() != "Real";
     derivative
         .then(|| format!("the name is the one of a derivative, which is a Real, not {}: rename it", scalar.kind()))

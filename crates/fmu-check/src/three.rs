@@ -10,7 +10,7 @@ pub(crate) use variables::{
 use roxmltree::Node;
 
 use crate::{
-    document::{Document, Scalar, at, elements, named, tag},
+    document::{Document, Scalar, Variable, at, elements, named, tag},
     hit::Hit,
 };
 
@@ -57,9 +57,9 @@ pub fn empty_names(document: &Document<'_>) -> Vec<Hit> {
         .collect()
 }
 
-pub fn unusable(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn unusable(scalar: Variable<'_>) -> Option<String> {
     // Unknown types and sizes, and clocks without event mode, are errors of other rules.
-    let why = document.read.unusable.get(scalar.name);
+    let why = scalar.document.read.unusable.get(scalar.name);
     let why = why.filter(|why| why.contains("more than"))?;
     Some(format!("it cannot be set or judged here: {why}"))
 }
@@ -90,7 +90,7 @@ pub fn independent(document: &Document<'_>) -> Vec<Hit> {
     Vec::from_iter((!is_right).then(|| one.finding(text)))
 }
 
-pub fn starts(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub fn starts(scalar: Variable<'_>) -> Option<String> {
     let Scalar { node, causality, initial, .. } = *scalar;
     // The time has a rule of its own.
     if scalar.kind() == "Clock" || causality == "independent" {
@@ -192,7 +192,7 @@ pub fn outputs(document: &Document<'_>) -> Vec<Hit> {
         document.known().filter(|scalar| is_output(scalar)).filter_map(|one| reference(one.node)).collect();
     let missing = document.of_each(|scalar| {
         let listed = reference(scalar.node).is_some_and(|of| list.contains(&of));
-        let missing = is_output(scalar) && !listed;
+        let missing = is_output(&scalar) && !listed;
         missing.then(|| "ModelStructure has no Output for it: add it".to_owned())
     });
     let known = known(document);

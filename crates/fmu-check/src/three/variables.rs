@@ -4,27 +4,27 @@ use std::collections::{HashMap, HashSet};
 
 use roxmltree::Node;
 
-use fmu_import::{Interface, Version};
+use fmu_import::Interface;
 
 use super::{listed, reference};
 use crate::{
     combinations,
-    document::{Document, Scalar, at, elements, named, tag},
+    document::{Document, Scalar, Variable, at, elements, named, tag},
     hit::Hit,
     variables::is_clear,
 };
 
 /// The table of combinations of causality and variability.
-pub fn variabilities(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub fn variabilities(scalar: Variable<'_>) -> Option<String> {
     let (causality, variability) = (scalar.causality, scalar.variability);
     let allowed = combinations::variabilities(causality);
-    if is_clear(scalar, Version::Three) && !allowed.contains(&variability) {
+    if is_clear(scalar) && !allowed.contains(&variability) {
         let instead = allowed.join(" or ");
         return Some(format!(
             "causality {causality} and variability {variability} do not go together: set variability to {instead}"
         ));
     }
-    if is_clocked(scalar) && variability == "continuous" {
+    if is_clocked(&scalar) && variability == "continuous" {
         return Some("a clocked variable changes at ticks only: set variability to discrete".to_owned());
     }
     let kind = scalar.kind();
@@ -34,7 +34,7 @@ pub fn variabilities(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
 }
 
 /// Numbers that the schema takes and no model can start from.
-pub fn not_finite(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub fn not_finite(scalar: Variable<'_>) -> Option<String> {
     let wrong = scalar.start().filter(|_| scalar.is_float())?.split_whitespace().find(|text| {
         let value = text.parse::<f64>();
         value.is_ok_and(|value| !value.is_finite())
@@ -88,7 +88,7 @@ pub fn timing(document: &Document<'_>) -> Vec<Hit> {
         .filter(|_| !has_event_mode)
         .map(|clock| clock.finding("Co-Simulation with clocks needs event mode: set hasEventMode to true"));
     let wrong = document.of_each(|scalar| {
-        let given = |name| document.effective(scalar, name);
+        let given = |name| scalar.effective(name);
         let kind = given("intervalVariability").filter(|_| scalar.kind() == "Clock")?;
         let is_input = scalar.causality == "input";
         if !is_input && kind != "triggered" {
@@ -122,7 +122,7 @@ pub fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
     let missing = document.of_each(|scalar| {
         let of = reference(scalar.node)?;
         // A clock has no value before the first event.
-        let missing = scalar.kind() != "Clock" && is_wanted(scalar, of) && !list.contains(&of);
+        let missing = scalar.kind() != "Clock" && is_wanted(&scalar, of) && !list.contains(&of);
         missing.then(|| "ModelStructure has no InitialUnknown for it: add it".to_owned())
     });
     let surplus = listed(document, "InitialUnknown").filter_map(|node| {
