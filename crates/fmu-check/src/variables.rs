@@ -77,8 +77,7 @@ pub fn initial(scalar: Variable<'_>) -> Option<String> {
 /// Start values that must be there.
 pub fn startless(scalar: Variable<'_>) -> Option<String> {
     let reason = needs_start(scalar)?;
-    (scalar.start().is_none() && is_clear(scalar))
-        .then(|| format!("no start value, which {reason} needs: add start"))
+    (scalar.start().is_none() && is_clear(scalar)).then(|| format!("no start value, which {reason} needs: add start"))
 }
 
 /// Start values that must not be there.
