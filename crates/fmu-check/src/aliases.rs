@@ -4,12 +4,12 @@
 use crate::document::{Firsts, Sort, Variable};
 
 /// Only one of them can be set, and have a start value; they agree in constancy.
-pub fn alias(scalar: Variable<'_>) -> Option<String> {
+pub fn alias(scalar: Variable) -> Option<String> {
     let earlier = Earlier::of(scalar)?;
     let first = earlier.first(Sort::Any)?;
     let when = |is: bool, sort| earlier.first(sort).filter(|_| is);
     let (settable, independent) = (scalar.is_settable(), scalar.causality == "independent");
-    let constant = |scalar: Variable<'_>| scalar.variability == "constant";
+    let constant = |scalar: Variable| scalar.variability == "constant";
     let (other, wrong) = if let Some(other) = when(settable, Sort::Settable) {
         (other, "and both can be set")
     } else if let Some(other) = when(independent, Sort::Settable) {
@@ -30,7 +30,7 @@ pub fn alias(scalar: Variable<'_>) -> Option<String> {
 }
 
 /// They agree in their unit, too.
-pub fn unit(scalar: Variable<'_>) -> Option<String> {
+pub fn unit(scalar: Variable) -> Option<String> {
     let earlier = Earlier::of(scalar)?;
     let other = earlier.first(Sort::WithUnit)?;
     let [one, two] = [other, scalar].map(|scalar| scalar.effective("unit"));
@@ -38,7 +38,7 @@ pub fn unit(scalar: Variable<'_>) -> Option<String> {
 }
 
 /// One of them with a unit and another without.
-pub fn without_unit(scalar: Variable<'_>) -> Option<String> {
+pub fn without_unit(scalar: Variable) -> Option<String> {
     let earlier = Earlier::of(scalar)?;
     let other = earlier.first(Sort::Any)?;
     let [one, two] = [other, scalar].map(|scalar| scalar.effective("unit").is_some());
@@ -49,7 +49,7 @@ pub fn without_unit(scalar: Variable<'_>) -> Option<String> {
 }
 
 /// They may change at the same times.
-pub fn variability(scalar: Variable<'_>) -> Option<String> {
+pub fn variability(scalar: Variable) -> Option<String> {
     let earlier = Earlier::of(scalar)?;
     let other = earlier.first(Sort::Any)?;
     let (reference, one, two) = (earlier.reference, other.variability, scalar.variability);
@@ -82,7 +82,7 @@ impl<'a> Earlier<'a> {
         (first.name != self.scalar.name).then_some(document.variable(first))
     }
 
-    fn clash(&self, other: Variable<'_>, wrong: &str) -> String {
+    fn clash(&self, other: Variable, wrong: &str) -> String {
         format!(
             "valueReference {} is {}'s, too, {wrong}: give one of them a valueReference of its own",
             self.reference, other.name

@@ -41,7 +41,7 @@ pub enum Sort {
 pub type Firsts = [Option<usize>; 5];
 
 /// Notes a further name of a variable.
-fn note(firsts: &mut Firsts, scalar: Variable<'_>) {
+fn note(firsts: &mut Firsts, scalar: Variable) {
     for sort in [Sort::Any, Sort::Settable, Sort::Independent, Sort::Started, Sort::WithUnit] {
         let is = match sort {
             Sort::Any => true,
@@ -110,7 +110,7 @@ impl<'a> Document<'a> {
     }
 
     /// A finding at each variable where `wrong` says something.
-    pub fn of_each(&self, wrong: impl Fn(Variable<'_>) -> Option<String>) -> Vec<Hit> {
+    pub fn of_each(&self, wrong: impl Fn(Variable) -> Option<String>) -> Vec<Hit> {
         self.known().filter_map(|scalar| Some(scalar.finding(wrong(self.variable(scalar))?))).collect()
     }
 
@@ -179,7 +179,7 @@ pub fn tag<'a>(node: Node<'a, '_>) -> &'a str {
 }
 
 /// A finding at an element.
-pub fn at(node: Node<'_, '_>, text: impl Into<String>) -> Hit {
+pub fn at(node: Node, text: impl Into<String>) -> Hit {
     Hit { position: Some(node.range().start), ..Hit::of(NAME, text) }
 }
 

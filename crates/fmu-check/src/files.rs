@@ -230,8 +230,8 @@ fn sound(
 }
 
 /// The names that a library exports.
-fn exports(file: &object::File<'_>) -> object::Result<HashSet<String>> {
-    let name = |export: object::Export<'_>| match export.name() {
+fn exports(file: &object::File) -> object::Result<HashSet<String>> {
+    let name = |export: object::Export| match export.name() {
         NameOrOrdinal::Name(name) => String::from_utf8_lossy(name).into_owned(),
         NameOrOrdinal::Ordinal(_) => String::new(),
     };

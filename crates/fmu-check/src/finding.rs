@@ -51,17 +51,17 @@ pub struct Rule {
 #[derive(Debug)]
 pub(crate) enum Find {
     /// Looks at the whole model description of FMI 2.0.
-    Document(fn(&Document<'_>) -> Vec<Hit>),
+    Document(fn(&Document) -> Vec<Hit>),
     /// Looks at one of FMI 3.0.
-    Three(fn(&Document<'_>) -> Vec<Hit>),
+    Three(fn(&Document) -> Vec<Hit>),
     /// Looks at one variable of FMI 3.0.
-    Each(fn(Variable<'_>) -> Option<String>),
+    Each(fn(Variable) -> Option<String>),
     /// Looks at a whole one of either version.
-    Either(fn(&Document<'_>) -> Vec<Hit>),
+    Either(fn(&Document) -> Vec<Hit>),
     /// The reader of the model description remarks on it.
     Remark(About),
     /// Looks at one variable of FMI 2.0. Of all such rules the first that finds something counts: others would only repeat it.
-    Variable(fn(Variable<'_>) -> Option<String>),
+    Variable(fn(Variable) -> Option<String>),
     /// The archive or a simulation shows it while it is looked at.
     Elsewhere,
 }

@@ -6,7 +6,7 @@ use crate::{
 };
 
 /// A naming convention that is none.
-pub fn convention(document: &Document<'_>) -> Vec<Hit> {
+pub fn convention(document: &Document) -> Vec<Hit> {
     let other =
         document.root.attribute("variableNamingConvention").filter(|word| !["flat", "structured"].contains(word));
     let text = |word: &str| format!("variableNamingConvention is \"{word}\": it is flat or structured");
@@ -14,7 +14,7 @@ pub fn convention(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Names of which nothing can be made: empty ones, and such with line breaks or tabs.
-pub fn legal(scalar: Variable<'_>) -> Option<String> {
+pub fn legal(scalar: Variable) -> Option<String> {
     if scalar.name.is_empty() {
         return Some("an empty name: give the variable a name".to_owned());
     }
@@ -22,7 +22,7 @@ pub fn legal(scalar: Variable<'_>) -> Option<String> {
 }
 
 /// Derivatives, by their structured names, that are no Reals.
-pub fn of_real(scalar: Variable<'_>) -> Option<String> {
+pub fn of_real(scalar: Variable) -> Option<String> {
     let structured = scalar.document.root.attribute("variableNamingConvention") == Some("structured");
     let derivative = structured && scalar.name.starts_with("der(") && scalar.kind() != "Real";
     derivative
@@ -30,13 +30,13 @@ pub fn of_real(scalar: Variable<'_>) -> Option<String> {
 }
 
 /// The first name that the naming convention does not allow.
-pub fn structured(document: &Document<'_>) -> Vec<Hit> {
+pub fn structured(document: &Document) -> Vec<Hit> {
     let convention = document.root.attribute("variableNamingConvention");
     if convention != Some("structured") {
         return Vec::new();
     }
-    let strange = |scalar: &&Scalar<'_>| scalar.node.has_attribute("name") && !is_structured(scalar.name);
-    let strange: Vec<&Scalar<'_>> = document.known().filter(strange).collect();
+    let strange = |scalar: &&Scalar| scalar.node.has_attribute("name") && !is_structured(scalar.name);
+    let strange: Vec<&Scalar> = document.known().filter(strange).collect();
     let more = match strange.len() {
         0 | 1 => String::new(),
         count => format!(" (nor are {} more)", count - 1),

@@ -385,7 +385,7 @@ fn first(outcome: &Outcome) -> Option<&Run> {
 
 /// The variable of those that change much which changes most on average, where that is no matter of single moments: a jump that
 /// comes a step later. Then it is a warning.
-fn much(changes: Vec<Change<'_>>) -> Option<(&'static str, String)> {
+fn much(changes: Vec<Change>) -> Option<(&'static str, String)> {
     const MUCH: f64 = 0.01;
     let Change { name, most, mean } =
         changes.into_iter().filter(|change| change.most > MUCH).max_by(|a, b| a.mean.total_cmp(&b.mean))?;

@@ -53,7 +53,7 @@ fn in_file(
     package: &mut Package,
     file: &str,
     rule: &'static str,
-    look: impl FnOnce(Node<'_, '_>) -> Vec<String>,
+    look: impl FnOnce(Node) -> Vec<String>,
 ) -> Result<Vec<Breach>, FmuError> {
     if !package.entries().iter().any(|entry| entry == file) {
         return Ok(Vec::new());
@@ -74,7 +74,7 @@ fn in_file(
 }
 
 /// The breaches of the manifest's schema.
-fn manifest(root: Node<'_, '_>) -> Vec<String> {
+fn manifest(root: Node) -> Vec<String> {
     if !root.has_tag_name("fmiReferences") {
         return vec![format!("`{}` instead of `fmiReferences`", tag(root))];
     }
@@ -84,7 +84,7 @@ fn manifest(root: Node<'_, '_>) -> Vec<String> {
 }
 
 /// The breaches in an element of a depth and in those within it.
-fn element(node: Node<'_, '_>, depth: usize, wrong: &mut Vec<String>) {
+fn element(node: Node, depth: usize, wrong: &mut Vec<String>) {
     let (attributes, inner) = LEVELS[depth];
     let name = tag(node);
     let given: Vec<(String, &str)> = node
@@ -129,7 +129,7 @@ fn is_role(text: &str) -> bool {
 }
 
 /// Children that the schema does not know: after those of one name may come one `Annotations`, and no text.
-fn children(node: Node<'_, '_>, name: &str, wrong: &mut Vec<String>) {
+fn children(node: Node, name: &str, wrong: &mut Vec<String>) {
     let element = tag(node);
     let mut ended = name.is_empty();
     for child in node.children() {

@@ -48,7 +48,7 @@ fn element(version: Version, parent: &str, name: &str) -> Option<Element> {
 const TYPES: [&str; 5] = ["Real", "Integer", "Boolean", "String", "Enumeration"];
 
 /// A namespace that the elements of FMI have not.
-pub fn namespace(document: &Document<'_>) -> Vec<Hit> {
+pub fn namespace(document: &Document) -> Vec<Hit> {
     let space = document.root.tag_name().namespace();
     let version = document.read.standard.number();
     let text = |space: &str| format!("the namespace \"{space}\": the elements of FMI {version} have none, remove it");
@@ -59,7 +59,7 @@ pub fn namespace(document: &Document<'_>) -> Vec<Hit> {
 const INSTANCE: &str = "http://www.w3.org/2001/XMLSchema-instance";
 
 /// Attributes that are none of FMI.
-pub fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
+pub fn unknown_attributes(document: &Document) -> Vec<Hit> {
     let version = document.read.standard.number();
     visit(document, |node, (_, attributes, _), hits| {
         let given = node.attributes().filter(|a| a.namespace() != Some(INSTANCE));
@@ -78,7 +78,7 @@ pub fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Attributes that must be there.
-pub fn missing_attributes(document: &Document<'_>) -> Vec<Hit> {
+pub fn missing_attributes(document: &Document) -> Vec<Hit> {
     visit(document, |node, (_, attributes, _), hits| {
         for attribute in missing(attributes).filter(|wanted| !node.has_attribute(*wanted)) {
             let name = tag(node);
@@ -88,7 +88,7 @@ pub fn missing_attributes(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Elements that are none of FMI.
-pub fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
+pub fn unknown_elements(document: &Document) -> Vec<Hit> {
     let version = document.read.standard.number();
     visit(document, |node, (_, _, children), hits| {
         for child in node.children().filter(Node::is_element) {
@@ -107,7 +107,7 @@ pub fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Text between elements.
-pub fn text(document: &Document<'_>) -> Vec<Hit> {
+pub fn text(document: &Document) -> Vec<Hit> {
     visit(document, |node, (_, _, children), hits| {
         let stray = node
             .children()
@@ -131,7 +131,7 @@ fn start_of(text: &str) -> String {
 }
 
 /// Elements that must be there.
-pub fn missing_elements(document: &Document<'_>) -> Vec<Hit> {
+pub fn missing_elements(document: &Document) -> Vec<Hit> {
     visit(document, |node, (_, _, children), hits| {
         for wanted in missing(children) {
             if elements(node).all(|child| tag(child) != wanted) {
@@ -143,7 +143,7 @@ pub fn missing_elements(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Elements in another order than the schema's, or twice.
-pub fn order(document: &Document<'_>) -> Vec<Hit> {
+pub fn order(document: &Document) -> Vec<Hit> {
     visit(document, |node, (_, _, children), hits| {
         if children != ANYTHING {
             let version = document.read.standard;
@@ -153,7 +153,7 @@ pub fn order(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Lists in which there is nothing.
-pub fn empty_lists(document: &Document<'_>) -> Vec<Hit> {
+pub fn empty_lists(document: &Document) -> Vec<Hit> {
     visit(document, |node, (name, _, children), hits| {
         let inner = children.strip_suffix('+');
         if let Some(inner) = inner.filter(|_| elements(node).next().is_none()) {
@@ -168,7 +168,7 @@ pub fn empty_lists(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Type definitions without a type.
-pub fn typeless(document: &Document<'_>) -> Vec<Hit> {
+pub fn typeless(document: &Document) -> Vec<Hit> {
     document
         .all("TypeDefinitions", "SimpleType")
         .filter(|node| elements(*node).next().is_none())
@@ -177,7 +177,7 @@ pub fn typeless(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Values that are not of their attribute's type, where nobody else reads them.
-pub fn values(document: &Document<'_>) -> Vec<Hit> {
+pub fn values(document: &Document) -> Vec<Hit> {
     let mut wrong = visit(document, |node, (element, attributes, _), hits| {
         let typed =
             TYPED.iter().filter(|(elements, ..)| elements.is_empty() || elements.split(' ').any(|one| one == element));
@@ -241,7 +241,7 @@ fn missing(list: &'static str) -> impl Iterator<Item = &'static str> {
 }
 
 /// Hands over all elements that the standard knows, and their descriptions.
-fn visit(document: &Document<'_>, mut look: impl FnMut(Node<'_, '_>, Element, &mut Vec<Hit>)) -> Vec<Hit> {
+fn visit(document: &Document, mut look: impl FnMut(Node, Element, &mut Vec<Hit>)) -> Vec<Hit> {
     let mut hits = Vec::new();
     let mut open = vec![(document.root, "")];
     while let Some((node, parent)) = open.pop() {
@@ -257,7 +257,7 @@ fn visit(document: &Document<'_>, mut look: impl FnMut(Node<'_, '_>, Element, &m
 }
 
 /// The first child that comes after one that it must come before, or comes a second time.
-fn disordered(version: Version, node: Node<'_, '_>, children: &'static str) -> Option<Hit> {
+fn disordered(version: Version, node: Node, children: &'static str) -> Option<Hit> {
     if children.ends_with('~') {
         return None;
     }

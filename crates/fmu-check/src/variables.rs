@@ -10,19 +10,19 @@ use crate::{
 use fmu_points::names::{did_you_mean, nearest};
 
 /// Whether the words are known. The reader remarks on others, and nothing follows from them.
-pub fn is_clear(scalar: Variable<'_>) -> bool {
+pub fn is_clear(scalar: Variable) -> bool {
     combinations::are_known(scalar.document.read.standard, scalar.causality, scalar.variability)
 }
 
 /// There can be one independent variable.
-pub fn independents(document: &Document<'_>) -> Vec<Hit> {
+pub fn independents(document: &Document) -> Vec<Hit> {
     let mut all = document.known().filter(|s| s.causality == "independent");
     let text = "a second independent variable: there can be one, the time";
     Vec::from_iter(all.nth(1).map(|scalar| scalar.finding(text)))
 }
 
 /// The combination of causality and variability (section 2.2.7, the table of allowed combinations).
-pub fn kind(scalar: Variable<'_>) -> Option<String> {
+pub fn kind(scalar: Variable) -> Option<String> {
     let (causality, variability) = (scalar.causality, scalar.variability);
     let article = match causality {
         "input" | "output" | "independent" => "an",
@@ -34,7 +34,7 @@ pub fn kind(scalar: Variable<'_>) -> Option<String> {
 }
 
 /// Only a Real is continuous, and the time is a Real.
-pub fn continuous(scalar: Variable<'_>) -> Option<String> {
+pub fn continuous(scalar: Variable) -> Option<String> {
     let kind = scalar.kind();
     if kind == "Real" {
         return None;
@@ -48,7 +48,7 @@ pub fn continuous(scalar: Variable<'_>) -> Option<String> {
 }
 
 /// The default is continuous, which only a Real can be; tools mean discrete.
-pub fn variability_missing(scalar: Variable<'_>) -> Option<String> {
+pub fn variability_missing(scalar: Variable) -> Option<String> {
     let kind = scalar.kind();
     let missing = kind != "Real" && !scalar.node.has_attribute("variability");
     missing.then(|| {
@@ -57,7 +57,7 @@ pub fn variability_missing(scalar: Variable<'_>) -> Option<String> {
 }
 
 /// Allowed values of `initial` (section 2.2.7, the table of allowed combinations; FMI 3.0.2, section 2.4.7).
-pub fn initial(scalar: Variable<'_>) -> Option<String> {
+pub fn initial(scalar: Variable) -> Option<String> {
     let Scalar { node, causality, variability, initial, .. } = *scalar;
     let version = scalar.document.read.standard;
     let initials = combinations::initials(version, causality, variability);
@@ -75,13 +75,13 @@ pub fn initial(scalar: Variable<'_>) -> Option<String> {
 }
 
 /// Start values that must be there.
-pub fn startless(scalar: Variable<'_>) -> Option<String> {
+pub fn startless(scalar: Variable) -> Option<String> {
     let reason = needs_start(scalar)?;
     (scalar.start().is_none() && is_clear(scalar)).then(|| format!("no start value, which {reason} needs: add start"))
 }
 
 /// Start values that must not be there.
-pub fn started(scalar: Variable<'_>) -> Option<String> {
+pub fn started(scalar: Variable) -> Option<String> {
     if scalar.start().is_none() || needs_start(scalar).is_some() || !is_clear(scalar) {
         return None;
     }
@@ -98,7 +98,7 @@ pub fn started(scalar: Variable<'_>) -> Option<String> {
 }
 
 /// Why a variable needs a start value.
-fn needs_start(scalar: Variable<'_>) -> Option<String> {
+fn needs_start(scalar: Variable) -> Option<String> {
     Some(match (scalar.causality, scalar.initial) {
         ("input", _) => "every input".to_owned(),
         ("parameter", _) => "every parameter".to_owned(),
@@ -109,7 +109,7 @@ fn needs_start(scalar: Variable<'_>) -> Option<String> {
 }
 
 /// Types that are declared nowhere.
-pub fn undeclared(scalar: Variable<'_>) -> Option<String> {
+pub fn undeclared(scalar: Variable) -> Option<String> {
     let name = scalar.typed.attribute("declaredType")?;
     let known = || scalar.document.types.keys().copied();
     (!scalar.document.types.contains_key(name)).then(|| {
@@ -121,7 +121,7 @@ pub fn undeclared(scalar: Variable<'_>) -> Option<String> {
 }
 
 /// Types of another kind.
-pub fn mistyped(scalar: Variable<'_>) -> Option<String> {
+pub fn mistyped(scalar: Variable) -> Option<String> {
     let wanted = scalar.kind();
     let kind = tag(scalar.declared()?);
     let name = scalar.typed.attribute("declaredType")?;
@@ -131,7 +131,7 @@ pub fn mistyped(scalar: Variable<'_>) -> Option<String> {
 }
 
 /// `derivative` is the index of the continuous Real of which this is the derivative.
-pub fn derivative(scalar: Variable<'_>) -> Option<String> {
+pub fn derivative(scalar: Variable) -> Option<String> {
     let scalars = &scalar.document.scalars;
     let text = scalar.typed.attribute("derivative")?;
     let index = text.trim().parse::<usize>().ok();

@@ -221,7 +221,7 @@ impl<'a> Case<'a> {
     }
 
     /// What the reader must know of an input's times.
-    fn times_of(&self, input: &Input<'_>) -> Vec<String> {
+    fn times_of(&self, input: &Input) -> Vec<String> {
         let name = &input.drive.variable;
         let first = input.line.time.first().map_or(0.0, |first| first - self.begin);
         let late = (first > 0.0 && (0..self.tables.len()).any(|table| self.span(table)[0] < first - input.step()))
@@ -294,7 +294,7 @@ impl<'a> Case<'a> {
 
     /// The case as TOML. The tolerances are the user's to add, where the settings have none: no recording knows how far the
     /// model may be off.
-    pub fn to_toml(&self, frame: &Frame<'_>) -> String {
+    pub fn to_toml(&self, frame: &Frame) -> String {
         let mut out = match self.recording.start {
             None => "# Times count from the first row of the recording.\n".to_owned(),
             Some(start) => format!("# The model starts at {start} s of the recording.\n"),
@@ -350,7 +350,7 @@ impl<'a> Case<'a> {
     }
 
     /// By how much a curve is late, s.
-    fn late(&self, curve: &Measured<'_>, frame: &Frame<'_>) -> f64 {
+    fn late(&self, curve: &Measured, frame: &Frame) -> f64 {
         let late = match curve.delay.and_then(|delay| delay.delay) {
             Some(delay) => delay.value - frame.lag,
             None => 0.0,
@@ -361,7 +361,7 @@ impl<'a> Case<'a> {
 
     /// By how much a curve may be later than it is taken to be, to either side, s. Its standard uncertainty comes from few
     /// blocks, so the range is wide; a delay without an interval may be any that was searched.
-    fn reach(&self, curve: &Measured<'_>) -> f64 {
+    fn reach(&self, curve: &Measured) -> f64 {
         const DEVIATIONS: f64 = 10.0;
         let Some(delay) = curve.delay.filter(|delay| delay.delay.is_some()) else {
             return 0.0;
@@ -372,7 +372,7 @@ impl<'a> Case<'a> {
         (reach * 1e7).round() / 1e7
     }
 
-    fn criterion(&self, curve: &Measured<'_>, frame: &Frame<'_>) -> String {
+    fn criterion(&self, curve: &Measured, frame: &Frame) -> String {
         let channel = curve.channel;
         let (name, unit) = (quoted(&channel.name), quoted(&channel.unit));
         let criterion = self.result.findings.iter().find(|c| c.name == channel.name);

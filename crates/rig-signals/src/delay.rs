@@ -97,7 +97,7 @@ const USUAL_SPREAD: f64 = 0.005;
 ///
 /// # Errors
 /// When the record is too short.
-pub fn find(pair: Pair<'_>, longest: f64, turn: Option<f64>) -> Result<Delay, SignalError> {
+pub fn find(pair: Pair, longest: f64, turn: Option<f64>) -> Result<Delay, SignalError> {
     let step = pair.load.step;
     let reach = longest / step;
     let least = (2.0 * reach).max(turn.map_or(0.0, |turn| turn / step));

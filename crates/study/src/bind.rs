@@ -220,7 +220,7 @@ impl Binder<'_> {
         &self,
         name: &Name,
         text: &CriterionText,
-        scale: &Scale<'_>,
+        scale: &Scale,
         handle: &Handle,
         schedule: &Schedule,
     ) -> Result<Option<Arc<MeasuredCurve>>> {

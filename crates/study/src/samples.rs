@@ -36,7 +36,7 @@ pub struct Together {
 /// # Errors
 /// With the place in the study, when a file cannot be read, has no such column, or has it in another unit.
 pub fn read(study: &Study, inputs: &[Input]) -> Result<Vec<Together>> {
-    let mut files: IndexMap<PathBuf, (&Spanned<PathBuf>, Vec<Member<'_>>)> = IndexMap::new();
+    let mut files: IndexMap<PathBuf, (&Spanned<PathBuf>, Vec<Member>)> = IndexMap::new();
     for (index, (name, text)) in study.parameters.iter().enumerate() {
         if text.distribution != Shape::Sample {
             continue;
@@ -48,9 +48,9 @@ pub fn read(study: &Study, inputs: &[Input]) -> Result<Vec<Together>> {
     files.into_values().map(|(file, members)| together(study, file, &members, inputs)).collect()
 }
 
-fn together(study: &Study, file: &Spanned<PathBuf>, members: &[Member<'_>], inputs: &[Input]) -> Result<Together> {
+fn together(study: &Study, file: &Spanned<PathBuf>, members: &[Member], inputs: &[Input]) -> Result<Together> {
     let path = study.path_of(file.as_ref());
-    let column = |member: &Member<'_>| {
+    let column = |member: &Member| {
         let name = member.name.as_ref();
         let column = member.text.column.as_ref().unwrap_or(name);
         number_tables::column(column, format!("the parameter {name}"))

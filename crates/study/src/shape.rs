@@ -24,7 +24,7 @@ impl ParameterText {
     }
 
     /// The distribution in the study's unit.
-    pub fn distribution(&self, scale: &Scale<'_>) -> Result<Distribution, String> {
+    pub fn distribution(&self, scale: &Scale) -> Result<Distribution, String> {
         self.refuse_others()?;
         let maybe = |key: &str| {
             let sense = match key {

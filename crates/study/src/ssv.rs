@@ -36,14 +36,14 @@ fn parse<T>(path: &Path, text: &str, take: impl Fn(&str, Setting) -> Result<T, S
     let text = text.trim_start_matches('\u{feff}');
     let document = xml::parse(text).map_err(|error| FileError::new(path, format!("no SSP parameter set: {error}")))?;
     let at =
-        |node: Node<'_, '_>, message| FileError::new(path, message).at(document.text_pos_at(node.range().start).row);
+        |node: Node, message| FileError::new(path, message).at(document.text_pos_at(node.range().start).row);
     let root = document.root_element();
     let name = root.tag_name().name();
     if name != "ParameterSet" {
         return Err(at(root, format!("`{name}` is no SSP parameter set (`ParameterSet`)")));
     }
     let parameters = root.descendants().filter(|node| node.has_tag_name((NAMESPACE, "Parameter")));
-    let entry = |node: Node<'_, '_>| {
+    let entry = |node: Node| {
         let name = node.attribute("name").ok_or("a parameter without a name")?;
         let mut children = node.children();
         let typed = children.find(|child| TYPES.contains(&child.tag_name().name()));

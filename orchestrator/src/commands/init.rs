@@ -69,7 +69,7 @@ pub fn run(options: &Init) -> Result<ExitCode, Error> {
 }
 
 /// As the user asks, else as long as the measured curves, else as the FMU suggests.
-fn schedule(options: &Init, fmu: &Description, table: Option<&Measured<'_>>) -> Result<Schedule, Error> {
+fn schedule(options: &Init, fmu: &Description, table: Option<&Measured>) -> Result<Schedule, Error> {
     const STEPS: f64 = 500.0;
     let [first, last] = table.and_then(|table| table.span).map_or([None; 2], |span| span.map(Some));
     let suggested = Schedule::suggested(fmu);

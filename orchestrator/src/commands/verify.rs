@@ -286,7 +286,7 @@ pub fn request(options: &Verify) -> Result<Request> {
 /// Runs all points that are not finished; says whether no further ones are needed.
 fn compute(
     verification: &Verification,
-    pipeline: &mut Pipeline<'_>,
+    pipeline: &mut Pipeline,
     ending: Option<&Ending>,
     jobs: usize,
 ) -> Result<bool> {

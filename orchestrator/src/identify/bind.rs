@@ -303,7 +303,7 @@ impl Binder<'_> {
     }
 
     /// The errors that the values of the last quantity share over all cases.
-    fn bind_shared(&self, bound: &mut Bound, name: &Name, text: &MeasuredText, scale: &Scale<'_>) -> Result {
+    fn bind_shared(&self, bound: &mut Bound, name: &Name, text: &MeasuredText, scale: &Scale) -> Result {
         let problem = &mut bound.problem;
         let quantity = problem.quantities.len() - 1;
         let errors = [
@@ -366,7 +366,7 @@ impl Binder<'_> {
         &self,
         column: Option<&str>,
         value: Option<&Text>,
-        (scale, sense): (&Scale<'_>, Sense),
+        (scale, sense): (&Scale, Sense),
     ) -> Result<Vec<f64>, String> {
         match (column, value) {
             (Some(column), None) => Ok(self.table.column(column)),
@@ -380,7 +380,7 @@ impl Binder<'_> {
 ///
 /// # Errors
 /// When its numbers or their units do not fit.
-fn free(name: &str, text: &FreeText, scale: &Scale<'_>) -> Result<Free, String> {
+fn free(name: &str, text: &FreeText, scale: &Scale) -> Result<Free, String> {
     let number = |quantity: &Text, sense| scale.number(quantity, sense);
     let prior = match (text.scale, &text.mean, &text.deviation, &text.median, text.factor) {
         (_, None, None, None, None) => None,
@@ -413,7 +413,7 @@ fn interval(
     middle: f64,
     text: &LatentText,
     exception: Option<&Exception>,
-    scale: &Scale<'_>,
+    scale: &Scale,
 ) -> Result<Interval, String> {
     let distance = |side: Option<&Text>| {
         let within = exception.and_then(|e| e.within.as_ref());
@@ -431,7 +431,7 @@ fn interval(
 }
 
 /// The standard deviation of measured values.
-fn deviation(text: &MeasuredText, value: f64, scale: &Scale<'_>) -> Result<f64, String> {
+fn deviation(text: &MeasuredText, value: f64, scale: &Scale) -> Result<f64, String> {
     let number = &text.accuracy;
     let deviation = match number.unit.as_deref() {
         Some("%") => {

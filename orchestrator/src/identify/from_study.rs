@@ -383,7 +383,7 @@ impl Shared {
     }
 
     /// Adds the offset and the gain of a curve's sensor.
-    fn add(&mut self, recorded: &Recorded<'_>, (sensor, sign): (String, f64)) {
+    fn add(&mut self, recorded: &Recorded, (sensor, sign): (String, f64)) {
         let Some(errors) = &recorded.curve.errors else { return };
         let [of_offset, of_gain] = errors.coverage;
         let first = errors.shared.first().copied().unwrap_or(0.0);

@@ -36,7 +36,7 @@ macro_rules! methods {
         }
 
         /// The methods' results in a study's folder, as its page shows them.
-        pub(crate) fn shown(study: &Finished<'_>) -> Vec<Document> {
+        pub(crate) fn shown(study: &Finished) -> Vec<Document> {
             [rare::shown(study), $($module::shown(study)),*].into_iter().flatten().collect()
         }
     };

@@ -89,7 +89,7 @@ impl Place<'_> {
     /// When the folder holds something else, and when the system says no.
     pub fn take(
         &self,
-        source: SourceParts<'_>,
+        source: SourceParts,
         header: &Header,
         prepare: impl FnOnce() -> Result,
     ) -> Result<RunFolder> {
@@ -129,8 +129,8 @@ pub fn run<S: Source, T>(
     source: &mut S,
     header: &Header,
     folder: RunFolder,
-    work: Work<'_>,
-    ask: impl FnOnce(&S, &mut Pipeline<'_>) -> Result<T>,
+    work: Work,
+    ask: impl FnOnce(&S, &mut Pipeline) -> Result<T>,
 ) -> Result<(T, Kept)> {
     let place = folder.journal.folder().to_owned();
     let RunFolder { journal, finished, kept } = folder;

@@ -217,7 +217,7 @@ fn wander(finding: &DerivedCriterion) -> Option<Figure> {
 
 const TIME: &str = "time (s)";
 
-fn of_time(name: &str, file: &str, unit: &str, traces: &[Trace<'_>]) -> Option<Figure> {
+fn of_time(name: &str, file: &str, unit: &str, traces: &[Trace]) -> Option<Figure> {
     figure(name, file, [TIME, unit], traces, |_| String::new())
 }
 
@@ -226,7 +226,7 @@ fn figure(
     caption: &str,
     file: &str,
     [across, up]: [&str; 2],
-    traces: &[Trace<'_>],
+    traces: &[Trace],
     marks: impl Fn(&Frame) -> String,
 ) -> Option<Figure> {
     let all = traces.iter().flat_map(|t| t.values).copied();

@@ -218,7 +218,7 @@ impl<'a> Reruns<'a> {
         values: &[f64],
         signals: &Signals,
         budget: Option<&Budget>,
-        row: Row<'_>,
+        row: Row,
     ) -> Result<(), Halt> {
         let left = budget.map_or(Duration::MAX, Budget::left);
         let until = Instant::now().checked_add(left.min(self.wish.limits.time));

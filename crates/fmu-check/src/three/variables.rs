@@ -15,7 +15,7 @@ use crate::{
 };
 
 /// The table of combinations of causality and variability.
-pub fn variabilities(scalar: Variable<'_>) -> Option<String> {
+pub fn variabilities(scalar: Variable) -> Option<String> {
     let (causality, variability) = (scalar.causality, scalar.variability);
     let allowed = combinations::variabilities(causality);
     if is_clear(scalar) && !allowed.contains(&variability) {
@@ -34,7 +34,7 @@ pub fn variabilities(scalar: Variable<'_>) -> Option<String> {
 }
 
 /// Numbers that the schema takes and no model can start from.
-pub fn not_finite(scalar: Variable<'_>) -> Option<String> {
+pub fn not_finite(scalar: Variable) -> Option<String> {
     let wrong = scalar.start().filter(|_| scalar.is_float())?.split_whitespace().find(|text| {
         let value = text.parse::<f64>();
         value.is_ok_and(|value| !value.is_finite())
@@ -47,7 +47,7 @@ fn by_reference<'d, 'a>(document: &'d Document<'a>) -> HashMap<u32, &'d Scalar<'
     document.known().filter_map(|scalar| Some((reference(scalar.node)?, scalar))).collect()
 }
 
-pub fn derivatives(document: &Document<'_>) -> Vec<Hit> {
+pub fn derivatives(document: &Document) -> Vec<Hit> {
     let known = by_reference(document);
     let of_variables = document.of_each(|scalar| {
         let text = scalar.node.attribute("derivative")?;
@@ -66,7 +66,7 @@ pub fn derivatives(document: &Document<'_>) -> Vec<Hit> {
     of_variables.into_iter().chain(listed).collect()
 }
 
-pub fn clocks(document: &Document<'_>) -> Vec<Hit> {
+pub fn clocks(document: &Document) -> Vec<Hit> {
     let known = by_reference(document);
     document.of_each(|scalar| {
         let mut clocks = scalar.node.attribute("clocks")?.split_whitespace();
@@ -79,7 +79,7 @@ pub fn clocks(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// The values of a clock that belong to its kind.
-pub fn timing(document: &Document<'_>) -> Vec<Hit> {
+pub fn timing(document: &Document) -> Vec<Hit> {
     let clocks = || document.known().filter(|scalar| scalar.kind() == "Clock");
     let has_event_mode =
         document.read.interface != Interface::CoSimulation || document.read.capabilities.has_event_mode;
@@ -108,13 +108,13 @@ pub fn timing(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Unknowns of the initialisation that are missing or none.
-pub fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
+pub fn initial_unknowns(document: &Document) -> Vec<Hit> {
     let known = by_reference(document);
     let rates: HashSet<u32> = listed(document, "ContinuousStateDerivative").filter_map(reference).collect();
     let states: HashSet<u32> =
         rates.iter().filter_map(|rate| known.get(rate)?.node.attribute("derivative")?.trim().parse().ok()).collect();
     let list: HashSet<u32> = listed(document, "InitialUnknown").filter_map(reference).collect();
-    let is_wanted = |scalar: &Scalar<'_>, of: u32| {
+    let is_wanted = |scalar: &Scalar, of: u32| {
         let is_computed = matches!(scalar.initial, "approx" | "calculated");
         let is_unknown = scalar.causality == "output" || states.contains(&of) || rates.contains(&of);
         !is_clocked(scalar) && is_computed && (scalar.causality == "calculatedParameter" || is_unknown)
@@ -134,13 +134,13 @@ pub fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
     missing.into_iter().chain(surplus).collect()
 }
 
-fn is_clocked(scalar: &Scalar<'_>) -> bool {
+fn is_clocked(scalar: &Scalar) -> bool {
     scalar.node.has_attribute("clocks")
 }
 
 /// An element that `ModelStructure` has twice, and kinds of dependencies that are not as many as these.
-pub fn structure(document: &Document<'_>) -> Vec<Hit> {
-    let all: Vec<Node<'_, '_>> = named(document.root, "ModelStructure").flat_map(elements).collect();
+pub fn structure(document: &Document) -> Vec<Hit> {
+    let all: Vec<Node> = named(document.root, "ModelStructure").flat_map(elements).collect();
     let mut seen = HashSet::new();
     let second = all
         .iter()

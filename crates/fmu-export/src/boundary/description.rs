@@ -293,7 +293,7 @@ impl<M> fmt::Display for Starts<'_, M> {
 fn describe<M: Model>(
     xml: &mut Xml,
     (version, interface): (Version, Interface),
-    head: &Head<'_>,
+    head: &Head,
     elements: &[Variable<M>],
     initial: &M,
 ) {

@@ -66,7 +66,7 @@ impl<'a> Measured<'a> {
             }
         }
         let bare =
-            |column: &&Column<'_>| column.unit.is_none() && column.variable.unit().is_some_and(|unit| unit != "1");
+            |column: &&Column| column.unit.is_none() && column.variable.unit().is_some_and(|unit| unit != "1");
         if let Some(Column { header, variable, .. }) = table.columns.iter().chain(&table.inputs).find(bare) {
             let message = format!(
                 "column `{header}` has no unit, and the FMU has it in {}; write `{header} [unit]` in the first line of the file",
@@ -100,7 +100,7 @@ impl<'a> Measured<'a> {
     }
 
     /// Leaves out columns of which the FMU computes no finite values, in their order.
-    pub fn leave_out_infinite(&mut self, signals: &[Signal<'_>]) {
+    pub fn leave_out_infinite(&mut self, signals: &[Signal]) {
         let left = &mut self.left;
         let mut signals = signals.iter();
         self.columns.retain(|column| {
@@ -130,7 +130,7 @@ impl<'a> Measured<'a> {
         for (name, reason) in &self.left {
             fmu_points::tell::line!("left out of {file}: `{name}`: {reason}");
         }
-        let named = |columns: &[Column<'_>]| {
+        let named = |columns: &[Column]| {
             columns.iter().map(|column| format!("`{}`", column.header)).collect::<Vec<_>>().join(", ")
         };
         let (measured, inputs, rows) = (named(&self.columns), named(&self.inputs), self.columns[0].values.len());

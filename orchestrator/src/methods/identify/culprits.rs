@@ -35,9 +35,9 @@ use crate::{
 /// When the run was stopped.
 pub fn ask(
     (bound, fmu): (&Bound, &Description),
-    task: &Task<'_>,
+    task: &Task,
     searched: &Searched,
-    (remembered, model): (&Remembered<'_>, &FmuModel<'_, '_>),
+    (remembered, model): (&Remembered, &FmuModel),
 ) -> Result<Vec<Suspect>, NoPrediction> {
     model.say("what would explain the misfit".to_owned());
     let Searched { problem, optima, progress } = searched;
@@ -123,7 +123,7 @@ fn constants<'m>(
     (bound, fmu): (&Bound, &Description),
     problem: &Problem,
     places: &[f64],
-    (model, most): (&'m FmuModel<'_, '_>, usize),
+    (model, most): (&'m FmuModel, usize),
 ) -> Result<Vec<Constant<'m>>, NoPrediction> {
     /// So far apart stand the values of a derivative, as a part of the range.
     const STEP: f64 = 0.02;
