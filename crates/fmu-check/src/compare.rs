@@ -38,7 +38,6 @@ pub fn difference(columns: &[&Variable], one: &Run, other: &Run) -> Option<Strin
 }
 
 /// By how much a variable changes between two runs, in parts of its range.
-#[derive(Debug)]
 pub struct Change<'a> {
     pub name: &'a str,
     pub most: f64,

@@ -19,7 +19,7 @@ use fmu_points::{
 };
 
 /// Kinds of probes.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Life {
     /// One simulation.
     Alone,
@@ -34,7 +34,7 @@ pub enum Life {
 }
 
 /// The task.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Serialize, Deserialize)]
 pub struct Setup {
     pub fmu: PathBuf,
     /// Whether it keeps the user's working directory.
@@ -52,7 +52,7 @@ pub struct Setup {
 }
 
 /// An end of a simulation before its stop time, which is no failure.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 pub struct End {
     /// After so many steps.
     pub steps: Option<u64>,
@@ -61,7 +61,7 @@ pub struct End {
 }
 
 /// What a probe tells.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub enum Told {
     /// What comes next.
     Stage(String),
@@ -70,7 +70,7 @@ pub enum Told {
 }
 
 /// Observations of a process.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Report {
     /// Why the binary cannot be loaded.
     pub unloadable: Option<String>,
@@ -84,7 +84,7 @@ pub struct Report {
 }
 
 /// Observations of one simulation.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Run {
     pub times: Vec<f64>,
     /// A row per time: the value of each column.

@@ -144,7 +144,7 @@ struct Search<'a> {
 }
 
 /// Sums over one block: load by torque, load by load, torque by torque, all from their means.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Default)]
 struct Sums {
     xy: f64,
     xx: f64,
