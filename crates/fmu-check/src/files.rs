@@ -7,7 +7,7 @@ use object::{Architecture, BinaryFormat, NameOrOrdinal, Object};
 use crate::{
     document::NAME,
     exported::functions,
-    hit::{Breach, Hit},
+    hit::{Breach, Hit, breach},
     structure::short,
 };
 use fmu_import::{Description, FmuError, Interface, Package, Version};
@@ -57,7 +57,7 @@ pub fn broken(package: &mut Package) -> Result<Faults, FmuError> {
     for wrong in [OUTSIDE, BACKSLASH] {
         let those: Vec<String> = entries.iter().filter(|entry| path(entry) == Some(wrong)).cloned().collect();
         if !those.is_empty() {
-            findings.push(("archive-path", Hit::plain(format!("{}: {wrong}", short(&those)))));
+            findings.push(breach("archive-path", format!("{}: {wrong}", short(&those))));
             fatal = true;
         }
     }
@@ -83,9 +83,9 @@ pub fn broken(package: &mut Package) -> Result<Faults, FmuError> {
     }
     let twice = package.entries_twice();
     if !twice.is_empty() {
-        findings.push((
+        findings.push(breach(
             "archive-entry-unique",
-            Hit::plain(format!("two entries of each of these names: {}: remove one", short(twice))),
+            format!("two entries of each of these names: {}: remove one", short(twice)),
         ));
     }
     Ok(Faults { findings, fatal })
@@ -123,9 +123,7 @@ fn of_platform(
             Ok(bytes) => Ok(sound(&bytes, package.description(), format, machine)
                 .err()
                 .map(|(rule, wrong)| (rule, Hit::of(&name, wrong)))),
-            Err(FmuError { fault, .. }) if fault.is_in_fmu() => {
-                Ok(Some(("archive-readable", Hit::plain(fault.to_string()))))
-            }
+            Err(FmuError { fault, .. }) if fault.is_in_fmu() => Ok(Some(breach("archive-readable", fault.to_string()))),
             Err(error) => Err(error),
         };
     }

@@ -174,7 +174,7 @@ impl Probe<'_> {
         let Some(mut live) = self.begin(library, changed, "") else { return };
         self.steps(&mut [&mut live]);
         self.terminate(&mut live, "");
-        self.report.runs.push(std::mem::take(&mut live.run));
+        self.keep(&mut live);
         self.at("fmi2Reset");
         if let Err(call) = live.instance.reset() {
             live.run.failure = Some(call.to_string());
@@ -183,7 +183,7 @@ impl Probe<'_> {
             self.steps(&mut [&mut live]);
             self.terminate(&mut live, " after fmi2Reset");
         }
-        self.report.runs.push(std::mem::take(&mut live.run));
+        self.keep(&mut live);
         self.free(Some(live), "")
     }
 
@@ -202,6 +202,11 @@ impl Probe<'_> {
         self.report.held = system::held();
         self.terminate(live, which);
         self.report.strays += live.instance.strays();
+        self.keep(live);
+    }
+
+    /// Keeps what was seen of a run.
+    fn keep(&mut self, live: &mut Live) {
         self.report.runs.push(std::mem::take(&mut live.run));
     }
 

@@ -175,18 +175,13 @@ pub fn dimensions(document: &Document) -> Vec<Hit> {
     })
 }
 
-/// The elements of `ModelStructure` of one kind.
-fn listed<'a>(document: &Document<'a>, kind: &'static str) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
-    named(document.root, "ModelStructure").flat_map(move |list| named(list, kind))
-}
-
 /// The value references of all variables.
 fn known(document: &Document) -> HashSet<u32> {
     document.known().filter_map(|scalar| reference(scalar.node)).collect()
 }
 
 pub fn outputs(document: &Document) -> Vec<Hit> {
-    let list: HashSet<u32> = listed(document, "Output").filter_map(reference).collect();
+    let list: HashSet<u32> = document.all("ModelStructure", "Output").filter_map(reference).collect();
     let is_output = |scalar: &Scalar| scalar.causality == "output";
     let outputs: HashSet<u32> =
         document.known().filter(|scalar| is_output(scalar)).filter_map(|one| reference(one.node)).collect();
@@ -196,7 +191,7 @@ pub fn outputs(document: &Document) -> Vec<Hit> {
         missing.then(|| "ModelStructure has no Output for it: add it".to_owned())
     });
     let known = known(document);
-    let surplus = listed(document, "Output").filter_map(|node| {
+    let surplus = document.all("ModelStructure", "Output").filter_map(|node| {
         let of = reference(node).filter(|of| known.contains(of) && !outputs.contains(of))?;
         Some(at(node, format!("Output {of} is the reference of no output: remove it")))
     });

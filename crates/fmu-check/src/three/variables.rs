@@ -6,7 +6,7 @@ use roxmltree::Node;
 
 use fmu_import::Interface;
 
-use super::{listed, reference};
+use super::reference;
 use crate::{
     combinations,
     document::{Document, Scalar, Variable, at, elements, named, tag},
@@ -55,7 +55,7 @@ pub fn derivatives(document: &Document) -> Vec<Hit> {
         let right = of.is_some_and(|of| of.is_float() && of.variability == "continuous");
         (!right).then(|| format!("derivative=\"{text}\" is the reference of no continuous float: correct it"))
     });
-    let listed = listed(document, "ContinuousStateDerivative").filter_map(|element| {
+    let listed = document.all("ModelStructure", "ContinuousStateDerivative").filter_map(|element| {
         let scalar = known.get(&reference(element)?)?;
         let text = format!(
             "ContinuousStateDerivative: {} has no attribute `derivative`: add it, with the state's reference",
@@ -110,10 +110,11 @@ pub fn timing(document: &Document) -> Vec<Hit> {
 /// Unknowns of the initialisation that are missing or none.
 pub fn initial_unknowns(document: &Document) -> Vec<Hit> {
     let known = by_reference(document);
-    let rates: HashSet<u32> = listed(document, "ContinuousStateDerivative").filter_map(reference).collect();
+    let rates: HashSet<u32> =
+        document.all("ModelStructure", "ContinuousStateDerivative").filter_map(reference).collect();
     let states: HashSet<u32> =
         rates.iter().filter_map(|rate| known.get(rate)?.node.attribute("derivative")?.trim().parse().ok()).collect();
-    let list: HashSet<u32> = listed(document, "InitialUnknown").filter_map(reference).collect();
+    let list: HashSet<u32> = document.all("ModelStructure", "InitialUnknown").filter_map(reference).collect();
     let is_wanted = |scalar: &Scalar, of: u32| {
         let is_computed = matches!(scalar.initial, "approx" | "calculated");
         let is_unknown = scalar.causality == "output" || states.contains(&of) || rates.contains(&of);
@@ -125,7 +126,7 @@ pub fn initial_unknowns(document: &Document) -> Vec<Hit> {
         let missing = scalar.kind() != "Clock" && is_wanted(&scalar, of) && !list.contains(&of);
         missing.then(|| "ModelStructure has no InitialUnknown for it: add it".to_owned())
     });
-    let surplus = listed(document, "InitialUnknown").filter_map(|node| {
+    let surplus = document.all("ModelStructure", "InitialUnknown").filter_map(|node| {
         let of = reference(node)?;
         let scalar = known.get(&of)?;
         let text = format!("InitialUnknown: {} is none that is computed initially: remove it", scalar.name);
