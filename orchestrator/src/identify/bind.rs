@@ -409,12 +409,7 @@ fn free(name: &str, text: &FreeText, scale: &Scale) -> Result<Free, String> {
     Ok(free)
 }
 
-fn interval(
-    middle: f64,
-    text: &LatentText,
-    exception: Option<&Exception>,
-    scale: &Scale,
-) -> Result<Interval, String> {
+fn interval(middle: f64, text: &LatentText, exception: Option<&Exception>, scale: &Scale) -> Result<Interval, String> {
     let distance = |side: Option<&Text>| {
         let within = exception.and_then(|e| e.within.as_ref());
         let distance = scale.number(side.or(within).unwrap_or(&text.within), Sense::Difference)?;

@@ -87,12 +87,7 @@ impl Place<'_> {
     ///
     /// # Errors
     /// When the folder holds something else, and when the system says no.
-    pub fn take(
-        &self,
-        source: SourceParts,
-        header: &Header,
-        prepare: impl FnOnce() -> Result,
-    ) -> Result<RunFolder> {
+    pub fn take(&self, source: SourceParts, header: &Header, prepare: impl FnOnce() -> Result) -> Result<RunFolder> {
         let SourceParts { request, study, .. } = source;
         request.check(self.output, self.analysis, Some(study), self.earlier)?;
         if self.analysis.is_none() {

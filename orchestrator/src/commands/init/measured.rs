@@ -65,8 +65,7 @@ impl<'a> Measured<'a> {
                 Err(reason) => table.left.push((name.clone(), reason)),
             }
         }
-        let bare =
-            |column: &&Column| column.unit.is_none() && column.variable.unit().is_some_and(|unit| unit != "1");
+        let bare = |column: &&Column| column.unit.is_none() && column.variable.unit().is_some_and(|unit| unit != "1");
         if let Some(Column { header, variable, .. }) = table.columns.iter().chain(&table.inputs).find(bare) {
             let message = format!(
                 "column `{header}` has no unit, and the FMU has it in {}; write `{header} [unit]` in the first line of the file",

@@ -421,6 +421,7 @@ fn sentence(suspect: &Suspect) -> String {
             _ => format!(" (stated: at most {}{unit})", number(limit, 3)),
         })
         .unwrap_or_default();
+    let (high, late) = if suspect.value > 0.0 { ("high", "late") } else { ("low", "early") };
     match &suspect.fault {
         Fault::Range => {
             let [low, high] = suspect.allowed.unwrap_or([f64::NAN; 2]);
@@ -437,17 +438,10 @@ fn sentence(suspect: &Suspect) -> String {
             format!("{name}, which the study does not vary, is {value}{unit} instead of {}{unit}", number(given, 4))
         }
         Fault::Offset => {
-            let sign = if suspect.value > 0.0 { "high" } else { "low" };
-            format!("the sensor of {name} reads {}{unit} too {sign}{stated}", number(suspect.value.abs(), 3))
+            format!("the sensor of {name} reads {}{unit} too {high}{stated}", number(suspect.value.abs(), 3))
         }
-        Fault::Gain => {
-            let sign = if suspect.value > 0.0 { "high" } else { "low" };
-            format!("the sensor of {name} reads {} % too {sign}{stated}", percent(suspect.value))
-        }
-        Fault::Delay => {
-            let sign = if suspect.value > 0.0 { "late" } else { "early" };
-            format!("{name} is recorded {} s too {sign}", number(suspect.value.abs(), 3))
-        }
+        Fault::Gain => format!("the sensor of {name} reads {} % too {high}{stated}", percent(suspect.value)),
+        Fault::Delay => format!("{name} is recorded {} s too {late}", number(suspect.value.abs(), 3)),
         Fault::Unit(words) => format!("{name} would fit if {words}"),
     }
 }

@@ -13,7 +13,7 @@ use calibration::{
     text,
 };
 
-use crate::{error::Error, identify::bind::Bound, plain};
+use crate::{error::Result, identify::bind::Bound, plain};
 use result_document::{
     Block, Document, Figure, Key, Table,
     format::{count, number},
@@ -85,7 +85,7 @@ impl Page<'_> {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn write(&self, folder: &Path) -> Result<(), Error> {
+    pub fn write(&self, folder: &Path) -> Result {
         let (is_good, headline, _) = self.headline();
         let page = plain::Page {
             kicker: "Identification",
