@@ -4,6 +4,7 @@ use std::path::Path;
 
 use crate::error::Result;
 use fmu_points::tell::visible;
+use number_tables::in_a_line;
 use point_journal::files::{make_folder, write_text};
 use result_document::format::escape;
 
@@ -102,8 +103,7 @@ fn xml(suite: &str, tests: &[Test], seconds: f64) -> String {
 
 /// A text on one line, with nothing in it that XML does not take.
 fn written(text: &str) -> String {
-    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    escape(&visible(&line)).replace(['\u{fffe}', '\u{ffff}'], "?")
+    escape(&visible(&in_a_line(text))).replace(['\u{fffe}', '\u{ffff}'], "?")
 }
 
 #[cfg(test)]

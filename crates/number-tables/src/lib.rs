@@ -281,10 +281,15 @@ fn truth(text: &str) -> Option<f64> {
         .map(|(_, number)| *number)
 }
 
+/// A text on one line, with single blanks.
+pub fn in_a_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// A cell as a message shows it: on one line, and not longer than people read.
 fn shown(text: &str) -> String {
     const ENOUGH: usize = 60;
-    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let line = in_a_line(text);
     match line.char_indices().nth(ENOUGH) {
         Some((end, _)) => format!("{}...", &line[..end]),
         None => line,

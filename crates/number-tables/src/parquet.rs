@@ -14,6 +14,7 @@ use parquet::{
 
 use crate::{
     files::{self, FileError, Result},
+    in_a_line,
     rows::Rows,
 };
 
@@ -76,7 +77,7 @@ pub fn rows(path: &Path, _: bool) -> Result<Box<dyn Rows>> {
 }
 
 fn wrong(path: &Path, error: &ParquetError) -> FileError {
-    FileError::new(path, one_line(error))
+    FileError::new(path, in_a_line(&error.to_string()))
 }
 
 impl Rows for ParquetRows {
@@ -111,11 +112,6 @@ impl Rows for ParquetRows {
     fn line(&self) -> u64 {
         self.count
     }
-}
-
-/// The error's message on one line.
-fn one_line(error: &ParquetError) -> String {
-    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// A cell as a number.
