@@ -113,7 +113,7 @@ pub struct Account {
 }
 
 impl std::fmt::Display for Account {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         write!(f, "{}: {} rows, {} used", self.name, self.rows, self.used)?;
         self.lost.iter().try_for_each(|(count, why)| write!(f, ", {count} {why}"))
     }

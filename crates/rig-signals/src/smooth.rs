@@ -20,7 +20,7 @@ pub enum Smoothing {
 }
 
 impl fmt::Display for Smoothing {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::None => write!(f, "none"),
             Self::Butterworth { cutoff, order } => {

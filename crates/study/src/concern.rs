@@ -40,7 +40,7 @@ impl Concern {
 }
 
 impl fmt::Display for Concern {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(&self.text)?;
         self.remedy.iter().try_for_each(|remedy| write!(f, ". {remedy}"))
     }

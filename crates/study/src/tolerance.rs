@@ -59,7 +59,7 @@ impl ToleranceText {
 }
 
 impl fmt::Display for ToleranceText {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::Even(quantity) => quantity.fmt(f),
             Self::Uneven { minus, plus } => write!(f, "-{minus}/+{plus}"),

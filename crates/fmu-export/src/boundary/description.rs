@@ -269,7 +269,7 @@ fn independent<M: Model>(xml: &mut Xml) {
 struct Starts<'a, M: 'static>(&'a [Variable<M>], &'a M);
 
 impl<M> fmt::Display for Starts<'_, M> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         for (place, variable) in self.0.iter().enumerate() {
             if place > 0 {
                 f.write_str(" ")?;
