@@ -9,7 +9,7 @@ use clap::{Args, Parser, Subcommand, error::ErrorKind};
 
 use crate::methods::Method;
 pub use fmu::{Check, Format, Init, Inspect, Simulate, Synchronise};
-use number_tables::in_a_line;
+use number_tables::files::in_a_line;
 pub use study::{Compare, Gate, Judge, Merge, Pack, Replay, Report, Verify};
 
 /// Verifies FMUs of FMI 2.0 and 3.0 against measurements under uncertainty.

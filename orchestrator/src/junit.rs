@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::error::Result;
 use fmu_points::tell::visible;
-use number_tables::in_a_line;
+use number_tables::files::in_a_line;
 use point_journal::files::{make_folder, write_text};
 use result_document::format::escape;
 

@@ -174,6 +174,11 @@ fn names_in(folder: &Path) -> Vec<String> {
         .collect()
 }
 
+/// A text on one line, with single blanks.
+pub fn in_a_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 /// The command that makes a plain table of any other file.
 pub fn convert(path: &Path) -> String {
     format!("`python -m fmu_orchestrator convert \"{}\"` makes a plain table of it", path.display())

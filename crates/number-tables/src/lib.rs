@@ -7,7 +7,7 @@ pub mod parquet;
 pub mod recorded;
 mod rows;
 
-use crate::files::{FileError, Result, convert};
+use crate::files::{FileError, Result, convert, in_a_line};
 use std::{collections::HashSet, path::Path};
 
 use fmu_import::units::known;
@@ -279,11 +279,6 @@ fn truth(text: &str) -> Option<f64> {
         .iter()
         .find(|(word, _)| text.trim().eq_ignore_ascii_case(word))
         .map(|(_, number)| *number)
-}
-
-/// A text on one line, with single blanks.
-pub fn in_a_line(text: &str) -> String {
-    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// A cell as a message shows it: on one line, and not longer than people read.

@@ -13,8 +13,7 @@ use parquet::{
 };
 
 use crate::{
-    files::{self, FileError, Result},
-    in_a_line,
+    files::{self, FileError, Result, in_a_line},
     rows::Rows,
 };
 
