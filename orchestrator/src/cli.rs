@@ -9,6 +9,7 @@ use clap::{Args, Parser, Subcommand, error::ErrorKind};
 
 use crate::methods::Method;
 pub use fmu::{Check, Format, Init, Inspect, Simulate, Synchronise};
+use number_tables::files::in_a_line;
 pub use study::{Compare, Gate, Judge, Merge, Pack, Replay, Report, Verify};
 
 /// Verifies FMUs of FMI 2.0 and 3.0 against measurements under uncertainty.
@@ -53,11 +54,8 @@ fn told(message: &str) -> String {
         .flatten()
         .min()
         .unwrap_or(message.len());
-    let parts: Vec<String> = message[..end]
-        .split("\n\n")
-        .map(|part| part.split_whitespace().collect::<Vec<_>>().join(" "))
-        .filter(|part| !part.starts_with("tip: to pass"))
-        .collect();
+    let parts: Vec<String> =
+        message[..end].split("\n\n").map(in_a_line).filter(|part| !part.starts_with("tip: to pass")).collect();
     let line = elsewhere(&parts[0]).unwrap_or_else(|| parts.join("; "));
     let line = line + "; --help shows what there is";
     WORDS.iter().fold(line, |text, (from, to)| text.replace(from, to))

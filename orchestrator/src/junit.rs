@@ -4,11 +4,12 @@ use std::path::Path;
 
 use crate::error::Result;
 use fmu_points::tell::visible;
+use number_tables::files::in_a_line;
 use point_journal::files::{make_folder, write_text};
 use result_document::format::escape;
 
 /// A test as a build server lists it.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone)]
 pub struct Test {
     /// Its group: the study, with the case.
     pub class: String,
@@ -19,7 +20,7 @@ pub struct Test {
 }
 
 /// What came out of a test.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone)]
 pub enum Outcome {
     /// It passed.
     Passed,
@@ -102,8 +103,7 @@ fn xml(suite: &str, tests: &[Test], seconds: f64) -> String {
 
 /// A text on one line, with nothing in it that XML does not take.
 fn written(text: &str) -> String {
-    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
-    escape(&visible(&line)).replace(['\u{fffe}', '\u{ffff}'], "?")
+    escape(&visible(&in_a_line(text))).replace(['\u{fffe}', '\u{ffff}'], "?")
 }
 
 #[cfg(test)]

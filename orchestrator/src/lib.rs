@@ -3,17 +3,17 @@
 
 pub mod cli;
 pub mod commands;
-pub mod compare;
-pub mod error;
+mod compare;
+mod error;
 pub mod identify;
-pub mod junit;
+mod junit;
 pub mod methods;
-pub mod options;
-pub mod packed;
-pub(crate) mod plain;
-pub mod recording;
+mod options;
+mod packed;
+mod plain;
+mod recording;
 pub mod report;
-pub mod reruns;
+mod reruns;
 pub mod results;
-pub mod session;
+mod session;
 pub mod source;

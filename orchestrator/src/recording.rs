@@ -15,7 +15,7 @@ use fmu_import::{
 use fmu_points::names::behind;
 use number_tables::{
     clocks,
-    files::{self, FileError},
+    files::{self, FileError, Result},
     recorded::RecordedTable,
 };
 use result_document::format::number;
@@ -76,7 +76,7 @@ fn window<'de, D: Deserializer<'de>>(text: D) -> Result<Option<[f64; 2]>, D::Err
 }
 
 /// The time of a file.
-#[derive(Clone, Debug, Default, Deserialize)]
+#[derive(Clone, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct TimeColumn {
     /// Where it is not named, the one that has a unit of time, or is called time, and rises.
@@ -91,7 +91,7 @@ struct TimeColumn {
 }
 
 /// Which of several rows with one time counts.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Repeated {
     First,
@@ -99,7 +99,7 @@ enum Repeated {
 }
 
 /// Samples that may be none of the signal.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(PartialEq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 enum Doubtful {
     Clipped,
@@ -114,7 +114,7 @@ struct FileLayout {
 }
 
 /// A column of a file and its use.
-#[derive(Debug, Default, Deserialize)]
+#[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Signal {
     column: Option<String>,
@@ -175,7 +175,7 @@ impl Settings {
     ///
     /// # Errors
     /// With file and line, when it cannot be read or says something else.
-    pub fn read(path: &Path) -> Result<Self, FileError> {
+    pub fn read(path: &Path) -> Result<Self> {
         let text = files::text(path)?;
         let line = |span: Range<usize>| text[..span.start].matches('\n').count() + 1;
         let settings: Self = toml::from_str(&text).map_err(|error| {
@@ -194,7 +194,7 @@ impl Settings {
     ///
     /// # Errors
     /// When one cannot be read, or its times are none.
-    pub fn files(&self, measured: &[PathBuf]) -> Result<Recorded<'_>, FileError> {
+    pub fn files(&self, measured: &[PathBuf]) -> Result<Recorded<'_>> {
         if self.files.len() > measured.len() {
             let (known, given) = (self.files.len(), measured.len());
             return Err(self.wrong(format!(
@@ -219,7 +219,7 @@ impl Settings {
     ///
     /// # Errors
     /// When it has no unit of time.
-    pub fn lag(&self) -> Result<f64, FileError> {
+    pub fn lag(&self) -> Result<f64> {
         match &self.lag {
             Some(lag) => self.si("lag", lag, "s"),
             None => Ok(0.0),
@@ -253,7 +253,7 @@ impl Settings {
     }
 
     /// Refuses what no case can be called, and tolerances that are no errors of a curve.
-    pub fn check_case(&self, name: &str) -> Result<(), FileError> {
+    pub fn check_case(&self, name: &str) -> Result {
         if name.is_empty() || name.contains('/') {
             return Err(self.wrong(format!("--case {name}: the name of a case must not be empty and has no `/`")));
         }
@@ -266,12 +266,12 @@ impl Settings {
     }
 
     /// A quantity in an SI unit.
-    fn si(&self, key: &str, quantity: &Quantity, si_unit: &str) -> Result<f64, FileError> {
+    fn si(&self, key: &str, quantity: &Quantity, si_unit: &str) -> Result<f64> {
         let unit = quantity.unit.as_deref().unwrap_or(si_unit);
         Ok(conversion(unit, si_unit).map_err(|message| self.wrong(format!("{key}: {message}")))?.value(quantity.number))
     }
 
-    fn needed<'a, T>(&self, what: Option<&'a T>, of: &str, key: &str) -> Result<&'a T, FileError> {
+    fn needed<'a, T>(&self, what: Option<&'a T>, of: &str, key: &str) -> Result<&'a T> {
         what.ok_or_else(|| self.wrong(format!("{of}: `{key}` is missing; add it")))
     }
 }
@@ -340,7 +340,7 @@ impl Recorded<'_> {
     }
 
     /// The name of the column of a file's times.
-    fn time_name<'b>(&'b self, file: usize, signal: Option<&'b Signal>) -> Result<&'b str, FileError> {
+    fn time_name<'b>(&'b self, file: usize, signal: Option<&'b Signal>) -> Result<&'b str> {
         let (table, time) = &self.tables[file];
         let remedy = "say time = { column = \"...\" }, `time` under each signal, or time = { rate = \"... Hz\" }";
         signal
@@ -350,7 +350,7 @@ impl Recorded<'_> {
     }
 
     /// The times of a file's rows, s.
-    fn times(&self, file: usize, signal: &Signal) -> Result<Vec<f64>, FileError> {
+    fn times(&self, file: usize, signal: &Signal) -> Result<Vec<f64>> {
         let ((table, time), settings) = (&self.tables[file], self.settings);
         let start = time.offset.as_ref().map_or(Ok(0.0), |offset| settings.si("time: offset", offset, "s"))?;
         if let Some(rate) = &time.rate {
@@ -372,7 +372,7 @@ impl Recorded<'_> {
     }
 
     /// When the model starts, s.
-    fn start(&self) -> Result<Option<f64>, FileError> {
+    fn start(&self) -> Result<Option<f64>> {
         let settings = self.settings;
         let key = format!("line {}: start", settings.start_line);
         settings.start.as_ref().map(|start| settings.si(&key, start.get_ref(), "s")).transpose()
@@ -382,7 +382,7 @@ impl Recorded<'_> {
     ///
     /// # Errors
     /// When times fall, or come again and no one says which row counts.
-    fn in_order(&self, file: usize, name: &str, rows: &mut Vec<(f64, f64)>) -> Result<usize, FileError> {
+    fn in_order(&self, file: usize, name: &str, rows: &mut Vec<(f64, f64)>) -> Result<usize> {
         let (table, time) = &self.tables[file];
         let wrong = |message| FileError::new(table.path(), format!("time `{name}`: {message}"));
         if let Some(pair) = rows.windows(2).find(|pair| pair[1].0 < pair[0].0) {
@@ -413,7 +413,7 @@ impl Recorded<'_> {
     }
 
     /// A channel in its own unit, or in `si`.
-    fn channel(&self, key: &str, signal: &Signal, name: &str, si: Option<&str>) -> Result<Channel, FileError> {
+    fn channel(&self, key: &str, signal: &Signal, name: &str, si: Option<&str>) -> Result<Channel> {
         let settings = self.settings;
         let wrong = |message| settings.wrong(format!("{key}: {message}"));
         let column = settings.needed(signal.column.as_ref(), key, "column")?;
@@ -479,7 +479,7 @@ impl Recorded<'_> {
     }
 
     /// The file that has a signal's column.
-    fn file_of(&self, key: &str, signal: &Signal, column: &str) -> Result<usize, FileError> {
+    fn file_of(&self, key: &str, signal: &Signal, column: &str) -> Result<usize> {
         let settings = self.settings;
         if let Some(file) = signal.file {
             return file.checked_sub(1).filter(|place| *place < self.tables.len()).ok_or_else(|| {
@@ -503,7 +503,7 @@ impl Recorded<'_> {
     ///
     /// # Errors
     /// When there are none, or a column or a unit does not fit.
-    pub fn drives(&self) -> Result<Vec<Drive>, FileError> {
+    pub fn drives(&self) -> Result<Vec<Drive>> {
         let settings = self.settings;
         let speed = settings.speed.iter().filter_map(|speed| Some(("speed", speed.variable.clone()?, speed)));
         let inputs = settings.inputs.iter().map(|(variable, input)| ("inputs", variable.clone(), input));
@@ -531,7 +531,7 @@ impl Recorded<'_> {
     ///
     /// # Errors
     /// When something is missing, or a column or a unit does not fit.
-    pub fn recording(&self) -> Result<RigRecording, FileError> {
+    pub fn recording(&self) -> Result<RigRecording> {
         let settings = self.settings;
         let mut others = Vec::new();
         for (name, signal) in &settings.signals {
@@ -575,7 +575,7 @@ impl Recorded<'_> {
         }
     }
 
-    fn bearing(&self, load: &Signal, torque: &Signal) -> Result<Bearing, FileError> {
+    fn bearing(&self, load: &Signal, torque: &Signal) -> Result<Bearing> {
         let settings = self.settings;
         let speed = settings.needed(settings.speed.as_ref(), "load and torque", "speed")?;
         for (key, signal) in [("load", load), ("torque", torque)] {

@@ -2,12 +2,11 @@
 
 use std::path::Path;
 
-use number_tables::{Column, Table, files::FileError};
+use number_tables::{Column, Table};
 use sampling::{design::Design, distribution::Distribution};
-use study::{ParameterText, Study, inputs::InputError, plan::Input};
+use study::{ParameterText, Result, Study, inputs::InputError, plan::Input};
 
 /// The points of a run, by index from 0.
-#[derive(Clone, Debug)]
 pub enum Source {
     /// Points of a design.
     Design(Design),
@@ -28,13 +27,13 @@ impl Source {
     ///
     /// # Errors
     /// As [`Table::read`].
-    pub fn from_table(study: &Study, inputs: &[Input], path: &Path) -> Result<Self, FileError> {
+    pub fn from_table(study: &Study, inputs: &[Input], path: &Path) -> Result<Self> {
         let read = |with_errors: bool| Self::read(study, inputs, path, with_errors);
         let has_errors = inputs.len() > study.parameters.len();
         has_errors.then(|| read(true).ok()).flatten().map_or_else(|| read(false), Ok)
     }
 
-    fn read(study: &Study, inputs: &[Input], path: &Path, with_errors: bool) -> Result<Self, FileError> {
+    fn read(study: &Study, inputs: &[Input], path: &Path, with_errors: bool) -> Result<Self> {
         let texts = study.parameters.values().map(Some).chain(std::iter::repeat(None));
         let pairs = || texts.clone().zip(inputs);
         let constant = |(parameter, input): (Option<&ParameterText>, &Input)| match (&input.distribution, parameter) {

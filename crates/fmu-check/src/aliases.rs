@@ -1,15 +1,15 @@
 //! Variables that are one under several names: they have the same base type and value reference (FMI 2.0.5, section
 //! 2.2.7).
 
-use crate::document::{Document, Firsts, Scalar, Sort};
+use crate::document::{Firsts, Sort, Variable};
 
 /// Only one of them can be set, and have a start value; they agree in constancy.
-pub fn alias(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let earlier = Earlier::of(scalar, document)?;
+pub fn alias(scalar: Variable) -> Option<String> {
+    let earlier = Earlier::of(scalar)?;
     let first = earlier.first(Sort::Any)?;
     let when = |is: bool, sort| earlier.first(sort).filter(|_| is);
     let (settable, independent) = (scalar.is_settable(), scalar.causality == "independent");
-    let constant = |scalar: &Scalar<'_>| scalar.variability == "constant";
+    let constant = |scalar: Variable| scalar.variability == "constant";
     let (other, wrong) = if let Some(other) = when(settable, Sort::Settable) {
         (other, "and both can be set")
     } else if let Some(other) = when(independent, Sort::Settable) {
@@ -30,18 +30,18 @@ pub fn alias(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
 }
 
 /// They agree in their unit, too.
-pub fn unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let earlier = Earlier::of(scalar, document)?;
+pub fn unit(scalar: Variable) -> Option<String> {
+    let earlier = Earlier::of(scalar)?;
     let other = earlier.first(Sort::WithUnit)?;
-    let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit"));
+    let [one, two] = [other, scalar].map(|scalar| scalar.effective("unit"));
     one.zip(two).is_some_and(|(one, two)| one != two).then(|| earlier.clash(other, "but their units differ"))
 }
 
 /// One of them with a unit and another without.
-pub fn without_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let earlier = Earlier::of(scalar, document)?;
+pub fn without_unit(scalar: Variable) -> Option<String> {
+    let earlier = Earlier::of(scalar)?;
     let other = earlier.first(Sort::Any)?;
-    let [one, two] = [other, scalar].map(|scalar| document.effective(scalar, "unit").is_some());
+    let [one, two] = [other, scalar].map(|scalar| scalar.effective("unit").is_some());
     let (reference, name) = (earlier.reference, other.name);
     (one != two).then(|| {
         format!("valueReference {reference} is {name}'s, too, but only one of them has a unit: give it to both")
@@ -49,8 +49,8 @@ pub fn without_unit(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Stri
 }
 
 /// They may change at the same times.
-pub fn variability(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let earlier = Earlier::of(scalar, document)?;
+pub fn variability(scalar: Variable) -> Option<String> {
+    let earlier = Earlier::of(scalar)?;
     let other = earlier.first(Sort::Any)?;
     let (reference, one, two) = (earlier.reference, other.variability, scalar.variability);
     (one != two).then(|| {
@@ -62,33 +62,27 @@ pub fn variability(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<Strin
 }
 
 /// The variables before one that are the same under another name.
-struct Earlier<'d, 'a> {
-    document: &'d Document<'a>,
-    firsts: &'d Firsts,
-    position: usize,
+struct Earlier<'a> {
+    scalar: Variable<'a>,
+    firsts: &'a Firsts,
     reference: &'a str,
-    name: &'a str,
 }
 
-impl<'d, 'a> Earlier<'d, 'a> {
-    fn of(scalar: &Scalar<'a>, document: &'d Document<'a>) -> Option<Self> {
-        Some(Self {
-            document,
-            firsts: document.aliases.get(&scalar.place()?)?,
-            position: scalar.position,
-            reference: scalar.node.attribute("valueReference")?,
-            name: scalar.name,
-        })
+impl<'a> Earlier<'a> {
+    fn of(scalar: Variable<'a>) -> Option<Self> {
+        let firsts = scalar.document.aliases.get(&scalar.place()?)?;
+        Some(Self { scalar, firsts, reference: scalar.node.attribute("valueReference")? })
     }
 
     /// The first variable of a sort; none where it has the same name, which is a finding of its own.
-    fn first(&self, sort: Sort) -> Option<&'d Scalar<'a>> {
-        let at = self.firsts[sort as usize].filter(|at| *at < self.position)?;
-        let first = self.document.scalars[at].as_ref()?;
-        (first.name != self.name).then_some(first)
+    fn first(&self, sort: Sort) -> Option<Variable<'a>> {
+        let Variable { document, .. } = self.scalar;
+        let at = self.firsts[sort as usize].filter(|at| *at < self.scalar.position)?;
+        let first = document.scalars[at].as_ref()?;
+        (first.name != self.scalar.name).then_some(document.variable(first))
     }
 
-    fn clash(&self, other: &Scalar<'_>, wrong: &str) -> String {
+    fn clash(&self, other: Variable, wrong: &str) -> String {
         format!(
             "valueReference {} is {}'s, too, {wrong}: give one of them a valueReference of its own",
             self.reference, other.name

@@ -18,13 +18,13 @@ const MEMORY: u64 = 8 << 30;
 pub const TIMEOUT: &str = "timeout";
 
 /// The outcome of a probe.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct Outcome {
     /// Its observations, up to where it came.
-    pub(crate) report: Option<Report>,
+    pub report: Option<Report>,
     /// How its process ended, where that was not in order, and during which call.
-    pub(crate) fate: Option<String>,
-    pub(crate) stage: String,
+    pub fate: Option<String>,
+    pub stage: String,
 }
 
 /// Runs a probe. `fill` is what fresh and freed memory is filled with.

@@ -38,11 +38,10 @@ pub fn difference(columns: &[&Variable], one: &Run, other: &Run) -> Option<Strin
 }
 
 /// By how much a variable changes between two runs, in parts of its range.
-#[derive(Debug)]
 pub struct Change<'a> {
-    pub(crate) name: &'a str,
-    pub(crate) most: f64,
-    pub(crate) mean: f64,
+    pub name: &'a str,
+    pub most: f64,
+    pub mean: f64,
 }
 
 /// The real variables that change between two runs at the times that both have; infinitely where only one is finite.

@@ -5,7 +5,7 @@ use std::time::Duration;
 use fmu_import::Value;
 
 /// How the short simulations of a check are run.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug)]
 pub struct Conditions {
     /// How long each may take.
     pub patience: Duration,

@@ -7,14 +7,14 @@ use fmu_import::Version;
 use roxmltree::Node;
 
 use crate::{
-    document::{Document, Scalar, at, elements, named},
+    document::{Document, Scalar, at, elements, named, tag},
     hit::Hit,
 };
 
 /// Of each parent the first element that has an attribute's value of an earlier one: of several attributes, the first by
 /// which two are alike. `path` leads from the root to the elements, with `*` for those of any name.
-pub fn alike(document: &Document<'_>, path: &'static str, attributes: &[&'static str]) -> Vec<Hit> {
-    let is = |node: &Node<'_, '_>, step: &str| step == "*" || node.tag_name().name() == step;
+pub fn alike(document: &Document, path: &'static str, attributes: &[&'static str]) -> Vec<Hit> {
+    let is = |node: &Node, step: &str| step == "*" || tag(*node) == step;
     let mut steps = path.split('/');
     let last = steps.next_back().unwrap_or_default();
     steps
@@ -30,13 +30,13 @@ pub fn alike(document: &Document<'_>, path: &'static str, attributes: &[&'static
 }
 
 /// Units are converted by a factor.
-pub fn factors(document: &Document<'_>) -> Vec<Hit> {
+pub fn factors(document: &Document) -> Vec<Hit> {
     document
         .all("UnitDefinitions", "Unit")
         .flat_map(elements)
         .filter_map(|node| {
             let nothing = node.attribute("factor")?.trim().parse::<f64>() == Ok(0.0);
-            let element = node.tag_name().name();
+            let element = tag(node);
             let text = format!("{element}: factor is 0: nothing can be converted with it");
             nothing.then(|| at(node, text))
         })
@@ -44,9 +44,9 @@ pub fn factors(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Units and ranges of types that cannot be.
-pub fn type_attributes(document: &Document<'_>) -> Vec<Hit> {
+pub fn type_attributes(document: &Document) -> Vec<Hit> {
     let types = document.all("TypeDefinitions", "SimpleType").flat_map(elements);
-    let wrong = |node: Node<'_, '_>| {
+    let wrong = |node: Node| {
         let number = |name| node.attribute(name)?.trim().parse::<f64>().ok();
         if let Some((min, max)) = number("min").zip(number("max"))
             && min > max
@@ -70,7 +70,7 @@ pub fn type_attributes(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// States can only be turned into bytes where there are states.
-pub fn serialized_states(document: &Document<'_>) -> Vec<Hit> {
+pub fn serialized_states(document: &Document) -> Vec<Hit> {
     let capabilities = &document.read.capabilities;
     let is_wrong = capabilities.can_serialize_fmu_state && !capabilities.can_get_and_set_fmu_state;
     let state = match document.read.standard {
@@ -92,11 +92,11 @@ fn twice<'a>(nodes: impl Iterator<Item = Node<'a, 'a>>, attribute: &str) -> Opti
     let mut seen = HashSet::new();
     let mut known = nodes.filter_map(|node| Some((node, node.attribute(attribute)?)));
     let (node, value) = known.find(|(_, value)| !seen.insert(*value))?;
-    let element = node.tag_name().name();
+    let element = tag(node);
     Some(at(node, format!("a second `{element}` with {attribute}=\"{value}\": rename or remove it")))
 }
 
-pub fn types_and_variables(document: &Document<'_>) -> Vec<Hit> {
+pub fn types_and_variables(document: &Document) -> Vec<Hit> {
     let names: HashSet<&str> = document.known().map(|scalar| scalar.name).collect();
     let mut types = document.all("TypeDefinitions", "SimpleType");
     let same = types.find_map(|node| Some((node, names.get(node.attribute("name")?)?)));
@@ -106,7 +106,7 @@ pub fn types_and_variables(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// The date of the generation is an `xs:dateTime`.
-pub fn date(document: &Document<'_>) -> Vec<Hit> {
+pub fn date(document: &Document) -> Vec<Hit> {
     let text = document.root.attribute("generationDateAndTime");
     let wrong = text.filter(|text| !is_date(text.trim()));
     Vec::from_iter(wrong.map(|text| {
@@ -135,11 +135,11 @@ fn is_date(text: &str) -> bool {
 }
 
 /// Attributes that only FMUs for Model Exchange may have.
-pub fn exchange_only(document: &Document<'_>) -> Vec<Hit> {
+pub fn exchange_only(document: &Document) -> Vec<Hit> {
     if named(document.root, "ModelExchange").next().is_some() {
         return Vec::new();
     }
-    let mut counts: HashMap<&str, (&Scalar<'_>, usize)> = HashMap::new();
+    let mut counts: HashMap<&str, (&Scalar, usize)> = HashMap::new();
     for scalar in document.known() {
         for (node, name) in [(scalar.node, "canHandleMultipleSetPerTimeInstant"), (scalar.typed, "reinit")] {
             if node.has_attribute(name) {
@@ -164,17 +164,17 @@ pub fn exchange_only(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// `reinit` of something else than a state, which is what a derivative is one of: by its index, in FMI 3.0 by its reference.
-pub fn reinit(document: &Document<'_>) -> Vec<Hit> {
-    let of = |scalar: &Scalar<'_>| scalar.typed.attribute("derivative")?.trim().parse::<usize>().ok();
+pub fn reinit(document: &Document) -> Vec<Hit> {
+    let of = |scalar: &Scalar| scalar.typed.attribute("derivative")?.trim().parse::<usize>().ok();
     let states: HashSet<usize> = document.known().filter_map(of).collect();
-    let number = |scalar: &Scalar<'_>| match document.read.standard {
+    let number = |scalar: &Scalar| match document.read.standard {
         Version::Two => Some(scalar.position + 1),
         Version::Three => scalar.node.attribute("valueReference")?.trim().parse().ok(),
     };
     let is_exchange =
         document.read.standard == Version::Three || named(document.root, "ModelExchange").next().is_some();
     document.of_each(|scalar| {
-        let is_state = number(scalar).is_some_and(|number| states.contains(&number));
+        let is_state = number(&scalar).is_some_and(|number| states.contains(&number));
         (is_exchange && scalar.typed.has_attribute("reinit") && !is_state)
             .then(|| "it has the attribute reinit, but is no continuous-time state: remove it".to_owned())
     })

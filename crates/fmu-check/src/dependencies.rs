@@ -17,7 +17,7 @@ const KINDS: [&str; 2] = ["dependent", "constant"];
 const LATER_KINDS: [&str; 3] = ["fixed", "tunable", "discrete"];
 
 /// Dependencies are on variables, with a kind each where kinds are given.
-pub fn dependencies(document: &Document<'_>) -> Vec<Hit> {
+pub fn dependencies(document: &Document) -> Vec<Hit> {
     every(document, |name, unknown| {
         let strange =
             dependencies_on(unknown).find(|(_, place)| place.is_none_or(|place| place >= document.scalars.len()));
@@ -32,7 +32,7 @@ pub fn dependencies(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Faults of the kinds.
-fn kinds(list: &str, unknown: Node<'_, '_>) -> Option<String> {
+fn kinds(list: &str, unknown: Node) -> Option<String> {
     let kinds: Vec<&str> = unknown.attribute("dependenciesKind")?.split_whitespace().collect();
     let later: &[&str] = match list {
         "InitialUnknowns" => &[],
@@ -48,7 +48,7 @@ fn kinds(list: &str, unknown: Node<'_, '_>) -> Option<String> {
 }
 
 /// Dependencies are sorted by index, each there once.
-pub fn unsorted(document: &Document<'_>) -> Vec<Hit> {
+pub fn unsorted(document: &Document) -> Vec<Hit> {
     every(document, |_, unknown| {
         let places: Vec<usize> = dependencies_on(unknown).filter_map(|(_, place)| place).collect();
         let pair = places.windows(2).find(|pair| pair[0] >= pair[1])?;
@@ -57,7 +57,7 @@ pub fn unsorted(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Only Reals depend on something by a factor.
-pub fn factors(document: &Document<'_>) -> Vec<Hit> {
+pub fn factors(document: &Document) -> Vec<Hit> {
     let wrong = every(document, |_, unknown| {
         let scalar = scalar_of(document, unknown.attribute("index")?)?;
         let factor = unknown.attribute("dependenciesKind")?.split_whitespace().find(|kind| *kind != "dependent")?;
@@ -69,7 +69,7 @@ pub fn factors(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Dependencies are on variables that are known: not on what is computed itself.
-pub fn unknown(document: &Document<'_>) -> Vec<Hit> {
+pub fn unknown(document: &Document) -> Vec<Hit> {
     let states = states(document);
     let wrong = every(document, |name, unknown| {
         let computed = dependencies_on(unknown).find_map(|(_, place)| {
@@ -89,7 +89,7 @@ pub fn unknown(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Whether unknowns of a list may depend on a variable.
-fn is_known(scalar: &Scalar<'_>, list: &str, states: &HashSet<usize>) -> bool {
+fn is_known(scalar: &Scalar, list: &str, states: &HashSet<usize>) -> bool {
     let always = matches!(scalar.causality, "input" | "independent");
     let tunable = scalar.causality == "parameter" && scalar.variability == "tunable";
     match list {
@@ -99,7 +99,7 @@ fn is_known(scalar: &Scalar<'_>, list: &str, states: &HashSet<usize>) -> bool {
 }
 
 /// Faults of each unknown.
-fn every(document: &Document<'_>, wrong: impl Fn(&'static str, Node<'_, '_>) -> Option<String>) -> Vec<Hit> {
+fn every(document: &Document, wrong: impl Fn(&'static str, Node) -> Option<String>) -> Vec<Hit> {
     let mut hits = Vec::new();
     for name in LISTS {
         hits.extend(

@@ -1,6 +1,6 @@
 //! `modelDescription.xml` as the rules see it: its elements with their lines, its variables in their order.
 
-use std::{collections::HashMap, fmt::Display};
+use std::{collections::HashMap, fmt::Display, ops::Deref};
 
 use roxmltree::Node;
 
@@ -12,15 +12,15 @@ use fmu_import::{Description, Version, description::About};
 pub const NAME: &str = "modelDescription.xml";
 
 /// A model description, as it is written and as it was read.
-pub(crate) struct Document<'a> {
-    pub(crate) root: Node<'a, 'a>,
+pub struct Document<'a> {
+    pub root: Node<'a, 'a>,
     /// The variables in their order, which `ModelStructure` counts; none where one cannot be read.
-    pub(crate) scalars: Vec<Option<Scalar<'a>>>,
+    pub scalars: Vec<Option<Scalar<'a>>>,
     /// The element of each type definition, in FMI 2.0 `Real` for instance, by its name.
-    pub(crate) types: HashMap<&'a str, Node<'a, 'a>>,
-    pub(crate) read: &'a Description,
+    pub types: HashMap<&'a str, Node<'a, 'a>>,
+    pub read: &'a Description,
     /// The first names of the variables, by what names of one variable share.
-    pub(crate) aliases: HashMap<Place<'a>, Firsts>,
+    pub aliases: HashMap<Place<'a>, Firsts>,
     /// Where each line begins, bytes.
     lines: Vec<usize>,
 }
@@ -29,7 +29,6 @@ pub(crate) struct Document<'a> {
 pub type Place<'a> = (&'a str, &'a str);
 
 /// What is looked for among the names of a variable.
-#[derive(Clone, Copy)]
 pub enum Sort {
     Any,
     Settable,
@@ -42,14 +41,14 @@ pub enum Sort {
 pub type Firsts = [Option<usize>; 5];
 
 /// Notes a further name of a variable.
-fn note(firsts: &mut Firsts, scalar: &Scalar<'_>, document: &Document<'_>) {
+fn note(firsts: &mut Firsts, scalar: Variable) {
     for sort in [Sort::Any, Sort::Settable, Sort::Independent, Sort::Started, Sort::WithUnit] {
         let is = match sort {
             Sort::Any => true,
             Sort::Settable => scalar.is_settable(),
             Sort::Independent => scalar.causality == "independent",
             Sort::Started => scalar.start().is_some(),
-            Sort::WithUnit => document.effective(scalar, "unit").is_some(),
+            Sort::WithUnit => scalar.effective("unit").is_some(),
         };
         let first = &mut firsts[sort as usize];
         *first = first.or(is.then_some(scalar.position));
@@ -57,7 +56,7 @@ fn note(firsts: &mut Firsts, scalar: &Scalar<'_>, document: &Document<'_>) {
 }
 
 impl<'a> Document<'a> {
-    pub(crate) fn new(root: Node<'a, 'a>, read: &'a Description) -> Self {
+    pub fn new(root: Node<'a, 'a>, read: &'a Description) -> Self {
         let version = read.standard;
         let scalars: Vec<Option<Scalar<'a>>> = named(root, "ModelVariables")
             .flat_map(elements)
@@ -74,9 +73,9 @@ impl<'a> Document<'a> {
         let lines = starts_of_lines(root.document().input_text());
         let mut document = Self { root, scalars, types, read, aliases: HashMap::new(), lines };
         let mut aliases: HashMap<Place<'a>, Firsts> = HashMap::new();
-        for scalar in document.scalars.iter().flatten() {
+        for scalar in document.known() {
             if let Some(place) = scalar.place() {
-                note(aliases.entry(place).or_default(), scalar, &document);
+                note(aliases.entry(place).or_default(), document.variable(scalar));
             }
         }
         document.aliases = aliases;
@@ -84,14 +83,14 @@ impl<'a> Document<'a> {
     }
 
     /// Gives a finding its line.
-    pub(crate) fn locate(&self, hit: &mut Hit) {
+    pub fn locate(&self, hit: &mut Hit) {
         if let Some(position) = hit.position {
             hit.line.get_or_insert(self.line(position));
         }
     }
 
     /// The remarks of the reader on a part of the description.
-    pub(crate) fn remarks(&self, about: About) -> Vec<Hit> {
+    pub fn remarks(&self, about: About) -> Vec<Hit> {
         self.read
             .remarks
             .iter()
@@ -101,27 +100,32 @@ impl<'a> Document<'a> {
     }
 
     /// The line of a position, from 1.
-    pub(crate) fn line(&self, position: usize) -> usize {
+    pub fn line(&self, position: usize) -> usize {
         self.lines.partition_point(|start| *start <= position)
     }
 
     /// The variables that can be read.
-    pub(crate) fn known(&self) -> impl Iterator<Item = &Scalar<'a>> {
+    pub fn known(&self) -> impl Iterator<Item = &Scalar<'a>> {
         self.scalars.iter().flatten()
     }
 
     /// A finding at each variable where `wrong` says something.
-    pub(crate) fn of_each(&self, wrong: impl Fn(&Scalar<'a>) -> Option<String>) -> Vec<Hit> {
-        self.known().filter_map(|scalar| Some(scalar.finding(wrong(scalar)?))).collect()
+    pub fn of_each(&self, wrong: impl Fn(Variable) -> Option<String>) -> Vec<Hit> {
+        self.known().filter_map(|scalar| Some(scalar.finding(wrong(self.variable(scalar))?))).collect()
+    }
+
+    /// One of its variables.
+    pub fn variable<'s>(&'s self, scalar: &'s Scalar<'a>) -> Variable<'s> {
+        Variable { scalar, document: self }
     }
 
     /// All elements of one kind within the lists of another.
-    pub(crate) fn all(&self, list: &'static str, of: &'static str) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
+    pub fn all(&self, list: &'static str, of: &'static str) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
         named(self.root, list).flat_map(move |list| named(list, of))
     }
 
     /// The fault of a unit that is not defined.
-    pub(crate) fn undefined_unit(&self, unit: &str) -> Option<String> {
+    pub fn undefined_unit(&self, unit: &str) -> Option<String> {
         self.read
             .units
             .0
@@ -129,16 +133,38 @@ impl<'a> Document<'a> {
             .is_none()
             .then(|| format!("unit \"{unit}\" is not defined: add it to UnitDefinitions"))
     }
+}
 
-    /// The definition of a variable's declared type.
-    pub(crate) fn declared(&self, scalar: &Scalar<'_>) -> Option<Node<'a, 'a>> {
-        let name = scalar.typed.attribute("declaredType")?;
-        self.types.get(name).copied()
+/// A variable within its document.
+#[derive(Clone, Copy)]
+pub struct Variable<'a> {
+    scalar: &'a Scalar<'a>,
+    pub document: &'a Document<'a>,
+}
+
+impl<'a> Deref for Variable<'a> {
+    type Target = Scalar<'a>;
+
+    fn deref(&self) -> &Scalar<'a> {
+        self.scalar
+    }
+}
+
+impl<'a> Variable<'a> {
+    /// The same as it was read.
+    pub fn read(&self) -> Option<&'a fmu_import::Variable> {
+        self.document.read.variables.get(self.name)
     }
 
-    /// An attribute of a variable's type: its own, or else that of its declared type.
-    pub(crate) fn effective(&self, scalar: &Scalar<'a>, name: &str) -> Option<&'a str> {
-        scalar.typed.attribute(name).or_else(|| self.declared(scalar)?.attribute(name))
+    /// The definition of its declared type.
+    pub fn declared(&self) -> Option<Node<'a, 'a>> {
+        let name = self.typed.attribute("declaredType")?;
+        self.document.types.get(name).copied()
+    }
+
+    /// An attribute of its type: its own, or else that of its declared type.
+    pub fn effective(&self, name: &str) -> Option<&'a str> {
+        self.typed.attribute(name).or_else(|| self.declared()?.attribute(name))
     }
 }
 
@@ -147,35 +173,39 @@ fn starts_of_lines(text: &str) -> Vec<usize> {
     std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect()
 }
 
+/// The name of an element's kind.
+pub fn tag<'a>(node: Node<'a, '_>) -> &'a str {
+    node.tag_name().name()
+}
+
 /// A finding at an element.
-pub fn at(node: Node<'_, '_>, text: impl Into<String>) -> Hit {
+pub fn at(node: Node, text: impl Into<String>) -> Hit {
     Hit { position: Some(node.range().start), ..Hit::of(NAME, text) }
 }
 
 /// A variable as it is written.
-#[derive(Clone, Copy)]
-pub(crate) struct Scalar<'a> {
-    pub(crate) node: Node<'a, 'a>,
+pub struct Scalar<'a> {
+    pub node: Node<'a, 'a>,
     /// The element of its type: in FMI 2.0 `Real` for instance, in FMI 3.0 that of the variable.
-    pub(crate) typed: Node<'a, 'a>,
+    pub typed: Node<'a, 'a>,
     /// Its place among the variables, from 0.
-    pub(crate) position: usize,
-    pub(crate) name: &'a str,
-    pub(crate) causality: &'a str,
-    pub(crate) variability: &'a str,
+    pub position: usize,
+    pub name: &'a str,
+    pub causality: &'a str,
+    pub variability: &'a str,
     /// As written, or as the standard has it for the causality and variability; empty where there is none.
-    pub(crate) initial: &'a str,
+    pub initial: &'a str,
 }
 
 impl<'a> Scalar<'a> {
     fn new(version: Version, node: Node<'a, 'a>, position: usize) -> Option<Self> {
         let types = ["Real", "Integer", "Boolean", "String", "Enumeration"];
         let typed = match version {
-            Version::Two => elements(node).find(|child| types.contains(&child.tag_name().name()))?,
+            Version::Two => elements(node).find(|child| types.contains(&tag(*child)))?,
             Version::Three => node,
         };
         let causality = node.attribute("causality").unwrap_or("local");
-        let usual = match (causality, typed.tag_name().name()) {
+        let usual = match (causality, tag(typed)) {
             ("parameter" | "calculatedParameter" | "structuralParameter", _) if version == Version::Three => "fixed",
             (_, "Real" | "Float32" | "Float64") => "continuous",
             // The default of FMI 2.0 is continuous, which only a Real can be; tools mean discrete.
@@ -199,12 +229,12 @@ impl<'a> Scalar<'a> {
     }
 
     /// The name of its type, such as `Real` or `Float64`.
-    pub(crate) fn kind(&self) -> &'a str {
-        self.typed.tag_name().name()
+    pub fn kind(&self) -> &'a str {
+        tag(self.typed)
     }
 
     /// Where its value is; enumerations are integers to calls.
-    pub(crate) fn place(&self) -> Option<Place<'a>> {
+    pub fn place(&self) -> Option<Place<'a>> {
         let base = match self.kind() {
             "Enumeration" => "Integer",
             kind => kind,
@@ -212,21 +242,21 @@ impl<'a> Scalar<'a> {
         Some((base, self.node.attribute("valueReference")?.trim()))
     }
 
-    pub(crate) fn is_float(&self) -> bool {
+    pub fn is_float(&self) -> bool {
         matches!(self.kind(), "Real" | "Float32" | "Float64")
     }
 
-    pub(crate) fn start(&self) -> Option<&'a str> {
+    pub fn start(&self) -> Option<&'a str> {
         self.typed.attribute("start")
     }
 
     /// Whether an importer may set it freely.
-    pub(crate) fn is_settable(&self) -> bool {
+    pub fn is_settable(&self) -> bool {
         matches!(self.causality, "parameter" | "input")
     }
 
     /// A finding at this variable.
-    pub(crate) fn finding(&self, text: impl Display) -> Hit {
+    pub fn finding(&self, text: impl Display) -> Hit {
         at(self.node, format!("{}: {text}", self.name))
     }
 }

@@ -7,15 +7,15 @@ use object::{Architecture, BinaryFormat, NameOrOrdinal, Object};
 use crate::{
     document::NAME,
     exported::functions,
-    hit::{Breach, Hit},
+    hit::{Breach, Hit, breach},
     structure::short,
 };
 use fmu_import::{Description, FmuError, Interface, Package, Version};
 
 /// Faults of the files, and whether this machine's binary has one.
 pub struct Faults {
-    pub(crate) findings: Vec<Breach>,
-    pub(crate) fatal: bool,
+    pub findings: Vec<Breach>,
+    pub fatal: bool,
 }
 
 /// A platform: the folder, and the format and machine of its binaries.
@@ -57,7 +57,7 @@ pub fn broken(package: &mut Package) -> Result<Faults, FmuError> {
     for wrong in [OUTSIDE, BACKSLASH] {
         let those: Vec<String> = entries.iter().filter(|entry| path(entry) == Some(wrong)).cloned().collect();
         if !those.is_empty() {
-            findings.push(("archive-path", Hit::plain(format!("{}: {wrong}", short(&those)))));
+            findings.push(breach("archive-path", format!("{}: {wrong}", short(&those))));
             fatal = true;
         }
     }
@@ -83,9 +83,9 @@ pub fn broken(package: &mut Package) -> Result<Faults, FmuError> {
     }
     let twice = package.entries_twice();
     if !twice.is_empty() {
-        findings.push((
+        findings.push(breach(
             "archive-entry-unique",
-            Hit::plain(format!("two entries of each of these names: {}: remove one", short(twice))),
+            format!("two entries of each of these names: {}: remove one", short(twice)),
         ));
     }
     Ok(Faults { findings, fatal })
@@ -123,9 +123,7 @@ fn of_platform(
             Ok(bytes) => Ok(sound(&bytes, package.description(), format, machine)
                 .err()
                 .map(|(rule, wrong)| (rule, Hit::of(&name, wrong)))),
-            Err(FmuError { fault, .. }) if fault.is_in_fmu() => {
-                Ok(Some(("archive-readable", Hit::plain(fault.to_string()))))
-            }
+            Err(FmuError { fault, .. }) if fault.is_in_fmu() => Ok(Some(breach("archive-readable", fault.to_string()))),
             Err(error) => Err(error),
         };
     }
@@ -230,8 +228,8 @@ fn sound(
 }
 
 /// The names that a library exports.
-fn exports(file: &object::File<'_>) -> object::Result<HashSet<String>> {
-    let name = |export: object::Export<'_>| match export.name() {
+fn exports(file: &object::File) -> object::Result<HashSet<String>> {
+    let name = |export: object::Export| match export.name() {
         NameOrOrdinal::Name(name) => String::from_utf8_lossy(name).into_owned(),
         NameOrOrdinal::Ordinal(_) => String::new(),
     };

@@ -4,7 +4,7 @@ use fmu_import::description::About;
 use serde::Serialize;
 
 use crate::{
-    document::{Document, Scalar},
+    document::{Document, Variable},
     hit::Hit,
 };
 
@@ -48,20 +48,20 @@ pub struct Rule {
 }
 
 /// Finds breaches of a rule.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub(crate) enum Find {
     /// Looks at the whole model description of FMI 2.0.
-    Document(fn(&Document<'_>) -> Vec<Hit>),
+    Document(fn(&Document) -> Vec<Hit>),
     /// Looks at one of FMI 3.0.
-    Three(fn(&Document<'_>) -> Vec<Hit>),
+    Three(fn(&Document) -> Vec<Hit>),
     /// Looks at one variable of FMI 3.0.
-    Each(fn(&Scalar<'_>, &Document<'_>) -> Option<String>),
+    Each(fn(Variable) -> Option<String>),
     /// Looks at a whole one of either version.
-    Either(fn(&Document<'_>) -> Vec<Hit>),
+    Either(fn(&Document) -> Vec<Hit>),
     /// The reader of the model description remarks on it.
     Remark(About),
     /// Looks at one variable of FMI 2.0. Of all such rules the first that finds something counts: others would only repeat it.
-    Variable(fn(&Scalar<'_>, &Document<'_>) -> Option<String>),
+    Variable(fn(Variable) -> Option<String>),
     /// The archive or a simulation shows it while it is looked at.
     Elsewhere,
 }

@@ -3,6 +3,11 @@
 /// A breach of the rule of this name.
 pub type Breach = (&'static str, Hit);
 
+/// A breach that has no line.
+pub fn breach(rule: &'static str, text: impl Into<String>) -> Breach {
+    (rule, Hit::plain(text))
+}
+
 /// A breach of a rule: where, and what to do about it.
 #[derive(Clone, Debug, Default)]
 pub struct Hit {

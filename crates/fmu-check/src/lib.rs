@@ -198,7 +198,7 @@ impl Findings {
                 let hits = match rule.find {
                     Find::Document(find) if !is_three => find(&document),
                     Find::Three(find) if is_three => find(&document),
-                    Find::Each(find) if is_three => document.of_each(|scalar| find(scalar, &document)),
+                    Find::Each(find) if is_three => document.of_each(find),
                     Find::Either(find) => find(&document),
                     Find::Remark(about) => document.remarks(about),
                     _ => continue,
@@ -208,7 +208,7 @@ impl Findings {
             for scalar in document.known().filter(|_| !is_three) {
                 findings.extend(RULES.iter().find_map(|rule| match rule.find {
                     Find::Variable(find) => {
-                        let hit = scalar.finding(&find(scalar, &document)?);
+                        let hit = scalar.finding(&find(document.variable(scalar))?);
                         Some(Finding { rule, hit })
                     }
                     _ => None,

@@ -1,12 +1,12 @@
 //! Names of variables (FMI 2.0.5, section 2.2.9).
 
 use crate::{
-    document::{Document, Scalar, at},
+    document::{Document, Scalar, Variable, at},
     hit::Hit,
 };
 
 /// A naming convention that is none.
-pub fn convention(document: &Document<'_>) -> Vec<Hit> {
+pub fn convention(document: &Document) -> Vec<Hit> {
     let other =
         document.root.attribute("variableNamingConvention").filter(|word| !["flat", "structured"].contains(word));
     let text = |word: &str| format!("variableNamingConvention is \"{word}\": it is flat or structured");
@@ -14,7 +14,7 @@ pub fn convention(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Names of which nothing can be made: empty ones, and such with line breaks or tabs.
-pub fn legal(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub fn legal(scalar: Variable) -> Option<String> {
     if scalar.name.is_empty() {
         return Some("an empty name: give the variable a name".to_owned());
     }
@@ -22,21 +22,21 @@ pub fn legal(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
 }
 
 /// Derivatives, by their structured names, that are no Reals.
-pub fn of_real(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
-    let structured = document.root.attribute("variableNamingConvention") == Some("structured");
+pub fn of_real(scalar: Variable) -> Option<String> {
+    let structured = scalar.document.root.attribute("variableNamingConvention") == Some("structured");
     let derivative = structured && scalar.name.starts_with("der(") && scalar.kind() != "Real";
     derivative
         .then(|| format!("the name is the one of a derivative, which is a Real, not {}: rename it", scalar.kind()))
 }
 
 /// The first name that the naming convention does not allow.
-pub fn structured(document: &Document<'_>) -> Vec<Hit> {
+pub fn structured(document: &Document) -> Vec<Hit> {
     let convention = document.root.attribute("variableNamingConvention");
     if convention != Some("structured") {
         return Vec::new();
     }
-    let strange = |scalar: &&Scalar<'_>| scalar.node.has_attribute("name") && !is_structured(scalar.name);
-    let strange: Vec<&Scalar<'_>> = document.known().filter(strange).collect();
+    let strange = |scalar: &&Scalar| scalar.node.has_attribute("name") && !is_structured(scalar.name);
+    let strange: Vec<&Scalar> = document.known().filter(strange).collect();
     let more = match strange.len() {
         0 | 1 => String::new(),
         count => format!(" (nor are {} more)", count - 1),

@@ -19,7 +19,7 @@ use fmu_points::{
 };
 
 /// Kinds of probes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub enum Life {
     /// One simulation.
     Alone,
@@ -34,34 +34,34 @@ pub enum Life {
 }
 
 /// The task.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Serialize, Deserialize)]
 pub struct Setup {
-    pub(crate) fmu: PathBuf,
+    pub fmu: PathBuf,
     /// Whether it keeps the user's working directory.
-    pub(crate) here: bool,
-    pub(crate) life: Life,
-    pub(crate) schedule: Schedule,
-    pub(crate) columns: Vec<Handle>,
+    pub here: bool,
+    pub life: Life,
+    pub schedule: Schedule,
+    pub columns: Vec<Handle>,
     /// Start values of every simulation, and of those in which parameters change.
-    pub(crate) set: Vec<(u32, Value)>,
-    pub(crate) changed: Vec<(u32, Value)>,
+    pub set: Vec<(u32, Value)>,
+    pub changed: Vec<(u32, Value)>,
     /// One row is kept of so many steps.
-    pub(crate) every: u64,
+    pub every: u64,
     /// Where a simulation ends early, with what is kept of it.
-    pub(crate) end: End,
+    pub end: End,
 }
 
 /// An end of a simulation before its stop time, which is no failure.
-#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 pub struct End {
     /// After so many steps.
-    pub(crate) steps: Option<u64>,
+    pub steps: Option<u64>,
     /// After so long.
-    pub(crate) time: Option<Duration>,
+    pub time: Option<Duration>,
 }
 
 /// What a probe tells.
-#[derive(Debug, Serialize, Deserialize)]
+#[derive(Serialize, Deserialize)]
 pub enum Told {
     /// What comes next.
     Stage(String),
@@ -70,33 +70,33 @@ pub enum Told {
 }
 
 /// Observations of a process.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Report {
     /// Why the binary cannot be loaded.
-    pub(crate) unloadable: Option<String>,
-    pub(crate) version: Option<String>,
-    pub(crate) types_platform: Option<String>,
+    pub unloadable: Option<String>,
+    pub version: Option<String>,
+    pub types_platform: Option<String>,
     /// Messages with a foreign environment.
-    pub(crate) strays: u64,
+    pub strays: u64,
     /// What no other process of the machine could have at the end of the simulation.
-    pub(crate) held: Option<String>,
-    pub(crate) runs: Vec<Run>,
+    pub held: Option<String>,
+    pub runs: Vec<Run>,
 }
 
 /// Observations of one simulation.
-#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+#[derive(Clone, Default, Serialize, Deserialize)]
 pub struct Run {
-    pub(crate) times: Vec<f64>,
+    pub times: Vec<f64>,
     /// A row per time: the value of each column.
-    pub(crate) rows: Vec<Vec<Value>>,
-    pub(crate) ended: Option<f64>,
-    pub(crate) warnings: u64,
-    pub(crate) first_warning: Option<String>,
+    pub rows: Vec<Vec<Value>>,
+    pub ended: Option<f64>,
+    pub warnings: u64,
+    pub first_warning: Option<String>,
     /// Why it failed, and why it could not be terminated.
-    pub(crate) failure: Option<String>,
+    pub failure: Option<String>,
     /// Whether that was a step which it refused (`fmi2Discard`).
-    pub(crate) refused: bool,
-    pub(crate) unfinished: Option<String>,
+    pub refused: bool,
+    pub unfinished: Option<String>,
 }
 
 /// Runs the probe that a text describes.
@@ -174,7 +174,7 @@ impl Probe<'_> {
         let Some(mut live) = self.begin(library, changed, "") else { return };
         self.steps(&mut [&mut live]);
         self.terminate(&mut live, "");
-        self.report.runs.push(std::mem::take(&mut live.run));
+        self.keep(&mut live);
         self.at("fmi2Reset");
         if let Err(call) = live.instance.reset() {
             live.run.failure = Some(call.to_string());
@@ -183,7 +183,7 @@ impl Probe<'_> {
             self.steps(&mut [&mut live]);
             self.terminate(&mut live, " after fmi2Reset");
         }
-        self.report.runs.push(std::mem::take(&mut live.run));
+        self.keep(&mut live);
         self.free(Some(live), "")
     }
 
@@ -202,6 +202,11 @@ impl Probe<'_> {
         self.report.held = system::held();
         self.terminate(live, which);
         self.report.strays += live.instance.strays();
+        self.keep(live);
+    }
+
+    /// Keeps what was seen of a run.
+    fn keep(&mut self, live: &mut Live) {
         self.report.runs.push(std::mem::take(&mut live.run));
     }
 

@@ -13,7 +13,7 @@ use crate::{
     compare::{Change, changes, difference},
     conditions::Conditions,
     experiment,
-    hit::{Breach, Hit},
+    hit::{Breach, breach},
     probe::{End, Life, Run, Setup},
     simulated,
 };
@@ -135,18 +135,17 @@ impl<'a> Probes<'a> {
                     Some(report) if report.unloadable.is_some() => "binary-loads",
                     _ => "simulation-runs",
                 };
-                breaches.push((rule, Hit::plain(self.shortened(&text))));
+                breaches.push(breach(rule, self.shortened(&text)));
                 return Ok(breaches);
             }
         };
         breaches.extend(simulated::values(&self.columns, whole, described_well));
         if let Some(fate) = &alone.fate {
-            breaches
-                .push(("life-ends", Hit::plain(format!("{} failed after a whole simulation: {fate}", alone.stage))));
+            breaches.push(breach("life-ends", format!("{} failed after a whole simulation: {fate}", alone.stage)));
             return Ok(breaches);
         }
         if let Some(text) = &whole.unfinished {
-            breaches.push(("life-ends", Hit::plain(format!("the simulation is whole, but: {text}"))));
+            breaches.push(breach("life-ends", format!("the simulation is whole, but: {text}")));
         }
         let stable = self.memory(whole)?;
         let unstable = stable.is_some();
@@ -176,13 +175,13 @@ impl<'a> Probes<'a> {
             if sound(&outcome, 1).is_ok() {
                 return Ok((
                     outcome,
-                    Some((
+                    Some(breach(
                         "step-suggested",
-                        Hit::plain(format!(
+                        format!(
                             "it refuses the communication step of {} s and suggests none (stepSize); with {step} s it runs: \
                      simulate it with that",
                             usual.step
-                        )),
+                        ),
                     )),
                 ));
             }
@@ -215,13 +214,13 @@ impl<'a> Probes<'a> {
             by_itself = by_itself.or_else(|| differ(before, &once_more));
         }
         Ok(Some(match by_itself {
-            Some(text) => (
+            Some(text) => breach(
                 "reproducible",
-                Hit::plain(format!("two simulations of the same differ (clock, random numbers, addresses): {text}")),
+                format!("two simulations of the same differ (clock, random numbers, addresses): {text}"),
             ),
-            None => (
+            None => breach(
                 "memory-written",
-                Hit::plain(format!("it reads memory that it never wrote: with fresh memory filled otherwise, {text}")),
+                format!("it reads memory that it never wrote: with fresh memory filled otherwise, {text}"),
             ),
         }))
     }
@@ -242,11 +241,11 @@ impl<'a> Probes<'a> {
             let late = child::run(&setup, room.path(), 3 * self.patience, None)?;
             let text = sound(&late, 1).map_or_else(Some, |runs| difference(&self.columns, whole, &runs[0]));
             if let Some(text) = text {
-                return Ok(Some((
+                return Ok(Some(breach(
                     "reproducible",
-                    Hit::plain(format!(
+                    format!(
                         "the same simulation, later and from another copy of the FMU, differs (clock, path, random numbers): {text}"
-                    )),
+                    ),
                 )));
             }
             if is_last {
@@ -326,9 +325,9 @@ impl<'a> Probes<'a> {
             (Some(fate), _) if fate == child::TIMEOUT => return Ok(None),
             (_, Ok(runs)) => &runs[0],
             (_, Err(text)) => {
-                return Ok(Some((
+                return Ok(Some(breach(
                     "early-end",
-                    Hit::plain(format!("up to its stop time of {stop} s, {}", self.shortened(&text))),
+                    format!("up to its stop time of {stop} s, {}", self.shortened(&text)),
                 )));
             }
         };
@@ -340,7 +339,7 @@ impl<'a> Probes<'a> {
         let finer = self.later(Life::Alone, None)?;
         let finer = match sound(&finer, 1) {
             Err(text) => {
-                return Ok(Some(("step-size", Hit::plain(format!("with half the communication step, {text}")))));
+                return Ok(Some(breach("step-size", format!("with half the communication step, {text}"))));
             }
             Ok(runs) => &runs[0],
         };
@@ -349,9 +348,8 @@ impl<'a> Probes<'a> {
         } else {
             String::new()
         };
-        Ok(much(changes(&self.columns, coarse, finer)).map(|(rule, text)| {
-            (rule, Hit::plain(format!("with half the communication step of {step} s, {text}{less}")))
-        }))
+        Ok(much(changes(&self.columns, coarse, finer))
+            .map(|(rule, text)| breach(rule, format!("with half the communication step of {step} s, {text}{less}"))))
     }
 
     /// A message without the folder into which the FMU was unpacked.
@@ -385,7 +383,7 @@ fn first(outcome: &Outcome) -> Option<&Run> {
 
 /// The variable of those that change much which changes most on average, where that is no matter of single moments: a jump that
 /// comes a step later. Then it is a warning.
-fn much(changes: Vec<Change<'_>>) -> Option<(&'static str, String)> {
+fn much(changes: Vec<Change>) -> Option<(&'static str, String)> {
     const MUCH: f64 = 0.01;
     let Change { name, most, mean } =
         changes.into_iter().filter(|change| change.most > MUCH).max_by(|a, b| a.mean.total_cmp(&b.mean))?;
@@ -400,5 +398,5 @@ fn much(changes: Vec<Change<'_>>) -> Option<(&'static str, String)> {
 
 /// A life that is not as one alone.
 fn unlike(rule: &'static str, what: &str, text: &str) -> Breach {
-    (rule, Hit::plain(format!("{what}, {text}: it must be as alone")))
+    breach(rule, format!("{what}, {text}: it must be as alone"))
 }

@@ -5,7 +5,10 @@ use std::str;
 
 use roxmltree::Node;
 
-use crate::hit::{Breach, Hit};
+use crate::{
+    document::tag,
+    hit::{Breach, Hit},
+};
 use fmu_import::{FmuError, Package, xml};
 
 const MANIFEST: &str = "extra/org.fmi-standard.fmi-ls-ref/fmi-ls-manifest.xml";
@@ -50,7 +53,7 @@ fn in_file(
     package: &mut Package,
     file: &str,
     rule: &'static str,
-    look: impl FnOnce(Node<'_, '_>) -> Vec<String>,
+    look: impl FnOnce(Node) -> Vec<String>,
 ) -> Result<Vec<Breach>, FmuError> {
     if !package.entries().iter().any(|entry| entry == file) {
         return Ok(Vec::new());
@@ -71,9 +74,9 @@ fn in_file(
 }
 
 /// The breaches of the manifest's schema.
-fn manifest(root: Node<'_, '_>) -> Vec<String> {
+fn manifest(root: Node) -> Vec<String> {
     if !root.has_tag_name("fmiReferences") {
-        return vec![format!("`{}` instead of `fmiReferences`", root.tag_name().name())];
+        return vec![format!("`{}` instead of `fmiReferences`", tag(root))];
     }
     let mut wrong = Vec::new();
     element(root, 0, &mut wrong);
@@ -81,9 +84,9 @@ fn manifest(root: Node<'_, '_>) -> Vec<String> {
 }
 
 /// The breaches in an element of a depth and in those within it.
-fn element(node: Node<'_, '_>, depth: usize, wrong: &mut Vec<String>) {
+fn element(node: Node, depth: usize, wrong: &mut Vec<String>) {
     let (attributes, inner) = LEVELS[depth];
-    let name = node.tag_name().name();
+    let name = tag(node);
     let given: Vec<(String, &str)> = node
         .attributes()
         .filter(|attribute| attribute.namespace() != Some(SCHEMA_INSTANCE))
@@ -126,8 +129,8 @@ fn is_role(text: &str) -> bool {
 }
 
 /// Children that the schema does not know: after those of one name may come one `Annotations`, and no text.
-fn children(node: Node<'_, '_>, name: &str, wrong: &mut Vec<String>) {
-    let element = node.tag_name().name();
+fn children(node: Node, name: &str, wrong: &mut Vec<String>) {
+    let element = tag(node);
     let mut ended = name.is_empty();
     for child in node.children() {
         if child.is_text() && !child.text().unwrap_or_default().trim().is_empty() {
@@ -138,7 +141,7 @@ fn children(node: Node<'_, '_>, name: &str, wrong: &mut Vec<String>) {
         }
         let last = child.has_tag_name("Annotations") && !name.is_empty();
         if ended || !(last || child.has_tag_name(name)) {
-            wrong.push(format!("`{}` cannot stand here in `{element}`", child.tag_name().name()));
+            wrong.push(format!("`{}` cannot stand here in `{element}`", tag(child)));
         }
         ended |= last;
     }

@@ -6,7 +6,7 @@ use std::sync::LazyLock;
 use roxmltree::Node;
 
 use crate::{
-    document::{Document, at, elements},
+    document::{Document, at, elements, tag},
     hit::Hit,
 };
 use fmu_import::Version;
@@ -48,7 +48,7 @@ fn element(version: Version, parent: &str, name: &str) -> Option<Element> {
 const TYPES: [&str; 5] = ["Real", "Integer", "Boolean", "String", "Enumeration"];
 
 /// A namespace that the elements of FMI have not.
-pub fn namespace(document: &Document<'_>) -> Vec<Hit> {
+pub fn namespace(document: &Document) -> Vec<Hit> {
     let space = document.root.tag_name().namespace();
     let version = document.read.standard.number();
     let text = |space: &str| format!("the namespace \"{space}\": the elements of FMI {version} have none, remove it");
@@ -59,7 +59,7 @@ pub fn namespace(document: &Document<'_>) -> Vec<Hit> {
 const INSTANCE: &str = "http://www.w3.org/2001/XMLSchema-instance";
 
 /// Attributes that are none of FMI.
-pub fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
+pub fn unknown_attributes(document: &Document) -> Vec<Hit> {
     let version = document.read.standard.number();
     visit(document, |node, (_, attributes, _), hits| {
         let given = node.attributes().filter(|a| a.namespace() != Some(INSTANCE));
@@ -67,7 +67,7 @@ pub fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
             let (foreign, attribute) = (attribute.namespace().is_some(), attribute.name());
             if foreign || known(attributes).all(|known| known != attribute) {
                 let meant = did_you_mean(nearest(attribute, known(attributes)));
-                let name = node.tag_name().name();
+                let name = tag(node);
                 hits.push(at(
                     node,
                     format!("`{name}` has no attribute `{attribute}` in FMI {version}: remove it{meant}"),
@@ -78,28 +78,28 @@ pub fn unknown_attributes(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Attributes that must be there.
-pub fn missing_attributes(document: &Document<'_>) -> Vec<Hit> {
+pub fn missing_attributes(document: &Document) -> Vec<Hit> {
     visit(document, |node, (_, attributes, _), hits| {
         for attribute in missing(attributes).filter(|wanted| !node.has_attribute(*wanted)) {
-            let name = node.tag_name().name();
+            let name = tag(node);
             hits.push(at(node, format!("`{name}` needs the attribute `{attribute}`: add it")));
         }
     })
 }
 
 /// Elements that are none of FMI.
-pub fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
+pub fn unknown_elements(document: &Document) -> Vec<Hit> {
     let version = document.read.standard.number();
     visit(document, |node, (_, _, children), hits| {
         for child in node.children().filter(Node::is_element) {
-            let inner = child.tag_name().name();
+            let inner = tag(child);
             let foreign = child.tag_name().namespace().is_some();
             let strange = foreign || known(children).all(|known| known != inner);
             if children != ANYTHING && strange {
                 let meant = did_you_mean(nearest(inner, known(children)));
                 hits.push(at(child, format!(
                     "`{}` has no element `{inner}` in FMI {version}: remove it, or put it into an annotation{meant}",
-                    node.tag_name().name()
+                    tag(node)
                 )));
             }
         }
@@ -107,7 +107,7 @@ pub fn unknown_elements(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Text between elements.
-pub fn text(document: &Document<'_>) -> Vec<Hit> {
+pub fn text(document: &Document) -> Vec<Hit> {
     visit(document, |node, (_, _, children), hits| {
         let stray = node
             .children()
@@ -115,7 +115,7 @@ pub fn text(document: &Document<'_>) -> Vec<Hit> {
             .filter_map(|text| Some(text.text()?.trim()))
             .find(|text| !text.is_empty());
         if let Some(stray) = stray.filter(|_| children != ANYTHING) {
-            hits.push(at(node, format!("the text `{}` in `{}`: remove it", start_of(stray), node.tag_name().name())));
+            hits.push(at(node, format!("the text `{}` in `{}`: remove it", start_of(stray), tag(node))));
         }
     })
 }
@@ -131,11 +131,11 @@ fn start_of(text: &str) -> String {
 }
 
 /// Elements that must be there.
-pub fn missing_elements(document: &Document<'_>) -> Vec<Hit> {
+pub fn missing_elements(document: &Document) -> Vec<Hit> {
     visit(document, |node, (_, _, children), hits| {
         for wanted in missing(children) {
-            if elements(node).all(|child| child.tag_name().name() != wanted) {
-                let name = node.tag_name().name();
+            if elements(node).all(|child| tag(child) != wanted) {
+                let name = tag(node);
                 hits.push(at(node, format!("`{name}` needs the element `{wanted}`: add it")));
             }
         }
@@ -143,7 +143,7 @@ pub fn missing_elements(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Elements in another order than the schema's, or twice.
-pub fn order(document: &Document<'_>) -> Vec<Hit> {
+pub fn order(document: &Document) -> Vec<Hit> {
     visit(document, |node, (_, _, children), hits| {
         if children != ANYTHING {
             let version = document.read.standard;
@@ -153,7 +153,7 @@ pub fn order(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Lists in which there is nothing.
-pub fn empty_lists(document: &Document<'_>) -> Vec<Hit> {
+pub fn empty_lists(document: &Document) -> Vec<Hit> {
     visit(document, |node, (name, _, children), hits| {
         let inner = children.strip_suffix('+');
         if let Some(inner) = inner.filter(|_| elements(node).next().is_none()) {
@@ -161,14 +161,14 @@ pub fn empty_lists(document: &Document<'_>) -> Vec<Hit> {
                 "SimpleType/Enumeration" => "add its items",
                 _ => "remove it, or add one",
             };
-            let list = node.tag_name().name();
+            let list = tag(node);
             hits.push(at(node, format!("`{list}` has no `{inner}` in it: {remedy}")));
         }
     })
 }
 
 /// Type definitions without a type.
-pub fn typeless(document: &Document<'_>) -> Vec<Hit> {
+pub fn typeless(document: &Document) -> Vec<Hit> {
     document
         .all("TypeDefinitions", "SimpleType")
         .filter(|node| elements(*node).next().is_none())
@@ -177,7 +177,7 @@ pub fn typeless(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Values that are not of their attribute's type, where nobody else reads them.
-pub fn values(document: &Document<'_>) -> Vec<Hit> {
+pub fn values(document: &Document) -> Vec<Hit> {
     let mut wrong = visit(document, |node, (element, attributes, _), hits| {
         let typed =
             TYPED.iter().filter(|(elements, ..)| elements.is_empty() || elements.split(' ').any(|one| one == element));
@@ -241,23 +241,23 @@ fn missing(list: &'static str) -> impl Iterator<Item = &'static str> {
 }
 
 /// Hands over all elements that the standard knows, and their descriptions.
-fn visit(document: &Document<'_>, mut look: impl FnMut(Node<'_, '_>, Element, &mut Vec<Hit>)) -> Vec<Hit> {
+fn visit(document: &Document, mut look: impl FnMut(Node, Element, &mut Vec<Hit>)) -> Vec<Hit> {
     let mut hits = Vec::new();
     let mut open = vec![(document.root, "")];
     while let Some((node, parent)) = open.pop() {
-        let Some(element) = element(document.read.standard, parent, node.tag_name().name()) else { continue };
+        let Some(element) = element(document.read.standard, parent, tag(node)) else { continue };
         look(node, element, &mut hits);
-        let inner = elements(node)
-            .filter(|child| element.2 != ANYTHING && known(element.2).any(|known| known == child.tag_name().name()));
+        let inner =
+            elements(node).filter(|child| element.2 != ANYTHING && known(element.2).any(|known| known == tag(*child)));
         let begin = open.len();
-        open.extend(inner.map(|child| (child, node.tag_name().name())));
+        open.extend(inner.map(|child| (child, tag(node))));
         open[begin..].reverse();
     }
     hits
 }
 
 /// The first child that comes after one that it must come before, or comes a second time.
-fn disordered(version: Version, node: Node<'_, '_>, children: &'static str) -> Option<Hit> {
+fn disordered(version: Version, node: Node, children: &'static str) -> Option<Hit> {
     if children.ends_with('~') {
         return None;
     }
@@ -268,7 +268,7 @@ fn disordered(version: Version, node: Node<'_, '_>, children: &'static str) -> O
     };
     let mut last: Option<usize> = None;
     elements(node).find_map(|child| {
-        let name = child.tag_name().name();
+        let name = tag(child);
         let place = order.iter().position(|known| *known == name)?;
         let wrong = match last {
             Some(before) if TYPES.contains(&name) && TYPES.contains(&order[before]) => {

@@ -1,7 +1,7 @@
 //! Findings in a simulation that ended soundly: warnings, values that cannot be right.
 
 use crate::{
-    hit::{Breach, Hit},
+    hit::{Breach, Hit, breach},
     probe::{Report, Run},
     structure::short,
 };
@@ -10,7 +10,7 @@ use fmu_import::{Causality, Description, Variable, Version};
 /// The FMU's declarations and remarks, apart from its values.
 pub fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach> {
     let mut breaches = Vec::new();
-    let mut tell = |rule, text| breaches.push((rule, Hit::plain(text)));
+    let mut tell = |rule, text| breaches.push(breach(rule, text));
     if fmu.capabilities.needs_execution_tool {
         tell("execution-tool", "it needs the tool that wrote it (needsExecutionTool)".to_owned());
     }
@@ -85,10 +85,8 @@ pub fn values(columns: &[&Variable], run: &Run, described_well: bool) -> Vec<Bre
         breaches.extend(beyond(variable, values));
     }
     if !infinite.is_empty() {
-        breaches.push((
-            "output-finite",
-            Hit::plain(format!("{} in a simulation: no criterion can use it", short(&infinite))),
-        ));
+        breaches
+            .push(breach("output-finite", format!("{} in a simulation: no criterion can use it", short(&infinite))));
     }
     if described_well {
         breaches.extend(other_starts(columns, run));
@@ -125,11 +123,11 @@ fn beyond(variable: &Variable, values: impl Iterator<Item = f64> + Clone) -> Opt
         .and_then(|min| Some((values.clone().find(|value| *value < min)?, min, "min")))
         .or_else(|| max.and_then(|max| Some((values.clone().find(|value| *value > max)?, max, "max"))));
     let (value, bound, name) = beyond?;
-    Some((
+    Some(breach(
         "output-range",
-        Hit::plain(format!(
+        format!(
             "{}: {value} in a simulation, beyond its {name} of {bound}: correct the range or the model",
             variable.name
-        )),
+        ),
     ))
 }

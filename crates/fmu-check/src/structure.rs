@@ -17,31 +17,31 @@ fn structure<'a>(document: &Document<'a>) -> Option<Node<'a, 'a>> {
     named(document.root, "ModelStructure").next()
 }
 
-fn is_output(scalar: &Scalar<'_>) -> bool {
+fn is_output(scalar: &Scalar) -> bool {
     scalar.causality == "output"
 }
 
-fn is_guessed(scalar: &Scalar<'_>) -> bool {
+fn is_guessed(scalar: &Scalar) -> bool {
     ["calculated", "approx"].contains(&scalar.initial)
 }
 
 /// Whether a list of `ModelStructure` is there.
-fn has_list(document: &Document<'_>, name: &'static str) -> bool {
+fn has_list(document: &Document, name: &'static str) -> bool {
     structure(document).is_some_and(|node| named(node, name).next().is_some())
 }
 
-pub fn outputs(document: &Document<'_>) -> Vec<Hit> {
+pub fn outputs(document: &Document) -> Vec<Hit> {
     list(document, "Outputs", &|scalar| (!is_output(scalar)).then_some("is no output"))
 }
 
-pub fn outputs_missing(document: &Document<'_>) -> Vec<Hit> {
+pub fn outputs_missing(document: &Document) -> Vec<Hit> {
     if !outputs(document).is_empty() {
         return Vec::new();
     }
     missing(document, "Outputs", &is_output)
 }
 
-pub fn derivatives(document: &Document<'_>) -> Vec<Hit> {
+pub fn derivatives(document: &Document) -> Vec<Hit> {
     list(document, "Derivatives", &|scalar| {
         if !scalar.typed.has_attribute("derivative") {
             return Some("has no attribute derivative");
@@ -53,7 +53,7 @@ pub fn derivatives(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// State derivatives that do not change continuously.
-pub fn derivatives_discrete(document: &Document<'_>) -> Vec<Hit> {
+pub fn derivatives_discrete(document: &Document) -> Vec<Hit> {
     if !derivatives(document).is_empty() {
         return Vec::new();
     }
@@ -64,7 +64,7 @@ pub fn derivatives_discrete(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// States are declared, but no state derivatives.
-pub fn derivatives_missing(document: &Document<'_>) -> Vec<Hit> {
+pub fn derivatives_missing(document: &Document) -> Vec<Hit> {
     if has_list(document, "Derivatives") {
         return Vec::new();
     }
@@ -76,7 +76,7 @@ pub fn derivatives_missing(document: &Document<'_>) -> Vec<Hit> {
     })
 }
 
-pub fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
+pub fn initial_unknowns(document: &Document) -> Vec<Hit> {
     list(document, "InitialUnknowns", &|scalar| match scalar.causality {
         "parameter" => Some("is a parameter, so known initially"),
         "input" => Some("is an input, so known initially"),
@@ -85,7 +85,7 @@ pub fn initial_unknowns(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Outputs, calculated parameters, states and their derivatives that are computed initially.
-pub fn initial_unknowns_missing(document: &Document<'_>) -> Vec<Hit> {
+pub fn initial_unknowns_missing(document: &Document) -> Vec<Hit> {
     if !initial_unknowns(document).is_empty() {
         return Vec::new();
     }
@@ -97,17 +97,17 @@ pub fn initial_unknowns_missing(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// The positions of the states and their derivatives, as `Derivatives` lists them.
-fn states_and_derivatives(document: &Document<'_>) -> HashSet<usize> {
+fn states_and_derivatives(document: &Document) -> HashSet<usize> {
     entries(document, "Derivatives").map(|scalar| scalar.position).chain(states(document)).collect()
 }
 
 /// The positions of the states: the variables of which `Derivatives` lists the derivatives.
-pub fn states(document: &Document<'_>) -> HashSet<usize> {
+pub fn states(document: &Document) -> HashSet<usize> {
     entries(document, "Derivatives").filter_map(|scalar| Some(state_of(document, scalar)?.position)).collect()
 }
 
 /// The variable of which this one is the derivative.
-fn state_of<'d, 'a>(document: &'d Document<'a>, scalar: &Scalar<'_>) -> Option<&'d Scalar<'a>> {
+fn state_of<'d, 'a>(document: &'d Document<'a>, scalar: &Scalar) -> Option<&'d Scalar<'a>> {
     scalar_of(document, scalar.typed.attribute("derivative")?)
 }
 
@@ -122,14 +122,14 @@ fn entries<'d, 'a>(document: &'d Document<'a>, name: &'static str) -> impl Itera
 }
 
 /// Entries that the list is not made for.
-pub fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
+pub fn initial_unknowns_surplus(document: &Document) -> Vec<Hit> {
     let Some(structure) = structure(document) else { return Vec::new() };
     if !initial_unknowns(document).is_empty() {
         return Vec::new();
     }
     let states = states_and_derivatives(document);
     // An output that is not computed does no harm here.
-    let is_wanted = |scalar: &Scalar<'_>| {
+    let is_wanted = |scalar: &Scalar| {
         scalar.causality == "calculatedParameter"
             || is_output(scalar)
             || states.contains(&scalar.position) && is_guessed(scalar)
@@ -146,7 +146,7 @@ pub fn initial_unknowns_surplus(document: &Document<'_>) -> Vec<Hit> {
     Vec::from_iter((!names.is_empty()).then(|| at(structure, text)))
 }
 
-pub fn initial_unknowns_unsorted(document: &Document<'_>) -> Vec<Hit> {
+pub fn initial_unknowns_unsorted(document: &Document) -> Vec<Hit> {
     if !initial_unknowns(document).is_empty() {
         return Vec::new();
     }
@@ -154,7 +154,7 @@ pub fn initial_unknowns_unsorted(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Nothing is forbidden about it, but a study has to look elsewhere.
-pub fn no_outputs(document: &Document<'_>) -> Vec<Hit> {
+pub fn no_outputs(document: &Document) -> Vec<Hit> {
     if document.known().any(is_output) {
         return Vec::new();
     }
@@ -168,7 +168,7 @@ pub fn listed<'a>(document: &Document<'a>, name: &'static str) -> impl Iterator<
 }
 
 /// The first unknown of a list that comes after one of a greater index.
-fn unsorted(document: &Document<'_>, name: &'static str) -> Option<Hit> {
+fn unsorted(document: &Document, name: &'static str) -> Option<Hit> {
     let mut greatest = 0;
     listed(document, name).find_map(|unknown| {
         let index = unknown.attribute("index")?.trim().parse::<usize>().ok()?;
@@ -181,13 +181,13 @@ fn unsorted(document: &Document<'_>, name: &'static str) -> Option<Hit> {
 }
 
 /// The position of the variable of an index.
-fn position(index: &str, scalars: &Scalars<'_>) -> Option<usize> {
+fn position(index: &str, scalars: &Scalars) -> Option<usize> {
     let position = index.trim().parse::<usize>().ok()?.checked_sub(1)?;
     (position < scalars.len()).then_some(position)
 }
 
 /// The unknowns of one list that cannot be: `unfit` says why a variable cannot be in it.
-fn list(document: &Document<'_>, name: &'static str, unfit: &dyn Fn(&Scalar<'_>) -> Option<&'static str>) -> Vec<Hit> {
+fn list(document: &Document, name: &'static str, unfit: &dyn Fn(&Scalar) -> Option<&'static str>) -> Vec<Hit> {
     let scalars = &document.scalars;
     let mut seen = HashSet::new();
     listed(document, name)
@@ -207,7 +207,7 @@ fn list(document: &Document<'_>, name: &'static str, unfit: &dyn Fn(&Scalar<'_>)
 }
 
 /// The variables that a list must have but has not, in one finding.
-fn missing(document: &Document<'_>, name: &'static str, wanted: &dyn Fn(&Scalar<'_>) -> bool) -> Vec<Hit> {
+fn missing(document: &Document, name: &'static str, wanted: &dyn Fn(&Scalar) -> bool) -> Vec<Hit> {
     let Some(structure) = structure(document) else { return Vec::new() };
     // An entry without an index means nothing.
     if listed(document, name).any(|unknown| !unknown.has_attribute("index")) {

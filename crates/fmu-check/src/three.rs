@@ -10,15 +10,15 @@ pub(crate) use variables::{
 use roxmltree::Node;
 
 use crate::{
-    document::{Document, Scalar, at, elements, named},
+    document::{Document, Scalar, Variable, at, elements, named, tag},
     hit::Hit,
 };
 
-fn reference(node: Node<'_, '_>) -> Option<u32> {
+fn reference(node: Node) -> Option<u32> {
     node.attribute("valueReference")?.trim().parse().ok()
 }
 
-pub fn token(document: &Document<'_>) -> Vec<Hit> {
+pub fn token(document: &Document) -> Vec<Hit> {
     if !document.read.guid.is_empty() {
         return Vec::new();
     }
@@ -27,7 +27,7 @@ pub fn token(document: &Document<'_>) -> Vec<Hit> {
 }
 
 /// Another version than the one whose rules these are.
-pub fn version(document: &Document<'_>) -> Vec<Hit> {
+pub fn version(document: &Document) -> Vec<Hit> {
     let version = &document.read.fmi_version;
     let rest = version.strip_prefix("3.0");
     let is_known = rest.is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '-']));
@@ -35,7 +35,7 @@ pub fn version(document: &Document<'_>) -> Vec<Hit> {
     Vec::from_iter((!is_known).then(|| at(document.root, text)))
 }
 
-pub fn internal_step(document: &Document<'_>) -> Vec<Hit> {
+pub fn internal_step(document: &Document) -> Vec<Hit> {
     document
         .root
         .descendants()
@@ -45,26 +45,26 @@ pub fn internal_step(document: &Document<'_>) -> Vec<Hit> {
         .collect()
 }
 
-pub fn empty_names(document: &Document<'_>) -> Vec<Hit> {
+pub fn empty_names(document: &Document) -> Vec<Hit> {
     document
         .root
         .descendants()
         .filter(|node| node.attribute("name").is_some_and(str::is_empty))
         .map(|node| {
-            let element = node.tag_name().name();
+            let element = tag(node);
             at(node, format!("{element}: an empty name: give it one"))
         })
         .collect()
 }
 
-pub fn unusable(scalar: &Scalar<'_>, document: &Document<'_>) -> Option<String> {
+pub fn unusable(scalar: Variable) -> Option<String> {
     // Unknown types and sizes, and clocks without event mode, are errors of other rules.
-    let why = document.read.unusable.get(scalar.name);
+    let why = scalar.document.read.unusable.get(scalar.name);
     let why = why.filter(|why| why.contains("more than"))?;
     Some(format!("it cannot be set or judged here: {why}"))
 }
 
-pub fn references(document: &Document<'_>) -> Vec<Hit> {
+pub fn references(document: &Document) -> Vec<Hit> {
     let mut known: HashMap<u32, &str> = HashMap::new();
     document
         .known()
@@ -79,7 +79,7 @@ pub fn references(document: &Document<'_>) -> Vec<Hit> {
         .collect()
 }
 
-pub fn independent(document: &Document<'_>) -> Vec<Hit> {
+pub fn independent(document: &Document) -> Vec<Hit> {
     let times: Vec<_> = document.known().filter(|s| s.causality == "independent").collect();
     let [one] = times[..] else {
         let text = format!("{} independent variables: FMI 3.0 wants one, usually `time`", times.len());
@@ -90,7 +90,7 @@ pub fn independent(document: &Document<'_>) -> Vec<Hit> {
     Vec::from_iter((!is_right).then(|| one.finding(text)))
 }
 
-pub fn starts(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
+pub fn starts(scalar: Variable) -> Option<String> {
     let Scalar { node, causality, initial, .. } = *scalar;
     // The time has a rule of its own.
     if scalar.kind() == "Clock" || causality == "independent" {
@@ -110,7 +110,7 @@ pub fn starts(scalar: &Scalar<'_>, _: &Document<'_>) -> Option<String> {
     }
 }
 
-pub fn ranges(document: &Document<'_>) -> Vec<Hit> {
+pub fn ranges(document: &Document) -> Vec<Hit> {
     let mut told = HashSet::new();
     let wrong = document.read.variables.values().filter_map(|variable| {
         let (min, max) = variable.kind.range();
@@ -136,7 +136,7 @@ pub fn ranges(document: &Document<'_>) -> Vec<Hit> {
     wrong.collect()
 }
 
-pub fn declared(document: &Document<'_>) -> Vec<Hit> {
+pub fn declared(document: &Document) -> Vec<Hit> {
     document.of_each(|scalar| {
         let declared = scalar.typed.attribute("declaredType");
         if let Some(declared) = declared.filter(|name| !document.types.contains_key(name)) {
@@ -149,7 +149,7 @@ pub fn declared(document: &Document<'_>) -> Vec<Hit> {
     })
 }
 
-pub fn dimensions(document: &Document<'_>) -> Vec<Hit> {
+pub fn dimensions(document: &Document) -> Vec<Hit> {
     let sizes: HashSet<u32> = document
         .known()
         .filter(|scalar| {
@@ -175,40 +175,35 @@ pub fn dimensions(document: &Document<'_>) -> Vec<Hit> {
     })
 }
 
-/// The elements of `ModelStructure` of one kind.
-fn listed<'a>(document: &Document<'a>, kind: &'static str) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
-    named(document.root, "ModelStructure").flat_map(move |list| named(list, kind))
-}
-
 /// The value references of all variables.
-fn known(document: &Document<'_>) -> HashSet<u32> {
+fn known(document: &Document) -> HashSet<u32> {
     document.known().filter_map(|scalar| reference(scalar.node)).collect()
 }
 
-pub fn outputs(document: &Document<'_>) -> Vec<Hit> {
-    let list: HashSet<u32> = listed(document, "Output").filter_map(reference).collect();
-    let is_output = |scalar: &Scalar<'_>| scalar.causality == "output";
+pub fn outputs(document: &Document) -> Vec<Hit> {
+    let list: HashSet<u32> = document.all("ModelStructure", "Output").filter_map(reference).collect();
+    let is_output = |scalar: &Scalar| scalar.causality == "output";
     let outputs: HashSet<u32> =
         document.known().filter(|scalar| is_output(scalar)).filter_map(|one| reference(one.node)).collect();
     let missing = document.of_each(|scalar| {
         let listed = reference(scalar.node).is_some_and(|of| list.contains(&of));
-        let missing = is_output(scalar) && !listed;
+        let missing = is_output(&scalar) && !listed;
         missing.then(|| "ModelStructure has no Output for it: add it".to_owned())
     });
     let known = known(document);
-    let surplus = listed(document, "Output").filter_map(|node| {
+    let surplus = document.all("ModelStructure", "Output").filter_map(|node| {
         let of = reference(node).filter(|of| known.contains(of) && !outputs.contains(of))?;
         Some(at(node, format!("Output {of} is the reference of no output: remove it")))
     });
     missing.into_iter().chain(surplus).collect()
 }
 
-pub fn structure(document: &Document<'_>) -> Vec<Hit> {
+pub fn structure(document: &Document) -> Vec<Hit> {
     let known = known(document);
     named(document.root, "ModelStructure")
         .flat_map(elements)
         .filter_map(|node| {
-            let kind = node.tag_name().name();
+            let kind = tag(node);
             let Some(of) = reference(node).filter(|of| known.contains(of)) else {
                 return Some(at(node, format!("{kind} refers to no variable: correct its valueReference")));
             };

@@ -67,11 +67,11 @@ impl<M: Model> Host<M> {
         let component = unsafe {
             let (name, guid) = (c"bench".as_ptr(), guid.as_ptr().cast());
             let component =
-                calls::instantiate::<M>(name, CO_SIMULATION, guid, null(), &raw const callbacks, FALSE, FALSE);
+                calls::fmi2Instantiate::<M>(name, CO_SIMULATION, guid, null(), &raw const callbacks, FALSE, FALSE);
             let done = [
-                calls::setup_experiment::<M>(component, FALSE, 0.0, 0.0, FALSE, 0.0),
-                calls::enter_initialization_mode::<M>(component),
-                calls::exit_initialization_mode::<M>(component),
+                calls::fmi2SetupExperiment::<M>(component, FALSE, 0.0, 0.0, FALSE, 0.0),
+                calls::fmi2EnterInitializationMode::<M>(component),
+                calls::fmi2ExitInitializationMode::<M>(component),
             ];
             assert_eq!(done, [Status::Ok; 3]);
             component
@@ -83,7 +83,7 @@ impl<M: Model> Host<M> {
 impl<M: Model> Drop for Host<M> {
     fn drop(&mut self) {
         // SAFETY: our own component, freed once.
-        unsafe { calls::free_instance::<M>(self.component) }
+        unsafe { calls::fmi2FreeInstance::<M>(self.component) }
     }
 }
 
@@ -95,7 +95,7 @@ type Set = unsafe fn(Component, *const ValueReference, usize, *const Real) -> St
 #[divan::bench(types = [Empty, Lag], sample_size = 10_000)]
 fn do_step<M: Model>(bencher: Bencher<'_, '_>) {
     let host = Host::<M>::new();
-    let call: Step = black_box(calls::do_step::<M>);
+    let call: Step = black_box(calls::fmi2DoStep::<M>);
     let mut time = 0.0;
     bencher.bench_local(move || {
         // SAFETY: the component is alive.
@@ -109,7 +109,7 @@ fn do_step<M: Model>(bencher: Bencher<'_, '_>) {
 #[divan::bench(types = [Empty, Lag], sample_size = 10_000)]
 fn get_real<M: Model>(bencher: Bencher<'_, '_>) {
     let host = Host::<M>::new();
-    let call: Get = black_box(calls::get_real::<M>);
+    let call: Get = black_box(calls::fmi2GetReal::<M>);
     bencher.bench_local(move || {
         let mut value = 0.0;
         // SAFETY: the component is alive, and there is one value.
@@ -122,7 +122,7 @@ fn get_real<M: Model>(bencher: Bencher<'_, '_>) {
 #[divan::bench(types = [Empty, Lag], sample_size = 10_000)]
 fn set_real<M: Model>(bencher: Bencher<'_, '_>) {
     let host = Host::<M>::new();
-    let call: Set = black_box(calls::set_real::<M>);
+    let call: Set = black_box(calls::fmi2SetReal::<M>);
     bencher.bench_local(move || {
         // SAFETY: the component is alive, and there is one value.
         let status: Status = unsafe { call(host.component, &0, 1, &0.5) };
@@ -137,7 +137,7 @@ fn do_step_of_fmi_3<M: Model>(bencher: Bencher<'_, '_>) {
     let (name, token) = (c"bench".as_ptr(), token.as_ptr().cast());
     // SAFETY: all arguments are what the standard asks for.
     let component = unsafe {
-        let component = fmi3::calls::instantiate_co_simulation::<M>(
+        let component = fmi3::calls::fmi3InstantiateCoSimulation::<M>(
             name,
             token,
             null(),
@@ -152,13 +152,13 @@ fn do_step_of_fmi_3<M: Model>(bencher: Bencher<'_, '_>) {
             None,
         );
         let done = [
-            fmi3::calls::enter_initialization_mode::<M>(component, 0, 0.0, 0.0, 0, 0.0),
-            fmi3::calls::exit_initialization_mode::<M>(component),
+            fmi3::calls::fmi3EnterInitializationMode::<M>(component, 0, 0.0, 0.0, 0, 0.0),
+            fmi3::calls::fmi3ExitInitializationMode::<M>(component),
         ];
         assert_eq!(done, [Status::Ok; 2]);
         component
     };
-    let call = black_box(fmi3::calls::do_step::<M>);
+    let call = black_box(fmi3::calls::fmi3DoStep::<M>);
     let mut time = 0.0;
     bencher.bench_local(|| {
         let (mut event, mut end, mut early) = (0, 0, 0);
@@ -167,5 +167,5 @@ fn do_step_of_fmi_3<M: Model>(bencher: Bencher<'_, '_>) {
         unsafe { call(component, time, 1e-3, 1, places.0, places.1, places.2, &raw mut time) }
     });
     // SAFETY: our own component, freed once.
-    unsafe { fmi3::calls::free_instance::<M>(component) }
+    unsafe { fmi3::calls::fmi3FreeInstance::<M>(component) }
 }

@@ -24,6 +24,7 @@ pub use variable::{
     Access, Base, DisplayUnit, Enumeration, Item, Kind, Quantity, Role, Unit, Variable, check_fixed, check_ranges,
     elements,
 };
+pub(crate) use variable::{inside, named};
 
 /// A simulation model that a boundary (an FMU, a test, a benchmark) can drive.
 ///
@@ -64,7 +65,7 @@ pub trait Model: Clone + Default + Serialize + DeserializeOwned + Send + Sync + 
     ///
     /// # Errors
     /// When a parameter, an input or a file is not usable ([`Fault::Invalid`]).
-    fn initialise(&mut self, experiment: &Experiment<'_>, log: &mut dyn Log) -> Result<(), Fault>;
+    fn initialise(&mut self, experiment: &Experiment, log: &mut dyn Log) -> Result<(), Fault>;
 
     /// Recomputes the outputs from the present state, inputs and tunable parameters, without letting time pass. It is
     /// called after inputs or tunable parameters were set. A model whose outputs are computed when they are read has
@@ -209,10 +210,10 @@ pub enum Fault {
 /// Takes a model's messages.
 pub trait Log {
     /// Takes one message of one of the [`Info::log_categories`].
-    fn log(&mut self, category: &'static str, message: fmt::Arguments<'_>);
+    fn log(&mut self, category: &'static str, message: fmt::Arguments);
 }
 
 /// Drops every message.
 impl Log for () {
-    fn log(&mut self, _: &'static str, _: fmt::Arguments<'_>) {}
+    fn log(&mut self, _: &'static str, _: fmt::Arguments) {}
 }

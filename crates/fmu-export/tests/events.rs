@@ -29,7 +29,7 @@ type Host = Of<House>;
 impl<M: Model> Drop for Of<M> {
     fn drop(&mut self) {
         // SAFETY: our own component, freed once.
-        unsafe { calls::free_instance::<M>(self.0) }
+        unsafe { calls::fmi3FreeInstance::<M>(self.0) }
     }
 }
 
@@ -46,7 +46,7 @@ impl<M: Model> Of<M> {
         Self(
             unsafe {
                 let token = token.as_ptr();
-                calls::instantiate_model_exchange::<M>(name, token, null(), 0, 0, null_mut(), None)
+                calls::fmi3InstantiateModelExchange::<M>(name, token, null(), 0, 0, null_mut(), None)
             },
             PhantomData,
         )
@@ -59,7 +59,7 @@ impl<M: Model> Of<M> {
         Self(
             unsafe {
                 let token = token.as_ptr();
-                calls::instantiate_co_simulation::<M>(
+                calls::fmi3InstantiateCoSimulation::<M>(
                     name,
                     token,
                     null(),
@@ -81,8 +81,8 @@ impl<M: Model> Of<M> {
 
     fn started(self) -> Self {
         assert!(!self.0.is_null());
-        let entered = unsafe { calls::enter_initialization_mode::<M>(self.0, 0, 0.0, 0.0, 0, 0.0) };
-        let left = unsafe { calls::exit_initialization_mode::<M>(self.0) };
+        let entered = unsafe { calls::fmi3EnterInitializationMode::<M>(self.0, 0, 0.0, 0.0, 0, 0.0) };
+        let left = unsafe { calls::fmi3ExitInitializationMode::<M>(self.0) };
         assert_eq!([entered, left], [Ok; 2]);
         self
     }
@@ -91,7 +91,7 @@ impl<M: Model> Of<M> {
     fn update(&self) -> (bool, Option<f64>) {
         let ([mut again, mut ends, mut nominals, mut states, mut known], mut next) = ([7; 5], 7.0);
         let status = unsafe {
-            calls::update_discrete_states::<M>(
+            calls::fmi3UpdateDiscreteStates::<M>(
                 self.0,
                 &mut again,
                 &mut ends,
@@ -108,13 +108,13 @@ impl<M: Model> Of<M> {
     fn step(&self, from: f64, step: f64) -> (Status, [bool; 2], f64) {
         let ([mut event, mut ends, mut early], mut reached) = ([7; 3], f64::NAN);
         let flags = (&mut event, &mut ends, &mut early);
-        let status = unsafe { calls::do_step::<M>(self.0, from, step, 1, flags.0, flags.1, flags.2, &mut reached) };
+        let status = unsafe { calls::fmi3DoStep::<M>(self.0, from, step, 1, flags.0, flags.1, flags.2, &mut reached) };
         (status, [event != 0, early != 0], reached)
     }
 
     fn clock(&self) -> bool {
         let mut active = 7;
-        let status = unsafe { calls::get_clock::<M>(self.0, &vr::<M>("switched"), 1, &mut active) };
+        let status = unsafe { calls::fmi3GetClock::<M>(self.0, &vr::<M>("switched"), 1, &mut active) };
         assert_eq!(status, Ok);
         active != 0
     }
@@ -122,26 +122,26 @@ impl<M: Model> Of<M> {
     fn get<const N: usize>(&self, name: &str) -> [f64; N] {
         let mut into = [f64::NAN; N];
         let place = into.as_mut_ptr();
-        let status = unsafe { calls::get_float64::<M>(self.0, &vr::<M>(name), 1, place, N) };
+        let status = unsafe { calls::fmi3GetFloat64::<M>(self.0, &vr::<M>(name), 1, place, N) };
         assert_eq!(status, Ok);
         into
     }
 
     fn set(&self, name: &str, values: &[f64]) -> Status {
         let (from, n) = (values.as_ptr(), values.len());
-        unsafe { calls::set_float64::<M>(self.0, &vr::<M>(name), 1, from, n) }
+        unsafe { calls::fmi3SetFloat64::<M>(self.0, &vr::<M>(name), 1, from, n) }
     }
 
     fn enter_event(&self) -> Status {
-        unsafe { calls::enter_event_mode::<M>(self.0) }
+        unsafe { calls::fmi3EnterEventMode::<M>(self.0) }
     }
 
     fn enter_step(&self) -> Status {
-        unsafe { calls::enter_step_mode::<M>(self.0) }
+        unsafe { calls::fmi3EnterStepMode::<M>(self.0) }
     }
 
     fn enter_continuous(&self) -> Status {
-        unsafe { calls::enter_continuous_time_mode::<M>(self.0) }
+        unsafe { calls::fmi3EnterContinuousTimeMode::<M>(self.0) }
     }
 }
 
@@ -198,15 +198,15 @@ fn a_host_that_integrates_sees_the_events() {
     assert_eq!([host.enter_step(), host.enter_continuous()], [Error, Ok]);
     // SAFETY: the component is alive, and the pointers are ours.
     unsafe {
-        calls::get_number_of_event_indicators::<House>(host.0, &mut n);
+        calls::fmi3GetNumberOfEventIndicators::<House>(host.0, &mut n);
         assert_eq!(n, 3);
-        let indicators = calls::get_event_indicators::<House>;
+        let indicators = calls::fmi3GetEventIndicators::<House>;
         assert_eq!(indicators(host.0, margins.as_mut_ptr(), 2), Error);
         assert_eq!(indicators(host.0, margins.as_mut_ptr(), 3), Ok);
         assert!(margins.iter().all(|margin| (margin - 6.0).abs() < 1e-12), "{margins:?}");
         let states = [290.0, 294.15 + 1e-6, 294.0];
-        calls::set_time::<House>(host.0, 1234.0);
-        calls::set_continuous_states::<House>(host.0, states.as_ptr(), 3);
+        calls::fmi3SetTime::<House>(host.0, 1234.0);
+        calls::fmi3SetContinuousStates::<House>(host.0, states.as_ptr(), 3);
         assert_eq!(indicators(host.0, margins.as_mut_ptr(), 3), Ok);
         assert!(margins[1] < 0.0 && margins[0] > 0.0);
         assert_eq!(host.enter_event(), Ok);
@@ -216,7 +216,7 @@ fn a_host_that_integrates_sees_the_events() {
         assert_eq!(host.update(), (false, Some(79_200.0)));
         // Night falls: nothing more is known beforehand.
         assert_eq!(host.enter_continuous(), Ok);
-        calls::set_time::<House>(host.0, 79_200.0);
+        calls::fmi3SetTime::<House>(host.0, 79_200.0);
         assert_eq!(host.enter_event(), Ok);
         assert_eq!(host.update(), (true, None));
         assert_eq!(host.update(), (false, None));
@@ -229,17 +229,17 @@ fn what_cannot_be_is_refused() {
     let host = Host::stepped(1, 1);
     // SAFETY: the component is alive, and the pointers are ours.
     unsafe {
-        let set = calls::set_clock::<House>;
+        let set = calls::fmi3SetClock::<House>;
         assert_eq!(
             [set(host.0, &vr::<House>("switched"), 1, &1), set(host.0, &vr::<House>("band"), 1, &1)],
             [Error; 2]
         );
         let mut active = 7;
-        let get = calls::get_clock::<House>;
+        let get = calls::fmi3GetClock::<House>;
         assert_eq!(get(host.0, &vr::<House>("band"), 1, &mut active), Error);
         let mut derivatives = [f64::NAN; 3];
         assert_eq!(host.enter_step(), Ok);
-        let rates = calls::get_output_derivatives::<House>;
+        let rates = calls::fmi3GetOutputDerivatives::<House>;
         let temperature = vr::<House>("temperature");
         assert_eq!(rates(host.0, &temperature, 1, &1, derivatives.as_mut_ptr(), 1), Error);
         assert_eq!(rates(host.0, &temperature, 1, &1, derivatives.as_mut_ptr(), 3), Ok);
@@ -257,7 +257,7 @@ fn saved_states_know_their_mode() {
     let saved = |host: &Host| {
         let mut state: FmuState = null_mut();
         // SAFETY: the component is alive, and the place is ours.
-        let status = unsafe { calls::get_fmu_state::<House>(host.0, &mut state) };
+        let status = unsafe { calls::fmi3GetFMUState::<House>(host.0, &mut state) };
         assert_eq!(status, Ok);
         state
     };
@@ -265,21 +265,21 @@ fn saved_states_know_their_mode() {
     let mut size = 0;
     // SAFETY: components and states are alive, and the places are ours.
     unsafe {
-        assert_eq!(calls::set_fmu_state::<House>(other.0, in_event_mode), Error);
-        assert_eq!(calls::serialized_fmu_state_size::<House>(host.0, in_event_mode, &mut size), Ok);
+        assert_eq!(calls::fmi3SetFMUState::<House>(other.0, in_event_mode), Error);
+        assert_eq!(calls::fmi3SerializedFMUStateSize::<House>(host.0, in_event_mode, &mut size), Ok);
         let mut bytes = vec![0_u8; size];
-        let serialize = calls::serialize_fmu_state::<House>;
+        let serialize = calls::fmi3SerializeFMUState::<House>;
         assert_eq!(serialize(host.0, in_event_mode, bytes.as_mut_ptr(), size), Ok);
         assert_eq!(host.enter_step(), Ok);
         let in_step_mode = saved(&host);
         let mut again = null_mut();
-        let deserialize = calls::deserialize_fmu_state::<House>;
+        let deserialize = calls::fmi3DeserializeFMUState::<House>;
         assert_eq!(deserialize(host.0, bytes.as_ptr(), size, &mut again), Ok);
-        assert_eq!(calls::set_fmu_state::<House>(host.0, again), Ok);
+        assert_eq!(calls::fmi3SetFMUState::<House>(host.0, again), Ok);
         assert_eq!(host.enter_step(), Ok, "from event mode");
-        assert_eq!(calls::set_fmu_state::<House>(other.0, in_step_mode), Ok);
+        assert_eq!(calls::fmi3SetFMUState::<House>(other.0, in_step_mode), Ok);
         for mut state in [in_event_mode, in_step_mode, again] {
-            assert_eq!(calls::free_fmu_state::<House>(host.0, &mut state), Ok);
+            assert_eq!(calls::fmi3FreeFMUState::<House>(host.0, &mut state), Ok);
         }
     }
 }
@@ -290,7 +290,7 @@ fn event_mode_has_derivatives_in_co_simulation() {
         let (margin, setpoint) = (vr::<House>("margin"), vr::<House>("setpoint"));
         let mut slopes = [7.0; 3];
         let place = slopes.as_mut_ptr();
-        let derivative = calls::get_directional_derivative::<House>;
+        let derivative = calls::fmi3GetDirectionalDerivative::<House>;
         // SAFETY: the component is alive, and the places are ours.
         let status = unsafe { derivative(host.0, &margin, 1, &setpoint, 1, &1.0, 1, place, 3) };
         assert_eq!((status, slopes.map(f64::round)), expected);
@@ -379,7 +379,7 @@ use stuck::Stuck;
 impl Of<Stuck> {
     fn status(&self) -> Status {
         let ([mut a, mut b, mut c, mut d, mut e], mut next) = ([0; 5], 0.0);
-        let update = calls::update_discrete_states::<Stuck>;
+        let update = calls::fmi3UpdateDiscreteStates::<Stuck>;
         // SAFETY: the component is alive, and the places are ours.
         let status = unsafe { update(self.0, &mut a, &mut b, &mut c, &mut d, &mut e, &mut next) };
         assert_eq!((e, next), (0, 0.0), "no event is known");
@@ -396,20 +396,20 @@ fn events_that_do_not_end_or_fail_are_discarded_and_change_nothing() {
     let [mut rate, mut margin, mut state] = [0.0; 3];
     // SAFETY: the component is alive, and the places are ours.
     unsafe {
-        calls::set_time::<Stuck>(host.0, 1.0);
-        let rates = calls::get_continuous_state_derivatives::<Stuck>;
-        let margins = calls::get_event_indicators::<Stuck>;
+        calls::fmi3SetTime::<Stuck>(host.0, 1.0);
+        let rates = calls::fmi3GetContinuousStateDerivatives::<Stuck>;
+        let margins = calls::fmi3GetEventIndicators::<Stuck>;
         assert_eq!([rates(host.0, &mut rate, 1), margins(host.0, &mut margin, 1)], [Ok; 2]);
-        calls::set_continuous_states::<Stuck>(host.0, &2.0, 1);
+        calls::fmi3SetContinuousStates::<Stuck>(host.0, &2.0, 1);
         assert_eq!([rates(host.0, &mut rate, 1), margins(host.0, &mut margin, 1)], [Discard; 2]);
         assert_eq!([host.enter_event(), host.status()], [Ok, Discard]);
-        calls::get_continuous_states::<Stuck>(host.0, &mut state, 1);
+        calls::fmi3GetContinuousStates::<Stuck>(host.0, &mut state, 1);
     }
     assert_eq!(state, 2.0);
     // Another instant.
     assert_eq!(host.enter_continuous(), Ok);
     // SAFETY: the component is alive, and the places are ours.
-    unsafe { calls::set_continuous_states::<Stuck>(host.0, &1.0, 1) };
+    unsafe { calls::fmi3SetContinuousStates::<Stuck>(host.0, &1.0, 1) };
     assert_eq!([host.enter_event(), host.status()], [Ok; 2]);
 }
 
@@ -422,8 +422,8 @@ fn a_completed_step_may_ask_for_the_event_mode() {
         let [mut event, mut terminate] = [7; 2];
         // SAFETY: the component is alive, and the places are ours.
         let all = unsafe {
-            let completed = calls::completed_integrator_step::<Stuck>;
-            [calls::set_continuous_states::<Stuck>(host.0, &x, 1), completed(host.0, 1, &mut event, &mut terminate)]
+            let completed = calls::fmi3CompletedIntegratorStep::<Stuck>;
+            [calls::fmi3SetContinuousStates::<Stuck>(host.0, &x, 1), completed(host.0, 1, &mut event, &mut terminate)]
         };
         assert_eq!((all, terminate), ([Ok; 2], 0));
         event

@@ -13,8 +13,8 @@ use std::{
 use csv::StringRecord;
 
 use crate::{
-    files::{self, FileError, convert},
-    rows::{How, Rows},
+    files::{self, FileError, Result, convert},
+    rows::Rows,
 };
 use fmu_points::tell::{is_hidden, visible};
 
@@ -22,9 +22,12 @@ use fmu_points::tell::{is_hidden, visible};
 const MOST_ROW: u64 = 64;
 const MOST_ROW_BYTES: u64 = MOST_ROW << 20;
 
+/// Lines that begin with it are left out.
+const COMMENT: u8 = b'#';
+
 /// A csv file that is being read.
 #[derive(Debug)]
-pub struct CsvFile {
+struct CsvFile {
     path: PathBuf,
     reader: csv::Reader<Take<File>>,
     separator: u8,
@@ -70,25 +73,21 @@ impl Marks {
 const MARKS: [char; 2] = ['.', ','];
 
 impl CsvFile {
-    /// Opens a file; lines that begin with `comment` are left out.
-    ///
-    /// # Errors
-    /// When it cannot be read.
-    pub fn open(path: &Path, comment: Option<u8>) -> Result<Self, FileError> {
-        Self::begin(path, comment).map_err(|error| FileError::read(path, error))
+    fn open(path: &Path) -> Result<Self> {
+        Self::begin(path).map_err(|error| FileError::read(path, error))
     }
 
-    fn begin(path: &Path, comment: Option<u8>) -> io::Result<Self> {
+    fn begin(path: &Path) -> io::Result<Self> {
         let mut file = files::open(path)?;
         let mut start = BufReader::new(&file).take(MOST_ROW_BYTES);
         let archive = start.fill_buf()?.starts_with(b"PK\x03\x04");
         if archive {
             return Err(io::Error::other("a zip archive, such as a spreadsheet or an FMU; save the table as csv"));
         }
-        let separator = separator(&mut start, comment)?;
+        let separator = separator(&mut start)?;
         file.rewind()?;
         let mut builder = csv::ReaderBuilder::new();
-        builder.trim(csv::Trim::All).comment(comment);
+        builder.trim(csv::Trim::All).comment(Some(COMMENT));
         let file = file.take(MOST_ROW_BYTES);
         Ok(Self {
             path: path.to_owned(),
@@ -99,10 +98,7 @@ impl CsvFile {
     }
 
     /// The cells of its first row.
-    ///
-    /// # Errors
-    /// When it cannot be read.
-    pub fn header(&mut self) -> Result<Vec<String>, FileError> {
+    fn header(&mut self) -> Result<Vec<String>> {
         let header = self
             .reader
             .headers()
@@ -115,10 +111,7 @@ impl CsvFile {
     }
 
     /// Reads the next row, without the blanks around cells; none behind the last one.
-    ///
-    /// # Errors
-    /// When it cannot be read.
-    pub fn row(&mut self, row: &mut StringRecord) -> Result<bool, FileError> {
+    fn row(&mut self, row: &mut StringRecord) -> Result<bool> {
         self.reader.get_mut().set_limit(MOST_ROW_BYTES);
         let more =
             self.reader.read_record(row).map_err(|error| FileError::new(&self.path, reason(&self.path, &error)))?;
@@ -132,7 +125,7 @@ impl CsvFile {
     }
 
     /// A row that ends with what may be read of it may be longer.
-    fn check_row(&self) -> Result<(), FileError> {
+    fn check_row(&self) -> Result {
         if self.reader.get_ref().limit() > 0 {
             return Ok(());
         }
@@ -164,15 +157,13 @@ struct CsvRows {
 ///
 /// # Errors
 /// When it cannot be read.
-pub fn rows(path: &Path, how: How) -> Result<Box<dyn Rows>, FileError> {
-    let mut file = CsvFile::open(path, how.comments.then_some(b'#'))?;
+pub fn rows(path: &Path, gaps: bool) -> Result<Box<dyn Rows>> {
+    let mut file = CsvFile::open(path)?;
     let names = file.header()?;
-    let (mut blanks, mut skipped) = Default::default();
-    if how.comments {
-        let keeps = how.gaps && names.len() == 1;
-        let lines = files::open(path).and_then(|file| blank(BufReader::new(file), b'#', keeps));
-        (blanks, skipped) = lines.map_err(|error| FileError::read(path, error))?;
-    }
+    let keeps = gaps && names.len() == 1;
+    let (blanks, skipped) = files::open(path)
+        .and_then(|file| blank(BufReader::new(file), keeps))
+        .map_err(|error| FileError::read(path, error))?;
     Ok(Box::new(CsvRows {
         file,
         names,
@@ -190,7 +181,7 @@ impl Rows for CsvRows {
         &self.names
     }
 
-    fn advance(&mut self) -> Result<bool, FileError> {
+    fn advance(&mut self) -> Result<bool> {
         self.is_ahead = self.is_ahead || self.file.row(&mut self.record)?;
         if !self.is_ahead {
             return Ok(false);
@@ -245,11 +236,11 @@ pub(crate) fn number(separator: u8, cell: &str) -> Option<f64> {
 }
 
 /// The separator in the first line that is neither blank nor a comment.
-fn separator(file: &mut impl BufRead, comment: Option<u8>) -> io::Result<u8> {
+fn separator(file: &mut impl BufRead) -> io::Result<u8> {
     let mut line = Vec::new();
     while file.read_until(b'\n', &mut line)? > 0 {
         let text = line.trim_ascii();
-        if !text.is_empty() && text.first() != comment.as_ref() {
+        if !text.is_empty() && !text.starts_with(&[COMMENT]) {
             break;
         }
         line.clear();
@@ -270,14 +261,14 @@ fn separator(file: &mut impl BufRead, comment: Option<u8>) -> io::Result<u8> {
 ///
 /// # Errors
 /// When it cannot be read, and when a row begins with a spreadsheet's error: it would be a comment.
-fn blank(file: impl BufRead, comment: u8, keeps: bool) -> io::Result<(Vec<usize>, Vec<usize>)> {
+fn blank(file: impl BufRead, keeps: bool) -> io::Result<(Vec<usize>, Vec<usize>)> {
     let is_of_error = |byte: &u8| byte.is_ascii_uppercase() || b"/0!?".contains(byte);
     let (mut rows, mut skipped, mut pending) = (Vec::new(), Vec::new(), Vec::new());
     let mut row: Option<usize> = None;
     for (place, line) in file.split(b'\n').enumerate() {
         let line = line?;
         let text = line.trim_ascii();
-        if line.first() == Some(&comment) || (row.is_none() && text.is_empty()) {
+        if line.starts_with(&[COMMENT]) || (row.is_none() && text.is_empty()) {
             let cell = text.split(|byte| b",;\t".contains(byte)).next().unwrap_or_default();
             if row.is_some() && cell.len() > 1 && cell[1..].iter().all(is_of_error) {
                 let cell = String::from_utf8_lossy(cell);
@@ -386,7 +377,7 @@ mod tests {
             ("", b','),
             ("# a;b;c;d\n\na,b", b','),
         ] {
-            let separator = separator(&mut header.as_bytes(), Some(b'#')).unwrap();
+            let separator = separator(&mut header.as_bytes()).unwrap();
             assert_eq!(separator, expected, "{header}");
         }
     }
@@ -398,15 +389,15 @@ mod tests {
             ("\n# made by hand\n\ny\n1\n\n2\n", vec![1]),
             ("y\n\n1\n# more\n\n\n2\n\n", vec![0, 2, 3, 5]),
         ] {
-            assert_eq!(blank(text.as_bytes(), b'#', true).unwrap().0, places, "{text}");
+            assert_eq!(blank(text.as_bytes(), true).unwrap().0, places, "{text}");
         }
     }
 
     #[test]
     fn lines_between_rows_that_are_none_are_known() {
         let text = "# made by hand\n\ny,z\n# s,N\n1,2\n\n# 3,4\n5,6\n\n";
-        assert_eq!(blank(text.as_bytes(), b'#', false).unwrap(), (vec![], vec![6, 7]));
-        assert_eq!(blank("y\n1\n\n# 3\n2\n".as_bytes(), b'#', true).unwrap(), (vec![1], vec![4]));
+        assert_eq!(blank(text.as_bytes(), false).unwrap(), (vec![], vec![6, 7]));
+        assert_eq!(blank("y\n1\n\n# 3\n2\n".as_bytes(), true).unwrap(), (vec![1], vec![4]));
     }
 
     #[test]
@@ -417,7 +408,7 @@ mod tests {
             ("F,n\n# Made by hand, 3\n#\n1,2\n#note\n", true),
             ("#NOTE\nF,n\n1,2\n", true),
         ] {
-            assert_eq!(blank(text.as_bytes(), b'#', true).is_ok(), is_comment, "{text}");
+            assert_eq!(blank(text.as_bytes(), true).is_ok(), is_comment, "{text}");
         }
     }
 
@@ -453,14 +444,14 @@ mod tests {
         std::fs::write(&path, "x\n1\n\"").unwrap();
         let file = std::fs::OpenOptions::new().write(true).open(&path).unwrap();
         file.set_len(65 << 20).unwrap();
-        let mut table = CsvFile::open(&path, None).unwrap();
+        let mut table = CsvFile::open(&path).unwrap();
         let mut row = StringRecord::new();
         assert_eq!(table.header().unwrap(), ["x"]);
         assert!(table.row(&mut row).unwrap());
         let error = table.row(&mut row).unwrap_err().to_string();
         assert!(error.contains("a row longer than 64 MiB"), "{error}");
         std::fs::write(&path, "PK\x03\x04").unwrap();
-        let error = CsvFile::open(&path, None).unwrap_err().to_string();
+        let error = CsvFile::open(&path).unwrap_err().to_string();
         assert!(error.contains(": a zip archive"), "{error}");
     }
 

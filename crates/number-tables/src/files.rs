@@ -12,6 +12,9 @@ use thiserror::Error;
 use fmu_import::{hexadecimal, sha256};
 use fmu_points::names::{did_you_mean, nearest};
 
+/// What a file says, or why it cannot be used.
+pub type Result<T = (), E = FileError> = std::result::Result<T, E>;
+
 /// Why a file that a user names cannot be used.
 #[derive(Debug, Error)]
 #[error("{}{place}: {message}", .path.display())]
@@ -96,7 +99,7 @@ pub fn digest(path: &Path) -> io::Result<String> {
 ///
 /// # Errors
 /// As [`open`], when it is very large, and when it is not in UTF-8.
-pub fn text(path: &Path) -> Result<String, FileError> {
+pub fn text(path: &Path) -> Result<String> {
     read(path).map_err(|error| FileError::read(path, error))
 }
 
@@ -169,6 +172,11 @@ fn names_in(folder: &Path) -> Vec<String> {
         .flatten()
         .map(|entry| entry.file_name().to_string_lossy().into_owned())
         .collect()
+}
+
+/// A text on one line, with single blanks.
+pub fn in_a_line(text: &str) -> String {
+    text.split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// The command that makes a plain table of any other file.

@@ -7,14 +7,14 @@ pub mod parquet;
 pub mod recorded;
 mod rows;
 
-use crate::files::{FileError, convert};
+use crate::files::{FileError, Result, convert, in_a_line};
 use std::{collections::HashSet, path::Path};
 
 use fmu_import::units::known;
 use fmu_points::names::{did_you_mean, nearest};
-pub use rows::{How, Rows};
+pub use rows::Rows;
 
-type Open = fn(&Path, How) -> Result<Box<dyn Rows>, FileError>;
+type Open = fn(&Path, bool) -> Result<Box<dyn Rows>>;
 
 /// Endings of files' names in lower case, and who reads them; other files are taken for the first one's. A new format is a file with
 /// its [`Rows`], its `mod` line above and its line here.
@@ -34,13 +34,14 @@ pub fn is_table(path: &Path) -> bool {
     place(path).is_some()
 }
 
-/// Opens a table in the format that its ending names, in csv otherwise.
+/// Opens a table in the format that its ending names, in csv otherwise. With `gaps`, an empty cell is a missing value, and so is a
+/// blank line of a table with one column.
 ///
 /// # Errors
 /// When it cannot be read.
-pub fn open(path: &Path, how: How) -> Result<Box<dyn Rows>, FileError> {
+pub fn open(path: &Path, gaps: bool) -> Result<Box<dyn Rows>> {
     let (_, open) = FORMATS[place(path).unwrap_or(0)];
-    open(path, how)
+    open(path, gaps)
 }
 
 /// A column's name without the unit in it, and that: `n [1/min]`, and with a known unit `n (rpm)` and `Current(A)`. What stands in
@@ -106,7 +107,7 @@ fn empty(path: &Path) -> FileError {
 }
 
 /// Refuses columns with numbers that have two readings.
-fn check_marks(path: &Path, rows: &dyn Rows, mut places: impl Iterator<Item = usize>) -> Result<(), FileError> {
+fn check_marks(path: &Path, rows: &dyn Rows, mut places: impl Iterator<Item = usize>) -> Result {
     let Some((name, (line, why))) = places.find_map(|place| Some((&rows.names()[place], rows.unclear(place)?))) else {
         return Ok(());
     };
@@ -165,13 +166,13 @@ impl Table {
     ///
     /// # Errors
     /// When the table cannot be read, a column is missing, or a cell is not a number.
-    pub fn read(path: &Path, columns: &[Column]) -> Result<Self, FileError> {
+    pub fn read(path: &Path, columns: &[Column]) -> Result<Self> {
         Ok(Self::load(path, columns, false)?.table)
     }
 
     /// With `gaps`, an empty cell is not a number instead of an error.
-    fn load<'a>(path: &'a Path, columns: &[Column], gaps: bool) -> Result<Reading<'a>, FileError> {
-        let mut rows = open(path, How { comments: true, gaps })?;
+    fn load<'a>(path: &'a Path, columns: &[Column], gaps: bool) -> Result<Reading<'a>> {
+        let mut rows = open(path, gaps)?;
         if rows.names().is_empty() {
             return Err(empty(path));
         }
@@ -190,7 +191,7 @@ impl Table {
     ///
     /// # Errors
     /// As [`Table::read`], and when two points have the same number.
-    pub fn read_points(path: &Path, columns: &[Column]) -> Result<Self, FileError> {
+    pub fn read_points(path: &Path, columns: &[Column]) -> Result<Self> {
         Self::load(path, columns, false)?.table.distinct(path)
     }
 
@@ -198,11 +199,11 @@ impl Table {
     ///
     /// # Errors
     /// As [`Table::read_points`].
-    pub fn read_results(path: &Path, columns: &[Column]) -> Result<Self, FileError> {
+    pub fn read_results(path: &Path, columns: &[Column]) -> Result<Self> {
         Self::load(path, columns, true)?.table.distinct(path)
     }
 
-    fn distinct(self, path: &Path) -> Result<Self, FileError> {
+    fn distinct(self, path: &Path) -> Result<Self> {
         let mut known = HashSet::new();
         match self.labels.iter().find(|&&label| !known.insert(label)) {
             Some(label) => Err(twice(path, &format!("point {label}"))),
@@ -224,7 +225,7 @@ struct Reading<'a> {
 }
 
 impl<'a> Reading<'a> {
-    fn new(path: &'a Path, header: Vec<String>, columns: &[Column]) -> Result<Self, FileError> {
+    fn new(path: &'a Path, header: Vec<String>, columns: &[Column]) -> Result<Self> {
         let places: Vec<usize> =
             columns.iter().map(|(names, purpose)| find(path, &header, names, purpose)).collect::<Result<_, _>>()?;
         let units = places.iter().map(|&place| name_and_unit(&header[place]).1).collect();
@@ -238,7 +239,7 @@ impl<'a> Reading<'a> {
         })
     }
 
-    fn add(&mut self, row: &dyn Rows, gaps: bool) -> Result<(), FileError> {
+    fn add(&mut self, row: &dyn Rows, gaps: bool) -> Result {
         let numbers = self
             .places
             .iter()
@@ -283,14 +284,14 @@ fn truth(text: &str) -> Option<f64> {
 /// A cell as a message shows it: on one line, and not longer than people read.
 fn shown(text: &str) -> String {
     const ENOUGH: usize = 60;
-    let line = text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let line = in_a_line(text);
     match line.char_indices().nth(ENOUGH) {
         Some((end, _)) => format!("{}...", &line[..end]),
         None => line,
     }
 }
 
-fn find(path: &Path, header: &[String], names: &[String], purpose: &str) -> Result<usize, FileError> {
+fn find(path: &Path, header: &[String], names: &[String], purpose: &str) -> Result<usize> {
     let bare = |place: usize| name_and_unit(&header[place]).0;
     let found = |name: &String| places(header.len(), |place| header[place] == *name, |place| bare(place) == name);
     let is_there = |name: &&String| header.contains(name);

@@ -13,8 +13,8 @@ use parquet::{
 };
 
 use crate::{
-    files::{self, FileError},
-    rows::{How, Rows},
+    files::{self, FileError, Result, in_a_line},
+    rows::Rows,
 };
 
 /// A Parquet file as [`Rows`].
@@ -30,7 +30,7 @@ struct ParquetRows {
 ///
 /// # Errors
 /// When there is none, or it is none of Parquet.
-pub fn rows(path: &Path, _: How) -> Result<Box<dyn Rows>, FileError> {
+pub fn rows(path: &Path, _: bool) -> Result<Box<dyn Rows>> {
     let file = files::open(path).map_err(|error| FileError::read(path, error))?;
     let reader = SerializedFileReader::new(file).map_err(|error| wrong(path, &error))?;
     let schema = reader.metadata().file_metadata().schema();
@@ -76,7 +76,7 @@ pub fn rows(path: &Path, _: How) -> Result<Box<dyn Rows>, FileError> {
 }
 
 fn wrong(path: &Path, error: &ParquetError) -> FileError {
-    FileError::new(path, one_line(error))
+    FileError::new(path, in_a_line(&error.to_string()))
 }
 
 impl Rows for ParquetRows {
@@ -84,7 +84,7 @@ impl Rows for ParquetRows {
         &self.names
     }
 
-    fn advance(&mut self) -> Result<bool, FileError> {
+    fn advance(&mut self) -> Result<bool> {
         let Some(row) = self.rows.next() else { return Ok(false) };
         let columns = row.map_err(|error| wrong(&self.path, &error))?.into_columns();
         self.cells = columns.into_iter().map(|(_, cell)| cell).collect();
@@ -111,11 +111,6 @@ impl Rows for ParquetRows {
     fn line(&self) -> u64 {
         self.count
     }
-}
-
-/// The error's message on one line.
-fn one_line(error: &ParquetError) -> String {
-    error.to_string().split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
 /// A cell as a number.

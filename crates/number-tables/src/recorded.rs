@@ -10,10 +10,8 @@ use crate::{
     Reading, Table,
     clocks::{self, is_day},
     column,
-    files::{self, FileError, convert},
-    is_of_time, is_time_name, name_and_unit,
-    rows::How,
-    shown,
+    files::{self, FileError, Result, convert},
+    is_of_time, is_time_name, name_and_unit, shown,
 };
 use fmu_import::units::{Conversion, known};
 use fmu_points::names::{did_you_mean, nearest};
@@ -81,7 +79,7 @@ impl RecordedTable {
     ///
     /// # Errors
     /// When it cannot be read or is no plain table, with the command that makes one.
-    pub fn read(path: &Path) -> Result<Self, FileError> {
+    pub fn read(path: &Path) -> Result<Self> {
         let table = Self::read_those(path, |_| true)?;
         if let Some(name) = table.names_signals() {
             return Err(FileError::new(
@@ -102,11 +100,11 @@ impl RecordedTable {
     ///
     /// # Errors
     /// As [`RecordedTable::read`].
-    pub fn read_times(path: &Path) -> Result<Self, FileError> {
+    pub fn read_times(path: &Path) -> Result<Self> {
         Self::read_those(path, Column::is_time)
     }
 
-    fn read_those(path: &Path, is_read: fn(&Column) -> bool) -> Result<Self, FileError> {
+    fn read_those(path: &Path, is_read: fn(&Column) -> bool) -> Result<Self> {
         let mut begin = Vec::new();
         files::open(path)
             .map_err(|error| FileError::read(path, error))?
@@ -120,7 +118,7 @@ impl RecordedTable {
             Some(_) => error,
             None => error.with(format!("; {}", convert(path))),
         };
-        let mut rows = crate::open(path, How { comments: true, gaps: true }).map_err(plain)?;
+        let mut rows = crate::open(path, true).map_err(plain)?;
         let column = |name: &String| {
             let (bare, unit) = name_and_unit(name);
             Column { name: name.clone(), bare: bare.to_owned(), unit, ..Column::default() }
@@ -198,7 +196,7 @@ impl RecordedTable {
     ///
     /// # Errors
     /// When there is none or several, with the `remedy`.
-    pub fn time(&self, may_be: &dyn Fn(&str) -> bool, remedy: &str) -> Result<&str, FileError> {
+    pub fn time(&self, may_be: &dyn Fn(&str) -> bool, remedy: &str) -> Result<&str> {
         let times = self.times(may_be);
         match times.iter().filter(|column| column.rises()).collect::<Vec<_>>().as_slice() {
             [one] => Ok(&one.name),
@@ -252,7 +250,7 @@ impl RecordedTable {
     ///
     /// # Errors
     /// When there is none, or there are two.
-    pub fn column(&self, name: &str) -> Result<&Column, FileError> {
+    pub fn column(&self, name: &str) -> Result<&Column> {
         match self.places(name)[..] {
             [place] => Ok(&self.columns[place]),
             [] => Err(Self::none_has(&[self], name)),
@@ -282,7 +280,7 @@ impl RecordedTable {
     ///
     /// # Errors
     /// When the two are not known to be the same, and when there is none.
-    pub fn unit(&self, name: &str, wanted: Option<&str>) -> Result<String, FileError> {
+    pub fn unit(&self, name: &str, wanted: Option<&str>) -> Result<String> {
         let found = self.column(name)?.unit.as_deref();
         let unit = crate::agreed(name, found, wanted).map_err(|message| self.wrong(message))?.ok_or_else(|| {
             self.wrong(format!(
@@ -296,7 +294,7 @@ impl RecordedTable {
     ///
     /// # Errors
     /// With line and text of a cell that is neither a number nor one of these.
-    pub fn values(&self, name: &str, missing: &[String]) -> Result<(Vec<f64>, usize), FileError> {
+    pub fn values(&self, name: &str, missing: &[String]) -> Result<(Vec<f64>, usize)> {
         let column = self.column(name)?;
         let marks: Vec<f64> = missing.iter().filter_map(|mark| mark.parse().ok()).collect();
         if let Some((_, line, text)) = column.texts.iter().find(|(_, _, text)| !missing.contains(text)) {
@@ -319,7 +317,7 @@ impl Table {
     ///
     /// # Errors
     /// As [`Table::read`], and when the times have no unit of time, or may be days or clocks.
-    pub fn read_over_time(path: &Path, time: Option<&str>, columns: Vec<crate::Column>) -> Result<Self, FileError> {
+    pub fn read_over_time(path: &Path, time: Option<&str>, columns: Vec<crate::Column>) -> Result<Self> {
         let time = match time {
             Some(time) => time.to_owned(),
             None => RecordedTable::read_times(path)?.time(&|_| true, "say time = \"...\"")?.to_owned(),
@@ -347,7 +345,7 @@ impl Table {
 mod tests {
     use super::*;
 
-    fn read(text: &[u8]) -> Result<RecordedTable, FileError> {
+    fn read(text: &[u8]) -> Result<RecordedTable> {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("m.csv");
         std::fs::write(&path, text).unwrap();

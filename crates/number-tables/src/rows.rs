@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::files::FileError;
+use crate::files::Result;
 
 /// A table that is read row by row.
 pub trait Rows {
@@ -13,7 +13,7 @@ pub trait Rows {
     ///
     /// # Errors
     /// When it cannot be read.
-    fn advance(&mut self) -> Result<bool, FileError>;
+    fn advance(&mut self) -> Result<bool>;
 
     /// A cell of this row as a number.
     fn number(&self, place: usize) -> Option<f64>;
@@ -36,12 +36,4 @@ pub trait Rows {
 
     /// The line of this row, or its number from 1 where the format has no lines.
     fn line(&self) -> u64;
-}
-
-/// How a table is read.
-pub struct How {
-    /// Lines that begin with `#` are left out.
-    pub comments: bool,
-    /// An empty cell is a missing value, and so is a blank line of a table with one column.
-    pub gaps: bool,
 }

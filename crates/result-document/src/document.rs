@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use serde::{Deserialize, Serialize};
 
 /// A result for people.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Document {
     /// The anchor of its section in the page.
     pub id: Cow<'static, str>,
@@ -18,7 +18,7 @@ pub struct Document {
 }
 
 /// A part of a document.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(tag = "kind", content = "content", rename_all = "lowercase")]
 pub enum Block {
     /// A heading within the document.
@@ -42,7 +42,7 @@ pub enum Block {
 }
 
 /// A table with a head.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Table {
     /// Its name for screen readers.
     pub name: String,
@@ -55,7 +55,7 @@ pub struct Table {
 }
 
 /// The head of a column.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Column {
     /// Its words.
     pub name: String,
@@ -76,7 +76,7 @@ pub fn numbers(name: impl Into<String>) -> Column {
 }
 
 /// The meaning of a mark.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Key {
     /// A small picture of the mark.
     pub svg: String,
@@ -95,7 +95,7 @@ impl Key {
 }
 
 /// A picture.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Figure {
     /// The name of its file, without ending.
     pub file: String,
@@ -107,6 +107,13 @@ pub struct Figure {
     pub note: String,
     /// The numbers that it shows.
     pub numbers: Option<Table>,
+}
+
+impl Table {
+    /// A table of the usual look.
+    pub fn new(name: impl Into<String>, columns: impl Into<Vec<Column>>, rows: Vec<Vec<String>>) -> Self {
+        Self { name: name.into(), class: Cow::default(), columns: columns.into(), rows }
+    }
 }
 
 impl Document {
@@ -135,6 +142,21 @@ impl Document {
         if !table.rows.is_empty() {
             self.blocks.push(Block::Table(table));
         }
+    }
+
+    /// Adds a list.
+    pub fn list(&mut self, sentences: Vec<String>) {
+        self.blocks.push(Block::List(sentences));
+    }
+
+    /// Adds the meaning of marks.
+    pub fn legend(&mut self, keys: impl Into<Vec<Key>>) {
+        self.blocks.push(Block::Legend(keys.into()));
+    }
+
+    /// Adds pictures in a grid of this class.
+    pub fn show(&mut self, grid: &'static str, figures: impl IntoIterator<Item = Figure>) {
+        self.blocks.push(Block::Figures(grid.into(), Vec::from_iter(figures)));
     }
 
     /// Adds an explanation for the page.

@@ -6,7 +6,7 @@ use conformity::conclusion::grouped;
 /// Numbers that are none are written as a dash.
 pub fn number(value: f64, digits: usize) -> String {
     if value.is_nan() {
-        return "–".into();
+        return dash();
     }
     if value.is_infinite() {
         return if value > 0.0 { "∞".into() } else { "−∞".into() };
@@ -44,6 +44,11 @@ pub fn percent(fraction: f64) -> String {
     } else {
         format!("{p:.3}")
     }
+}
+
+/// What stands where there is nothing to say.
+pub fn dash() -> String {
+    "–".to_owned()
 }
 
 /// A count with commas between thousands, as the program says it everywhere.

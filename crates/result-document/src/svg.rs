@@ -142,6 +142,17 @@ impl Frame {
         let middle = [(x.from + x.to) / 2.0, self.height - 8.0];
         out + &text("title", middle, "middle", x_title)
     }
+
+    /// A curve.
+    pub fn line(&self, class: &str, times: &[f64], values: &[f64]) -> String {
+        path(class, envelope(times.iter().zip(values), self))
+    }
+
+    /// The band between two curves.
+    pub fn band(&self, times: &[f64], [low, high]: [&[f64]; 2]) -> String {
+        let back = times.iter().zip(high).rev();
+        path("band", envelope(times.iter().zip(low).chain(back), self) + "z")
+    }
 }
 
 /// Turns a picture of the page into a file of its own, in light or dark as the reader's screen is.
@@ -179,7 +190,7 @@ fn with_style(svg: &str, style: &str) -> String {
 
 /// A polyline through the first, least, greatest and last value of every pixel column, in tenths of a pixel. Points that
 /// follow each other in the same column are taken together.
-pub fn envelope<'a>(points: impl Iterator<Item = (&'a f64, &'a f64)>, frame: &Frame) -> String {
+fn envelope<'a>(points: impl Iterator<Item = (&'a f64, &'a f64)>, frame: &Frame) -> String {
     let mut d = String::new();
     let mut pen: Option<[i64; 2]> = None;
     let mut points =

@@ -9,6 +9,7 @@ use super::{
     thin::{Polyline, polyline},
     uncertainty::from_bound,
 };
+use sampling::statistics::moments::sorted;
 
 /// Settings by which a recording becomes a case.
 pub struct Frame<'a> {
@@ -25,7 +26,7 @@ pub struct Frame<'a> {
 }
 
 /// A variable of the FMU that is driven as it was recorded.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug)]
 pub struct Drive {
     /// The variable.
     pub variable: String,
@@ -38,7 +39,7 @@ pub struct Drive {
 }
 
 /// The values of an input.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug)]
 pub enum Driven {
     /// One for the whole run.
     Constant(f64),
@@ -220,7 +221,7 @@ impl<'a> Case<'a> {
     }
 
     /// What the reader must know of an input's times.
-    fn times_of(&self, input: &Input<'_>) -> Vec<String> {
+    fn times_of(&self, input: &Input) -> Vec<String> {
         let name = &input.drive.variable;
         let first = input.line.time.first().map_or(0.0, |first| first - self.begin);
         let late = (first > 0.0 && (0..self.tables.len()).any(|table| self.span(table)[0] < first - input.step()))
@@ -262,8 +263,7 @@ impl<'a> Case<'a> {
             }
             files.push((Self::file(place), text));
         }
-        let mut times: Vec<f64> = self.inputs.iter().flat_map(|input| input.line.time.clone()).collect();
-        times.sort_by(f64::total_cmp);
+        let mut times = sorted(self.inputs.iter().flat_map(|input| input.line.time.clone()).collect());
         times.dedup();
         if !times.is_empty() {
             let mut text = head(self.inputs.iter().map(|input| cell(&input.drive.variable)).collect());
@@ -294,7 +294,7 @@ impl<'a> Case<'a> {
 
     /// The case as TOML. The tolerances are the user's to add, where the settings have none: no recording knows how far the
     /// model may be off.
-    pub fn to_toml(&self, frame: &Frame<'_>) -> String {
+    pub fn to_toml(&self, frame: &Frame) -> String {
         let mut out = match self.recording.start {
             None => "# Times count from the first row of the recording.\n".to_owned(),
             Some(start) => format!("# The model starts at {start} s of the recording.\n"),
@@ -350,7 +350,7 @@ impl<'a> Case<'a> {
     }
 
     /// By how much a curve is late, s.
-    fn late(&self, curve: &Measured<'_>, frame: &Frame<'_>) -> f64 {
+    fn late(&self, curve: &Measured, frame: &Frame) -> f64 {
         let late = match curve.delay.and_then(|delay| delay.delay) {
             Some(delay) => delay.value - frame.lag,
             None => 0.0,
@@ -361,7 +361,7 @@ impl<'a> Case<'a> {
 
     /// By how much a curve may be later than it is taken to be, to either side, s. Its standard uncertainty comes from few
     /// blocks, so the range is wide; a delay without an interval may be any that was searched.
-    fn reach(&self, curve: &Measured<'_>) -> f64 {
+    fn reach(&self, curve: &Measured) -> f64 {
         const DEVIATIONS: f64 = 10.0;
         let Some(delay) = curve.delay.filter(|delay| delay.delay.is_some()) else {
             return 0.0;
@@ -372,19 +372,13 @@ impl<'a> Case<'a> {
         (reach * 1e7).round() / 1e7
     }
 
-    fn criterion(&self, curve: &Measured<'_>, frame: &Frame<'_>) -> String {
+    fn criterion(&self, curve: &Measured, frame: &Frame) -> String {
         let channel = curve.channel;
         let (name, unit) = (quoted(&channel.name), quoted(&channel.unit));
         let criterion = self.result.findings.iter().find(|c| c.name == channel.name);
         let steady = criterion
             .and_then(|criterion| criterion.stationarity.as_ref())
-            .map(|s| {
-                let (word, change) = (if s.steady() { "steady" } else { "drifting" }, s.change);
-                format!(
-                    "# {word}: change over the window {:.2e} ({:.2e} to {:.2e}) {}\n",
-                    change.value, change.low, change.high, channel.unit
-                )
-            })
+            .map(|s| format!("{}\n", s.comment("drifting", &channel.unit)))
             .unwrap_or_default();
         let mut uncertainty = known(channel);
         let noise = criterion.and_then(|criterion| criterion.noise);
@@ -513,7 +507,7 @@ fn about(noise: Noise, unit: &str) -> String {
 }
 
 /// A text of TOML.
-fn quoted(text: &str) -> String {
+pub fn quoted(text: &str) -> String {
     toml::Value::String(text.to_owned()).to_string()
 }
 

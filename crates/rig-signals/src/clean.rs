@@ -5,7 +5,7 @@ use sampling::statistics::moments::sorted;
 use std::ops::Range;
 
 /// Which doubtful samples of a signal its user wants left out: nothing goes that was not asked for.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Drop {
     /// Whether the user said what to do: then the samples that stay are no doubt.
     pub is_stated: bool,
@@ -16,7 +16,6 @@ pub struct Drop {
 }
 
 /// A signal and what is doubtful in it.
-#[derive(Clone, Debug, PartialEq)]
 pub struct Cleaned {
     /// The samples; not a number where one was left out.
     pub values: Vec<f64>,

@@ -1,6 +1,9 @@
 //! The criteria as text for a study.
 
-use super::recording::{DerivedCriterion, Synchronised};
+use super::{
+    case::quoted,
+    recording::{DerivedCriterion, Synchronised},
+};
 
 /// The `[criteria]` of a study, with the uncertainty budget as comments. The uncertainty is expanded
 /// (coverage factor 2); a recording cannot know how far the model may be off, so the tolerance is left to the user.
@@ -36,13 +39,7 @@ fn criterion(finding: &DerivedCriterion) -> String {
     let steady = finding
         .stationarity
         .as_ref()
-        .map(|s| {
-            let (word, change) = (if s.steady() { "steady" } else { "NOT steady" }, s.change);
-            format!(
-                "# {word}: change over the window {:.2e} ({:.2e} to {:.2e}) {unit}, from {} blocks\n",
-                change.value, change.low, change.high, s.blocks
-            )
-        })
+        .map(|s| format!("{}, from {} blocks\n", s.comment("NOT steady", unit), s.blocks))
         .unwrap_or_default();
     let group = finding.group.as_ref();
     let group = group.map(|group| format!("group = \"{group}\"\n")).unwrap_or_default();
@@ -61,7 +58,7 @@ fn key(name: &str) -> String {
     if !name.is_empty() && name.chars().all(|c| c.is_ascii_alphanumeric() || "_-".contains(c)) {
         name.to_owned()
     } else {
-        toml::Value::String(name.to_owned()).to_string()
+        quoted(name)
     }
 }
 

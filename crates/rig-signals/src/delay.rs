@@ -22,7 +22,7 @@ use super::{
 };
 
 /// The delay of the torque, with its uncertainty.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default)]
 pub struct Delay {
     /// How much later the torque is than the load, s, with its 95 % interval; `None` where the signals are not related.
     pub delay: Option<Estimate>,
@@ -97,7 +97,7 @@ const USUAL_SPREAD: f64 = 0.005;
 ///
 /// # Errors
 /// When the record is too short.
-pub fn find(pair: Pair<'_>, longest: f64, turn: Option<f64>) -> Result<Delay, SignalError> {
+pub fn find(pair: Pair, longest: f64, turn: Option<f64>) -> Result<Delay, SignalError> {
     let step = pair.load.step;
     let reach = longest / step;
     let least = (2.0 * reach).max(turn.map_or(0.0, |turn| turn / step));
@@ -144,7 +144,7 @@ struct Search<'a> {
 }
 
 /// Sums over one block: load by torque, load by load, torque by torque, all from their means.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Default)]
 struct Sums {
     xy: f64,
     xx: f64,

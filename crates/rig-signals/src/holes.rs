@@ -7,7 +7,7 @@ use super::clean::Cleaned;
 const LEAST: f64 = 4.5;
 
 /// Begins and ends of the holes of a signal, s.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default, PartialEq)]
 pub struct Holes(Vec<[f64; 2]>);
 
 impl Holes {

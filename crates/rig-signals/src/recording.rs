@@ -19,7 +19,7 @@ pub fn behind(unit: &str) -> String {
 }
 
 /// How accurate a sensor is: every error up to plus or minus this much is equally likely.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub enum Accuracy {
     /// Absolute accuracy, in the signal's unit.
     Absolute(f64),
@@ -38,7 +38,7 @@ impl Accuracy {
 }
 
 /// One recorded signal.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Channel {
     /// The criterion's name.
     pub name: String,
@@ -100,7 +100,7 @@ impl Channel {
 pub const EARLY: &str = "before the model's start";
 
 /// What became of the rows of a channel: those that are used and those that are not are all of them.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug)]
 pub struct Account {
     /// The channel.
     pub name: String,
@@ -113,14 +113,14 @@ pub struct Account {
 }
 
 impl std::fmt::Display for Account {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         write!(f, "{}: {} rows, {} used", self.name, self.rows, self.used)?;
         self.lost.iter().try_for_each(|(count, why)| write!(f, ", {count} {why}"))
     }
 }
 
 /// Load and torque of a bearing, of which the torque is late.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug)]
 pub struct Bearing {
     /// The load on the bearing, N.
     pub load: Channel,
@@ -137,7 +137,7 @@ pub struct Bearing {
 }
 
 /// A recording and what to do with it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Debug)]
 pub struct RigRecording {
     /// Load and torque, where it has them.
     pub bearing: Option<Bearing>,
@@ -190,7 +190,7 @@ impl RigRecording {
 }
 
 /// A criterion derived from the record.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default)]
 pub struct DerivedCriterion {
     /// The criterion's name.
     pub name: String,
@@ -214,7 +214,7 @@ pub struct DerivedCriterion {
 }
 
 /// Result of synchronising a recording.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default)]
 pub struct Synchronised {
     /// The delay between torque and load.
     pub delay: Delay,

@@ -1,6 +1,6 @@
 //! The scatter of a recording's rows, where nobody states it.
 
-use sampling::statistics::moments::quantile;
+use sampling::statistics::moments::{quantile, sorted};
 
 /// Fewer rows tell no scatter.
 const FEWEST: usize = 40;
@@ -53,8 +53,7 @@ fn by_differences(values: &[f64], order: usize, stride: usize) -> f64 {
         // The squares of the binomial coefficients add up to that of twice the order.
         square *= (order + step) as f64 / step as f64;
     }
-    let mut sizes: Vec<f64> = rows.iter().map(|row| row.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
+    let sizes = sorted(rows.iter().map(|row| row.abs()).collect());
     quantile(&sizes, 0.5) / MEDIAN / square.sqrt()
 }
 

@@ -4,7 +4,7 @@ use sampling::statistics::moments::sorted;
 use thiserror::Error;
 
 /// Why a signal cannot be used.
-#[derive(Clone, Debug, PartialEq, Error)]
+#[derive(Debug, PartialEq, Error)]
 pub enum SignalError {
     /// Fewer samples than needed.
     #[error("signal '{name}' has {usable} usable samples, {needed} are needed: record a longer window")]
@@ -40,7 +40,7 @@ pub enum SignalError {
 }
 
 /// A natural cubic spline through samples (de Boor, "A Practical Guide to Splines", chapter IV).
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Spline {
     time: Vec<f64>,
     values: Vec<f64>,
@@ -61,8 +61,7 @@ impl Spline {
         if let Some(w) = time.windows(2).find(|w| w[1] <= w[0]) {
             return Err(SignalError::Unsorted { name: name.into(), time: w[1] });
         }
-        let mut steps: Vec<f64> = time.windows(2).map(|w| w[1] - w[0]).collect();
-        steps.sort_by(f64::total_cmp);
+        let steps = sorted(time.windows(2).map(|w| w[1] - w[0]).collect());
         let longest = longest_gap * steps[steps.len() / 2];
         if let Some(w) = time.windows(2).find(|w| w[1] - w[0] > longest) {
             return Err(SignalError::Gap { name: name.into(), from: w[0], to: w[1] });
@@ -118,7 +117,7 @@ fn bends(time: &[f64], values: &[f64]) -> Vec<f64> {
 }
 
 /// A signal at even steps.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Even {
     /// Time of the first sample, s.
     pub start: f64,

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use std::{f64::consts::PI, fmt};
 
 /// How a signal is smoothed.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(tag = "method", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Smoothing {
     /// Not at all.
@@ -20,7 +20,7 @@ pub enum Smoothing {
 }
 
 impl fmt::Display for Smoothing {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::None => write!(f, "none"),
             Self::Butterworth { cutoff, order } => {

@@ -35,7 +35,7 @@ const MOVES: f64 = 0.2;
 const MAINS: [f64; 2] = [50.0, 60.0];
 
 /// The noise of a channel's rows.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Noise {
     /// The standard deviation of a row.
     pub row: f64,

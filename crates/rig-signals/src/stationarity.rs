@@ -11,7 +11,7 @@ use serde::Serialize;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Result of the stationarity tests on a window.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Debug, PartialEq, Serialize)]
 pub struct Stationarity {
     /// The change over the window by the straight line through the block means, with its interval,
     /// in the signal's unit.
@@ -36,6 +36,15 @@ impl Stationarity {
     /// Neither trend nor drift.
     pub fn steady(&self) -> bool {
         !self.trend && !self.drift
+    }
+
+    /// A line of a file of TOML about it, with the word for a signal that is not steady.
+    pub fn comment(&self, otherwise: &str, unit: &str) -> String {
+        let (word, change) = (if self.steady() { "steady" } else { otherwise }, self.change);
+        format!(
+            "# {word}: change over the window {:.2e} ({:.2e} to {:.2e}) {unit}",
+            change.value, change.low, change.high
+        )
     }
 }
 

@@ -4,7 +4,7 @@
 use serde::Serialize;
 
 /// A measured quantity with its uncertainty budget.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct MeasuredValue {
     /// The value.
     pub value: f64,

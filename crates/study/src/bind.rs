@@ -21,20 +21,20 @@ use sampling::{design::Joint, statistics::Statistic};
 
 /// Finds variables and checks values for one FMU.
 pub struct Binder<'a> {
-    pub(super) study: &'a Study,
-    pub(super) fmu: &'a Description,
+    pub study: &'a Study,
+    pub fmu: &'a Description,
 }
 
 /// A simulation with what belongs to it.
 pub struct Bound {
     /// From the FMU's units to the study's, a criterion each.
-    pub(super) outputs: Vec<Conversion>,
+    pub outputs: Vec<Conversion>,
     /// The simulation.
-    pub(super) task: Task,
+    pub task: Task,
     /// The errors of its inputs' sensors.
-    pub(super) errors: Vec<inputs::InputError>,
+    pub errors: Vec<inputs::InputError>,
     /// Doubts about its inputs.
-    pub(super) concerns: Vec<Concern>,
+    pub concerns: Vec<Concern>,
 }
 
 impl Binder<'_> {
@@ -220,7 +220,7 @@ impl Binder<'_> {
         &self,
         name: &Name,
         text: &CriterionText,
-        scale: &Scale<'_>,
+        scale: &Scale,
         handle: &Handle,
         schedule: &Schedule,
     ) -> Result<Option<Arc<MeasuredCurve>>> {

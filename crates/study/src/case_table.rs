@@ -1,7 +1,7 @@
 //! The table of measured cases that `[identify]` names.
 
-use crate::{Identification, Name, Study};
-use number_tables::{Column, Table, files::FileError};
+use crate::{Identification, Name, Result, Study};
+use number_tables::{Column, Table};
 
 /// The columns of the table that the section names, or a single case without any.
 pub struct CaseTable {
@@ -16,7 +16,7 @@ impl CaseTable {
     ///
     /// # Errors
     /// With its place in the study, when the table cannot be read or a column is not there.
-    pub fn read(study: &Study, settings: &Identification) -> Result<Self, FileError> {
+    pub fn read(study: &Study, settings: &Identification) -> Result<Self> {
         let known = settings.known.iter();
         let known = known.map(|(name, known)| (name, Some(&known.column)));
         let latent = settings.latent.iter();

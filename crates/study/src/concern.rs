@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub const ACCEPTS_ZERO: &str = "Correct each tolerance that accepts 0, or its unit.";
 
 /// A doubt about a verdict.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Concern {
     /// Its kind, for programs.
     pub code: Code,
@@ -23,13 +23,12 @@ pub struct Concern {
 
 impl Concern {
     /// A doubt of a kind, which decides how far it touches the verdict.
-    pub fn new(code: Code, text: impl Into<String>) -> Self {
+    pub fn new(code: Code, text: impl fmt::Display) -> Self {
         let severity = match code {
             Code::ManySteps | Code::NotCompared | Code::NotReRun => Severity::Note,
             _ => Severity::Warning,
         };
-        let text = text.into();
-        Self { code, severity, text, remedy: None }
+        Self { code, severity, text: text.to_string(), remedy: None }
     }
 
     /// The same with what to do about it.
@@ -41,14 +40,14 @@ impl Concern {
 }
 
 impl fmt::Display for Concern {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(&self.text)?;
         self.remedy.iter().try_for_each(|remedy| write!(f, ". {remedy}"))
     }
 }
 
 /// The kinds of doubts.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Code {
     /// A nominal value is the model's own, and nothing was measured.

@@ -7,7 +7,7 @@ use std::{
 
 use fmu_import::{Package, digest, sha256};
 use indexmap::IndexMap;
-use number_tables::files::{self, FileError};
+use number_tables::files::{self, FileError, Result};
 use sampling::design::Sampling;
 use serde::{Deserialize, Deserializer, de::Error as _};
 use sha2::{Digest, Sha256};
@@ -112,7 +112,7 @@ impl Study {
     ///
     /// # Errors
     /// When it cannot be read, with line and column when it is not understood.
-    pub fn read(path: &Path) -> Result<Self, FileError> {
+    pub fn read(path: &Path) -> Result<Self> {
         let ends = |name: &str| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(name));
         let message = if ends("ssp") {
             "is a system of FMUs (SSP), where a study (a TOML file) is needed: make one FMU of it by \
@@ -133,7 +133,7 @@ impl Study {
     ///
     /// # Errors
     /// With line and column when the text is not understood.
-    pub fn parse(path: &Path, text: String) -> Result<Self, FileError> {
+    pub fn parse(path: &Path, text: String) -> Result<Self> {
         let place = Place { path, text: &text };
         let mut study: Self = toml::from_str(&text).map_err(|error| place.toml(&error))?;
         study.path = path.to_owned();
@@ -147,7 +147,7 @@ impl Study {
     ///
     /// # Errors
     /// With line and column when the text is not understood.
-    pub fn section<T: serde::de::DeserializeOwned>(&self) -> Result<T, FileError> {
+    pub fn section<T: serde::de::DeserializeOwned>(&self) -> Result<T> {
         toml::from_str(&self.text).map_err(|error| self.place().toml(&error))
     }
 

@@ -17,7 +17,7 @@ use fmu_import::{
     units::Conversion,
 };
 use fmu_points::task::{Probe, Schedule, SensorError, Series, Slot, place};
-use number_tables::{Table, files::FileError};
+use number_tables::{Table, files::Result};
 use sampling::statistics::moments::{quantile, sorted};
 
 /// How the name of a sensor's zero error ends behind `/`, and its key in a study.
@@ -36,7 +36,7 @@ pub(super) struct Recordings {
 }
 
 /// Reads the recordings of a study for an FMU.
-pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> Result<Recordings, FileError> {
+pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> Result<Recordings> {
     let (mut errors, mut concerns) = (Vec::new(), Vec::new());
     let mut bind = |(name, recording): (&Name, &RecordingText)| {
         let wrong = |message| study.error_at(name, message);
@@ -81,7 +81,7 @@ pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> R
 }
 
 /// An unknown error of the sensor that recorded an input.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct InputError {
     /// The input in the study.
     pub key: Name,
@@ -110,7 +110,7 @@ impl InputError {
         key: &Name,
         (recording, taken): (&RecordingText, [f64; 2]),
         slot: &Slot,
-        scale: &Scale<'_>,
+        scale: &Scale,
     ) -> Result<Vec<Self>, String> {
         let in_unit = |what: &str, stated: &Quantity| {
             let number = match stated.unit.as_deref() {
@@ -203,7 +203,7 @@ pub fn taken_as_exact(error: &str, points: &str) -> Concern {
 }
 
 /// The known offset, in the recording's unit, and gain of its sensor.
-fn known_errors(recording: &RecordingText, slot: &Slot, scale: &Scale<'_>) -> Result<[f64; 2], String> {
+fn known_errors(recording: &RecordingText, slot: &Slot, scale: &Scale) -> Result<[f64; 2], String> {
     let is_real = slot.handle.content == Content::Real;
     let number = |stated: &Option<Quantity>, what, of: &dyn Fn(&Quantity) -> Option<f64>| match stated {
         None => Ok(0.0),
@@ -267,7 +267,7 @@ pub fn takes_any_step(fmu: &Description) -> bool {
 }
 
 /// What an FMU gets otherwise than it was on the rig.
-pub fn doubts(series: &Series, schedule: &Schedule, scale: &Scale<'_>) -> impl Iterator<Item = Concern> + use<> {
+pub fn doubts(series: &Series, schedule: &Schedule, scale: &Scale) -> impl Iterator<Item = Concern> + use<> {
     missed(series, schedule, scale).into_iter().chain(hole(series, schedule))
 }
 
@@ -296,7 +296,7 @@ fn hole(series: &Series, schedule: &Schedule) -> Option<Concern> {
 }
 
 /// Warns of rows of a recording that an FMU of fixed steps cannot follow.
-fn missed(series: &Series, schedule: &Schedule, scale: &Scale<'_>) -> Option<Concern> {
+fn missed(series: &Series, schedule: &Schedule, scale: &Scale) -> Option<Concern> {
     let unseen = Some(series).filter(|series| !series.each_row).and_then(|series| series.unseen(schedule))?;
     let unit = scale.unit.as_deref().filter(|unit| *unit != "1").unwrap_or_default();
     let most = scale.conversion.inverse().difference(unseen.most).abs();

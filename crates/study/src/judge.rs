@@ -175,7 +175,7 @@ impl Criterion {
 }
 
 /// A case with its criteria.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct JudgedCase {
     /// Its name.
     pub name: String,
@@ -186,7 +186,7 @@ pub struct JudgedCase {
 }
 
 /// All criteria of a study.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Judge {
     /// The criteria in the order of the study.
     pub criteria: Vec<Criterion>,
@@ -207,7 +207,7 @@ pub struct Judge {
 }
 
 /// Whether a point agrees, criterion by criterion.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Debug, Default)]
 pub struct PointVerdict {
     /// A flag for each criterion.
     pub passed: Vec<bool>,

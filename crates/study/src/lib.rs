@@ -45,5 +45,4 @@ pub use text::{
 pub use tolerance::ToleranceText;
 pub use window::Window;
 
-/// What a study says, or the place where it says what cannot be used.
-pub type Result<T = (), E = number_tables::files::FileError> = std::result::Result<T, E>;
+pub use number_tables::files::Result;

@@ -8,7 +8,7 @@ use fmu_import::quantity::{Quantity, Scale, Sense};
 const ALL: f64 = 1e-9;
 
 /// The ideal value, how far away from it is accepted, and both in words.
-pub fn limit(text: &CriterionText, metric: Metric, scale: &Scale<'_>) -> Result<(f64, f64, String), String> {
+pub fn limit(text: &CriterionText, metric: Metric, scale: &Scale) -> Result<(f64, f64, String), String> {
     let label = metric.label();
     let tolerance = text.tolerance.as_ref().map(ToleranceText::of_curve);
     match (metric.kind(), tolerance.transpose()?, &text.least) {
@@ -36,7 +36,7 @@ pub fn limit(text: &CriterionText, metric: Metric, scale: &Scale<'_>) -> Result<
 }
 
 /// The largest error, in the criterion's unit.
-pub fn error(stated: &Quantity, scale: &Scale<'_>) -> Result<f64, String> {
+pub fn error(stated: &Quantity, scale: &Scale) -> Result<f64, String> {
     if stated.unit.as_deref() == Some("%") {
         return Err(format!(
             "the tolerance {stated} of a curve is not a part of anything; give it with a unit, or use metric = \"nrmse\""

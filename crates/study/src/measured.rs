@@ -38,16 +38,16 @@ struct Recorded {
 
 /// A criterion on a curve that is tied to an FMU.
 pub struct Binder<'a> {
-    pub(super) study: &'a Study,
-    pub(super) name: &'a Name,
-    pub(super) text: &'a CriterionText,
-    pub(super) reference: &'a ReferenceText,
-    pub(super) metric: Metric,
-    pub(super) scale: &'a Scale<'a>,
+    pub study: &'a Study,
+    pub name: &'a Name,
+    pub text: &'a CriterionText,
+    pub reference: &'a ReferenceText,
+    pub metric: Metric,
+    pub scale: &'a Scale<'a>,
     /// The whole run, s.
-    pub(super) run: [f64; 2],
+    pub run: [f64; 2],
     /// The times that count, s, where the study states them: rows outside are ignored then.
-    pub(super) window: Option<[f64; 2]>,
+    pub window: Option<[f64; 2]>,
 }
 
 impl Binder<'_> {

@@ -32,7 +32,7 @@ pub use super::{
 };
 
 /// A study that fits an FMU.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Plan {
     /// The simulations of a point, in the FMU's own terms: one, or one a case of the study. Their results, one after the
     /// other, are those of the criteria in the order of the study.

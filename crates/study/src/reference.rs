@@ -39,7 +39,7 @@ pub struct ReferenceText {
 }
 
 /// How well a recording told its noise.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EstimateText {
     /// The degrees of freedom of its square.
@@ -88,7 +88,7 @@ impl ReferenceText {
 }
 
 /// By what `nrmse` divides the rmse.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(untagged, expecting = "`normalise` is \"range\", \"mean\" or a value such as \"0.2 N.m\"")]
 pub enum Normalise {
     /// A number that the reference itself gives.
@@ -98,7 +98,7 @@ pub enum Normalise {
 }
 
 /// A number of the reference by which an error is divided.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OwnNormaliser {
     /// The largest value less the smallest.

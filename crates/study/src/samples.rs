@@ -12,7 +12,7 @@ use toml::Spanned;
 use super::{Name, ParameterText, Shape, Study, input::Input};
 use number_tables::{
     Column, Table,
-    files::{self, FileError},
+    files::{self, Result},
 };
 use sampling::{design::Joint, distribution::Distribution};
 
@@ -26,17 +26,17 @@ struct Member<'a> {
 /// Parameters that are drawn together.
 pub struct Together {
     /// The sample.
-    pub(super) joint: Joint,
+    pub joint: Joint,
     /// The distribution of each by itself, with its place among the parameters.
-    pub(super) alone: Vec<(usize, Distribution)>,
+    pub alone: Vec<(usize, Distribution)>,
 }
 
 /// Reads the samples of a study for its parameters: those from one file are drawn together.
 ///
 /// # Errors
 /// With the place in the study, when a file cannot be read, has no such column, or has it in another unit.
-pub fn read(study: &Study, inputs: &[Input]) -> Result<Vec<Together>, FileError> {
-    let mut files: IndexMap<PathBuf, (&Spanned<PathBuf>, Vec<Member<'_>>)> = IndexMap::new();
+pub fn read(study: &Study, inputs: &[Input]) -> Result<Vec<Together>> {
+    let mut files: IndexMap<PathBuf, (&Spanned<PathBuf>, Vec<Member>)> = IndexMap::new();
     for (index, (name, text)) in study.parameters.iter().enumerate() {
         if text.distribution != Shape::Sample {
             continue;
@@ -48,14 +48,9 @@ pub fn read(study: &Study, inputs: &[Input]) -> Result<Vec<Together>, FileError>
     files.into_values().map(|(file, members)| together(study, file, &members, inputs)).collect()
 }
 
-fn together(
-    study: &Study,
-    file: &Spanned<PathBuf>,
-    members: &[Member<'_>],
-    inputs: &[Input],
-) -> Result<Together, FileError> {
+fn together(study: &Study, file: &Spanned<PathBuf>, members: &[Member], inputs: &[Input]) -> Result<Together> {
     let path = study.path_of(file.as_ref());
-    let column = |member: &Member<'_>| {
+    let column = |member: &Member| {
         let name = member.name.as_ref();
         let column = member.text.column.as_ref().unwrap_or(name);
         number_tables::column(column, format!("the parameter {name}"))

@@ -18,13 +18,13 @@ impl ParameterText {
     }
 
     /// The unit of its first number that has one; a deviation is a difference, which may have another one.
-    pub(super) fn first_unit(&self) -> Option<&str> {
+    pub fn first_unit(&self) -> Option<&str> {
         let mut given = self.numbers().into_iter().take(5).filter_map(|(_, number)| number.as_ref());
         given.find_map(|number| number.unit.as_deref())
     }
 
     /// The distribution in the study's unit.
-    pub(super) fn distribution(&self, scale: &Scale<'_>) -> Result<Distribution, String> {
+    pub fn distribution(&self, scale: &Scale) -> Result<Distribution, String> {
         self.refuse_others()?;
         let maybe = |key: &str| {
             let sense = match key {

@@ -12,7 +12,7 @@ use super::{
     values::{find, value_of},
 };
 use fmu_import::{Description, Value, xml};
-use number_tables::files::{self, FileError};
+use number_tables::files::{self, FileError, Result};
 
 pub use write::write;
 
@@ -23,7 +23,7 @@ const TYPES: [&str; 5] = ["Real", "Integer", "Boolean", "Enumeration", "String"]
 ///
 /// # Errors
 /// When it cannot be read or is not a parameter set, and when a name, a type or a unit does not fit the FMU, with the line.
-pub fn read(path: &Path, fmu: &Description) -> Result<Vec<(String, u32, Value)>, FileError> {
+pub fn read(path: &Path, fmu: &Description) -> Result<Vec<(String, u32, Value)>> {
     parse(path, &files::text(path)?, |name, setting| {
         let variable = find(fmu, name)?;
         let value = value_of(fmu, variable, &setting)?;
@@ -32,18 +32,17 @@ pub fn read(path: &Path, fmu: &Description) -> Result<Vec<(String, u32, Value)>,
 }
 
 /// The results of `take` on each entry.
-fn parse<T>(path: &Path, text: &str, take: impl Fn(&str, Setting) -> Result<T, String>) -> Result<Vec<T>, FileError> {
+fn parse<T>(path: &Path, text: &str, take: impl Fn(&str, Setting) -> Result<T, String>) -> Result<Vec<T>> {
     let text = text.trim_start_matches('\u{feff}');
     let document = xml::parse(text).map_err(|error| FileError::new(path, format!("no SSP parameter set: {error}")))?;
-    let at =
-        |node: Node<'_, '_>, message| FileError::new(path, message).at(document.text_pos_at(node.range().start).row);
+    let at = |node: Node, message| FileError::new(path, message).at(document.text_pos_at(node.range().start).row);
     let root = document.root_element();
     let name = root.tag_name().name();
     if name != "ParameterSet" {
         return Err(at(root, format!("`{name}` is no SSP parameter set (`ParameterSet`)")));
     }
     let parameters = root.descendants().filter(|node| node.has_tag_name((NAMESPACE, "Parameter")));
-    let entry = |node: Node<'_, '_>| {
+    let entry = |node: Node| {
         let name = node.attribute("name").ok_or("a parameter without a name")?;
         let mut children = node.children();
         let typed = children.find(|child| TYPES.contains(&child.tag_name().name()));
@@ -73,7 +72,7 @@ mod tests {
         Ok((name.to_owned(), setting))
     }
 
-    fn set(body: &str) -> Result<Vec<Entry>, FileError> {
+    fn set(body: &str) -> Result<Vec<Entry>> {
         let text = format!(
             "<ParameterSet xmlns=\"{NAMESPACE}\" version=\"1.0\" name=\"x\"><Parameters>\n{body}\
              </Parameters></ParameterSet>"

@@ -99,7 +99,7 @@ pub struct Simulation {
 }
 
 /// The name of a distribution.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Shape {
     /// `mean`, `deviation`.
@@ -119,7 +119,7 @@ pub enum Shape {
 }
 
 /// From where to where a parameter varies.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Varies {
     /// From case to case, such as one specimen each.
@@ -200,7 +200,7 @@ pub struct RecordingText {
 }
 
 /// An input's value beyond the ends of its recording.
-#[derive(Clone, Copy, Debug, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Extrapolate {
     /// The first and the last value.
@@ -315,7 +315,7 @@ impl CriterionText {
 }
 
 /// Where a nominal value comes from, where that is no measurement.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum NominalFrom {
     /// A run of the model itself, as in a study that `init` writes.

@@ -6,7 +6,7 @@ use fmu_import::quantity::Quantity;
 use serde::Deserialize;
 
 /// How far from the measured value a model value may be.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, Deserialize)]
 #[serde(try_from = "ToleranceForm")]
 pub enum ToleranceText {
     /// As far to both sides.
@@ -59,7 +59,7 @@ impl ToleranceText {
 }
 
 impl fmt::Display for ToleranceText {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match self {
             Self::Even(quantity) => quantity.fmt(f),
             Self::Uneven { minus, plus } => write!(f, "-{minus}/+{plus}"),

@@ -18,7 +18,7 @@ pub enum Window {
 }
 
 /// The ends of a window.
-#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
     /// Where it begins; the start of the run otherwise.

@@ -45,7 +45,7 @@ pub struct Check {
 }
 
 /// How `check` writes its findings.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+#[derive(Clone, Debug, Default, ValueEnum)]
 pub enum Format {
     /// A line each
     #[default]

@@ -7,7 +7,11 @@ mod write;
 use std::{path::Path, process::ExitCode};
 
 use super::{isolated::Isolated, output, simulate};
-use crate::{cli::Init, error::Error, options::relative};
+use crate::{
+    cli::Init,
+    error::{Error, Result},
+    options::relative,
+};
 use fmu_import::{Causality, Description, Kind, Package, Variability, Variable};
 use fmu_points::task::{Schedule, Task};
 use measured::Measured;
@@ -15,7 +19,7 @@ use point_journal::files::write_text;
 use study::{Setting, plan::value_of};
 use write::{Criteria, Shown};
 
-pub fn run(options: &Init) -> Result<ExitCode, Error> {
+pub fn run(options: &Init) -> Result<ExitCode> {
     if let Some(path) = options.output.as_ref().filter(|path| path.exists()) {
         let message = format!("{} exists already; choose another name", path.display());
         return Err(Error::option("output", message));
@@ -69,7 +73,7 @@ pub fn run(options: &Init) -> Result<ExitCode, Error> {
 }
 
 /// As the user asks, else as long as the measured curves, else as the FMU suggests.
-fn schedule(options: &Init, fmu: &Description, table: Option<&Measured<'_>>) -> Result<Schedule, Error> {
+fn schedule(options: &Init, fmu: &Description, table: Option<&Measured>) -> Result<Schedule> {
     const STEPS: f64 = 500.0;
     let [first, last] = table.and_then(|table| table.span).map_or([None; 2], |span| span.map(Some));
     let suggested = Schedule::suggested(fmu);
@@ -112,7 +116,7 @@ fn parameters<'a>(
     path: &Path,
     driven: &[&str],
     set: &[(&'a Variable, String)],
-) -> Result<Vec<(&'a Variable, Shown<'a>)>, Error> {
+) -> Result<Vec<(&'a Variable, Shown<'a>)>> {
     let is_set = |variable: &Variable| set.iter().any(|(set, _)| set.name == variable.name);
     for causality in [Causality::Parameter, Causality::Input] {
         // What was measured drives the model.

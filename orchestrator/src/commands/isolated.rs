@@ -129,7 +129,7 @@ impl Isolated {
         columns: &Columns,
         into: impl Write,
         path: &Path,
-    ) -> Result<Vec<String>, Error> {
+    ) -> Result<Vec<String>> {
         let failed = |error: csv::Error| Error::io(path)(error.into());
         let mut csv = csv::Writer::from_writer(BufWriter::new(into));
         let names = columns.variables.iter().map(|variable| csv_file::cell(&variable.name));

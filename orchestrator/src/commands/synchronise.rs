@@ -51,7 +51,7 @@ pub fn run(options: &cli::Synchronise) -> Result<ExitCode> {
 fn case(
     name: &str,
     options: &cli::Synchronise,
-    (settings, files): (&Settings, &Recorded<'_>),
+    (settings, files): (&Settings, &Recorded),
     recorded: &RigRecording,
     result: &Synchronised,
 ) -> Result<String> {

@@ -32,7 +32,7 @@ use study::plan::bare;
 const MOST_POINTS: u64 = 1_000_000;
 
 /// Refuses to write a verdict where there is none.
-fn refuse_no_verdict(options: &Verify) -> Result<(), Error> {
+fn refuse_no_verdict(options: &Verify) -> Result {
     let message = match options.shards.chosen()? {
         _ if options.gate.junit.is_none() => return Ok(()),
         Some(_) => "a part of the points has no verdict; give this option to `merge`",
@@ -284,12 +284,7 @@ pub fn request(options: &Verify) -> Result<Request> {
 }
 
 /// Runs all points that are not finished; says whether no further ones are needed.
-fn compute(
-    verification: &Verification,
-    pipeline: &mut Pipeline<'_>,
-    ending: Option<&Ending>,
-    jobs: usize,
-) -> Result<bool> {
+fn compute(verification: &Verification, pipeline: &mut Pipeline, ending: Option<&Ending>, jobs: usize) -> Result<bool> {
     let judge = &verification.session.judge;
     let job = |index| verification.job(index);
     let finished = pipeline.finished();

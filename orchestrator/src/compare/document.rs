@@ -4,11 +4,12 @@ use std::path::Path;
 
 use super::{Change, Comparison, said};
 use crate::{error::Result, plain};
+use conformity::conclusion::grouped;
 use point_journal::files::{make_folder, write_json};
 use result_document::{
-    Block, Document, Figure, Key, Table,
+    Document, Figure, Key, Table,
     bins::axis_range,
-    format::{count, number, with_unit},
+    format::{count, dash, number, with_unit},
     numbers,
     svg::{Frame, area, circle, path},
     words,
@@ -19,14 +20,14 @@ impl Comparison {
     /// The document for terminal and page.
     pub fn document(&self) -> Document {
         let mut told = Document::new("changes", "Changes", "What changed");
-        told.blocks.push(Block::List(self.differences.clone()));
+        told.list(self.differences.clone());
         told.warn(&self.warnings);
-        told.heading(format!("Changes at {} points", count(self.pairs as usize)));
+        told.heading(format!("Changes at {} points", grouped(self.pairs)));
         let figures: Vec<Figure> =
             self.criteria.values().filter(|change| change.changed > 0).map(|change| change.figure.clone()).collect();
         if !figures.is_empty() {
-            told.blocks.push(legend());
-            told.blocks.push(Block::Figures("thirds".into(), figures));
+            told.legend(legend());
+            told.show("thirds", figures);
         }
         told.table(self.changes());
         for (name, change) in &self.criteria {
@@ -54,43 +55,38 @@ impl Comparison {
     fn counts(&self) -> Table {
         let sides = [&self.old, &self.new];
         let row = |name: &str, cells: [String; 2]| [[name.to_owned()].to_vec(), cells.to_vec()].concat();
-        let number = |value: u64| count(value as usize);
-        let text = |value: &Option<String>| value.clone().unwrap_or_else(|| "–".to_owned());
+        let text = |value: &Option<String>| value.clone().unwrap_or_else(dash);
         let short = |digest: &Option<String>| text(digest).chars().take(12).collect::<String>();
         let new_fmu = if self.as_packed { "as packed".to_owned() } else { short(&self.new.from.fmu_sha256) };
-        Table {
-            name: "Both results".into(),
-            columns: vec![words(""), numbers("Old"), numbers("New")],
-            rows: vec![
-                row("verdict", sides.map(|side| said(side.verdict))),
-                row("points", sides.map(|side| number(side.points))),
-                row("without a result", sides.map(|side| number(side.failed))),
-                row("within all tolerances", sides.map(|side| number(side.verified))),
-                row("accepted", sides.map(|side| side.accepted.map_or_else(|| "–".to_owned(), number))),
-                row("model version", sides.map(|side| text(&side.from.fmu_version))),
-                row("FMU, SHA-256", [short(&self.old.from.fmu_sha256), new_fmu]),
-                row("study, SHA-256", sides.map(|side| short(&Some(side.from.study_sha256.clone())))),
-                row("program", sides.map(|side| side.from.orchestrator.clone())),
-            ],
-            ..Table::default()
-        }
+        let rows = vec![
+            row("verdict", sides.map(|side| said(side.verdict))),
+            row("points", sides.map(|side| grouped(side.points))),
+            row("without a result", sides.map(|side| grouped(side.failed))),
+            row("within all tolerances", sides.map(|side| grouped(side.verified))),
+            row("accepted", sides.map(|side| side.accepted.map_or_else(dash, grouped))),
+            row("model version", sides.map(|side| text(&side.from.fmu_version))),
+            row("FMU, SHA-256", [short(&self.old.from.fmu_sha256), new_fmu]),
+            row("study, SHA-256", sides.map(|side| short(&Some(side.from.study_sha256.clone())))),
+            row("program", sides.map(|side| side.from.orchestrator.clone())),
+        ];
+        Table::new("Both results", [words(""), numbers("Old"), numbers("New")], rows)
     }
 
     fn changes(&self) -> Table {
         let row = |(name, change): (&String, &Change)| {
-            let share = |of: Option<f64>| of.map_or_else(|| "–".to_owned(), |of| number(100.0 * of, 3));
+            let share = |of: Option<f64>| of.map_or_else(dash, |of| number(100.0 * of, 3));
             let largest = change.largest;
             vec![
                 with_unit(name, change.unit.as_deref().unwrap_or_default()),
-                count(change.changed as usize),
-                count(change.beyond as usize),
+                grouped(change.changed),
+                grouped(change.beyond),
                 change.numerical_uncertainty.map_or_else(|| "not stated".to_owned(), |u| number(u, 3)),
                 number(change.mean, 3),
-                largest.map_or_else(|| "–".to_owned(), |largest| number(largest.new - largest.old, 3)),
+                largest.map_or_else(dash, |largest| number(largest.new - largest.old, 3)),
                 share(largest.map(|largest| largest.of_tolerance)),
-                largest.map_or_else(|| "–".to_owned(), |largest| largest.point.to_string()),
-                count(change.flipped.count as usize),
-                count(change.flipped_within.count as usize),
+                largest.map_or_else(dash, |largest| largest.point.to_string()),
+                grouped(change.flipped.count),
+                grouped(change.flipped_within.count),
             ]
         };
         Table {
@@ -118,14 +114,14 @@ impl Comparison {
     }
 }
 
-fn legend() -> Block {
+fn legend() -> [Key; 4] {
     let key = |class, radius, words: &str| Key::new(class, &circle([7.0, 7.0], radius), words);
-    Block::Legend(vec![
+    [
         key("pt in", 3.0, "within the tolerance in both"),
         key("pt out", 3.0, "outside in both"),
         key("pt part", 4.5, "changed sides"),
         Key::new("nominal", "M1,13L13,1", "no change"),
-    ])
+    ]
 }
 
 /// The new values over the old ones, with the tolerances of both; of very many an even part, and all that changed sides.

@@ -41,7 +41,7 @@ const COVERAGE: f64 = 2.0;
 const GROWN: f64 = 1.5;
 
 /// One of the two results.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Default, Serialize)]
 pub struct Side {
     /// The folder.
     pub folder: PathBuf,
@@ -95,7 +95,7 @@ impl FromIterator<u64> for Points {
 }
 
 /// The change of a criterion's values.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Serialize)]
 pub struct Change {
     /// The unit.
     pub unit: Option<String>,
@@ -123,7 +123,7 @@ pub struct Change {
 }
 
 /// The largest change of a criterion's values.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Serialize)]
 pub struct Largest {
     /// The point.
     pub point: u64,
@@ -136,7 +136,7 @@ pub struct Largest {
 }
 
 /// The comparison of two results.
-#[derive(Clone, Debug, Default, Serialize)]
+#[derive(Default, Serialize)]
 pub struct Comparison {
     /// Whether nothing differs: the same verdict, counts that fit, each point has its partner, and none changed sides.
     pub same: bool,

@@ -5,16 +5,16 @@ use std::collections::HashMap;
 use parameter_regions::table::PointTable;
 
 /// The points of two tables.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Pairs {
     /// The rows of points with the same number and the same parameters, in the order of the old table.
-    pub(super) both: Vec<[usize; 2]>,
+    pub both: Vec<[usize; 2]>,
     /// The numbers of points of the old table alone.
-    pub(super) only_old: Vec<u64>,
+    pub only_old: Vec<u64>,
     /// The numbers of points of the new table alone.
-    pub(super) only_new: Vec<u64>,
+    pub only_new: Vec<u64>,
     /// The numbers of points with other parameters.
-    pub(super) other_parameters: Vec<u64>,
+    pub other_parameters: Vec<u64>,
 }
 
 impl Pairs {

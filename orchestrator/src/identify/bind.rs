@@ -11,14 +11,14 @@ use fmu_import::{
     units::Conversion,
 };
 use fmu_points::{
-    task::{Case as Simulation, Probe, Slot},
+    task::{Case as Simulation, Probe, Slot, Task},
     tell,
 };
 use indexmap::IndexMap;
 use number_tables::files::FileError;
 use sampling::statistics::Statistic;
 use study::{
-    Name, Study,
+    Name, Result, Study,
     case_table::CaseTable,
     identification::{Exception, FreeText, Identification, LatentText, MeasuredText},
     inputs::taken_as_exact,
@@ -31,7 +31,7 @@ use study::{
 pub(super) const REACH: f64 = 5.0;
 
 /// An identification in terms of an FMU.
-#[derive(Clone, Debug, Default)]
+#[derive(Debug, Default)]
 pub struct Bound {
     /// The unknown parameters.
     pub problem: Problem,
@@ -56,7 +56,7 @@ pub struct Bound {
 }
 
 /// A measured curve.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct BoundCurve {
     /// Its criterion.
     pub name: String,
@@ -73,8 +73,13 @@ impl Bound {
     ///
     /// # Errors
     /// When a name, a unit, a number or a column does not fit.
-    pub fn new(study: &Study, settings: &Identification, fmu: &Description) -> Result<Self, FileError> {
+    pub fn new(study: &Study, settings: &Identification, fmu: &Description) -> Result<Self> {
         Binder { study, settings, fmu, table: CaseTable::read(study, settings)? }.bind()
+    }
+
+    /// What is simulated in the cases.
+    pub fn tasks(&self) -> impl Iterator<Item = &Task> {
+        self.simulations.iter().map(|simulation| &simulation.task)
     }
 
     /// Lets a variable take a value of each query.
@@ -92,7 +97,7 @@ impl Bound {
         free: Free,
         slot: Slot,
         conversion: Conversion,
-    ) -> Result<(), FileError> {
+    ) -> Result {
         for end in [free.min, free.max] {
             slot.check(conversion.value(end)).map_err(|message| study.error_of(name, message))?;
         }
@@ -121,7 +126,7 @@ pub(super) struct Input<'a> {
 }
 
 impl<'a> Input<'a> {
-    pub(super) fn new(study: &Study, fmu: &'a Description, name: &Name, unit: Option<&str>) -> Result<Self, FileError> {
+    pub(super) fn new(study: &Study, fmu: &'a Description, name: &Name, unit: Option<&str>) -> Result<Self> {
         let variable = find(fmu, name.as_ref()).map_err(|m| study.error_at(name, m))?;
         let input = || {
             let slot = slot_of(variable)?;
@@ -132,12 +137,7 @@ impl<'a> Input<'a> {
     }
 
     /// An unknown parameter of the study.
-    pub(super) fn free(
-        study: &Study,
-        fmu: &'a Description,
-        name: &Name,
-        text: &FreeText,
-    ) -> Result<(Free, Self), FileError> {
+    pub(super) fn free(study: &Study, fmu: &'a Description, name: &Name, text: &FreeText) -> Result<(Free, Self)> {
         let input = Self::new(study, fmu, name, text.unit.as_deref().or(text.min.unit.as_deref()))?;
         let free = free(name.as_ref(), text, &input.scale).map_err(|message| study.error_of(name, message))?;
         Ok((free, input))
@@ -155,7 +155,7 @@ pub(super) fn bare(mut case: Simulation) -> Simulation {
     case
 }
 
-pub(super) fn check_effort(study: &Study, settings: &Identification) -> Result<(), FileError> {
+pub(super) fn check_effort(study: &Study, settings: &Identification) -> Result {
     let numbers = [
         ("starts", settings.starts),
         ("descents", settings.descents as u64),
@@ -179,7 +179,7 @@ struct Binder<'a> {
 }
 
 impl Binder<'_> {
-    fn bind(&self) -> Result<Bound, FileError> {
+    fn bind(&self) -> Result<Bound> {
         let settings = self.settings;
         if !self.study.parameters.is_empty() {
             return Err(self.study.error(
@@ -214,7 +214,7 @@ impl Binder<'_> {
         Ok(bound)
     }
 
-    fn refuse_doubles(&self) -> Result<(), FileError> {
+    fn refuse_doubles(&self) -> Result {
         let known = self.settings.known.keys();
         let free = self.settings.free.keys();
         let latent = self.settings.latent.keys();
@@ -229,11 +229,11 @@ impl Binder<'_> {
         |message| self.study.error_of(name, message)
     }
 
-    fn input(&self, name: &Name, unit: Option<&str>) -> Result<Input<'_>, FileError> {
+    fn input(&self, name: &Name, unit: Option<&str>) -> Result<Input<'_>> {
         Input::new(self.study, self.fmu, name, unit)
     }
 
-    fn bind_known(&self, bound: &mut Bound) -> Result<(), FileError> {
+    fn bind_known(&self, bound: &mut Bound) -> Result {
         for (name, known) in &self.settings.known {
             let input = self.input(name, known.unit.as_deref())?;
             let values = self.table.column(&known.column);
@@ -246,7 +246,7 @@ impl Binder<'_> {
         Ok(())
     }
 
-    fn bind_free(&self, bound: &mut Bound) -> Result<(), FileError> {
+    fn bind_free(&self, bound: &mut Bound) -> Result {
         for (name, text) in &self.settings.free {
             let (free, input) = Input::free(self.study, self.fmu, name, text)?;
             bound.add_free(self.study, name, free, input.slot, input.scale.conversion)?;
@@ -254,7 +254,7 @@ impl Binder<'_> {
         Ok(())
     }
 
-    fn bind_latent(&self, bound: &mut Bound) -> Result<(), FileError> {
+    fn bind_latent(&self, bound: &mut Bound) -> Result {
         for (name, text) in &self.settings.latent {
             let input = self.input(name, text.unit.as_deref())?;
             for exception in &text.except {
@@ -282,7 +282,7 @@ impl Binder<'_> {
         Ok(())
     }
 
-    fn bind_measured(&self, bound: &mut Bound) -> Result<(), FileError> {
+    fn bind_measured(&self, bound: &mut Bound) -> Result {
         for (name, text) in &self.settings.measured {
             let (probe, scale) = self.probe(text)?;
             let sense = sense(text.statistic);
@@ -303,13 +303,7 @@ impl Binder<'_> {
     }
 
     /// The errors that the values of the last quantity share over all cases.
-    fn bind_shared(
-        &self,
-        bound: &mut Bound,
-        name: &Name,
-        text: &MeasuredText,
-        scale: &Scale<'_>,
-    ) -> Result<(), FileError> {
+    fn bind_shared(&self, bound: &mut Bound, name: &Name, text: &MeasuredText, scale: &Scale) -> Result {
         let problem = &mut bound.problem;
         let quantity = problem.quantities.len() - 1;
         let errors = [
@@ -352,7 +346,7 @@ impl Binder<'_> {
         Ok(())
     }
 
-    fn probe(&self, text: &MeasuredText) -> Result<(Probe, Scale<'_>), FileError> {
+    fn probe(&self, text: &MeasuredText) -> Result<(Probe, Scale<'_>)> {
         let at = |message| self.study.error_at::<String>(&text.variable, message);
         let variable = find(self.fmu, text.variable.as_ref()).map_err(at)?;
         let probe = Probe::of(variable, text.statistic)
@@ -372,7 +366,7 @@ impl Binder<'_> {
         &self,
         column: Option<&str>,
         value: Option<&Text>,
-        (scale, sense): (&Scale<'_>, Sense),
+        (scale, sense): (&Scale, Sense),
     ) -> Result<Vec<f64>, String> {
         match (column, value) {
             (Some(column), None) => Ok(self.table.column(column)),
@@ -386,7 +380,7 @@ impl Binder<'_> {
 ///
 /// # Errors
 /// When its numbers or their units do not fit.
-fn free(name: &str, text: &FreeText, scale: &Scale<'_>) -> Result<Free, String> {
+fn free(name: &str, text: &FreeText, scale: &Scale) -> Result<Free, String> {
     let number = |quantity: &Text, sense| scale.number(quantity, sense);
     let prior = match (text.scale, &text.mean, &text.deviation, &text.median, text.factor) {
         (_, None, None, None, None) => None,
@@ -415,12 +409,7 @@ fn free(name: &str, text: &FreeText, scale: &Scale<'_>) -> Result<Free, String> 
     Ok(free)
 }
 
-fn interval(
-    middle: f64,
-    text: &LatentText,
-    exception: Option<&Exception>,
-    scale: &Scale<'_>,
-) -> Result<Interval, String> {
+fn interval(middle: f64, text: &LatentText, exception: Option<&Exception>, scale: &Scale) -> Result<Interval, String> {
     let distance = |side: Option<&Text>| {
         let within = exception.and_then(|e| e.within.as_ref());
         let distance = scale.number(side.or(within).unwrap_or(&text.within), Sense::Difference)?;
@@ -437,7 +426,7 @@ fn interval(
 }
 
 /// The standard deviation of measured values.
-fn deviation(text: &MeasuredText, value: f64, scale: &Scale<'_>) -> Result<f64, String> {
+fn deviation(text: &MeasuredText, value: f64, scale: &Scale) -> Result<f64, String> {
     let number = &text.accuracy;
     let deviation = match number.unit.as_deref() {
         Some("%") => {

@@ -30,7 +30,7 @@ use number_tables::files::FileError;
 use rig_signals::scatter;
 use sampling::distribution::Distribution;
 use study::{
-    CriterionText, EstimateText, Identification, Name, Study,
+    CriterionText, EstimateText, Identification, Name, Result, Study,
     cases::SEPARATOR,
     judge::{Criterion, Judge},
     plan::{self, Plan},
@@ -43,7 +43,7 @@ const LEAST: f64 = 0.05;
 ///
 /// # Errors
 /// When a criterion or a parameter does not say what identification needs, with its place and the remedy.
-pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Result<Bound, FileError> {
+pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Result<Bound> {
     check(study, settings)?;
     let mut fitted = study.fitted();
     if let (Some(first), true) = (study.cases.first(), fitted.cases.is_empty()) {
@@ -199,7 +199,7 @@ impl Lags {
         name: &Name,
         text: &CriterionText,
         bound: &mut Bound,
-    ) -> Result<(Vec<usize>, [f64; 2]), FileError> {
+    ) -> Result<(Vec<usize>, [f64; 2])> {
         let case = text.case.and_then(|case| study.cases.get(case));
         let of_case = case.and_then(|case| Some((&case.name, case.lag.as_ref()?)));
         let own = text.lag.as_ref().map(|lag| (name, lag));
@@ -231,7 +231,7 @@ impl Lags {
 }
 
 /// Refuses other data beside the criteria.
-fn check(study: &Study, settings: &Identification) -> Result<(), FileError> {
+fn check(study: &Study, settings: &Identification) -> Result {
     let advice = "the criteria of the study are the data of identify; remove";
     if let Some(table) = &settings.cases {
         return Err(study.error_at(table, format!("{advice} `cases` from [identify], or the criteria")));
@@ -383,7 +383,7 @@ impl Shared {
     }
 
     /// Adds the offset and the gain of a curve's sensor.
-    fn add(&mut self, recorded: &Recorded<'_>, (sensor, sign): (String, f64)) {
+    fn add(&mut self, recorded: &Recorded, (sensor, sign): (String, f64)) {
         let Some(errors) = &recorded.curve.errors else { return };
         let [of_offset, of_gain] = errors.coverage;
         let first = errors.shared.first().copied().unwrap_or(0.0);
@@ -530,11 +530,10 @@ struct Unknowns<'a> {
 }
 
 impl Unknowns<'_> {
-    fn bind(&self, bound: &mut Bound) -> Result<(), FileError> {
+    fn bind(&self, bound: &mut Bound) -> Result {
         let named = self.study.parameters.keys().zip(&self.plan.inputs).zip(&self.plan.slots);
         for ((name, input), slot) in named.clone() {
-            let is_free = self.settings.free.contains_key(name.as_ref().as_str());
-            if let (Distribution::Fixed { value }, false) = (&input.distribution, is_free) {
+            if let (Distribution::Fixed { value }, false) = (&input.distribution, self.is_free(name)) {
                 bound.known[0].push(input.conversion.value(*value));
                 bound.vary(slot.clone());
             }
@@ -545,8 +544,7 @@ impl Unknowns<'_> {
             self.add(bound, name, free, input.slot, input.scale.conversion)?;
         }
         for ((name, input), slot) in named {
-            let is_free = self.settings.free.contains_key(name.as_ref().as_str());
-            if is_free || !input.distribution.varies() {
+            if self.is_free(name) || !input.distribution.varies() {
                 continue;
             }
             if !self.settings.free.is_empty() {
@@ -568,15 +566,13 @@ impl Unknowns<'_> {
         }
     }
 
+    /// Whether a name stands under `[identify.free]`.
+    fn is_free(&self, name: &Name) -> bool {
+        self.settings.free.contains_key(name.as_ref().as_str())
+    }
+
     /// Adds an unknown, or one for each case.
-    fn add(
-        &self,
-        bound: &mut Bound,
-        name: &Name,
-        free: Free,
-        slot: Slot,
-        conversion: Conversion,
-    ) -> Result<(), FileError> {
+    fn add(&self, bound: &mut Bound, name: &Name, free: Free, slot: Slot, conversion: Conversion) -> Result {
         let text = self.study.parameters.get(name.as_ref().as_str());
         let Some(varies) = text.and_then(|text| text.varies.as_ref()) else {
             return bound.add_free(self.study, name, free, slot, conversion);
@@ -606,12 +602,10 @@ impl Unknowns<'_> {
     }
 
     /// A parameter may be free too: then it is sought between other bounds than it is drawn from.
-    fn refuse_doubles(&self) -> Result<(), FileError> {
-        let free = || self.settings.free.keys();
-        let is_free = |name: &Name| self.settings.free.contains_key(name.as_ref().as_str());
+    fn refuse_doubles(&self) -> Result {
         for (_, study) in self.study.by_case() {
-            let others = study.set().filter(|(name, section)| *section != "[parameters]" || !is_free(name));
-            let names = free().map(|name| (name, "[identify.free]"));
+            let others = study.set().filter(|(name, section)| *section != "[parameters]" || !self.is_free(name));
+            let names = self.settings.free.keys().map(|name| (name, "[identify.free]"));
             self.study.once(self.fmu, others.chain(names))?;
         }
         Ok(())

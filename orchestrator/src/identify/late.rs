@@ -5,7 +5,7 @@ use std::sync::Arc;
 use fmu_points::task::{MeasuredCurve, Probe, Schedule};
 
 /// How the model's readings of a simulation become a predicted value.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub enum Reading {
     /// The reading of this number.
     Value(usize),
@@ -14,7 +14,7 @@ pub enum Reading {
 }
 
 /// A value of a late curve.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Late {
     /// The number of the first reading.
     first: usize,

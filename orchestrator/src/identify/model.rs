@@ -13,6 +13,7 @@ use point_journal::{
     Outcome,
     pipeline::{Model, Pipeline},
 };
+use sampling::statistics::moments::sorted;
 
 impl Model for Bound {
     fn values(&self, point: &[f64]) -> Vec<f64> {
@@ -50,8 +51,7 @@ impl<'a, 'b> FmuModel<'a, 'b> {
 
     /// The communication steps of its simulations, s: each size once.
     pub fn steps(&self) -> Vec<f64> {
-        let mut steps: Vec<f64> = self.bound.simulations.iter().map(|case| case.task.schedule.step).collect();
-        steps.sort_by(f64::total_cmp);
+        let mut steps = sorted(self.bound.tasks().map(|task| task.schedule.step).collect());
         steps.dedup();
         steps
     }

@@ -8,14 +8,13 @@ use indexmap::IndexSet;
 use super::bind::{Bound, REACH};
 use calibration::problem::{Free, Prior, Spacing};
 use fmu_points::task::Series;
-use number_tables::files::FileError;
-use study::{Study, plan::Plan};
+use study::{Result, Study, plan::Plan};
 
 /// Adds the errors of the recorded inputs of a study's cases to its unknowns, and says which inputs count as exact.
 ///
 /// # Errors
 /// When the FMU does not allow one.
-pub(super) fn add(study: &Study, plan: &Plan, bound: &mut Bound) -> Result<(), FileError> {
+pub(super) fn add(study: &Study, plan: &Plan, bound: &mut Bound) -> Result {
     let (noisy, unknown): (Vec<_>, Vec<_>) = plan.input_errors.iter().partition(|error| error.is_noise());
     let noisy: BTreeSet<&str> = noisy.iter().map(|error| error.name.as_str()).collect();
     if !noisy.is_empty() {
@@ -54,14 +53,16 @@ pub(super) fn add(study: &Study, plan: &Plan, bound: &mut Bound) -> Result<(), F
 
 /// What a misfit may come from where recorded inputs are held for whole steps.
 pub fn held(bound: &Bound) -> Option<String> {
-    let tasks = || bound.simulations.iter().map(|simulation| &simulation.task);
     let is_held = |series: &&Series| {
         let moves = series.values.iter().any(|value| *value != series.values[0]);
         moves && !series.hold && !series.ramp
     };
-    let names: IndexSet<&str> =
-        tasks().flat_map(|task| task.inputs.iter().filter(is_held)).map(|series| series.slot.name.as_str()).collect();
-    let step = tasks().map(|task| task.schedule.step).reduce(f64::max)?;
+    let names: IndexSet<&str> = bound
+        .tasks()
+        .flat_map(|task| task.inputs.iter().filter(is_held))
+        .map(|series| series.slot.name.as_str())
+        .collect();
+    let step = bound.tasks().map(|task| task.schedule.step).reduce(f64::max)?;
     (!names.is_empty()).then(|| {
         format!(
             "{} is held for each step of {step} s, so the model sees it half a step late on average, and an output that follows it \

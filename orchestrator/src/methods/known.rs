@@ -14,18 +14,18 @@ use serde::{Deserialize, de::DeserializeOwned};
 use study::Study;
 
 /// The folder of the finished study that the user names, the one for the results where a study is in it, or the usual one.
-pub(super) fn from(named: Option<&Path>, output: Option<&Path>, study: &Path) -> PathBuf {
+pub fn from(named: Option<&Path>, output: Option<&Path>, study: &Path) -> PathBuf {
     let output = output.filter(|folder| folder.join("summary.json").exists());
     named.or(output).map_or_else(|| folder_of(study), Path::to_owned)
 }
 
 /// A path that means the same in every folder.
-pub(super) fn absolute(path: &Path) -> PathBuf {
+pub fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
 /// The points of a finished study, for an analysis of `study`.
-pub(super) fn points_of(folder: &Path, study: &Study) -> Result<(Summary, PointTable)> {
+pub fn points_of(folder: &Path, study: &Study) -> Result<(Summary, PointTable)> {
     let (summary, table) = table::read(folder)?;
     if study.digest() != summary.provenance.study_sha256 {
         return Err(Error::option(
@@ -50,7 +50,7 @@ pub(super) fn points_of(folder: &Path, study: &Study) -> Result<(Summary, PointT
 }
 
 /// The rows of a finished study's points that are a sample of the space; those that `--budget` chose near limits are not.
-pub(super) fn sample_of(folder: &Path, summary: &Summary, rows: usize) -> Result<Vec<usize>> {
+pub fn sample_of(folder: &Path, summary: &Summary, rows: usize) -> Result<Vec<usize>> {
     if summary.surrogate.is_none() {
         return Ok((0..rows).collect());
     }
@@ -65,7 +65,7 @@ pub(super) fn sample_of(folder: &Path, summary: &Summary, rows: usize) -> Result
 }
 
 /// A digest that identifies the points of a finished study.
-pub(super) fn digest_of(folder: &Path) -> Result<String> {
+pub fn digest_of(folder: &Path) -> Result<String> {
     let path = folder.join("points.csv");
     files::digest(&path).map_err(|error| match error.kind() {
         std::io::ErrorKind::NotFound => Error::Missing(folder.to_owned()),
@@ -80,7 +80,7 @@ struct Head {
 }
 
 /// The folder of a finished study.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Finished<'a> {
     /// The folder.
     pub folder: &'a Path,
@@ -111,7 +111,7 @@ impl Finished<'_> {
     }
 
     /// The result of an analysis that the folder holds, if it belongs to the study that the folder holds.
-    pub(super) fn result<T: DeserializeOwned>(&self, file: &str) -> Option<T> {
+    pub fn result<T: DeserializeOwned>(&self, file: &str) -> Option<T> {
         let text = std::fs::read_to_string(self.folder.join(file)).ok()?;
         let head: Head = serde_json::from_str(&text).ok()?;
         head.origin.fits(self.summary).then(|| serde_json::from_str(&text).ok()).flatten()

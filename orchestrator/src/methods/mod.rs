@@ -8,7 +8,7 @@ pub(crate) mod setup;
 
 use clap::Subcommand;
 
-use crate::error::Error;
+use crate::error::Result;
 use asking::Delivery;
 use known::Finished;
 use result_document::Document;
@@ -28,7 +28,7 @@ macro_rules! methods {
             ///
             /// # Errors
             /// With one clear line, for a mistake in what was asked for.
-            pub(crate) fn run(self) -> Result<Delivery, Error> {
+            pub(crate) fn run(self) -> Result<Delivery> {
                 match self {
                     $(Self::$name(options) => $module::run(&options),)*
                 }
@@ -36,7 +36,7 @@ macro_rules! methods {
         }
 
         /// The methods' results in a study's folder, as its page shows them.
-        pub(crate) fn shown(study: &Finished<'_>) -> Vec<Document> {
+        pub(crate) fn shown(study: &Finished) -> Vec<Document> {
             [rare::shown(study), $($module::shown(study)),*].into_iter().flatten().collect()
         }
     };

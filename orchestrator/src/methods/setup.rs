@@ -87,12 +87,7 @@ impl Place<'_> {
     ///
     /// # Errors
     /// When the folder holds something else, and when the system says no.
-    pub fn take(
-        &self,
-        source: SourceParts<'_>,
-        header: &Header,
-        prepare: impl FnOnce() -> Result,
-    ) -> Result<RunFolder> {
+    pub fn take(&self, source: SourceParts, header: &Header, prepare: impl FnOnce() -> Result) -> Result<RunFolder> {
         let SourceParts { request, study, .. } = source;
         request.check(self.output, self.analysis, Some(study), self.earlier)?;
         if self.analysis.is_none() {
@@ -110,7 +105,7 @@ impl Place<'_> {
 }
 
 /// The processes of a run, and how many points they compute at a time.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub struct Work<'a> {
     /// The processes and their limits.
     pub means: &'a Means,
@@ -129,8 +124,8 @@ pub fn run<S: Source, T>(
     source: &mut S,
     header: &Header,
     folder: RunFolder,
-    work: Work<'_>,
-    ask: impl FnOnce(&S, &mut Pipeline<'_>) -> Result<T>,
+    work: Work,
+    ask: impl FnOnce(&S, &mut Pipeline) -> Result<T>,
 ) -> Result<(T, Kept)> {
     let place = folder.journal.folder().to_owned();
     let RunFolder { journal, finished, kept } = folder;

@@ -6,13 +6,13 @@ use result_document::format::escape;
 /// A file that is listed.
 pub struct Related {
     /// Its media type.
-    pub(super) kind: String,
+    pub kind: String,
     /// Its path from the manifest's folder.
-    pub(super) source: String,
+    pub source: String,
     /// Its role.
-    pub(super) role: String,
+    pub role: String,
     /// What it is.
-    pub(super) description: String,
+    pub description: String,
 }
 
 impl Related {

@@ -6,12 +6,13 @@ use crate::results::{
     summary::{CaseCount, Count, CriterionCount},
 };
 use conformity::{
+    conclusion::grouped,
     measured::{Limits, Measured},
     risk::Risk,
 };
 use result_document::{
     Block, Column, Table,
-    format::{count, number, percent},
+    format::{dash, number, percent},
     numbers, words,
 };
 use study::cases::SEPARATOR;
@@ -22,10 +23,6 @@ fn heading(title: &str) -> Block {
 
 fn range([low, high]: [f64; 2]) -> String {
     format!("{} .. {}", percent(low), percent(high))
-}
-
-fn dash() -> String {
-    "–".to_owned()
 }
 
 /// A share and its interval; where no point has one, the column is left out.
@@ -155,9 +152,9 @@ pub fn cases(summary: &Summary) -> Vec<Block> {
         };
         let mut cells = vec![format!("{name}{held_out}")];
         cells.extend(criteria.iter().map(criterion));
-        cells.push(count(case.count.passed as usize));
+        cells.push(grouped(case.count.passed));
         cells.extend(share(&case.count, intervals));
-        cells.push(count(case.failed as usize));
+        cells.push(grouped(case.failed));
         cells
     };
     let mut columns = vec![words("Case")];

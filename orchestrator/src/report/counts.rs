@@ -5,7 +5,8 @@ use crate::results::{Summary, summary::Count};
 use conformity::conclusion::grouped;
 use curves::{Kind, Metric};
 use parameter_regions::table::{CriterionColumn, PointTable};
-use result_document::format::number;
+use result_document::format::{dash, number};
+use sampling::statistics::moments::sorted;
 use serde::Serialize;
 
 #[derive(Default, Serialize)]
@@ -68,7 +69,7 @@ pub fn count_rows(table: &PointTable, summary: &Summary, judgement: &Judgement) 
                 None if v.criterion.nominal_from.is_some() => "none yet".to_owned(),
                 None => {
                     let value = v.criterion.measured().value;
-                    value.map_or_else(|| "–".to_owned(), |value| quantity(value, &c.unit))
+                    value.map_or_else(dash, |value| quantity(value, &c.unit))
                 }
             },
             accepted: match v.criterion.metric.map(Metric::kind) {
@@ -81,7 +82,7 @@ pub fn count_rows(table: &PointTable, summary: &Summary, judgement: &Judgement) 
                 .map(|[low, high]| if low <= high { interval([low, high], &c.unit) } else { "nothing".to_owned() }),
             binds: grouped(v.binds),
             only: grouped(v.only_failure),
-            miss: median_miss(c).map_or_else(|| "–".into(), |m| format!("{} ×", number(m, 3))),
+            miss: median_miss(c).map_or_else(dash, |m| format!("{} ×", number(m, 3))),
             ..row(&c.name, "criterion", v.count)
         }
     };
@@ -125,7 +126,7 @@ fn interval([low, high]: [f64; 2], unit: &str) -> String {
 
 /// The median deviation of the points that fail a criterion, in units of its tolerance.
 fn median_miss(criterion: &CriterionColumn) -> Option<f64> {
-    let mut misses: Vec<f64> = criterion
+    let misses = criterion
         .values
         .iter()
         .zip(&criterion.ok)
@@ -133,6 +134,6 @@ fn median_miss(criterion: &CriterionColumn) -> Option<f64> {
         .map(|(value, _)| criterion.deviation(*value))
         .filter(|miss| !miss.is_nan())
         .collect();
-    misses.sort_by(f64::total_cmp);
+    let misses = sorted(misses);
     misses.get(misses.len() / 2).copied()
 }

@@ -6,15 +6,15 @@ use parameter_regions::table::PointTable;
 use result_document::{
     bins::{axis_range, bins_for, histogram},
     format::{count, number, with_unit},
-    svg::{Axis, Frame, area, circle, envelope, path, text, ticks},
+    svg::{Axis, Frame, area, circle, path, text, ticks},
 };
 use std::fmt::Write as _;
 
 /// `points` of one column against another, with the accepted box; of very many an even part.
 pub fn plane(
     table: &PointTable,
-    x: &PlotColumn<'_>,
-    y: &PlotColumn<'_>,
+    x: &PlotColumn,
+    y: &PlotColumn,
     points: &[usize],
     [total, accepted]: [usize; 2],
 ) -> String {
@@ -42,12 +42,12 @@ const MOST_MARKS: usize = 5000;
 /// Where the plot begins below its line of words.
 const CAPTION: f64 = 30.0;
 
-fn within(c: &PlotColumn<'_>, i: usize) -> bool {
+fn within(c: &PlotColumn, i: usize) -> bool {
     c.values[i] >= c.accepted[0] && c.values[i] <= c.accepted[1]
 }
 
 /// The accepted box and the measured value; under a guard band the box of the tolerances around it.
-fn acceptance(frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>) -> String {
+fn acceptance(frame: &Frame, x: &PlotColumn, y: &PlotColumn) -> String {
     let mut out = String::new();
     if !x.is_criterion && !y.is_criterion {
         return out;
@@ -71,7 +71,7 @@ fn acceptance(frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>) -> String {
     out
 }
 
-fn marks(table: &PointTable, frame: &Frame, x: &PlotColumn<'_>, y: &PlotColumn<'_>, points: &[usize]) -> String {
+fn marks(table: &PointTable, frame: &Frame, x: &PlotColumn, y: &PlotColumn, points: &[usize]) -> String {
     let r = mark_radius(points.len());
     let mut paths = [const { String::new() }; 3];
     for &i in points {
@@ -106,7 +106,7 @@ fn mark_radius(points: usize) -> f64 {
 
 /// The distribution of a column: all points, and the accepted ones, which the table has as verified, each with its own
 /// scale so that the shapes compare.
-pub fn distribution(table: &PointTable, c: &PlotColumn<'_>, [total, accepted]: [usize; 2]) -> String {
+pub fn distribution(table: &PointTable, c: &PlotColumn, [total, accepted]: [usize; 2]) -> String {
     let verified: Vec<f64> = (0..table.len()).filter(|&i| table.verified[i]).map(|i| c.values[i]).collect();
     let bins = bins_for(table.len());
     let frame =
@@ -190,7 +190,7 @@ fn bars(counts: &[usize], frame: &Frame, range: [f64; 2], filled: bool) -> Strin
 }
 
 /// A quantity over time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Series {
     /// The variable's name.
     pub name: String,
@@ -247,7 +247,7 @@ pub fn history(series: &Series) -> Option<String> {
         out.push_str(&measured.draw(&frame));
     }
     let class = if series.last_periods().is_some() { "line fast" } else { "line" };
-    out += &path(class, envelope(series.time.iter().zip(&series.values), &frame));
+    out += &frame.line(class, &series.time, &series.values);
     Some(frame.wrap(&format!("{} over time", series.name), &out))
 }
 

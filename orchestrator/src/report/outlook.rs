@@ -2,7 +2,11 @@
 
 use crate::results::Summary;
 use conformity::validation::Comparison;
-use result_document::{Document, Table, format::number, numbers, words};
+use result_document::{
+    Document, Table,
+    format::{dash, number},
+    numbers, words,
+};
 
 /// The model's own error, where the study tells it.
 pub fn comparison(summary: &Summary) -> Option<Document> {
@@ -62,7 +66,7 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
 }
 
 /// Effective degrees of freedom; with so many the distribution is normal.
-pub(super) fn of_freedom(freedom: f64) -> String {
+pub fn of_freedom(freedom: f64) -> String {
     const MANY: f64 = 1000.0;
     if freedom > MANY { "over 1,000".to_owned() } else { number(freedom, 2) }
 }
@@ -82,7 +86,7 @@ fn compared(comparison: &Comparison) -> [String; 9] {
             None => number(comparison.coverage, 3),
         },
         format!("{least}{low} .. {high}"),
-        comparison.e_n.map_or_else(|| "–".to_owned(), |e_n| number(e_n, 2)),
+        comparison.e_n.map_or_else(dash, |e_n| number(e_n, 2)),
         comparison.dominant.clone(),
     ]
 }

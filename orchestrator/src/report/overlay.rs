@@ -3,11 +3,11 @@
 use curves::Curve;
 use result_document::{
     bins::axis_range,
-    svg::{Frame, envelope, path},
+    svg::{Frame, path},
 };
 
 /// A measured curve on the model's time, in the criterion's unit.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Measured {
     /// Times, s, ascending.
     pub time: Vec<f64>,
@@ -28,27 +28,26 @@ impl Measured {
     }
 
     /// All values that a picture must have room for.
-    pub(super) fn extremes(&self) -> Vec<f64> {
+    pub fn extremes(&self) -> Vec<f64> {
         self.values.iter().copied().chain(self.edges().into_iter().flatten().flatten()).collect()
     }
 
     /// The band, the curve, and its first and last time, between which the model is judged.
-    pub(super) fn draw(&self, frame: &Frame) -> String {
+    pub fn draw(&self, frame: &Frame) -> String {
         let mut out = String::new();
         if let Some([low, high]) = self.edges() {
-            let back = self.time.iter().zip(&high).rev();
-            out += &path("band", envelope(self.time.iter().zip(&low).chain(back), frame) + "z");
+            out += &frame.band(&self.time, [&low, &high]);
         }
         for time in [self.time.first(), self.time.last()].into_iter().flatten() {
             let (x, y) = (frame.x.at(*time), frame.y);
             out += &path("judged", format_args!("M{x:.1},{:.1}V{:.1}", y.from, y.to));
         }
-        out += &path("line measured", envelope(self.time.iter().zip(&self.values), frame));
+        out += &frame.line("line measured", &self.time, &self.values);
         out
     }
 
     /// The model's deviations from the measurement over the time of the run, with the band around zero.
-    pub(super) fn residuals(&self, name: &str, unit: &str, time: &[f64], model: &[f64]) -> Option<String> {
+    pub fn residuals(&self, name: &str, unit: &str, time: &[f64], model: &[f64]) -> Option<String> {
         let curve = Curve::new(time.to_vec(), model.to_vec()).ok()?;
         let [start, end] = curve.span();
         let deviations: Vec<f64> = self
@@ -68,7 +67,7 @@ impl Measured {
         let frame = Frame::new(560.0, 150.0, [start, end], y);
         let mut out = frame.axes("time (s)", Some(unit));
         out.push_str(&around.draw(&frame));
-        out += &path("line", envelope(self.time.iter().zip(&deviations), &frame));
+        out += &frame.line("line", &self.time, &deviations);
         Some(frame.wrap(&format!("{name}: model less measurement over time"), &out))
     }
 }

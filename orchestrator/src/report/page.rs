@@ -210,7 +210,7 @@ fn script_safe(json: &str) -> String {
     safe
 }
 
-fn distributions(table: &PointTable, columns: &[PlotColumn<'_>], first: usize, counts: [usize; 2]) -> Vec<Value> {
+fn distributions(table: &PointTable, columns: &[PlotColumn], first: usize, counts: [usize; 2]) -> Vec<Value> {
     let row = |name: &str, values: Vec<f64>| {
         let finite: Vec<f64> = values.into_iter().filter(|v| v.is_finite()).collect();
         let deviation = match finite.len() {
@@ -219,7 +219,7 @@ fn distributions(table: &PointTable, columns: &[PlotColumn<'_>], first: usize, c
         };
         vec![name.to_owned(), number(mean(&finite), 4), number(deviation, 3)]
     };
-    let accepted = |c: &PlotColumn<'_>| {
+    let accepted = |c: &PlotColumn| {
         let accepted = c.values.iter().zip(&table.verified);
         accepted.filter(|(_, ok)| **ok).map(|(v, _)| *v).collect()
     };

@@ -161,7 +161,7 @@ fn even(n: usize, most: usize) -> Even {
 /// point, where it is known; `study` is what can be changed. What is many goes into `bytes`.
 pub fn payload(
     table: &PointTable,
-    columns: &[PlotColumn<'_>],
+    columns: &[PlotColumn],
     points: &[usize],
     [total, accepted]: [usize; 2],
     conformance: Option<&[f64]>,

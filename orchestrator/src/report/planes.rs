@@ -11,15 +11,15 @@ pub const PLANES: usize = 4;
 /// A plane of two columns.
 #[derive(Serialize)]
 pub struct Plane {
-    pub(super) x: usize,
-    pub(super) y: usize,
-    pub(super) title: String,
-    pub(super) svg: String,
+    pub x: usize,
+    pub y: usize,
+    pub title: String,
+    pub svg: String,
 }
 
 /// The planes to start with: neighbouring criteria of every group, then the criteria left over in
 /// pairs, and at the end the parameter and criterion that go together most.
-pub fn planes(table: &PointTable, columns: &[PlotColumn<'_>], points: &[usize], counts: [usize; 2]) -> Vec<Plane> {
+pub fn planes(table: &PointTable, columns: &[PlotColumn], points: &[usize], counts: [usize; 2]) -> Vec<Plane> {
     let first = table.parameters.len();
     let mut pairs: Vec<(usize, usize, String)> = Vec::new();
     let mut left_over = Vec::new();

@@ -4,11 +4,11 @@
 use crate::{error::Result, plain::Page};
 use point_journal::files::{make_folder, write_text};
 use result_document::{
-    Block, Document, Figure, Key, Table,
+    Document, Figure, Key, Table,
     bins::axis_range,
-    format::number,
+    format::{dash, number},
     numbers,
-    svg::{Frame, area, envelope, path},
+    svg::{Frame, area, path},
 };
 use rig_signals::{Channel, DerivedCriterion, RigRecording, Synchronised};
 use sampling::statistics::moments::mean;
@@ -51,48 +51,41 @@ pub fn write(recording: &RigRecording, result: &Synchronised, title: &str, folde
             number(friction.expanded(), 2),
             bearing.smoothing
         ));
-        signals.blocks.push(Block::Legend(vec![
+        signals.legend([
             Key::new("line raw", "M0,9l3,-5l3,6l3,-6l5,4", "recorded"),
             Key::new("line before", "M0,7h14", "smoothed, before the shift"),
             Key::new("line", "M0,7h14", "smoothed, aligned; the last second of the window"),
-        ]));
+        ]);
     }
-    measured.table(Table {
-        name: "Measured values".into(),
-        columns: [
-            "Criterion",
-            "Value",
-            "Expanded (k = 2)",
-            "Scatter",
-            "Sensor",
-            "Noise of a row",
-            "Change over the window",
-            "Stationarity",
-        ]
-        .map(numbers)
-        .into(),
-        rows: result.findings.iter().map(row).collect(),
-        ..Table::default()
-    });
+    let columns = [
+        "Criterion",
+        "Value",
+        "Expanded (k = 2)",
+        "Scatter",
+        "Sensor",
+        "Noise of a row",
+        "Change over the window",
+        "Stationarity",
+    ];
+    let rows = result.findings.iter().map(row).collect();
+    measured.table(Table::new("Measured values", columns.map(numbers), rows));
     measured.hint(
         "Means over whole turns; uncertainties after the GUM, where a sensor's accuracy is the half-width of a rectangular distribution. \
          `criteria.toml` has the lines for a study.",
     );
     measured.warn(&result.warnings);
-    measured.blocks.push(Block::List(result.accounts.iter().map(ToString::to_string).collect()));
-    signals.blocks.push(Block::Figures(
-        "planes".into(),
-        match bearing {
-            Some(_) => figures(result),
-            None => recording.others.iter().filter_map(recorded).collect(),
-        },
-    ));
+    measured.list(result.accounts.iter().map(ToString::to_string).collect());
+    let plots = match bearing {
+        Some(_) => figures(result),
+        None => recording.others.iter().filter_map(recorded).collect(),
+    };
+    signals.show("planes", plots);
     let mut steady = Document::new(
         "steady",
         "Stationarity",
         format!("Was it steady? Tested with {} % confidence", number(100.0 * recording.confidence, 4)),
     );
-    steady.blocks.push(Block::Figures("planes".into(), result.findings.iter().filter_map(wander).collect()));
+    steady.show("planes", result.findings.iter().filter_map(wander));
     let documents = [measured, signals, steady];
     let plots = folder.join("plots");
     make_folder(&plots)?;
@@ -132,8 +125,8 @@ fn row(finding: &DerivedCriterion) -> Vec<String> {
         format!("± {} {unit}", number(m.expanded(), 2)),
         number(m.scatter, 2),
         number(m.sensor, 2),
-        finding.noise.as_ref().map_or("–".into(), |noise| number(noise.stated(), 2)),
-        finding.stationarity.as_ref().map_or("–".into(), change),
+        finding.noise.as_ref().map_or_else(dash, |noise| number(noise.stated(), 2)),
+        finding.stationarity.as_ref().map_or_else(dash, change),
         steady,
     ]
 }
@@ -224,7 +217,7 @@ fn wander(finding: &DerivedCriterion) -> Option<Figure> {
 
 const TIME: &str = "time (s)";
 
-fn of_time(name: &str, file: &str, unit: &str, traces: &[Trace<'_>]) -> Option<Figure> {
+fn of_time(name: &str, file: &str, unit: &str, traces: &[Trace]) -> Option<Figure> {
     figure(name, file, [TIME, unit], traces, |_| String::new())
 }
 
@@ -233,7 +226,7 @@ fn figure(
     caption: &str,
     file: &str,
     [across, up]: [&str; 2],
-    traces: &[Trace<'_>],
+    traces: &[Trace],
     marks: impl Fn(&Frame) -> String,
 ) -> Option<Figure> {
     let all = traces.iter().flat_map(|t| t.values).copied();
@@ -247,7 +240,7 @@ fn figure(
     let mut out = frame.axes(across, Some(up));
     out.push_str(&marks(&frame));
     for trace in traces {
-        out += &path(trace.class, envelope(trace.time.iter().zip(trace.values), &frame));
+        out += &frame.line(trace.class, trace.time, trace.values);
     }
     let is_plain = |c: char| c.is_alphanumeric() || c == '_';
     Some(Figure {

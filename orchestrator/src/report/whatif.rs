@@ -78,7 +78,7 @@ struct Uncertain {
 impl WhatIf {
     /// The study of a summary; `study` is its text, as far as it could be read, `shown` the number of points in the page's
     /// table. None where the rule is not known, or the table is no fair choice of the points.
-    pub(super) fn new(summary: &Summary, study: Option<&Study>, shown: usize) -> Option<Self> {
+    pub fn new(summary: &Summary, study: Option<&Study>, shown: usize) -> Option<Self> {
         if summary.points > shown as u64 {
             return None;
         }
@@ -127,7 +127,7 @@ impl WhatIf {
 
     /// The points that the page holds are a choice, in no order of the design: of nets nothing tells any more which belong
     /// together.
-    pub(super) fn of_some(mut self) -> Self {
+    pub fn of_some(mut self) -> Self {
         self.grid |= self.samples > 1;
         self.samples = 1;
         self

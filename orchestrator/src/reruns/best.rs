@@ -12,7 +12,7 @@ use point_journal::files::write_atomically;
 const MOST_NUMBERS: u64 = 1_000_000;
 
 /// Writes the trajectory, a file a case; says what is left out. A failure here takes nothing away from the verdict.
-pub fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Vec<String> {
+pub fn write(reruns: &Reruns, folder: &Path, summary: &Summary) -> Vec<String> {
     let plan = reruns.plan();
     // An earlier run may have left files, which are of another point or of another case.
     [history::file(None), history::file(Some(0))]
@@ -69,7 +69,7 @@ pub fn write(reruns: &Reruns<'_>, folder: &Path, summary: &Summary) -> Vec<Strin
 
 /// Writes the trajectory of one case; where only some communication points are kept, one of how many.
 fn write_case(
-    reruns: &Reruns<'_>,
+    reruns: &Reruns,
     case: usize,
     task: &Task,
     values: &[f64],

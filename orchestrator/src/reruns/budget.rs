@@ -9,7 +9,6 @@ use std::{
 const LEAST: Duration = Duration::from_secs(2);
 
 /// Time that may be spent, all in all.
-#[derive(Clone, Copy, Debug)]
 pub struct Budget {
     until: Duration,
     clock: fn() -> Duration,

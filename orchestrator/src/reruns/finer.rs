@@ -8,7 +8,7 @@ const FEWEST: u64 = 2500;
 
 /// The study's own communication points where they are enough for a plot, else closer ones: what happens
 /// between them is to be seen.
-pub(super) fn for_a_plot(schedule: Schedule) -> Schedule {
+pub fn for_a_plot(schedule: Schedule) -> Schedule {
     const ENOUGH: u64 = 1000;
     const PLENTY: f64 = 10_000.0;
     if schedule.steps() >= ENOUGH {

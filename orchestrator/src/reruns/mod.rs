@@ -32,7 +32,7 @@ use point_journal::files::write_json;
 use study::plan::Plan;
 
 /// The runs that are to be made once more.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Wish {
     /// So many points at the most.
     pub most: usize,
@@ -218,7 +218,7 @@ impl<'a> Reruns<'a> {
         values: &[f64],
         signals: &Signals,
         budget: Option<&Budget>,
-        row: Row<'_>,
+        row: Row,
     ) -> Result<(), Halt> {
         let left = budget.map_or(Duration::MAX, Budget::left);
         let until = Instant::now().checked_add(left.min(self.wish.limits.time));

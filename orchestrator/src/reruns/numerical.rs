@@ -23,7 +23,7 @@ const AMONG: u64 = 100;
 const PART: f64 = 1.0 / 3.0;
 
 /// Adds to the summary what the refinement shows; says what is left out.
-pub fn observe(reruns: &Reruns<'_>, summary: &mut Summary) -> Option<String> {
+pub fn observe(reruns: &Reruns, summary: &mut Summary) -> Option<String> {
     let asked = reruns.wish.validation;
     let is_affordable = reruns.wish.dear || summary.points >= AFFORDABLE && reruns.wish.most > 0;
     let is_random = summary.conduct.as_ref().and_then(|c| c.reproducible) == Some(false);
@@ -57,7 +57,7 @@ type Doubt = (String, Concern);
 /// Runs points with half the communication steps: the best one, as its values decide most, and of a large study some others,
 /// as a single one may happen to be right. The error that this changes by halves with the step, or falls faster, so twice
 /// the change is the error.
-fn with_half_the_step(reruns: &Reruns<'_>, summary: &Summary) -> Result<Vec<Doubt>, Halt> {
+fn with_half_the_step(reruns: &Reruns, summary: &Summary) -> Result<Vec<Doubt>, Halt> {
     let session = &reruns.verification.session;
     let cases = &reruns.plan().cases;
     let finer: Vec<Case> = cases.iter().map(|case| refined_case(case, Refined::Step, 1)).collect();
@@ -121,7 +121,7 @@ fn uncertain(criterion: &Criterion, standard: f64) -> Option<Doubt> {
 }
 
 /// Adds the numerical uncertainties to the comparisons.
-fn validate(reruns: &Reruns<'_>, summary: &mut Summary) -> Vec<Numerical> {
+fn validate(reruns: &Reruns, summary: &mut Summary) -> Vec<Numerical> {
     let all = numerical(reruns);
     // Curves are all among the criteria, but have no comparison.
     for (name, comparison) in &mut summary.validation {
@@ -138,7 +138,7 @@ fn validate(reruns: &Reruns<'_>, summary: &mut Summary) -> Vec<Numerical> {
 }
 
 /// The numerical uncertainty of each criterion: the largest of some points.
-fn numerical(reruns: &Reruns<'_>) -> Vec<Numerical> {
+fn numerical(reruns: &Reruns) -> Vec<Numerical> {
     let verification = reruns.verification;
     let (session, cases) = (&verification.session, &reruns.plan().cases);
     let tolerance = cases.iter().all(|case| case.task.schedule.tolerance.is_some());

@@ -30,7 +30,7 @@ const MOST_NUMBERS: u64 = 1 << 24;
 type Moves = Vec<(usize, Motion)>;
 
 /// Adds to the summary whether the best point's values had settled; says what is left out.
-pub fn observe(reruns: &Reruns<'_>, folder: &Path, summary: &mut Summary) -> Option<String> {
+pub fn observe(reruns: &Reruns, folder: &Path, summary: &mut Summary) -> Option<String> {
     // Where every point failed, that is told already.
     let point = summary.best_point.as_ref()?.point;
     let mut settled = Settled { point, ..Settled::default() };
@@ -77,7 +77,7 @@ struct Again {
 }
 
 /// Runs a point in one case with finer steps: on to a later end where the FMU allows it, else to its own.
-fn again(reruns: &Reruns<'_>, point: u64, case: usize) -> Result<Again, Halt> {
+fn again(reruns: &Reruns, point: u64, case: usize) -> Result<Again, Halt> {
     let failed = |reason: &str| Halt::Failed(reason.to_owned());
     let plan = reruns.plan();
     let values = reruns.values(point).ok_or_else(|| failed("the study has no such point any more"))?;

@@ -24,7 +24,7 @@ use result_document::{Block, Document, format::number};
 use study::concern::{Concern, Severity};
 
 /// What a reader has to know who reads no further.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Answer {
     /// How it is to be taken.
     pub sign: Sign,
@@ -41,7 +41,7 @@ pub struct Answer {
 }
 
 /// How an answer is to be taken.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Sign {
     /// Verified.
@@ -120,7 +120,7 @@ impl Answer {
 }
 
 /// Study and folder as one names them in a command.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Default)]
 pub struct Names {
     /// The study.
     pub study: String,

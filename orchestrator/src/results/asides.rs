@@ -27,7 +27,7 @@ pub struct Asides {
 }
 
 /// Points of which the same was said.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Points {
     /// How many points.
     pub points: u64,
@@ -36,7 +36,7 @@ pub struct Points {
 }
 
 /// Points with warnings.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Warnings {
     /// How many warnings all points had together.
     pub count: u64,
@@ -46,7 +46,7 @@ pub struct Warnings {
 }
 
 /// The first point of which something was said.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct First {
     /// Name, for people.
     pub point: u64,

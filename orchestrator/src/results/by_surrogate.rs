@@ -6,7 +6,7 @@ use result_document::format::number;
 use serde::{Deserialize, Serialize};
 
 /// The answer by a surrogate, or by counting plain points where that does not hold.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct BySurrogate {
     /// All runs of the FMU: points, and those beside them.
     pub runs: u64,
@@ -28,7 +28,7 @@ pub struct BySurrogate {
 }
 
 /// How well a criterion's surrogate predicts points that are left out.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Fit {
     /// The root mean square error, in tolerances.
     pub error: f64,

@@ -12,7 +12,7 @@ const BEST: usize = 1000;
 
 /// An even choice of rows: one of each block of rows, by a chance that is the same every time. Every 20th row, say,
 /// would not do: of a Sobol sequence, such rows fill a part of the space only.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy)]
 pub struct Even {
     block: u64,
 }
@@ -40,7 +40,7 @@ impl Even {
 }
 
 /// The best rows so far that were not chosen otherwise.
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct Best {
     /// By how good they are, the best first: not verified, the bits of the distance, which grow as it does, the number.
     rows: BTreeMap<(bool, u64, u64), csv::StringRecord>,

@@ -25,7 +25,7 @@ pub struct Looked {
 }
 
 /// The verdicts of another study.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Serialize, Deserialize)]
 struct Other {
     study: Header,
     #[serde(flatten)]

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use super::Summary;
 
 /// Which study, FMU and points a result came from.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Serialize, Deserialize)]
 pub struct Origin {
     /// The SHA-256 digest of the study.
     pub study_sha256: String,
@@ -16,7 +16,7 @@ pub struct Origin {
 }
 
 /// The points of a finished study.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, PartialEq, Serialize, Deserialize)]
 pub struct SampledPoints {
     method: String,
     seed: Option<u64>,

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 pub const MOST_EXTRA_RUNS: usize = 10;
 
 /// How the best point was run once more, and what that showed.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Settled {
     /// The point.
@@ -24,7 +24,7 @@ pub struct Settled {
 }
 
 /// The motion of a criterion's value at the end of the run, in the criterion's unit.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Moved {
     /// From the least to the greatest value in the last period of its signal.
     pub swing: f64,

@@ -118,7 +118,7 @@ pub struct Provenance {
 }
 
 /// Two criteria whose measured values have correlated errors.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Correlated {
     /// Their names.
     pub between: [String; 2],

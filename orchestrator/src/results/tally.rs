@@ -31,7 +31,7 @@ use study::{
 };
 
 /// How the points represent the space.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(PartialEq)]
 pub enum Sample {
     /// Each by itself.
     Independent,

@@ -19,7 +19,6 @@ pub use until::{Ending, Front, Until};
 pub use verification::Verification;
 
 /// A study that is tied to its FMU.
-#[derive(Debug)]
 pub struct Session {
     /// The request: all options of the command.
     pub request: Request,

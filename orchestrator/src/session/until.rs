@@ -12,7 +12,7 @@ use sampling::design::Method;
 use study::judge::Judge;
 
 /// The condition that ends sampling, as the option gives it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub enum Until {
     /// A 95 % interval of the verified share that is no wider than this.
     Width(f64),
@@ -37,7 +37,7 @@ impl FromStr for Until {
 }
 
 /// When a study may end before its last point.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Ending {
     condition: Condition,
     guard: Guard,
@@ -138,7 +138,7 @@ fn way(design: Option<(Method, u64)>) -> Result<Way, String> {
 }
 
 /// A point, for the share that is waited for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Seen {
     /// It has no result.
     Failed,

@@ -1,7 +1,7 @@
 //! The C functions of a version of the standard, from one table: name, arguments, the phases in which each may be called, and
 //! what it does.
 
-use super::{refusal::Outcome, types::Status};
+use super::refusal::Outcome;
 
 /// Defines the C functions for a model, the 44 of FMI 2.0 and the 75 of FMI 3.0:
 /// `fmu_export::export!(Tank);`
@@ -27,19 +27,19 @@ macro_rules! c_functions {
         texts {$($text_name:ident = $text:literal;)*}
         whole {$(
             $(#[$whole_doc:meta])*
-            $whole_name:ident = $whole:ident($($whole_argument:ident: $whole_type:ty),* $(,)?) $(-> $result:ty)? => $run:expr;
+            $whole:ident($($whole_argument:ident: $whole_type:ty),* $(,)?) $(-> $result:ty)? => $run:expr;
         )*}
         calls {$(
             $(#[$doc:meta])*
-            $name:ident = $call:ident($($argument:ident: $of:ty),* $(,)?) in $phases:expr => |$instance:tt| $body:expr;
+            $call:ident($($argument:ident: $of:ty),* $(,)?) in $phases:expr => |$instance:tt| $body:expr;
         )*}
     ) => {
         use super::types::{$($type),*};
 
         $(
-            #[doc = concat!("`", stringify!($whole_name), "`.")]
+            #[doc = concat!("`", stringify!($whole), "`.")]
             $(#[$whole_doc])*
-            #[allow(unused_variables)]
+            #[allow(non_snake_case, unused_variables)]
             pub unsafe fn $whole<M: Model>($($whole_argument: $whole_type),*) $(-> $result)? {
                 // SAFETY: as the host vouches.
                 unsafe { $run }
@@ -47,11 +47,11 @@ macro_rules! c_functions {
         )*
 
         $(
-            #[doc = concat!("`", stringify!($name), "`.")]
+            #[doc = concat!("`", stringify!($call), "`.")]
             $(#[$doc])*
-            #[allow(unused_variables, unused_unsafe)]
+            #[allow(non_snake_case, unused_variables, unused_unsafe)]
             pub unsafe fn $call<M: Model>(component: Component, $($argument: $of),*) -> Status {
-                const FUNCTION: Function = Function { name: stringify!($name), version: Version::$version, phases: $phases };
+                const FUNCTION: Function = Function { name: stringify!($call), version: Version::$version, phases: $phases };
                 // SAFETY: as the host vouches.
                 let body = |$instance: &mut Instance<M>| -> Outcome { unsafe { $body } };
                 // SAFETY: as the host vouches.
@@ -83,7 +83,7 @@ macro_rules! c_functions {
 
                     $(
                         #[unsafe(no_mangle)]
-                        pub unsafe extern "C" fn $whole_name($($whole_argument: $whole_type),*) $(-> $result)? {
+                        pub unsafe extern "C" fn $whole($($whole_argument: $whole_type),*) $(-> $result)? {
                             // SAFETY: the generic function asks the same of its caller.
                             unsafe { calls::$whole::<$d model>($($whole_argument),*) }
                         }
@@ -91,7 +91,7 @@ macro_rules! c_functions {
 
                     $(
                         #[unsafe(no_mangle)]
-                        pub unsafe extern "C" fn $name(component: Component, $($argument: $of),*) -> Status {
+                        pub unsafe extern "C" fn $call(component: Component, $($argument: $of),*) -> Status {
                             // SAFETY: the generic function asks the same of its caller.
                             unsafe { calls::$call::<$d model>(component, $($argument),*) }
                         }
@@ -106,7 +106,7 @@ pub(crate) use c_functions;
 /// Answers with a value.
 pub fn answer<T>(place: &mut T, value: T) -> Outcome {
     *place = value;
-    Ok(Status::Ok)
+    Ok(())
 }
 
 /// Answers that nothing has happened.
@@ -114,5 +114,5 @@ pub fn nothing<T: Default, const N: usize>(flags: [&mut T; N]) -> Outcome {
     for flag in flags {
         *flag = T::default();
     }
-    Ok(Status::Ok)
+    Ok(())
 }

@@ -5,10 +5,10 @@ use super::{
     instance::Instance,
     phase::Phase,
     refusal::{Outcome, Refusal},
-    types::{Real, Status, ValueReference},
-    values::{check_settable, inside, variable},
+    types::{Real, ValueReference},
+    values::{check_settable, variable},
 };
-use crate::model::{Kind, Model, Role, Variable};
+use crate::model::{Kind, Model, Role, Variable, inside};
 
 /// Step of the central difference, relative to a variable's magnitude: at the cube root of the rounding unit, truncation
 /// and rounding errors are of the same size (Press et al., Numerical Recipes, 2007, section 5.7).
@@ -49,7 +49,7 @@ impl<M: Model> Instance<M> {
         }
         self.run.sloped |= !references.is_empty();
         self.run.differentiated = false;
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Sets the slopes back to zero after a step.
@@ -135,7 +135,7 @@ impl<M: Model> Instance<M> {
         let rate = knowns.iter().fold(0.0_f64, |rate, known| rate.max((known.direction / known.magnitude).abs()));
         if rate == 0.0 {
             values.fill(0.0);
-            return Ok(Status::Ok);
+            return Ok(());
         }
         let step = RELATIVE_STEP / rate;
         values.fill(0.0);
@@ -205,7 +205,7 @@ impl<M: Model> Instance<M> {
 /// Refuses derivatives that overflow, as they do along directions of 1e300.
 fn bounded(values: &[Real]) -> Outcome {
     if values.iter().all(|value| value.is_finite()) {
-        return Ok(Status::Ok);
+        return Ok(());
     }
     Err(Refusal::Unsupported("a derivative overflows"))
 }
@@ -233,7 +233,7 @@ type Slope<M> = fn(&mut M, f64);
 fn read<M>(variable: &'static Variable<M>) -> Outcome<Read<M>> {
     match (&variable.kind, variable.role) {
         (Kind::Real(real), Role::Output | Role::Local) => Ok(real.access.get),
-        _ => Err(unfit(variable, "only a Real that the model computes can be an unknown".to_owned())),
+        _ => Err(unfit(variable, "only a Real that the model computes can be an unknown")),
     }
 }
 
@@ -241,7 +241,7 @@ fn output<M>(variable: &'static Variable<M>, order: i32) -> Outcome<(Read<M>, Op
     check_order(variable, order)?;
     match (&variable.kind, variable.role) {
         (Kind::Real(real), Role::Output) => Ok((real.access.get, real.derivative)),
-        _ => Err(unfit(variable, "only Real outputs have time derivatives".to_owned())),
+        _ => Err(unfit(variable, "only Real outputs have time derivatives")),
     }
 }
 
@@ -252,18 +252,18 @@ fn input_slope<M>(variable: &'static Variable<M>, order: i32) -> Outcome<Slope<M
         _ => None,
     };
     let why = "only inputs that may vary within a step take time derivatives";
-    slope.ok_or_else(|| unfit(variable, why.to_owned()))
+    slope.ok_or_else(|| unfit(variable, why))
 }
 
-fn check_order<M>(variable: &Variable<M>, order: i32) -> Outcome<()> {
+fn check_order<M>(variable: &Variable<M>, order: i32) -> Outcome {
     if order == 1 {
         return Ok(());
     }
     Err(unfit(variable, format!("the order of a time derivative must be 1, not {order}")))
 }
 
-fn unfit<M>(variable: &Variable<M>, why: String) -> Refusal {
-    Refusal::Derivative { name: variable.name, why }
+fn unfit<M>(variable: &Variable<M>, why: impl Into<String>) -> Refusal {
+    Refusal::Derivative { name: variable.name, why: why.into() }
 }
 
 #[cfg(test)]
@@ -274,6 +274,7 @@ mod tests {
 
     use super::*;
     use crate::boundary::logger::Logger;
+    use crate::boundary::types::Status;
     use crate::boundary::version::Version;
     use crate::declare::{input, output};
     use crate::model::{Experiment, Fault, Info, Log};
@@ -328,7 +329,7 @@ mod tests {
     }
 
     #[test]
-    fn rates_that_cannot_be_computed_are_discarded() -> Outcome<()> {
+    fn rates_that_cannot_be_computed_are_discarded() -> Outcome {
         for version in [Version::Two, Version::Three] {
             let mut instance = started(version)?;
             instance.set_real(&[0], &[-1.0])?;
@@ -347,7 +348,7 @@ mod tests {
     }
 
     #[test]
-    fn rates_are_computed_once_until_something_changes() -> Outcome<()> {
+    fn rates_are_computed_once_until_something_changes() -> Outcome {
         let mut instance = started(Version::Two)?;
         let mut rates = [0.0; 2];
         instance.get_output_derivatives(&[1, 2], &[1, 1], &mut rates)?;

@@ -14,7 +14,7 @@ use super::{
     values::TIME,
     xml::{Number, Tag, Xml},
 };
-use crate::model::{Kind, Model, Role, Variable, indicators, offered};
+use crate::model::{Kind, Model, Role, Variable, indicators, named, offered};
 
 pub use super::{
     describe::{Interface, token},
@@ -158,7 +158,6 @@ fn types<M: Model>(xml: &mut Xml, version: Version) {
 }
 
 /// The attributes that variables of all types have.
-#[derive(Clone, Copy)]
 struct Head<'a> {
     name: &'a str,
     reference: usize,
@@ -254,8 +253,7 @@ fn variables<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
 
 /// The independent variable, which FMI 3.0 lists. A model that has a variable called `time` keeps the name.
 fn independent<M: Model>(xml: &mut Xml) {
-    let taken = |name: &str| M::variables().iter().any(|variable| variable.name == name);
-    let name = ["time", "independentTime"].into_iter().find(|name| !taken(name));
+    let name = ["time", "independentTime"].into_iter().find(|name| named::<M>(name).is_none());
     let head = Head {
         name: name.unwrap_or("simulationTime"),
         reference: TIME as usize,
@@ -271,7 +269,7 @@ fn independent<M: Model>(xml: &mut Xml) {
 struct Starts<'a, M: 'static>(&'a [Variable<M>], &'a M);
 
 impl<M> fmt::Display for Starts<'_, M> {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         for (place, variable) in self.0.iter().enumerate() {
             if place > 0 {
                 f.write_str(" ")?;
@@ -295,7 +293,7 @@ impl<M> fmt::Display for Starts<'_, M> {
 fn describe<M: Model>(
     xml: &mut Xml,
     (version, interface): (Version, Interface),
-    head: &Head<'_>,
+    head: &Head,
     elements: &[Variable<M>],
     initial: &M,
 ) {

@@ -5,9 +5,9 @@ use super::{
     instance::{Instance, finite},
     phase::Phase,
     refusal::{Outcome, Refusal},
-    types::{Real, Status, ValueReference},
+    types::{Real, ValueReference},
 };
-use crate::model::{Exchange, Fault, Kind, Model, State, check_end, events, indicators, offered};
+use crate::model::{Exchange, Fault, Kind, Model, State, check_end, events, indicators, named, offered};
 
 /// The value reference of the first state, and that of its derivative; the others follow. They are far above those of the
 /// table, which may grow.
@@ -31,7 +31,7 @@ impl<M: Model> Instance<M> {
     pub fn enter_continuous(&mut self) -> Outcome {
         self.exchange()?;
         self.run.phase = Phase::Continuous;
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Enters the event mode.
@@ -40,7 +40,7 @@ impl<M: Model> Instance<M> {
             return Err(Refusal::Phase(self.run.phase));
         }
         self.run.phase = Phase::Event;
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Leaves the event mode of Co-Simulation.
@@ -52,7 +52,7 @@ impl<M: Model> Instance<M> {
             return Err(Refusal::Phase(self.run.phase));
         }
         self.run.phase = Phase::StepComplete;
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Handles the events of this instant: whether there were any, and the time of the next that is known. Where there were some, the
@@ -81,7 +81,7 @@ impl<M: Model> Instance<M> {
         (exchange.set_time)(&mut self.run.model, time);
         self.run.time = time;
         self.run.stale = true;
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Takes note of a completed step, and tells whether it asks for the event mode.
@@ -106,7 +106,7 @@ impl<M: Model> Instance<M> {
             (state.set)(&mut self.run.model, *value);
         }
         self.run.stale = true;
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Reads the states.
@@ -116,7 +116,7 @@ impl<M: Model> Instance<M> {
         for (state, value) in states.iter().zip(values) {
             *value = (state.get)(&self.run.model);
         }
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Reads the states' typical magnitudes.
@@ -125,7 +125,7 @@ impl<M: Model> Instance<M> {
         for (state, value) in states.iter().zip(values) {
             *value = state.nominal;
         }
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// The number of event indicators.
@@ -139,12 +139,11 @@ impl<M: Model> Instance<M> {
         count("nEventIndicators", values.len(), self.indicators()?)?;
         self.refresh()?;
         for (value, name) in values.iter_mut().zip(indicators::<M>()) {
-            let variable = M::variables().iter().find(|variable| variable.name == *name);
-            if let Some(Kind::Real(real)) = variable.map(|variable| &variable.kind) {
+            if let Some(Kind::Real(real)) = named::<M>(name).map(|variable| &variable.kind) {
                 *value = existing(name, (real.access.get)(&self.run.model))?;
             }
         }
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Reads the states' time derivatives, which do not need the outputs.
@@ -155,7 +154,7 @@ impl<M: Model> Instance<M> {
         for (state, rate) in states.iter().zip(values) {
             existing(&format!("der({})", state.name), *rate)?;
         }
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// A state or a derivative as a variable.
@@ -175,7 +174,7 @@ impl<M: Model> Instance<M> {
     }
 
     /// In initialization mode the states follow from the parameters.
-    fn start_if_needed(&mut self) -> Outcome<()> {
+    fn start_if_needed(&mut self) -> Outcome {
         if self.run.phase == Phase::Initialization {
             self.refresh()?;
         }
@@ -192,7 +191,7 @@ pub fn existing(name: &str, value: Real) -> Outcome<Real> {
 }
 
 /// Checks a number that the host passes.
-fn count(name: &'static str, given: usize, known: usize) -> Outcome<()> {
+fn count(name: &'static str, given: usize, known: usize) -> Outcome {
     if given == known {
         return Ok(());
     }

@@ -197,10 +197,13 @@ fn checked<M: Model>(
         return Status::Fatal;
     }
     let outcome = if function.phases & of(&[phase]) != 0 { body(instance) } else { Err(Refusal::Phase(phase)) };
-    outcome.unwrap_or_else(|refusal| {
-        instance.logger.refuse(function.name, &refusal);
-        refusal.status()
-    })
+    match outcome {
+        Ok(()) => Status::Ok,
+        Err(refusal) => {
+            instance.logger.refuse(function.name, &refusal);
+            refusal.status()
+        }
+    }
 }
 
 fn poison<M: Model>(instance: &mut Instance<M>, function: &Function, panic: &(dyn Any + Send)) -> Status {

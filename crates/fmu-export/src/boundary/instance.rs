@@ -67,8 +67,7 @@ impl<M: Model> Instance<M> {
 
     /// Chooses the messages that the host gets.
     pub fn set_logging(&mut self, on: bool, categories: &[&str]) -> Outcome {
-        self.logger.switch::<M>(on, categories)?;
-        Ok(Status::Ok)
+        self.logger.switch::<M>(on, categories)
     }
 
     /// Takes the experiment's tolerance, start and stop.
@@ -86,7 +85,7 @@ impl<M: Model> Instance<M> {
         self.run.time = start;
         self.run.stop = stop;
         self.run.tolerance = tolerance;
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Enters the initialization mode. The model is initialised when the first value is read or the mode is left, as the
@@ -95,7 +94,7 @@ impl<M: Model> Instance<M> {
         self.run.seed = Some(self.run.model.clone());
         self.run.stale = true;
         self.run.phase = Phase::Initialization;
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Leaves the initialization mode.
@@ -104,20 +103,20 @@ impl<M: Model> Instance<M> {
         self.run.seed = None;
         self.run.phase =
             if self.run.exchange || self.event_mode.is_some() { Phase::Event } else { Phase::StepComplete };
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Ends the simulation.
     pub fn terminate(&mut self) -> Outcome {
         self.refresh()?;
         self.run.phase = Phase::Terminated;
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Goes back to the instantiation.
     pub fn reset(&mut self) -> Outcome {
         self.run = Run { exchange: self.run.exchange, ..Run::default() };
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Takes a communication step.
@@ -128,7 +127,7 @@ impl<M: Model> Instance<M> {
     }
 
     /// Checks a communication step before anything is done.
-    pub fn check_step(&self, from: f64, step: f64) -> Outcome<()> {
+    pub fn check_step(&self, from: f64, step: f64) -> Outcome {
         finite("currentCommunicationPoint", from)?;
         require(step > 0.0 && step.is_finite(), "communicationStepSize", step, "a step must be greater than 0")?;
         self.check_times(from, step)
@@ -160,7 +159,7 @@ impl<M: Model> Instance<M> {
                 self.run.last_step = Status::Error;
             }
         }
-        result.map(|_| Status::Ok).map_err(Refusal::Step)
+        result.map(drop).map_err(Refusal::Step)
     }
 
     /// Checks that the step begins where the last one ended, and ends by the stop time.
@@ -168,7 +167,7 @@ impl<M: Model> Instance<M> {
     /// Hosts compute their times by adding up steps, by multiplying, or in single precision, so the times need not be
     /// equal. They must be near enough that no step is left out or made twice: less than half a step apart, or than
     /// the spacing of floating-point numbers, if that is more.
-    fn check_times(&self, from: f64, step: f64) -> Outcome<()> {
+    fn check_times(&self, from: f64, step: f64) -> Outcome {
         let time = from.abs().max(self.run.time.abs());
         let near = (1e-3 * step + 1e-6 * time).min(0.5 * step).max(4.0 * f64::EPSILON * time);
         require(
@@ -188,14 +187,14 @@ impl<M: Model> Instance<M> {
     /// Recomputes the outputs if something was set. After this, `run.model` is up to date in every phase in which values
     /// can be read.
     #[inline]
-    pub fn refresh(&mut self) -> Outcome<()> {
+    pub fn refresh(&mut self) -> Outcome {
         if !self.run.stale {
             return Ok(());
         }
         self.recompute()
     }
 
-    fn recompute(&mut self) -> Outcome<()> {
+    fn recompute(&mut self) -> Outcome {
         match self.run.phase {
             Phase::Initialization => {
                 if let Some(seed) = self.run.seed.clone() {
@@ -236,7 +235,7 @@ impl<M: Model> Instance<M> {
 }
 
 /// Refuses a host that gives an instance no name, or has read another description than that with this fingerprint.
-pub fn check_host(version: Version, name: &str, given: &str, fingerprint: u128) -> Outcome<()> {
+pub fn check_host(version: Version, name: &str, given: &str, fingerprint: u128) -> Outcome {
     if name.trim().is_empty() {
         return Err(Refusal::Argument {
             name: "instanceName",
@@ -255,11 +254,11 @@ pub fn check_host(version: Version, name: &str, given: &str, fingerprint: u128) 
 }
 
 /// Refuses an argument that is not finite.
-pub fn finite(name: &'static str, value: f64) -> Outcome<()> {
+pub fn finite(name: &'static str, value: f64) -> Outcome {
     require(value.is_finite(), name, value, "it must be a finite number")
 }
 
-fn require(holds: bool, name: &'static str, value: f64, why: &'static str) -> Outcome<()> {
+fn require(holds: bool, name: &'static str, value: f64, why: &'static str) -> Outcome {
     if holds {
         return Ok(());
     }

@@ -9,7 +9,7 @@ use super::{
     phase::Phase,
     refusal::{Outcome, Refusal},
     run::Run,
-    types::{ComponentEnvironment, IntermediateUpdateCallback, Status, ValueReference},
+    types::{ComponentEnvironment, IntermediateUpdateCallback, ValueReference},
     values::{all_elements, variable},
     watch::{Underway, Watch},
 };
@@ -110,7 +110,7 @@ impl<M: Model> Instance<M> {
             Some(underway) if underway.left > 0.0 => {}
             _ => {
                 self.end();
-                return Ok(Status::Ok);
+                return Ok(());
             }
         }
         match self.refresh() {
@@ -164,13 +164,13 @@ impl<M: Model> Instance<M> {
             more,
             early: watch.early && more,
         });
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// In intermediate update mode a host sets inputs that it has announced, and reads continuous inputs and outputs. By the
     /// standard it must announce those, too; its own example (3.0.2, section 4.3) does not, and reading does no harm.
     #[inline]
-    pub fn check_intermediate(&self, references: &[ValueReference], set: bool) -> Outcome<()> {
+    pub fn check_intermediate(&self, references: &[ValueReference], set: bool) -> Outcome {
         if self.run.phase == Phase::Intermediate {
             return self.check_announced(references, set);
         }
@@ -178,7 +178,7 @@ impl<M: Model> Instance<M> {
     }
 
     #[cold]
-    fn check_announced(&self, references: &[ValueReference], set: bool) -> Outcome<()> {
+    fn check_announced(&self, references: &[ValueReference], set: bool) -> Outcome {
         let Some(watch) = &self.watch else { return Err(Refusal::Phase(self.run.phase)) };
         let more = matches!(&watch.underway, Some(underway) if underway.left > 0.0);
         for reference in references {
@@ -207,6 +207,7 @@ mod tests {
 
     use super::*;
     use crate::boundary::logger::Logger;
+    use crate::boundary::types::Status;
     use crate::boundary::version::Version;
     use crate::declare::input;
     use crate::model::{Experiment, Fault, Info, Log};
@@ -256,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn a_step_that_fails_after_some_updates_changes_nothing() -> Outcome<()> {
+    fn a_step_that_fails_after_some_updates_changes_nothing() -> Outcome {
         let logger = Logger::new(None, null_mut(), false);
         let mut clock = Instance::<Clock>::new("instantiate", (Version::Three, false), 0, None, logger);
         clock.watch = Some(Watch::new(ignore, null_mut(), true, &[0], |_, _| 1.0)?);

@@ -91,7 +91,7 @@ impl Logger {
 }
 
 impl Log for Logger {
-    fn log(&mut self, category: &'static str, message: fmt::Arguments<'_>) {
+    fn log(&mut self, category: &'static str, message: fmt::Arguments) {
         if self.on && self.chosen.as_ref().is_none_or(|chosen| chosen.contains(&category)) {
             self.send(Status::Ok, category, &message.to_string());
         }

@@ -34,7 +34,7 @@ pub enum Phase {
 }
 
 impl fmt::Display for Phase {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(match self {
             Self::Instantiated => "before the initialization",
             Self::Initialization => "in initialization mode",

@@ -80,7 +80,7 @@ pub unsafe fn lossy<'a>(pointer: Text) -> Option<Cow<'a, str>> {
     Some(unsafe { CStr::from_ptr(pointer) }.to_string_lossy())
 }
 
-fn check_array<T>(pointer: *const T, n: usize, name: &'static str) -> Outcome<()> {
+fn check_array<T>(pointer: *const T, n: usize, name: &'static str) -> Outcome {
     if pointer.is_null() {
         return Err(Refusal::NullArray(name));
     }
@@ -91,7 +91,7 @@ fn check_array<T>(pointer: *const T, n: usize, name: &'static str) -> Outcome<()
     check_one(pointer, name)
 }
 
-fn check_one<T>(pointer: *const T, name: &'static str) -> Outcome<()> {
+fn check_one<T>(pointer: *const T, name: &'static str) -> Outcome {
     if pointer.is_null() {
         return Err(Refusal::Null(name));
     }

@@ -9,7 +9,7 @@ use super::{
 use crate::model::Fault;
 
 /// How a call ends.
-pub type Outcome<T = Status> = Result<T, Refusal>;
+pub type Outcome<T = ()> = Result<T, Refusal>;
 
 /// Why a call is refused. The instance is as before the call, unless a computation failed.
 #[derive(Debug, Error)]

@@ -62,7 +62,7 @@ impl<M: Model> Instance<M> {
             // SAFETY: a state of ours, as was just found, which no other call uses.
             unsafe { (*place.cast::<Saved<M>>()).run = run };
         }
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Goes back to a saved state.
@@ -79,7 +79,7 @@ impl<M: Model> Instance<M> {
             ));
         }
         self.run = run.clone();
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Frees a saved state. NULL, and a place that holds NULL, are left alone.
@@ -88,19 +88,19 @@ impl<M: Model> Instance<M> {
     /// `place` is NULL, or holds NULL or a state of this FMU that was not freed and that no other call uses.
     pub unsafe fn free_state(&mut self, place: *mut FmuState) -> Outcome {
         if place.is_null() {
-            return Ok(Status::Ok);
+            return Ok(());
         }
         // SAFETY: the caller promises that it is NULL or such a place.
         let place = unsafe { raw::place(place, self.version.state()) }?;
         if place.is_null() {
-            return Ok(Status::Ok);
+            return Ok(());
         }
         // SAFETY: the caller promises that `place` holds NULL or a living state of this FMU.
         unsafe { Saved::<M>::find(*place, self.version) }?.magic.store(0, Ordering::Relaxed);
         // SAFETY: made by `give`, freed only here.
         drop(unsafe { Box::from_raw(place.cast::<Saved<M>>()) });
         *place = std::ptr::null_mut();
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// The bytes of a saved state.
@@ -124,14 +124,14 @@ impl<M: Model> Instance<M> {
         }
         // SAFETY: as the caller promises.
         unsafe { raw::values_mut(place, bytes.len(), "serializedState") }?.copy_from_slice(&bytes);
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Makes a saved state of bytes. What `place` held before is not read, as the standard
     /// does not say that the host initialises it.
     pub fn deserialize(&self, bytes: &[u8], place: &mut FmuState) -> Outcome {
         *place = Saved::<M>::give(decode(bytes, self.fingerprint)?, self.version);
-        Ok(Status::Ok)
+        Ok(())
     }
 }
 

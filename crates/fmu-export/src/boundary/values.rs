@@ -8,10 +8,10 @@ use super::{
     logger::c_string,
     phase::Phase,
     refusal::{Outcome, Refusal},
-    types::{Real, Status, Text, ValueReference},
+    types::{Real, Text, ValueReference},
     version::Version,
 };
-use crate::model::{Access, Kind, Model, Role, Variable};
+use crate::model::{Access, Kind, Model, Role, Variable, inside};
 
 /// The variable of a value reference.
 pub fn variable<M: Model>(reference: ValueReference) -> Outcome<&'static Variable<M>> {
@@ -44,7 +44,6 @@ pub fn wrong_type<M>(version: Version, variable: &Variable<M>, asked: &'static s
 pub const TIME: ValueReference = i32::MAX as ValueReference;
 
 /// The kinds of variables that a function for whole numbers takes.
-#[derive(Clone, Copy)]
 pub struct Whole {
     integers: bool,
     items: bool,
@@ -62,7 +61,7 @@ pub const INT32: Whole = Whole { integers: true, items: false, asked: "Int32" };
 pub const INT64: Whole = Whole { integers: false, items: true, asked: "Int64 or Enumeration" };
 
 /// Whether the host may set a variable of this role in this phase.
-pub fn check_settable<M>(variable: &Variable<M>, phase: Phase) -> Outcome<()> {
+pub fn check_settable<M>(variable: &Variable<M>, phase: Phase) -> Outcome {
     let (role, settable) = match variable.role {
         // While a host integrates, it may change what is continuous, and nothing else.
         Role::Input => {
@@ -99,7 +98,7 @@ impl<M: Model> Instance<M> {
             let now = read(&variable.kind, &self.run.model);
             *value = now.ok_or_else(|| wrong_type(self.version, variable, asked))?;
         }
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Reads real values. In Model Exchange the states are the host's, and not every output exists at every state: the
@@ -121,7 +120,7 @@ impl<M: Model> Instance<M> {
                 existing(name, *value)?;
             }
         }
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// The value of a variable that is not in the model's table.
@@ -167,7 +166,7 @@ impl<M: Model> Instance<M> {
     /// Refuses values of a type that no variable of a model has.
     pub fn none_of(&mut self, references: &[ValueReference], asked: &'static str) -> Outcome {
         match references.first() {
-            None => Ok(Status::Ok),
+            None => Ok(()),
             Some(first) => Err(wrong_type(self.version, variable::<M>(*first)?, asked)),
         }
     }
@@ -186,7 +185,7 @@ impl<M: Model> Instance<M> {
             }
             *value = place.as_ref().map_or(std::ptr::null(), |text| text.as_ptr());
         }
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Checks all values with `put`, then writes them all: a call that is refused changes nothing.
@@ -194,7 +193,7 @@ impl<M: Model> Instance<M> {
         &mut self,
         references: &[ValueReference],
         values: &[T],
-        put: impl Fn(&Variable<M>, T, Option<&mut M>) -> Outcome<()>,
+        put: impl Fn(&Variable<M>, T, Option<&mut M>) -> Outcome,
     ) -> Outcome {
         self.check_intermediate(references, true)?;
         for (reference, value) in references.iter().zip(values) {
@@ -211,7 +210,7 @@ impl<M: Model> Instance<M> {
         }
         self.run.stale = true;
         self.run.differentiated = false;
-        Ok(Status::Ok)
+        Ok(())
     }
 
     /// Writes real values.
@@ -288,7 +287,7 @@ fn write<M, T: ?Sized, R>(
     access: &Access<M, T, R>,
     value: &T,
     model: Option<&mut M>,
-) -> Outcome<()> {
+) -> Outcome {
     let set = access.set.ok_or_else(|| Refusal::Value {
         name: variable.name,
         value: "a value".to_owned(),
@@ -298,11 +297,6 @@ fn write<M, T: ?Sized, R>(
         set(model, value);
     }
     Ok(())
-}
-
-/// Whether a value lies within the bounds, if there are any.
-pub fn inside<T: PartialOrd>(value: T, min: Option<T>, max: Option<T>) -> bool {
-    min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max)
 }
 
 fn outside<M, T: Debug>(variable: &Variable<M>, value: T, min: Option<T>, max: Option<T>) -> Refusal {

@@ -6,7 +6,7 @@ use std::fmt::{self, Display, Write};
 pub struct Number(pub f64);
 
 impl Display for Number {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         write!(f, "{:?}", self.0)
     }
 }

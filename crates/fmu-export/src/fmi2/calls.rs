@@ -5,7 +5,8 @@
 //! The functions take what a C host passes, and rely on this: a component is NULL or points to at least eight readable
 //! bytes, and was not freed; a pointer with a count points to that many values; strings end with NUL; a saved state is
 //! NULL or was not freed. NULL in place of a value, foreign handles and calls at the wrong time are refused.
-#![allow(clippy::missing_safety_doc)] // said above for all functions
+// Said above for all functions.
+#![allow(clippy::missing_safety_doc)]
 
 use super::types::{CO_SIMULATION, DO_STEP_STATUS, FALSE, LAST_SUCCESSFUL_TIME, MODEL_EXCHANGE, TERMINATED};
 use crate::{
@@ -38,52 +39,52 @@ c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
         fmi2GetVersion = c"2.0";
     }
     whole {
-        fmi2Instantiate = instantiate(name: Text, kind: Choice, guid: Text, resources: Text, callbacks: *const CallbackFunctions,
+        fmi2Instantiate(name: Text, kind: Choice, guid: Text, resources: Text, callbacks: *const CallbackFunctions,
             visible: Boolean, logging: Boolean) -> Component => make::<M>(kind, [name, guid, resources], callbacks, logging != FALSE);
-        fmi2FreeInstance = free_instance(component: Component) => Handle::<M>::end(component, Version::Two);
+        fmi2FreeInstance(component: Component) => Handle::<M>::end(component, Version::Two);
     }
     calls {
-        fmi2SetDebugLogging = set_debug_logging(on: Boolean, n: usize, categories: *const Text) in ALIVE =>
+        fmi2SetDebugLogging(on: Boolean, n: usize, categories: *const Text) in ALIVE =>
             |instance| instance.set_logging(on != FALSE, &texts(categories, n, "categories")?);
-        fmi2SetupExperiment = setup_experiment(tolerance_defined: Boolean, tolerance: Real, start: Real, stop_defined: Boolean,
+        fmi2SetupExperiment(tolerance_defined: Boolean, tolerance: Real, start: Real, stop_defined: Boolean,
             stop: Real) in of(&[Instantiated]) => |instance| {
                 let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
                 instance.setup(tolerance, start, (stop_defined != FALSE).then_some(stop))
             };
-        fmi2EnterInitializationMode = enter_initialization_mode() in of(&[Instantiated]) => |instance| instance.enter_initialization();
-        fmi2ExitInitializationMode = exit_initialization_mode() in of(&[Initialization]) => |instance| instance.exit_initialization();
-        fmi2Terminate = terminate() in of(&[StepComplete, StepFailed, Event, Continuous]) => |instance| instance.terminate();
-        fmi2Reset = reset() in ALIVE => |instance| instance.reset();
+        fmi2EnterInitializationMode() in of(&[Instantiated]) => |instance| instance.enter_initialization();
+        fmi2ExitInitializationMode() in of(&[Initialization]) => |instance| instance.exit_initialization();
+        fmi2Terminate() in of(&[StepComplete, StepFailed, Event, Continuous]) => |instance| instance.terminate();
+        fmi2Reset() in ALIVE => |instance| instance.reset();
 
-        fmi2GetReal = get_real(vr: *const ValueReference, n: usize, value: *mut Real) in READABLE =>
+        fmi2GetReal(vr: *const ValueReference, n: usize, value: *mut Real) in READABLE =>
             |instance| instance.get_real(values(vr, n, "vr")?, values_mut(value, n, "value")?);
-        fmi2GetInteger = get_integer(vr: *const ValueReference, n: usize, value: *mut Integer) in READABLE =>
+        fmi2GetInteger(vr: *const ValueReference, n: usize, value: *mut Integer) in READABLE =>
             |instance| instance.get_whole(INTEGER, values(vr, n, "vr")?, values_mut(value, n, "value")?);
-        fmi2GetBoolean = get_boolean(vr: *const ValueReference, n: usize, value: *mut Boolean) in READABLE =>
+        fmi2GetBoolean(vr: *const ValueReference, n: usize, value: *mut Boolean) in READABLE =>
             |instance| instance.get_boolean(values(vr, n, "vr")?, values_mut(value, n, "value")?);
-        fmi2GetString = get_string(vr: *const ValueReference, n: usize, value: *mut Text) in READABLE =>
+        fmi2GetString(vr: *const ValueReference, n: usize, value: *mut Text) in READABLE =>
             |instance| instance.get_string(values(vr, n, "vr")?, values_mut(value, n, "value")?);
-        fmi2SetReal = set_real(vr: *const ValueReference, n: usize, value: *const Real) in SETTABLE =>
+        fmi2SetReal(vr: *const ValueReference, n: usize, value: *const Real) in SETTABLE =>
             |instance| instance.set_real(values(vr, n, "vr")?, values(value, n, "value")?);
-        fmi2SetInteger = set_integer(vr: *const ValueReference, n: usize, value: *const Integer) in SETTABLE =>
+        fmi2SetInteger(vr: *const ValueReference, n: usize, value: *const Integer) in SETTABLE =>
             |instance| instance.set_whole(INTEGER, values(vr, n, "vr")?, values(value, n, "value")?);
-        fmi2SetBoolean = set_boolean(vr: *const ValueReference, n: usize, value: *const Boolean) in SETTABLE =>
+        fmi2SetBoolean(vr: *const ValueReference, n: usize, value: *const Boolean) in SETTABLE =>
             |instance| instance.set_boolean(values(vr, n, "vr")?, values(value, n, "value")?);
-        fmi2SetString = set_string(vr: *const ValueReference, n: usize, value: *const Text) in SETTABLE =>
+        fmi2SetString(vr: *const ValueReference, n: usize, value: *const Text) in SETTABLE =>
             |instance| instance.set_string(values(vr, n, "vr")?, &texts(value, n, "value")?);
 
-        fmi2GetFMUstate = get_fmu_state(state: *mut FmuState) in ALIVE => |instance| instance.save(place(state, "FMUstate")?);
-        fmi2SetFMUstate = set_fmu_state(state: FmuState) in ALIVE => |instance| instance.restore(state);
+        fmi2GetFMUstate(state: *mut FmuState) in ALIVE => |instance| instance.save(place(state, "FMUstate")?);
+        fmi2SetFMUstate(state: FmuState) in ALIVE => |instance| instance.restore(state);
         /// NULL, and a pointer to NULL, are left alone.
-        fmi2FreeFMUstate = free_fmu_state(state: *mut FmuState) in ALIVE => |instance| instance.free_state(state);
-        fmi2SerializedFMUstateSize = serialized_fmu_state_size(state: FmuState, size: *mut usize) in ALIVE =>
+        fmi2FreeFMUstate(state: *mut FmuState) in ALIVE => |instance| instance.free_state(state);
+        fmi2SerializedFMUstateSize(state: FmuState, size: *mut usize) in ALIVE =>
             |instance| answer(place(size, "size")?, instance.serialize(state)?.len());
-        fmi2SerializeFMUstate = serialize_fmu_state(state: FmuState, bytes: *mut Byte, size: usize) in ALIVE =>
+        fmi2SerializeFMUstate(state: FmuState, bytes: *mut Byte, size: usize) in ALIVE =>
             |instance| instance.serialize_to(state, bytes.cast(), size);
-        fmi2DeSerializeFMUstate = deserialize_fmu_state(bytes: *const Byte, size: usize, state: *mut FmuState) in ALIVE =>
+        fmi2DeSerializeFMUstate(bytes: *const Byte, size: usize, state: *mut FmuState) in ALIVE =>
             |instance| instance.deserialize(values(bytes.cast(), size, "serializedState")?, place(state, "FMUstate")?);
 
-        fmi2GetDirectionalDerivative = get_directional_derivative(unknowns: *const ValueReference, n_unknowns: usize,
+        fmi2GetDirectionalDerivative(unknowns: *const ValueReference, n_unknowns: usize,
             knowns: *const ValueReference, n_knowns: usize, direction: *const Real, derivative: *mut Real) in DERIVABLE =>
             |instance| instance.get_directional_derivative(
                 values(unknowns, n_unknowns, "vUnknown_ref")?,
@@ -91,36 +92,36 @@ c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
                 values(direction, n_knowns, "dvKnown")?,
                 values_mut(derivative, n_unknowns, "dvUnknown")?,
             );
-        fmi2SetRealInputDerivatives = set_real_input_derivatives(vr: *const ValueReference, n: usize, order: *const Integer,
+        fmi2SetRealInputDerivatives(vr: *const ValueReference, n: usize, order: *const Integer,
             value: *const Real) in SETTABLE => |instance| instance.set_input_derivatives(
                 values(vr, n, "vr")?, values(order, n, "order")?, values(value, n, "value")?,
             );
-        fmi2GetRealOutputDerivatives = get_real_output_derivatives(vr: *const ValueReference, n: usize, order: *const Integer,
+        fmi2GetRealOutputDerivatives(vr: *const ValueReference, n: usize, order: *const Integer,
             value: *mut Real) in STEPPED => |instance| instance.get_output_derivatives(
                 values(vr, n, "vr")?, values(order, n, "order")?, values_mut(value, n, "value")?,
             );
 
         /// Saved states are copies, so that it does not matter whether the host goes back to an earlier one.
-        fmi2DoStep = do_step(from: Real, step: Real, no_set_state_prior: Boolean) in of(&[StepComplete]) =>
+        fmi2DoStep(from: Real, step: Real, no_set_state_prior: Boolean) in of(&[StepComplete]) =>
             |instance| instance.step(from, step);
         /// Steps are synchronous, so there is none to cancel: it is refused in every phase.
-        fmi2CancelStep = cancel_step() in of(&[]) => |_| Ok(Status::Ok);
+        fmi2CancelStep() in of(&[]) => |_| Ok(());
         /// How the last step ended.
-        fmi2GetStatus = get_status(kind: Choice, value: *mut Status) in STEPPED =>
+        fmi2GetStatus(kind: Choice, value: *mut Status) in STEPPED =>
             |instance| tell(value, (kind == DO_STEP_STATUS).then_some(instance.run.last_step));
         /// The time that the last successful step has reached.
-        fmi2GetRealStatus = get_real_status(kind: Choice, value: *mut Real) in STEPPED =>
+        fmi2GetRealStatus(kind: Choice, value: *mut Real) in STEPPED =>
             |instance| tell(value, (kind == LAST_SUCCESSFUL_TIME).then_some(instance.run.time));
         /// The standard defines no such status.
-        fmi2GetIntegerStatus = get_integer_status(kind: Choice, value: *mut Integer) in STEPPED => |_| tell(value, None);
+        fmi2GetIntegerStatus(kind: Choice, value: *mut Integer) in STEPPED => |_| tell(value, None);
         /// Whether the model wants to terminate. It never does.
-        fmi2GetBooleanStatus = get_boolean_status(kind: Choice, value: *mut Boolean) in STEPPED =>
+        fmi2GetBooleanStatus(kind: Choice, value: *mut Boolean) in STEPPED =>
             |_| tell(value, (kind == TERMINATED).then_some(FALSE));
         /// The state of a pending step. Steps are never pending.
-        fmi2GetStringStatus = get_string_status(kind: Choice, value: *mut Text) in STEPPED => |_| tell(value, None);
+        fmi2GetStringStatus(kind: Choice, value: *mut Text) in STEPPED => |_| tell(value, None);
 
-        fmi2EnterEventMode = enter_event_mode() in of(&[Continuous]) => |instance| instance.enter_event();
-        fmi2NewDiscreteStates = new_discrete_states(info: *mut EventInfo) in of(&[Event]) => |instance| {
+        fmi2EnterEventMode() in of(&[Continuous]) => |instance| instance.enter_event();
+        fmi2NewDiscreteStates(info: *mut EventInfo) in of(&[Event]) => |instance| {
             let info = place(info, "eventInfo")?;
             let (any, next) = instance.handle_events()?;
             answer(info, EventInfo {
@@ -131,24 +132,24 @@ c_functions! { ($) fmi2 Two, export_fmi2 makes c_functions;
                 ..EventInfo::default()
             })
         };
-        fmi2EnterContinuousTimeMode = enter_continuous_time_mode() in of(&[Event]) => |instance| instance.enter_continuous();
-        fmi2CompletedIntegratorStep = completed_integrator_step(no_set_state_prior: Boolean, enter_event_mode: *mut Boolean,
+        fmi2EnterContinuousTimeMode() in of(&[Event]) => |instance| instance.enter_continuous();
+        fmi2CompletedIntegratorStep(no_set_state_prior: Boolean, enter_event_mode: *mut Boolean,
             terminate: *mut Boolean) in of(&[Continuous]) =>
             |instance| {
                 let (event, terminate) = (place(enter_event_mode, "enterEventMode")?, place(terminate, "terminateSimulation")?);
                 *event = instance.complete_step()?.into();
                 nothing([terminate])
             };
-        fmi2SetTime = set_time(time: Real) in of(&[Event, Continuous]) => |instance| instance.set_time(time);
-        fmi2SetContinuousStates = set_continuous_states(x: *const Real, n: usize) in of(&[Continuous]) =>
+        fmi2SetTime(time: Real) in of(&[Event, Continuous]) => |instance| instance.set_time(time);
+        fmi2SetContinuousStates(x: *const Real, n: usize) in of(&[Continuous]) =>
             |instance| instance.set_states(values(x, n, "values")?);
-        fmi2GetDerivatives = get_derivatives(rates: *mut Real, n: usize) in INTEGRABLE =>
+        fmi2GetDerivatives(rates: *mut Real, n: usize) in INTEGRABLE =>
             |instance| instance.get_rates(values_mut(rates, n, "values")?);
-        fmi2GetEventIndicators = get_event_indicators(indicators: *mut Real, n: usize) in INTEGRABLE =>
+        fmi2GetEventIndicators(indicators: *mut Real, n: usize) in INTEGRABLE =>
             |instance| instance.get_indicators(values_mut(indicators, n, "values")?);
-        fmi2GetContinuousStates = get_continuous_states(x: *mut Real, n: usize) in INTEGRABLE =>
+        fmi2GetContinuousStates(x: *mut Real, n: usize) in INTEGRABLE =>
             |instance| instance.get_states(values_mut(x, n, "values")?);
-        fmi2GetNominalsOfContinuousStates = get_nominals_of_continuous_states(nominals: *mut Real, n: usize)
+        fmi2GetNominalsOfContinuousStates(nominals: *mut Real, n: usize)
             in of(&[Instantiated, Initialization, Event, Continuous, Terminated, Error]) =>
             |instance| instance.get_nominals(values_mut(nominals, n, "values")?);
     }

@@ -9,8 +9,10 @@
 //! The functions take what a C host passes, and rely on this: an instance is NULL or points to at least eight readable
 //! bytes, and was not freed; a pointer with a count points to that many values; strings end with NUL; a saved state is
 //! NULL or was not freed. NULL in place of a value, foreign handles and calls at the wrong time are refused.
-#![allow(clippy::missing_safety_doc)] // said above for all functions
-#![allow(clippy::too_many_arguments)] // as many as the standard says
+// Said above for all functions.
+#![allow(clippy::missing_safety_doc)]
+// As many as the standard says.
+#![allow(clippy::too_many_arguments)]
 
 use std::{borrow::Cow, iter::repeat_n};
 
@@ -48,8 +50,8 @@ const NO_ELEMENTS: Outcome = Err(Refusal::Absent("this FMU provides no dependenc
 /// The table, the functions for values of a type, and those for types that no variable of a model is of: they tell so.
 macro_rules! with_types {
     (
-        {$($read:ident = $reader:ident, $write:ident = $writer:ident: $of:ty, $by:ident $to:ident($($kind:expr)?);)*}
-        {$($get:ident = $getter:ident, $set:ident = $setter:ident: $type:ty, $name:literal;)*}
+        {$($read:ident, $write:ident: $of:ty, $by:ident $to:ident($($kind:expr)?);)*}
+        {$($get:ident, $set:ident: $type:ty, $name:literal;)*}
         {$($before:tt)*}
         calls {$($calls:tt)*}
     ) => {
@@ -57,17 +59,17 @@ macro_rules! with_types {
             calls {
                 $($calls)*
                 $(
-                    $read = $reader(vr: *const ValueReference, n: usize, value: *mut $of, n_values: usize) in VISIBLE =>
+                    $read(vr: *const ValueReference, n: usize, value: *mut $of, n_values: usize) in VISIBLE =>
                         |instance| instance
                             .$by($($kind,)? &for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
-                    $write = $writer(vr: *const ValueReference, n: usize, value: *const $of, n_values: usize) in SETTABLE =>
+                    $write(vr: *const ValueReference, n: usize, value: *const $of, n_values: usize) in SETTABLE =>
                         |instance| instance
                             .$to($($kind,)? &for_values::<M>(vr, n, n_values)?, values(value, n_values, "values")?);
                 )*
                 $(
-                    $get = $getter(vr: *const ValueReference, n: usize, value: *mut $type, n_values: usize) in VISIBLE =>
+                    $get(vr: *const ValueReference, n: usize, value: *mut $type, n_values: usize) in VISIBLE =>
                         |instance| instance.none_of(references(vr, n)?, $name);
-                    $set = $setter(vr: *const ValueReference, n: usize, value: *const $type, n_values: usize) in SETTABLE =>
+                    $set(vr: *const ValueReference, n: usize, value: *const $type, n_values: usize) in SETTABLE =>
                         |instance| instance.none_of(references(vr, n)?, $name);
                 )*
             }
@@ -77,26 +79,26 @@ macro_rules! with_types {
 
 with_types! {
     {
-        fmi3GetFloat64 = get_float64, fmi3SetFloat64 = set_float64: Real, get_real set_real();
-        fmi3GetInt32 = get_int32, fmi3SetInt32 = set_int32: i32, get_whole set_whole(INT32);
-        fmi3GetInt64 = get_int64, fmi3SetInt64 = set_int64: i64, get_whole set_whole(INT64);
-        fmi3GetBoolean = get_boolean, fmi3SetBoolean = set_boolean: Boolean, get_boolean set_boolean();
+        fmi3GetFloat64, fmi3SetFloat64: Real, get_real set_real();
+        fmi3GetInt32, fmi3SetInt32: i32, get_whole set_whole(INT32);
+        fmi3GetInt64, fmi3SetInt64: i64, get_whole set_whole(INT64);
+        fmi3GetBoolean, fmi3SetBoolean: Boolean, get_boolean set_boolean();
     }
     {
-        fmi3GetFloat32 = get_float32, fmi3SetFloat32 = set_float32: f32, "Float32";
-        fmi3GetInt8 = get_int8, fmi3SetInt8 = set_int8: i8, "Int8";
-        fmi3GetUInt8 = get_uint8, fmi3SetUInt8 = set_uint8: u8, "UInt8";
-        fmi3GetInt16 = get_int16, fmi3SetInt16 = set_int16: i16, "Int16";
-        fmi3GetUInt16 = get_uint16, fmi3SetUInt16 = set_uint16: u16, "UInt16";
-        fmi3GetUInt32 = get_uint32, fmi3SetUInt32 = set_uint32: u32, "UInt32";
-        fmi3GetUInt64 = get_uint64, fmi3SetUInt64 = set_uint64: u64, "UInt64";
+        fmi3GetFloat32, fmi3SetFloat32: f32, "Float32";
+        fmi3GetInt8, fmi3SetInt8: i8, "Int8";
+        fmi3GetUInt8, fmi3SetUInt8: u8, "UInt8";
+        fmi3GetInt16, fmi3SetInt16: i16, "Int16";
+        fmi3GetUInt16, fmi3SetUInt16: u16, "UInt16";
+        fmi3GetUInt32, fmi3SetUInt32: u32, "UInt32";
+        fmi3GetUInt64, fmi3SetUInt64: u64, "UInt64";
     }
     { ($) fmi3 Three, export_fmi3 makes fmi3_functions;
     types Binary Boolean Byte Component ComponentEnvironment FmuState IntermediateUpdateCallback LogMessageCallback Real Status Text
         Unused ValueReference;
     texts { fmi3GetVersion = c"3.0"; }
     whole {
-        fmi3InstantiateModelExchange = instantiate_model_exchange(name: Text, token: Text, resources: Text, visible: Boolean,
+        fmi3InstantiateModelExchange(name: Text, token: Text, resources: Text, visible: Boolean,
             logging: Boolean, environment: ComponentEnvironment, log: Option<LogMessageCallback>) -> Component => {
                 let check = || match offered::<M>() {
                     Some(_) => Ok(Known::of(Version::Three, Interface::ModelExchange)),
@@ -108,7 +110,7 @@ with_types! {
             };
         /// Without a callback for intermediate updates, or for a model without inner steps, it does not matter which variables
         /// the host would want then, nor whether it allows early returns.
-        fmi3InstantiateCoSimulation = instantiate_co_simulation(name: Text, token: Text, resources: Text, visible: Boolean,
+        fmi3InstantiateCoSimulation(name: Text, token: Text, resources: Text, visible: Boolean,
             logging: Boolean, event_mode: Boolean, early_return: Boolean, intermediate: *const ValueReference,
             n_intermediate: usize, environment: ComponentEnvironment, log: Option<LogMessageCallback>,
             update: Option<IntermediateUpdateCallback>) -> Component => {
@@ -133,7 +135,7 @@ with_types! {
                 instantiate_by::<M>("fmi3InstantiateCoSimulation", form, [name, token, resources], |_| Some(logger), check)
             };
         /// Refused.
-        fmi3InstantiateScheduledExecution = instantiate_scheduled_execution(name: Text, token: Text, resources: Text,
+        fmi3InstantiateScheduledExecution(name: Text, token: Text, resources: Text,
             visible: Boolean, logging: Boolean, environment: ComponentEnvironment, log: Option<LogMessageCallback>,
             update: Unused, lock: Unused, unlock: Unused) -> Component => {
                 let logger = Logger::new(log.map(Callback::Three), environment, logging != FALSE);
@@ -141,61 +143,61 @@ with_types! {
                 let form = (Version::Three, false);
                 instantiate_by::<M>("fmi3InstantiateScheduledExecution", form, [name, token, resources], |_| Some(logger), check)
             };
-        fmi3FreeInstance = free_instance(component: Component) => Handle::<M>::end(component, Version::Three);
+        fmi3FreeInstance(component: Component) => Handle::<M>::end(component, Version::Three);
         /// After a discarded step the instance is where it was, in step mode: the host may try a shorter one. A host that
         /// looks into the step is called while the instance is free for it.
-        fmi3DoStep = do_step(component: Component, from: Real, step: Real, no_set_state_prior: Boolean,
+        fmi3DoStep(component: Component, from: Real, step: Real, no_set_state_prior: Boolean,
             event_handling_needed: *mut Boolean, terminate_simulation: *mut Boolean, early_return: *mut Boolean,
             last_successful_time: *mut Real) -> Status =>
             take_step::<M>(component, from, step, [event_handling_needed, terminate_simulation, early_return], last_successful_time);
     }
     }
     calls {
-        fmi3SetDebugLogging = set_debug_logging(on: Boolean, n: usize, categories: *const Text) in ALIVE =>
+        fmi3SetDebugLogging(on: Boolean, n: usize, categories: *const Text) in ALIVE =>
             |instance| instance.set_logging(on != FALSE, &texts(categories, n, "categories")?);
-        fmi3EnterInitializationMode = enter_initialization_mode(tolerance_defined: Boolean, tolerance: Real, start: Real,
+        fmi3EnterInitializationMode(tolerance_defined: Boolean, tolerance: Real, start: Real,
             stop_defined: Boolean, stop: Real) in of(&[Instantiated]) => |instance| {
                 let tolerance = (tolerance_defined != FALSE).then_some(tolerance);
                 instance.setup(tolerance, start, (stop_defined != FALSE).then_some(stop))?;
                 instance.enter_initialization()
             };
-        fmi3ExitInitializationMode = exit_initialization_mode() in of(&[Initialization]) => |instance| instance.exit_initialization();
-        fmi3EnterEventMode = enter_event_mode() in of(&[StepComplete, Continuous]) => |instance| instance.enter_event();
-        fmi3Terminate = terminate() in of(&[StepComplete, Event, Continuous]) => |instance| instance.terminate();
-        fmi3Reset = reset() in ALIVE => |instance| instance.reset();
+        fmi3ExitInitializationMode() in of(&[Initialization]) => |instance| instance.exit_initialization();
+        fmi3EnterEventMode() in of(&[StepComplete, Continuous]) => |instance| instance.enter_event();
+        fmi3Terminate() in of(&[StepComplete, Event, Continuous]) => |instance| instance.terminate();
+        fmi3Reset() in ALIVE => |instance| instance.reset();
 
-        fmi3GetString = get_string(vr: *const ValueReference, n: usize, value: *mut Text, n_values: usize) in VISIBLE =>
+        fmi3GetString(vr: *const ValueReference, n: usize, value: *mut Text, n_values: usize) in VISIBLE =>
             |instance| instance.get_string(&for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
-        fmi3GetBinary = get_binary(vr: *const ValueReference, n: usize, sizes: *mut usize, value: *mut Binary, n_values: usize)
+        fmi3GetBinary(vr: *const ValueReference, n: usize, sizes: *mut usize, value: *mut Binary, n_values: usize)
             in VISIBLE => |instance| instance.none_of(references(vr, n)?, "Binary");
-        fmi3GetClock = get_clock(vr: *const ValueReference, n: usize, value: *mut Boolean) in VISIBLE =>
+        fmi3GetClock(vr: *const ValueReference, n: usize, value: *mut Boolean) in VISIBLE =>
             |instance| instance.get_clock(references(vr, n)?, values_mut(value, n, "values")?);
 
-        fmi3SetString = set_string(vr: *const ValueReference, n: usize, value: *const Text, n_values: usize) in SETTABLE =>
+        fmi3SetString(vr: *const ValueReference, n: usize, value: *const Text, n_values: usize) in SETTABLE =>
             |instance| instance.set_string(&for_values::<M>(vr, n, n_values)?, &texts(value, n_values, "values")?);
-        fmi3SetBinary = set_binary(vr: *const ValueReference, n: usize, sizes: *const usize, value: *const Binary, n_values: usize)
+        fmi3SetBinary(vr: *const ValueReference, n: usize, sizes: *const usize, value: *const Binary, n_values: usize)
             in SETTABLE => |instance| instance.none_of(references(vr, n)?, "Binary");
-        fmi3SetClock = set_clock(vr: *const ValueReference, n: usize, value: *const Boolean) in SETTABLE =>
+        fmi3SetClock(vr: *const ValueReference, n: usize, value: *const Boolean) in SETTABLE =>
             |instance| instance.set_clock(references(vr, n)?, values(value, n, "values")?);
 
-        fmi3GetNumberOfVariableDependencies = get_number_of_variable_dependencies(vr: ValueReference, n: *mut usize) in ALIVE =>
+        fmi3GetNumberOfVariableDependencies(vr: ValueReference, n: *mut usize) in ALIVE =>
             |_| NO_ELEMENTS;
-        fmi3GetVariableDependencies = get_variable_dependencies(dependent: ValueReference, elements: *mut usize,
+        fmi3GetVariableDependencies(dependent: ValueReference, elements: *mut usize,
             independents: *mut ValueReference, independent_elements: *mut usize, kinds: *mut i32, n: usize) in ALIVE =>
             |_| NO_ELEMENTS;
 
-        fmi3GetFMUState = get_fmu_state(state: *mut FmuState) in ALIVE => |instance| instance.save(place(state, "FMUState")?);
-        fmi3SetFMUState = set_fmu_state(state: FmuState) in ALIVE => |instance| instance.restore(state);
+        fmi3GetFMUState(state: *mut FmuState) in ALIVE => |instance| instance.save(place(state, "FMUState")?);
+        fmi3SetFMUState(state: FmuState) in ALIVE => |instance| instance.restore(state);
         /// NULL, and a pointer to NULL, are left alone.
-        fmi3FreeFMUState = free_fmu_state(state: *mut FmuState) in ALIVE => |instance| instance.free_state(state);
-        fmi3SerializedFMUStateSize = serialized_fmu_state_size(state: FmuState, size: *mut usize) in ALIVE =>
+        fmi3FreeFMUState(state: *mut FmuState) in ALIVE => |instance| instance.free_state(state);
+        fmi3SerializedFMUStateSize(state: FmuState, size: *mut usize) in ALIVE =>
             |instance| answer(place(size, "size")?, instance.serialize(state)?.len());
-        fmi3SerializeFMUState = serialize_fmu_state(state: FmuState, bytes: *mut Byte, size: usize) in ALIVE =>
+        fmi3SerializeFMUState(state: FmuState, bytes: *mut Byte, size: usize) in ALIVE =>
             |instance| instance.serialize_to(state, bytes, size);
-        fmi3DeserializeFMUState = deserialize_fmu_state(bytes: *const Byte, size: usize, state: *mut FmuState) in ALIVE =>
+        fmi3DeserializeFMUState(bytes: *const Byte, size: usize, state: *mut FmuState) in ALIVE =>
             |instance| instance.deserialize(values(bytes, size, "serializedState")?, place(state, "FMUState")?);
 
-        fmi3GetDirectionalDerivative = get_directional_derivative(unknowns: *const ValueReference, n_unknowns: usize,
+        fmi3GetDirectionalDerivative(unknowns: *const ValueReference, n_unknowns: usize,
             knowns: *const ValueReference, n_knowns: usize, seed: *const Real, n_seed: usize, sensitivity: *mut Real,
             n_sensitivity: usize) in DERIVABLE => |instance| {
                 let knowns = elements::<M>(knowns, n_knowns, "knowns", ("nSeed", n_seed))?;
@@ -203,7 +205,7 @@ with_types! {
                 let (seed, sensitivity) = (values(seed, n_seed, "seed")?, values_mut(sensitivity, n_sensitivity, "sensitivity")?);
                 instance.get_directional_derivative(&unknowns, &knowns, seed, sensitivity)
             };
-        fmi3GetAdjointDerivative = get_adjoint_derivative(unknowns: *const ValueReference, n_unknowns: usize,
+        fmi3GetAdjointDerivative(unknowns: *const ValueReference, n_unknowns: usize,
             knowns: *const ValueReference, n_knowns: usize, seed: *const Real, n_seed: usize, sensitivity: *mut Real,
             n_sensitivity: usize) in DERIVABLE => |instance| {
                 let unknowns = elements::<M>(unknowns, n_unknowns, "unknowns", ("nSeed", n_seed))?;
@@ -211,7 +213,7 @@ with_types! {
                 let (seed, sensitivity) = (values(seed, n_seed, "seed")?, values_mut(sensitivity, n_sensitivity, "sensitivity")?);
                 instance.get_adjoint_derivative(&unknowns, &knowns, seed, sensitivity)
             };
-        fmi3GetOutputDerivatives = get_output_derivatives(vr: *const ValueReference, n: usize, orders: *const i32, value: *mut Real,
+        fmi3GetOutputDerivatives(vr: *const ValueReference, n: usize, orders: *const i32, value: *mut Real,
             n_values: usize) in of(&[StepComplete, StepFailed, Terminated, Error, Intermediate]) => |instance| {
                 let all = for_values::<M>(vr, n, n_values)?;
                 let given = references(vr, n)?.iter().zip(values(orders, n, "orders")?);
@@ -219,27 +221,27 @@ with_types! {
                 instance.get_output_derivatives(&all, &orders, values_mut(value, n_values, "values")?)
             };
 
-        fmi3EnterConfigurationMode = enter_configuration_mode() in ALIVE => |_| NO_STRUCTURE;
-        fmi3ExitConfigurationMode = exit_configuration_mode() in ALIVE => |_| NO_STRUCTURE;
-        fmi3GetIntervalDecimal = get_interval_decimal(vr: *const ValueReference, n: usize, intervals: *mut Real,
+        fmi3EnterConfigurationMode() in ALIVE => |_| NO_STRUCTURE;
+        fmi3ExitConfigurationMode() in ALIVE => |_| NO_STRUCTURE;
+        fmi3GetIntervalDecimal(vr: *const ValueReference, n: usize, intervals: *mut Real,
             qualifiers: *mut i32) in ALIVE => |_| NO_CLOCKS;
-        fmi3GetIntervalFraction = get_interval_fraction(vr: *const ValueReference, n: usize, counters: *mut u64,
+        fmi3GetIntervalFraction(vr: *const ValueReference, n: usize, counters: *mut u64,
             resolutions: *mut u64, qualifiers: *mut i32) in ALIVE => |_| NO_CLOCKS;
-        fmi3GetShiftDecimal = get_shift_decimal(vr: *const ValueReference, n: usize, shifts: *mut Real) in ALIVE => |_| NO_CLOCKS;
-        fmi3GetShiftFraction = get_shift_fraction(vr: *const ValueReference, n: usize, counters: *mut u64, resolutions: *mut u64)
+        fmi3GetShiftDecimal(vr: *const ValueReference, n: usize, shifts: *mut Real) in ALIVE => |_| NO_CLOCKS;
+        fmi3GetShiftFraction(vr: *const ValueReference, n: usize, counters: *mut u64, resolutions: *mut u64)
             in ALIVE => |_| NO_CLOCKS;
-        fmi3SetIntervalDecimal = set_interval_decimal(vr: *const ValueReference, n: usize, intervals: *const Real) in ALIVE =>
+        fmi3SetIntervalDecimal(vr: *const ValueReference, n: usize, intervals: *const Real) in ALIVE =>
             |_| NO_CLOCKS;
-        fmi3SetIntervalFraction = set_interval_fraction(vr: *const ValueReference, n: usize, counters: *const u64,
+        fmi3SetIntervalFraction(vr: *const ValueReference, n: usize, counters: *const u64,
             resolutions: *const u64) in ALIVE => |_| NO_CLOCKS;
-        fmi3SetShiftDecimal = set_shift_decimal(vr: *const ValueReference, n: usize, shifts: *const Real) in ALIVE => |_| NO_CLOCKS;
-        fmi3SetShiftFraction = set_shift_fraction(vr: *const ValueReference, n: usize, counters: *const u64,
+        fmi3SetShiftDecimal(vr: *const ValueReference, n: usize, shifts: *const Real) in ALIVE => |_| NO_CLOCKS;
+        fmi3SetShiftFraction(vr: *const ValueReference, n: usize, counters: *const u64,
             resolutions: *const u64) in ALIVE => |_| NO_CLOCKS;
-        fmi3ActivateModelPartition = activate_model_partition(clock: ValueReference, time: Real) in ALIVE => |_| NO_CLOCKS;
-        fmi3EnterStepMode = enter_step_mode() in ALIVE => |instance| instance.enter_step();
-        fmi3EvaluateDiscreteStates = evaluate_discrete_states() in ALIVE => |_| NO_EVALUATION;
+        fmi3ActivateModelPartition(clock: ValueReference, time: Real) in ALIVE => |_| NO_CLOCKS;
+        fmi3EnterStepMode() in ALIVE => |instance| instance.enter_step();
+        fmi3EvaluateDiscreteStates() in ALIVE => |_| NO_EVALUATION;
 
-        fmi3UpdateDiscreteStates = update_discrete_states(again: *mut Boolean, terminate: *mut Boolean, nominals: *mut Boolean,
+        fmi3UpdateDiscreteStates(again: *mut Boolean, terminate: *mut Boolean, nominals: *mut Boolean,
             states: *mut Boolean, defined: *mut Boolean, time: *mut Real) in of(&[Event]) => |instance| {
                 let (again, states) =
                     (place(again, "discreteStatesNeedUpdate")?, place(states, "valuesOfContinuousStatesChanged")?);
@@ -250,30 +252,30 @@ with_types! {
                 (*defined, *time) = (next.is_some().into(), next.unwrap_or_default());
                 nothing(never)
             };
-        fmi3EnterContinuousTimeMode = enter_continuous_time_mode() in of(&[Event]) => |instance| instance.enter_continuous();
-        fmi3CompletedIntegratorStep = completed_integrator_step(no_set_state_prior: Boolean, enter_event_mode: *mut Boolean,
+        fmi3EnterContinuousTimeMode() in of(&[Event]) => |instance| instance.enter_continuous();
+        fmi3CompletedIntegratorStep(no_set_state_prior: Boolean, enter_event_mode: *mut Boolean,
             terminate: *mut Boolean) in of(&[Continuous]) =>
             |instance| {
                 let (event, terminate) = (place(enter_event_mode, "enterEventMode")?, place(terminate, "terminateSimulation")?);
                 *event = instance.complete_step()?.into();
                 nothing([terminate])
             };
-        fmi3SetTime = set_time(time: Real) in of(&[Event, Continuous]) => |instance| instance.set_time(time);
-        fmi3SetContinuousStates = set_continuous_states(states: *const Real, n: usize) in of(&[Continuous]) =>
+        fmi3SetTime(time: Real) in of(&[Event, Continuous]) => |instance| instance.set_time(time);
+        fmi3SetContinuousStates(states: *const Real, n: usize) in of(&[Continuous]) =>
             |instance| instance.set_states(values(states, n, "values")?);
-        fmi3GetContinuousStateDerivatives = get_continuous_state_derivatives(rates: *mut Real, n: usize) in INTEGRABLE =>
+        fmi3GetContinuousStateDerivatives(rates: *mut Real, n: usize) in INTEGRABLE =>
             |instance| instance.get_rates(values_mut(rates, n, "values")?);
-        fmi3GetEventIndicators = get_event_indicators(indicators: *mut Real, n: usize) in INTEGRABLE =>
+        fmi3GetEventIndicators(indicators: *mut Real, n: usize) in INTEGRABLE =>
             |instance| instance.get_indicators(values_mut(indicators, n, "values")?);
-        fmi3GetContinuousStates = get_continuous_states(states: *mut Real, n: usize) in INTEGRABLE =>
+        fmi3GetContinuousStates(states: *mut Real, n: usize) in INTEGRABLE =>
             |instance| instance.get_states(values_mut(states, n, "values")?);
-        fmi3GetNominalsOfContinuousStates = get_nominals_of_continuous_states(nominals: *mut Real, n: usize) in ALIVE =>
+        fmi3GetNominalsOfContinuousStates(nominals: *mut Real, n: usize) in ALIVE =>
             |instance| instance.get_nominals(values_mut(nominals, n, "values")?);
-        fmi3GetNumberOfEventIndicators = get_number_of_event_indicators(n: *mut usize) in ALIVE => |instance| {
+        fmi3GetNumberOfEventIndicators(n: *mut usize) in ALIVE => |instance| {
             let indicators = instance.indicators()?;
             answer(place(n, "nEventIndicators")?, indicators)
         };
-        fmi3GetNumberOfContinuousStates = get_number_of_continuous_states(n: *mut usize) in ALIVE => |instance| {
+        fmi3GetNumberOfContinuousStates(n: *mut usize) in ALIVE => |instance| {
             let states = instance.states()?;
             answer(place(n, "nContinuousStates")?, states)
         };

@@ -3,7 +3,8 @@
 use std::{collections::HashMap, fmt::Debug};
 
 use super::{
-    Access, DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, Unit, Variable, elements, indicators, offered,
+    Access, DisplayUnit, Enumeration, Info, Kind, Model, Quantity, Role, Unit, Variable, elements, indicators, inside,
+    named, offered,
 };
 
 /// The mistakes in a model's [`Info`] and variable table, a sentence each; none for a sound model.
@@ -31,7 +32,7 @@ pub fn faults<M: Model>() -> Vec<String> {
     check_arrays::<M>(&mut faults);
     let start = M::default();
     for variable in M::variables() {
-        let mut fault = |text| faults.push(format!("{}: {text}", variable.name));
+        let mut fault = |text: &str| faults.push(format!("{}: {text}", variable.name));
         check_role(variable, &mut fault);
         check_kind(variable, &start, &mut fault);
     }
@@ -92,7 +93,7 @@ fn check_states<M: Model>(faults: &mut Vec<String>) {
     let Some(exchange) = &M::EXCHANGE else { return };
     for state in (exchange.states)() {
         let name = state.name;
-        if M::variables().iter().any(|variable| variable.name == name) {
+        if named::<M>(name).is_some() {
             faults.push(format!("{name}: a state and a variable have this name"));
         }
         if !(state.nominal > 0.0 && state.nominal.is_finite()) {
@@ -100,14 +101,13 @@ fn check_states<M: Model>(faults: &mut Vec<String>) {
         }
     }
     for left_out in (exchange.without)() {
-        if M::variables().iter().all(|variable| variable.name != *left_out) {
+        if named::<M>(left_out).is_none() {
             faults.push(format!("{left_out}: Model Exchange leaves it out, but there is no such variable"));
         }
     }
 }
 
 fn check_events<M: Model>(faults: &mut Vec<String>) {
-    let known = |name: &str| M::variables().iter().find(|variable| variable.name == name);
     let is_clock = |variable: &Variable<M>| matches!(variable.kind, Kind::Clock { .. });
     for variable in M::variables() {
         let name = variable.name;
@@ -116,7 +116,7 @@ fn check_events<M: Model>(faults: &mut Vec<String>) {
         }
         let Some(clock) = variable.clock else { continue };
         let computed = matches!(variable.role, Role::Output | Role::Local);
-        if !computed || !known(clock).is_some_and(is_clock) {
+        if !computed || !named::<M>(clock).is_some_and(is_clock) {
             faults.push(format!("{name}: the model must compute what ticks with a clock, and {clock:?} must be one"));
         }
     }
@@ -124,7 +124,8 @@ fn check_events<M: Model>(faults: &mut Vec<String>) {
         faults.push("a model with events has no INNER_STEP".to_owned());
     }
     for name in indicators::<M>() {
-        if !known(name).is_some_and(|variable| matches!(variable.kind, Kind::Real(_))) || without::<M>().contains(name)
+        if !named::<M>(name).is_some_and(|variable| matches!(variable.kind, Kind::Real(_)))
+            || without::<M>().contains(name)
         {
             faults.push(format!("{name}: an indicator is a real variable, also in Model Exchange"));
         }
@@ -155,7 +156,7 @@ fn check_arrays<M: Model>(faults: &mut Vec<String>) {
             let (name, count) = (head.name, head.elements);
             faults.push(format!("{name}: the {count} elements of an array stand in the table as name[1], name[2], ..., with the same role, type, unit, range and clock, and are no clocks"));
         }
-        if array != head.name && M::variables().iter().any(|other| other.name == array) {
+        if array != head.name && named::<M>(array).is_some() {
             faults.push(format!("{array}: an array and a variable have this name"));
         }
         for list in [without::<M>(), indicators::<M>()] {
@@ -199,7 +200,7 @@ fn check_definitions<M: Model>(faults: &mut Vec<String>) {
                 if *types.entry(of.name).or_insert(of) != of {
                     faults.push(format!("there are two enumerations {}", of.name));
                 }
-                if M::variables().iter().any(|other| other.name == of.name) {
+                if named::<M>(of.name).is_some() {
                     faults.push(format!("a variable and an enumeration are called {}", of.name));
                 }
             }
@@ -208,7 +209,7 @@ fn check_definitions<M: Model>(faults: &mut Vec<String>) {
     }
 }
 
-fn check_role<M>(variable: &Variable<M>, fault: &mut impl FnMut(String)) {
+fn check_role<M>(variable: &Variable<M>, fault: &mut impl FnMut(&str)) {
     let set = match &variable.kind {
         Kind::Real(real) => real.access.set.is_some(),
         Kind::Integer { access, .. } | Kind::Enumeration { access, .. } => access.set.is_some(),
@@ -218,19 +219,19 @@ fn check_role<M>(variable: &Variable<M>, fault: &mut impl FnMut(String)) {
     };
     match (variable.role, set) {
         (Role::Output | Role::Local, true) => {
-            fault("the model computes it, so that it cannot be set".to_owned());
+            fault("the model computes it, so that it cannot be set");
         }
         (Role::Input | Role::Parameter | Role::TunableParameter, false) => {
-            fault("hosts set it, so that it must be possible to set it".to_owned());
+            fault("hosts set it, so that it must be possible to set it");
         }
         _ => {}
     }
     if variable.role != Role::Output && !variable.depends_on.is_empty() {
-        fault("only outputs have dependencies".to_owned());
+        fault("only outputs have dependencies");
     }
 }
 
-fn check_kind<M>(variable: &Variable<M>, start: &M, fault: &mut impl FnMut(String)) {
+fn check_kind<M>(variable: &Variable<M>, start: &M, fault: &mut impl FnMut(&str)) {
     match &variable.kind {
         Kind::Real(real) => {
             let (access, unit) = (&real.access, real.unit);
@@ -238,28 +239,28 @@ fn check_kind<M>(variable: &Variable<M>, start: &M, fault: &mut impl FnMut(Strin
             let numbers = [real.min, real.max, real.nominal, Some((access.get)(start))];
             let settable = access.set.is_some();
             if settable && numbers.into_iter().flatten().any(|x| !x.is_finite()) {
-                fault("its start value, range and nominal value must be finite".to_owned());
+                fault("its start value, range and nominal value must be finite");
             }
             if let Some(display) = real.display
                 && unit.display.iter().all(|known| known.name != display)
             {
-                fault(format!("{display} is not a display unit of {}", unit.name));
+                fault(&format!("{display} is not a display unit of {}", unit.name));
             }
             if (real.nominal).is_some_and(|nominal| nominal.is_nan() || nominal <= 0.0) {
-                fault("its nominal value must be above 0".to_owned());
+                fault("its nominal value must be above 0");
             }
             if real.slope.is_some() && variable.role != Role::Input {
-                fault("only inputs have slopes".to_owned());
+                fault("only inputs have slopes");
             }
             if real.derivative.is_some() && variable.role != Role::Output {
-                fault("only outputs have derivatives".to_owned());
+                fault("only outputs have derivatives");
             }
         }
         Kind::Integer { access, min, max } => check_range(access, start, *min, *max, fault),
         Kind::Enumeration { access, of } => {
             let value = (access.get)(start);
             if of.items.iter().all(|item| item.value != value) {
-                fault(format!("its start value {value} is no item of {}", of.name));
+                fault(&format!("its start value {value} is no item of {}", of.name));
             }
         }
         Kind::Boolean { .. } | Kind::String { .. } | Kind::Clock { .. } => {}
@@ -271,16 +272,15 @@ fn check_range<M, T: PartialOrd + Copy + Debug>(
     start: &M,
     min: Option<T>,
     max: Option<T>,
-    fault: &mut impl FnMut(String),
+    fault: &mut impl FnMut(&str),
 ) {
     if let (Some(min), Some(max)) = (min, max)
         && min > max
     {
-        fault(format!("its range from {min:?} to {max:?} is empty"));
+        fault(&format!("its range from {min:?} to {max:?} is empty"));
     }
     let value = (access.get)(start);
-    let within = min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max);
-    if access.set.is_some() && !within {
-        fault(format!("its start value {value:?} is out of its range"));
+    if access.set.is_some() && !inside(value, min, max) {
+        fault(&format!("its start value {value:?} is out of its range"));
     }
 }

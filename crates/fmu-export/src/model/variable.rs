@@ -222,6 +222,16 @@ pub fn elements<M: Model>(place: usize) -> &'static [Variable<M>] {
     table.get(place..place + count).unwrap_or_default()
 }
 
+/// The variable of a name.
+pub fn named<M: Model>(name: &str) -> Option<&'static Variable<M>> {
+    M::variables().iter().find(|variable| variable.name == name)
+}
+
+/// Whether a value lies within the bounds, if there are any.
+pub fn inside<T: PartialOrd>(value: T, min: Option<T>, max: Option<T>) -> bool {
+    min.is_none_or(|min| value >= min) && max.is_none_or(|max| value <= max)
+}
+
 /// Checks every parameter and input of a model against its declared range.
 ///
 /// # Errors

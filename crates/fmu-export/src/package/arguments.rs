@@ -22,9 +22,9 @@ Example: cargo run -- --output dist/Tank.fmu";
 /// The packer's command line.
 #[derive(Debug, PartialEq)]
 pub struct Arguments {
-    pub(super) output: Option<PathBuf>,
-    pub(super) profile: String,
-    pub(super) form: Form,
+    pub output: Option<PathBuf>,
+    pub profile: String,
+    pub form: Form,
     targets: Vec<String>,
     added: Vec<(String, PathBuf)>,
 }

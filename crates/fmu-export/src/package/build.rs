@@ -13,8 +13,10 @@ use super::{Binary, Form, PackageError};
 pub mod platform {
     use crate::{description::Version, package::Form};
 
-    /// The folders of FMI 2.0 and 3.0, with the processors and systems as Rust names them.
-    const ALL: [(&str, &str, &[&str], &[&str]); 7] = [
+    /// Its folders of FMI 2.0 and 3.0, with the processors and systems as Rust names them.
+    type Platform = (&'static str, &'static str, &'static [&'static str], &'static [&'static str]);
+
+    const ALL: [Platform; 7] = [
         ("linux64", "x86_64-linux", &["x86_64"], &["linux"]),
         ("linux32", "x86-linux", &["i586", "i686", "x86"], &["linux"]),
         ("win64", "x86_64-windows", &["x86_64"], &["windows"]),
@@ -24,11 +26,12 @@ pub mod platform {
         ("aarch64-linux", "aarch64-linux", &["aarch64"], &["linux"]),
     ];
 
-    fn folder(form: Form, (two, three): (&'static str, &'static str)) -> &'static str {
-        match form.version {
+    fn folder(form: Form, is_meant: impl Fn(&&Platform) -> bool) -> Option<&'static str> {
+        let (two, three, ..) = ALL.iter().find(is_meant)?;
+        Some(match form.version {
             Version::Two => two,
             Version::Three => three,
-        }
+        })
     }
 
     /// The names that a user may write: those of FMI 2.0.
@@ -40,15 +43,12 @@ pub mod platform {
 
     /// The folder of the platform with this name, which may be that of either version.
     pub fn named(name: &str, form: Form) -> Option<&'static str> {
-        let known = (ALL.iter()).find(|(two, three, ..)| *two == name || *three == name)?;
-        Some(folder(form, (known.0, known.1)))
+        folder(form, |(two, three, ..)| *two == name || *three == name)
     }
 
     /// The folder for a processor and an operating system, as Rust names them.
     pub fn of(processor: &str, system: &str, form: Form) -> Option<&'static str> {
-        let known = (ALL.iter())
-            .find(|(.., processors, systems)| processors.contains(&processor) && systems.contains(&system))?;
-        Some(folder(form, (known.0, known.1)))
+        folder(form, |(.., processors, systems)| processors.contains(&processor) && systems.contains(&system))
     }
 }
 

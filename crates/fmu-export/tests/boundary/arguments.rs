@@ -17,9 +17,9 @@ fn strange_handles_are_refused() {
     for component in [null_mut(), component, state] {
         // SAFETY: NULL, or readable memory that is no component.
         unsafe {
-            assert_eq!(calls::reset::<Lag>(component), Error);
-            assert_eq!(calls::get_real::<Lag>(component, null(), 0, null_mut()), Error);
-            calls::free_instance::<Lag>(component);
+            assert_eq!(calls::fmi2Reset::<Lag>(component), Error);
+            assert_eq!(calls::fmi2GetReal::<Lag>(component, null(), 0, null_mut()), Error);
+            calls::fmi2FreeInstance::<Lag>(component);
         }
     }
     let mut host = Host::started();
@@ -37,14 +37,14 @@ fn null_is_welcome_where_nothing_is_asked_for() {
     // SAFETY: no values, no pointers.
     unsafe {
         let component = host.component;
-        assert_eq!(calls::get_real::<Lag>(component, null(), 0, null_mut()), Ok);
-        assert_eq!(calls::set_string::<Lag>(component, null(), 0, null()), Ok);
-        assert_eq!(calls::set_debug_logging::<Lag>(component, 1, 0, null()), Ok);
-        assert_eq!(calls::free_fmu_state::<Lag>(component, null_mut()), Ok);
-        assert_eq!(calls::get_real::<Lag>(component, null(), 1, &mut 0.0), Error);
-        assert_eq!(calls::get_real::<Lag>(component, &0, 1, null_mut()), Error);
-        assert_eq!(calls::get_real::<Lag>(component, &0, usize::MAX, &mut 0.0), Error);
-        assert_eq!(calls::set_string::<Lag>(component, &8, 1, &null()), Error);
+        assert_eq!(calls::fmi2GetReal::<Lag>(component, null(), 0, null_mut()), Ok);
+        assert_eq!(calls::fmi2SetString::<Lag>(component, null(), 0, null()), Ok);
+        assert_eq!(calls::fmi2SetDebugLogging::<Lag>(component, 1, 0, null()), Ok);
+        assert_eq!(calls::fmi2FreeFMUstate::<Lag>(component, null_mut()), Ok);
+        assert_eq!(calls::fmi2GetReal::<Lag>(component, null(), 1, &mut 0.0), Error);
+        assert_eq!(calls::fmi2GetReal::<Lag>(component, &0, 1, null_mut()), Error);
+        assert_eq!(calls::fmi2GetReal::<Lag>(component, &0, usize::MAX, &mut 0.0), Error);
+        assert_eq!(calls::fmi2SetString::<Lag>(component, &8, 1, &null()), Error);
     }
     if cfg!(miri) {
         return;
@@ -92,7 +92,7 @@ fn unusable_values_are_refused_by_name_and_change_nothing() {
     }
     // The first of two is right, the second is not: neither is set.
     // SAFETY: two values each.
-    let status = unsafe { calls::set_real::<Lag>(host.component, [0, 999].as_ptr(), 2, [5.0, 5.0].as_ptr()) };
+    let status = unsafe { calls::fmi2SetReal::<Lag>(host.component, [0, 999].as_ptr(), 2, [5.0, 5.0].as_ptr()) };
     assert_eq!(status, Error);
     assert_eq!(host.get("input"), 0.0);
     assert_eq!(host.step(0.0, 0.1), Ok, "still usable");
@@ -105,7 +105,7 @@ fn the_log_obeys_its_categories_and_takes_texts_as_data() {
     assert_eq!(host.set_string("label", c"%s%n%d"), Ok);
     let switch = |on, categories: &[_]| {
         // SAFETY: as many texts as are counted.
-        unsafe { calls::set_debug_logging::<Lag>(host.component, on, categories.len(), categories.as_ptr()) }
+        unsafe { calls::fmi2SetDebugLogging::<Lag>(host.component, on, categories.len(), categories.as_ptr()) }
     };
     assert_eq!(switch(1, &[c"lag".as_ptr()]), Ok);
     assert_eq!([host.enter(), host.exit()], [Ok; 2]);
@@ -154,7 +154,7 @@ impl Shared {
     fn steps(self, late: f64) -> i32 {
         let step = || {
             // SAFETY: the component lives until both threads have ended.
-            let status = unsafe { calls::do_step::<Lag>(self.0, late, 1e-9, TRUE) };
+            let status = unsafe { calls::fmi2DoStep::<Lag>(self.0, late, 1e-9, TRUE) };
             assert!(status == Ok || status == Error, "{status:?}");
             status == Ok
         };

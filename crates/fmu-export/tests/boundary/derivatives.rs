@@ -51,7 +51,7 @@ fn directional_derivatives() {
     let derivative = |unknown, known, direction| {
         // SAFETY: one value each.
         unsafe {
-            calls::get_directional_derivative::<Lag>(
+            calls::fmi2GetDirectionalDerivative::<Lag>(
                 host.component,
                 &vr(unknown),
                 1,

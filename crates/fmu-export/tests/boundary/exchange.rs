@@ -30,7 +30,7 @@ mod functions {
 
     pub fn new_states(host: &Host) -> Status {
         let mut info = EventInfo { next_event_time_defined: 7, ..EventInfo::default() };
-        let status = unsafe { calls::new_discrete_states::<Lag>(host.component, &mut info) };
+        let status = unsafe { calls::fmi2NewDiscreteStates::<Lag>(host.component, &mut info) };
         if status == Ok {
             assert_eq!(info.next_event_time_defined + info.new_discrete_states_needed, 0);
         }
@@ -38,41 +38,41 @@ mod functions {
     }
 
     pub fn enter_continuous(host: &Host) -> Status {
-        unsafe { calls::enter_continuous_time_mode::<Lag>(host.component) }
+        unsafe { calls::fmi2EnterContinuousTimeMode::<Lag>(host.component) }
     }
 
     pub fn enter_event(host: &Host) -> Status {
-        unsafe { calls::enter_event_mode::<Lag>(host.component) }
+        unsafe { calls::fmi2EnterEventMode::<Lag>(host.component) }
     }
 
     pub fn set_time(host: &Host, time: f64) -> Status {
-        unsafe { calls::set_time::<Lag>(host.component, time) }
+        unsafe { calls::fmi2SetTime::<Lag>(host.component, time) }
     }
 
     pub fn set_state(host: &Host, state: &[f64]) -> Status {
-        unsafe { calls::set_continuous_states::<Lag>(host.component, state.as_ptr(), state.len()) }
+        unsafe { calls::fmi2SetContinuousStates::<Lag>(host.component, state.as_ptr(), state.len()) }
     }
 
     pub fn set(host: &Host, reference: u32) -> Status {
-        unsafe { calls::set_real::<Lag>(host.component, &reference, 1, &1.0) }
+        unsafe { calls::fmi2SetReal::<Lag>(host.component, &reference, 1, &1.0) }
     }
 
     pub fn state(host: &Host) -> f64 {
         let mut state = f64::NAN;
-        let status = unsafe { calls::get_continuous_states::<Lag>(host.component, &mut state, 1) };
+        let status = unsafe { calls::fmi2GetContinuousStates::<Lag>(host.component, &mut state, 1) };
         assert_eq!(status, Ok);
         state
     }
 
     pub fn rate(host: &Host) -> Result<f64, Status> {
         let mut rate = f64::NAN;
-        let status = unsafe { calls::get_derivatives::<Lag>(host.component, &mut rate, 1) };
+        let status = unsafe { calls::fmi2GetDerivatives::<Lag>(host.component, &mut rate, 1) };
         if status == Ok { Result::Ok(rate) } else { Err(status) }
     }
 
     pub fn get(host: &Host, reference: u32) -> f64 {
         let mut value = f64::NAN;
-        let status = unsafe { calls::get_real::<Lag>(host.component, &reference, 1, &mut value) };
+        let status = unsafe { calls::fmi2GetReal::<Lag>(host.component, &reference, 1, &mut value) };
         assert_eq!(status, Ok);
         value
     }
@@ -80,7 +80,7 @@ mod functions {
     pub fn completed(host: &Host) -> (Status, [i32; 2]) {
         let mut flags = [7; 2];
         let [event, end] = &mut flags;
-        let status = unsafe { calls::completed_integrator_step::<Lag>(host.component, 1, event, end) };
+        let status = unsafe { calls::fmi2CompletedIntegratorStep::<Lag>(host.component, 1, event, end) };
         (status, flags)
     }
 }
@@ -157,11 +157,11 @@ fn what_cannot_be_is_refused_and_changes_nothing() {
     // SAFETY: NULL is what the test is about.
     unsafe {
         let component = host.component;
-        assert_eq!(calls::set_continuous_states::<Lag>(component, null(), 1), Error);
-        assert_eq!(calls::get_derivatives::<Lag>(component, null_mut(), 1), Error);
-        assert_eq!(calls::new_discrete_states::<Lag>(component, null_mut()), Error);
-        assert_eq!(calls::get_event_indicators::<Lag>(component, null_mut(), 0), Ok);
-        assert_eq!(calls::get_event_indicators::<Lag>(component, &mut 0.0, 1), Error);
+        assert_eq!(calls::fmi2SetContinuousStates::<Lag>(component, null(), 1), Error);
+        assert_eq!(calls::fmi2GetDerivatives::<Lag>(component, null_mut(), 1), Error);
+        assert_eq!(calls::fmi2NewDiscreteStates::<Lag>(component, null_mut()), Error);
+        assert_eq!(calls::fmi2GetEventIndicators::<Lag>(component, null_mut(), 0), Ok);
+        assert_eq!(calls::fmi2GetEventIndicators::<Lag>(component, &mut 0.0, 1), Error);
     }
     assert_eq!(state(&host), 1.0);
     for (trouble, ended) in [(2, Discard), (3, Error), (1, Ok), (4, Fatal)] {
@@ -198,33 +198,33 @@ fn fmi_3_gives_the_same_rates() {
     // SAFETY: all arguments are what the standard asks for.
     unsafe {
         let (name, token) = (c"lag".as_ptr(), token.as_ptr().cast());
-        let component = calls::instantiate_model_exchange::<Lag>(name, token, null(), 0, 0, null_mut(), None);
+        let component = calls::fmi3InstantiateModelExchange::<Lag>(name, token, null(), 0, 0, null_mut(), None);
         assert!(!component.is_null());
         let done = [
-            calls::enter_initialization_mode::<Lag>(component, 0, 0.0, 0.0, 0, 0.0),
-            calls::exit_initialization_mode::<Lag>(component),
+            calls::fmi3EnterInitializationMode::<Lag>(component, 0, 0.0, 0.0, 0, 0.0),
+            calls::fmi3ExitInitializationMode::<Lag>(component),
         ];
         assert_eq!(done, [Ok; 2]);
         let [a, b, c, d, e] = &mut flags;
-        let update = calls::update_discrete_states::<Lag>(component, a, b, c, d, e, &mut time);
+        let update = calls::fmi3UpdateDiscreteStates::<Lag>(component, a, b, c, d, e, &mut time);
         assert_eq!((update, flags), (Ok, [0; 5]));
-        assert_eq!(calls::get_number_of_continuous_states::<Lag>(component, &mut n), Ok);
+        assert_eq!(calls::fmi3GetNumberOfContinuousStates::<Lag>(component, &mut n), Ok);
         assert_eq!(n, 1);
-        assert_eq!(calls::get_number_of_event_indicators::<Lag>(component, &mut n), Ok);
+        assert_eq!(calls::fmi3GetNumberOfEventIndicators::<Lag>(component, &mut n), Ok);
         assert_eq!(n, 0);
-        assert_eq!(calls::enter_continuous_time_mode::<Lag>(component), Ok);
-        assert_eq!(calls::set_float64::<Lag>(component, &vr("input"), 1, &3.0, 1), Ok);
-        assert_eq!(calls::set_time::<Lag>(component, 0.25), Ok);
-        assert_eq!(calls::set_continuous_states::<Lag>(component, &2.5, 1), Ok);
-        assert_eq!(calls::get_continuous_states::<Lag>(component, &mut state, 1), Ok);
-        assert_eq!(calls::get_continuous_state_derivatives::<Lag>(component, &mut rate, 1), Ok);
-        assert_eq!(calls::get_nominals_of_continuous_states::<Lag>(component, &mut nominal, 1), Ok);
+        assert_eq!(calls::fmi3EnterContinuousTimeMode::<Lag>(component), Ok);
+        assert_eq!(calls::fmi3SetFloat64::<Lag>(component, &vr("input"), 1, &3.0, 1), Ok);
+        assert_eq!(calls::fmi3SetTime::<Lag>(component, 0.25), Ok);
+        assert_eq!(calls::fmi3SetContinuousStates::<Lag>(component, &2.5, 1), Ok);
+        assert_eq!(calls::fmi3GetContinuousStates::<Lag>(component, &mut state, 1), Ok);
+        assert_eq!(calls::fmi3GetContinuousStateDerivatives::<Lag>(component, &mut rate, 1), Ok);
+        assert_eq!(calls::fmi3GetNominalsOfContinuousStates::<Lag>(component, &mut nominal, 1), Ok);
         let mut step = [7_u8; 2];
         let [event, end] = &mut step;
-        assert_eq!(calls::completed_integrator_step::<Lag>(component, 1, event, end), Ok);
+        assert_eq!(calls::fmi3CompletedIntegratorStep::<Lag>(component, 1, event, end), Ok);
         assert_eq!(step, [0; 2]);
-        assert_eq!(calls::enter_event_mode::<Lag>(component), Ok);
-        calls::free_instance::<Lag>(component);
+        assert_eq!(calls::fmi3EnterEventMode::<Lag>(component), Ok);
+        calls::fmi3FreeInstance::<Lag>(component);
     }
     assert_eq!([two.set("input", 3.0), set_state(&two, &[2.5])], [Ok; 2]);
     assert_eq!((state, rate, nominal), (2.5, functions::rate(&two).unwrap(), 1.0));

@@ -89,7 +89,7 @@ impl Host {
             };
             // SAFETY: all arguments are what the standard asks for. The callbacks live only here.
             unsafe {
-                calls::instantiate::<Lag>(
+                calls::fmi2Instantiate::<Lag>(
                     name.as_ptr(),
                     kind,
                     guid.as_ptr(),
@@ -132,7 +132,7 @@ impl Host {
 impl Drop for Host {
     fn drop(&mut self) {
         // SAFETY: our own component, freed once.
-        unsafe { calls::free_instance::<Lag>(self.component) }
+        unsafe { calls::fmi2FreeInstance::<Lag>(self.component) }
     }
 }
 
@@ -154,36 +154,36 @@ impl Host {
     pub fn setup(&self, stop: Option<f64>) -> Status {
         let defined = if stop.is_some() { TRUE } else { FALSE };
         let stop = stop.unwrap_or(f64::NAN);
-        unsafe { calls::setup_experiment::<Lag>(self.component, FALSE, f64::NAN, 0.0, defined, stop) }
+        unsafe { calls::fmi2SetupExperiment::<Lag>(self.component, FALSE, f64::NAN, 0.0, defined, stop) }
     }
 
     pub fn enter(&self) -> Status {
-        unsafe { calls::enter_initialization_mode::<Lag>(self.component) }
+        unsafe { calls::fmi2EnterInitializationMode::<Lag>(self.component) }
     }
 
     pub fn exit(&self) -> Status {
-        unsafe { calls::exit_initialization_mode::<Lag>(self.component) }
+        unsafe { calls::fmi2ExitInitializationMode::<Lag>(self.component) }
     }
 
     pub fn terminate(&self) -> Status {
-        unsafe { calls::terminate::<Lag>(self.component) }
+        unsafe { calls::fmi2Terminate::<Lag>(self.component) }
     }
 
     pub fn reset(&self) -> Status {
-        unsafe { calls::reset::<Lag>(self.component) }
+        unsafe { calls::fmi2Reset::<Lag>(self.component) }
     }
 
     pub fn step(&self, from: f64, step: f64) -> Status {
-        unsafe { calls::do_step::<Lag>(self.component, from, step, TRUE) }
+        unsafe { calls::fmi2DoStep::<Lag>(self.component, from, step, TRUE) }
     }
 
     pub fn set(&self, name: &str, value: f64) -> Status {
-        unsafe { calls::set_real::<Lag>(self.component, &vr(name), 1, &value) }
+        unsafe { calls::fmi2SetReal::<Lag>(self.component, &vr(name), 1, &value) }
     }
 
     pub fn try_get(&self, name: &str) -> Result<f64, Status> {
         let mut value = f64::NAN;
-        let status = unsafe { calls::get_real::<Lag>(self.component, &vr(name), 1, &mut value) };
+        let status = unsafe { calls::fmi2GetReal::<Lag>(self.component, &vr(name), 1, &mut value) };
         if status == Ok { Result::Ok(value) } else { Err(status) }
     }
 
@@ -192,38 +192,39 @@ impl Host {
     }
 
     pub fn set_integer(&self, name: &str, value: i32) -> Status {
-        unsafe { calls::set_integer::<Lag>(self.component, &vr(name), 1, &value) }
+        unsafe { calls::fmi2SetInteger::<Lag>(self.component, &vr(name), 1, &value) }
     }
 
     pub fn get_integer(&self, name: &str) -> i32 {
         let mut value = i32::MIN;
-        let status = unsafe { calls::get_integer::<Lag>(self.component, &vr(name), 1, &mut value) };
+        let status = unsafe { calls::fmi2GetInteger::<Lag>(self.component, &vr(name), 1, &mut value) };
         assert_eq!(status, Ok);
         value
     }
 
     pub fn set_boolean(&self, name: &str, value: i32) -> Status {
-        unsafe { calls::set_boolean::<Lag>(self.component, &vr(name), 1, &value) }
+        unsafe { calls::fmi2SetBoolean::<Lag>(self.component, &vr(name), 1, &value) }
     }
 
     pub fn set_string(&self, name: &str, value: &CStr) -> Status {
-        unsafe { calls::set_string::<Lag>(self.component, &vr(name), 1, &value.as_ptr()) }
+        unsafe { calls::fmi2SetString::<Lag>(self.component, &vr(name), 1, &value.as_ptr()) }
     }
 
     pub fn get_string(&self, name: &str) -> &CStr {
         let mut value = null();
-        let status = unsafe { calls::get_string::<Lag>(self.component, &vr(name), 1, &mut value) };
+        let status = unsafe { calls::fmi2GetString::<Lag>(self.component, &vr(name), 1, &mut value) };
         assert_eq!(status, Ok);
         unsafe { CStr::from_ptr(value) }
     }
 
     pub fn slope(&self, name: &str, order: i32, value: f64) -> Status {
-        unsafe { calls::set_real_input_derivatives::<Lag>(self.component, &vr(name), 1, &order, &value) }
+        unsafe { calls::fmi2SetRealInputDerivatives::<Lag>(self.component, &vr(name), 1, &order, &value) }
     }
 
     pub fn rate(&self, name: &str) -> f64 {
         let mut value = f64::NAN;
-        let status = unsafe { calls::get_real_output_derivatives::<Lag>(self.component, &vr(name), 1, &1, &mut value) };
+        let status =
+            unsafe { calls::fmi2GetRealOutputDerivatives::<Lag>(self.component, &vr(name), 1, &1, &mut value) };
         assert_eq!(status, Ok);
         value
     }
@@ -231,7 +232,7 @@ impl Host {
     pub fn derivative(&self, unknown: &str, known: &str) -> f64 {
         let mut value = f64::NAN;
         let status = unsafe {
-            calls::get_directional_derivative::<Lag>(self.component, &vr(unknown), 1, &vr(known), 1, &1.0, &mut value)
+            calls::fmi2GetDirectionalDerivative::<Lag>(self.component, &vr(unknown), 1, &vr(known), 1, &1.0, &mut value)
         };
         assert_eq!(status, Ok);
         value
@@ -239,25 +240,25 @@ impl Host {
 
     pub fn save(&self) -> FmuState {
         let mut state = null_mut();
-        assert_eq!(unsafe { calls::get_fmu_state::<Lag>(self.component, &mut state) }, Ok);
+        assert_eq!(unsafe { calls::fmi2GetFMUstate::<Lag>(self.component, &mut state) }, Ok);
         state
     }
 
     pub fn restore(&self, state: FmuState) -> Status {
-        unsafe { calls::set_fmu_state::<Lag>(self.component, state) }
+        unsafe { calls::fmi2SetFMUstate::<Lag>(self.component, state) }
     }
 
     pub fn free(&self, mut state: FmuState) -> Status {
-        unsafe { calls::free_fmu_state::<Lag>(self.component, &mut state) }
+        unsafe { calls::fmi2FreeFMUstate::<Lag>(self.component, &mut state) }
     }
 
     pub fn bytes(&self, state: FmuState) -> Vec<u8> {
         let mut size = 0;
-        let status = unsafe { calls::serialized_fmu_state_size::<Lag>(self.component, state, &mut size) };
+        let status = unsafe { calls::fmi2SerializedFMUstateSize::<Lag>(self.component, state, &mut size) };
         assert_eq!(status, Ok);
         let mut bytes = vec![0_u8; size];
         let status =
-            unsafe { calls::serialize_fmu_state::<Lag>(self.component, state, bytes.as_mut_ptr().cast(), size) };
+            unsafe { calls::fmi2SerializeFMUstate::<Lag>(self.component, state, bytes.as_mut_ptr().cast(), size) };
         assert_eq!(status, Ok);
         bytes
     }
@@ -266,7 +267,7 @@ impl Host {
         let mut state = null_mut();
         let status = unsafe {
             let bytes_ = bytes.as_ptr().cast();
-            calls::deserialize_fmu_state::<Lag>(self.component, bytes_, bytes.len(), &mut state)
+            calls::fmi2DeSerializeFMUstate::<Lag>(self.component, bytes_, bytes.len(), &mut state)
         };
         if status == Ok { Result::Ok(state) } else { Err(status) }
     }

@@ -69,7 +69,7 @@ struct Host(Component, Box<World>);
 impl Drop for Host {
     fn drop(&mut self) {
         // SAFETY: our own component, freed once.
-        unsafe { calls::free_instance::<Lag>(self.0) }
+        unsafe { calls::fmi3FreeInstance::<Lag>(self.0) }
     }
 }
 
@@ -90,7 +90,7 @@ impl Host {
                 .unwrap();
         let environment = (&raw const *world).cast::<c_void>().cast_mut();
         let component = unsafe {
-            calls::instantiate_co_simulation::<Lag>(
+            calls::fmi3InstantiateCoSimulation::<Lag>(
                 c"lag".as_ptr(),
                 token.as_ptr(),
                 c"/tmp/".as_ptr(),
@@ -110,9 +110,9 @@ impl Host {
         }
         *world.component.borrow_mut() = component;
         unsafe {
-            let entered = calls::enter_initialization_mode::<Lag>(component, 0, 0.0, 0.0, 0, 0.0);
+            let entered = calls::fmi3EnterInitializationMode::<Lag>(component, 0, 0.0, 0.0, 0, 0.0);
             assert_eq!(entered, Ok);
-            assert_eq!(calls::exit_initialization_mode::<Lag>(component), Ok);
+            assert_eq!(calls::fmi3ExitInitializationMode::<Lag>(component), Ok);
         }
         assert_eq!(set(component, "input", 1.0), Ok);
         Result::Ok(Self(component, world))
@@ -122,7 +122,7 @@ impl Host {
     fn step(&self, from: f64, step: f64) -> (Status, Boolean, f64) {
         let (mut event, mut end, mut early, mut reached) = (7, 7, 7, f64::NAN);
         let status =
-            unsafe { calls::do_step::<Lag>(self.0, from, step, 1, &mut event, &mut end, &mut early, &mut reached) };
+            unsafe { calls::fmi3DoStep::<Lag>(self.0, from, step, 1, &mut event, &mut end, &mut early, &mut reached) };
         assert_eq!([event, end], [FALSE; 2]);
         (status, early, reached)
     }
@@ -140,19 +140,19 @@ impl Host {
 
 fn set(component: Component, name: &str, value: f64) -> Status {
     // SAFETY: the component is alive, and the pointers are ours.
-    unsafe { calls::set_float64::<Lag>(component, &vr(name), 1, &value, 1) }
+    unsafe { calls::fmi3SetFloat64::<Lag>(component, &vr(name), 1, &value, 1) }
 }
 
 fn get(component: Component, name: &str) -> Result<f64, Status> {
     let mut value = f64::NAN;
     // SAFETY: the component is alive, and the pointers are ours.
-    let status = unsafe { calls::get_float64::<Lag>(component, &vr(name), 1, &mut value, 1) };
+    let status = unsafe { calls::fmi3GetFloat64::<Lag>(component, &vr(name), 1, &mut value, 1) };
     if status == Ok { Result::Ok(value) } else { Err(status) }
 }
 
 fn trouble(component: Component, value: i64) -> Status {
     // SAFETY: the component is alive, and the pointers are ours.
-    unsafe { calls::set_int64::<Lag>(component, &vr("trouble"), 1, &value, 1) }
+    unsafe { calls::fmi3SetInt64::<Lag>(component, &vr("trouble"), 1, &value, 1) }
 }
 
 /// A host that reads and sets nothing.
@@ -193,7 +193,7 @@ fn a_host_reads_and_sets_announced_variables_and_nothing_else() {
         let rate = {
             let mut rate = f64::NAN;
             // SAFETY: the component is alive, and the pointers are ours.
-            let status = unsafe { calls::get_output_derivatives::<Lag>(lag, &vr("output"), 1, &1, &mut rate, 1) };
+            let status = unsafe { calls::fmi3GetOutputDerivatives::<Lag>(lag, &vr("output"), 1, &1, &mut rate, 1) };
             assert_eq!(status, Ok);
             rate
         };
@@ -214,15 +214,15 @@ fn a_host_reads_and_sets_announced_variables_and_nothing_else() {
         // SAFETY: the component is alive, and the pointers are ours.
         let others = unsafe {
             [
-                calls::do_step::<Lag>(lag, 0.0, 1.0, 1, a, b, c, d),
-                calls::reset::<Lag>(lag),
-                calls::terminate::<Lag>(lag),
-                calls::get_fmu_state::<Lag>(lag, &mut state),
+                calls::fmi3DoStep::<Lag>(lag, 0.0, 1.0, 1, a, b, c, d),
+                calls::fmi3Reset::<Lag>(lag),
+                calls::fmi3Terminate::<Lag>(lag),
+                calls::fmi3GetFMUState::<Lag>(lag, &mut state),
             ]
         };
         assert_eq!(others, [Error; 4]);
         // SAFETY: the component is alive, and stays so.
-        unsafe { calls::free_instance::<Lag>(lag) };
+        unsafe { calls::fmi3FreeInstance::<Lag>(lag) };
         None
     });
     let host = Host::with(Some(script), &[vr("output"), vr("input")], FALSE).unwrap();

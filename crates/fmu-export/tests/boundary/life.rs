@@ -60,7 +60,7 @@ fn the_state_machine_is_the_standards() {
     assert_eq!(host.set("initialState", 8.0), Error, "a fixed parameter");
     assert_eq!([host.set("gain", 3.0), host.set("input", 1.0), host.step(0.0, 0.1)], [Ok; 3]);
     // SAFETY: the component is alive.
-    assert_eq!(unsafe { calls::cancel_step::<Lag>(host.component) }, Error);
+    assert_eq!(unsafe { calls::fmi2CancelStep::<Lag>(host.component) }, Error);
     assert_eq!(host.terminate(), Ok);
     assert_eq!([host.terminate(), host.step(0.1, 0.1), host.set("input", 0.0)], [Error; 3]);
     assert!(host.try_get("output").is_ok());
@@ -132,12 +132,12 @@ fn failed_steps_follow_the_standard() {
     let (mut time, mut ended, mut status) = (f64::NAN, -1, Ok);
     // SAFETY: the component is alive, and so are the values.
     unsafe {
-        assert_eq!(calls::get_real_status::<Lag>(host.component, 2, &mut time), Ok);
-        assert_eq!(calls::get_boolean_status::<Lag>(host.component, 3, &mut ended), Ok);
-        assert_eq!(calls::get_status::<Lag>(host.component, 0, &mut status), Ok);
-        assert_eq!(calls::get_integer_status::<Lag>(host.component, 0, &mut ended), Discard);
-        assert_eq!(calls::get_string_status::<Lag>(host.component, 1, &mut null()), Discard);
-        assert_eq!(calls::get_string_status::<Lag>(host.component, 1, null_mut()), Error);
+        assert_eq!(calls::fmi2GetRealStatus::<Lag>(host.component, 2, &mut time), Ok);
+        assert_eq!(calls::fmi2GetBooleanStatus::<Lag>(host.component, 3, &mut ended), Ok);
+        assert_eq!(calls::fmi2GetStatus::<Lag>(host.component, 0, &mut status), Ok);
+        assert_eq!(calls::fmi2GetIntegerStatus::<Lag>(host.component, 0, &mut ended), Discard);
+        assert_eq!(calls::fmi2GetStringStatus::<Lag>(host.component, 1, &mut null()), Discard);
+        assert_eq!(calls::fmi2GetStringStatus::<Lag>(host.component, 1, null_mut()), Error);
     }
     assert_eq!((time, ended, status), (0.25, 0, Discard));
     assert_eq!(host.step(0.25, 0.25), Error, "not before a state is restored");

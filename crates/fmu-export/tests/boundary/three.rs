@@ -35,7 +35,7 @@ struct Host {
 impl Drop for Host {
     fn drop(&mut self) {
         // SAFETY: our own component, freed once.
-        unsafe { calls::free_instance::<Lag>(self.component) }
+        unsafe { calls::fmi3FreeInstance::<Lag>(self.component) }
     }
 }
 
@@ -51,7 +51,7 @@ impl Host {
         let log: Option<LogMessageCallback> = Some(logger);
         let (name, token, folder) = (c"lag".as_ptr(), token.as_ptr(), c"/tmp/".as_ptr());
         let component = unsafe {
-            calls::instantiate_co_simulation::<Lag>(
+            calls::fmi3InstantiateCoSimulation::<Lag>(
                 name,
                 token,
                 folder,
@@ -77,11 +77,11 @@ impl Host {
 
     fn enter(&self, stop: Option<f64>) -> Status {
         let (defined, stop) = (stop.is_some().into(), stop.unwrap_or(f64::NAN));
-        unsafe { calls::enter_initialization_mode::<Lag>(self.component, FALSE, f64::NAN, 0.0, defined, stop) }
+        unsafe { calls::fmi3EnterInitializationMode::<Lag>(self.component, FALSE, f64::NAN, 0.0, defined, stop) }
     }
 
     fn exit(&self) -> Status {
-        unsafe { calls::exit_initialization_mode::<Lag>(self.component) }
+        unsafe { calls::fmi3ExitInitializationMode::<Lag>(self.component) }
     }
 
     fn started() -> Self {
@@ -93,22 +93,23 @@ impl Host {
     fn step(&self, from: f64, step: f64) -> Stepped {
         let (mut flags, mut reached) = ([7; 3], f64::NAN);
         let [event, end, early] = &mut flags;
-        let status = unsafe { calls::do_step::<Lag>(self.component, from, step, 1, event, end, early, &mut reached) };
+        let status =
+            unsafe { calls::fmi3DoStep::<Lag>(self.component, from, step, 1, event, end, early, &mut reached) };
         (status, flags, reached)
     }
 
     fn get(&self, reference: ValueReference) -> Result<f64, Status> {
         let mut value = f64::NAN;
-        let status = unsafe { calls::get_float64::<Lag>(self.component, &reference, 1, &mut value, 1) };
+        let status = unsafe { calls::fmi3GetFloat64::<Lag>(self.component, &reference, 1, &mut value, 1) };
         if status == Ok { Result::Ok(value) } else { Err(status) }
     }
 
     fn set(&self, name: &str, value: f64) -> Status {
-        unsafe { calls::set_float64::<Lag>(self.component, &vr(name), 1, &value, 1) }
+        unsafe { calls::fmi3SetFloat64::<Lag>(self.component, &vr(name), 1, &value, 1) }
     }
 
     fn trouble(&self, value: i64) -> Status {
-        unsafe { calls::set_int64::<Lag>(self.component, &vr("trouble"), 1, &value, 1) }
+        unsafe { calls::fmi3SetInt64::<Lag>(self.component, &vr("trouble"), 1, &value, 1) }
     }
 
     /// The last message; all are taken.
@@ -152,8 +153,8 @@ fn instantiation_is_refused_with_a_reason() {
     let others = unsafe {
         let token = token.as_ptr();
         [
-            calls::instantiate_model_exchange::<Lag>(name, token, null(), 0, 0, environment, log),
-            calls::instantiate_scheduled_execution::<Lag>(
+            calls::fmi3InstantiateModelExchange::<Lag>(name, token, null(), 0, 0, environment, log),
+            calls::fmi3InstantiateScheduledExecution::<Lag>(
                 name,
                 token,
                 null(),
@@ -212,7 +213,7 @@ fn a_step_needs_a_place_for_each_answer() {
     // SAFETY: the component is alive; NULL is what the test is about.
     let status = unsafe {
         let flag = &raw mut flag;
-        calls::do_step::<Lag>(host.component, 0.0, 0.1, 1, flag, null_mut(), flag, &mut time)
+        calls::fmi3DoStep::<Lag>(host.component, 0.0, 0.1, 1, flag, null_mut(), flag, &mut time)
     };
     assert_eq!((status, flag), (Error, 7));
     assert!(host.said().contains("`terminateSimulation` is NULL"));
@@ -235,25 +236,25 @@ fn types_and_counts_must_fit() {
         let (input, steps, trouble) = (vr("input"), vr("steps"), vr("trouble"));
         let real = real.as_mut_ptr();
         refused(
-            calls::get_float64::<Lag>(component, &input, 1, real, 2),
+            calls::fmi3GetFloat64::<Lag>(component, &input, 1, real, 2),
             "`nValues` = 2: there must be a value for each scalar",
         );
         refused(
-            calls::get_int32::<Lag>(component, &trouble, 1, &mut whole, 1),
+            calls::fmi3GetInt32::<Lag>(component, &trouble, 1, &mut whole, 1),
             "trouble is of type Enumeration, not Int32",
         );
-        refused(calls::get_int64::<Lag>(component, &steps, 1, &mut long, 1), "steps is of type Int32, not Int64");
-        refused(calls::get_uint8::<Lag>(component, &input, 1, &mut small, 1), "input is of type Float64, not UInt8");
+        refused(calls::fmi3GetInt64::<Lag>(component, &steps, 1, &mut long, 1), "steps is of type Int32, not Int64");
+        refused(calls::fmi3GetUInt8::<Lag>(component, &input, 1, &mut small, 1), "input is of type Float64, not UInt8");
         refused(
-            calls::set_int64::<Lag>(component, &trouble, 1, &((1 << 32) + 1), 1),
+            calls::fmi3SetInt64::<Lag>(component, &trouble, 1, &((1 << 32) + 1), 1),
             "trouble cannot be set to 4294967297",
         );
-        refused(calls::set_float64::<Lag>(component, &TIME, 1, &1.0, 1), "value reference 2147483647");
-        refused(calls::enter_event_mode::<Lag>(component), "must not be called while running");
-        refused(calls::evaluate_discrete_states::<Lag>(component), "evaluates no discrete states");
-        assert_eq!(calls::get_uint8::<Lag>(component, null(), 0, null_mut(), 0), Ok);
-        assert_eq!(calls::get_int32::<Lag>(component, &steps, 1, &mut whole, 1), Ok);
-        assert_eq!(calls::get_int64::<Lag>(component, &trouble, 1, &mut long, 1), Ok);
+        refused(calls::fmi3SetFloat64::<Lag>(component, &TIME, 1, &1.0, 1), "value reference 2147483647");
+        refused(calls::fmi3EnterEventMode::<Lag>(component), "must not be called while running");
+        refused(calls::fmi3EvaluateDiscreteStates::<Lag>(component), "evaluates no discrete states");
+        assert_eq!(calls::fmi3GetUInt8::<Lag>(component, null(), 0, null_mut(), 0), Ok);
+        assert_eq!(calls::fmi3GetInt32::<Lag>(component, &steps, 1, &mut whole, 1), Ok);
+        assert_eq!(calls::fmi3GetInt64::<Lag>(component, &trouble, 1, &mut long, 1), Ok);
     }
     assert_eq!((whole, long), (0, 1));
 }
@@ -263,10 +264,10 @@ fn an_instance_of_one_version_is_none_of_the_other() {
     let (two, three) = (crate::host::Host::started(), Host::started());
     // SAFETY: both components are alive.
     unsafe {
-        assert_eq!(calls::reset::<Lag>(two.component), Error);
-        assert_eq!(fmi2::calls::reset::<Lag>(three.component), Error);
+        assert_eq!(calls::fmi3Reset::<Lag>(two.component), Error);
+        assert_eq!(fmi2::calls::fmi2Reset::<Lag>(three.component), Error);
         let state = two.save();
-        assert_eq!(calls::set_fmu_state::<Lag>(three.component, state), Error);
+        assert_eq!(calls::fmi3SetFMUState::<Lag>(three.component, state), Error);
         assert_eq!(two.free(state), Ok);
     }
 }
@@ -279,7 +280,7 @@ fn adjoint_derivatives_are_the_transposed_directional_ones() {
     let mut adjoint = [f64::NAN; 2];
     // SAFETY: two values each.
     let status = unsafe {
-        calls::get_adjoint_derivative::<Lag>(
+        calls::fmi3GetAdjointDerivative::<Lag>(
             host.component,
             unknowns.as_ptr(),
             2,
@@ -303,15 +304,15 @@ fn saved_states_continue_bit_for_bit() {
     let mut state = null_mut();
     // SAFETY: the component and the state are alive, the place is ours.
     unsafe {
-        assert_eq!(calls::get_fmu_state::<Lag>(host.component, &mut state), Ok);
+        assert_eq!(calls::fmi3GetFMUState::<Lag>(host.component, &mut state), Ok);
         assert_eq!(host.step(0.2, 0.3).0, Ok);
         let end = host.get(vr("output"));
         assert!(end.is_ok_and(|end| (end - answer(0.3, 0.5)).abs() < 1e-13));
-        assert_eq!(calls::set_fmu_state::<Lag>(host.component, state), Ok);
+        assert_eq!(calls::fmi3SetFMUState::<Lag>(host.component, state), Ok);
         assert_eq!(host.get(TIME), Result::Ok(0.2));
         assert_eq!(host.step(0.2, 0.3).0, Ok);
         assert_eq!(host.get(vr("output")), end);
-        assert_eq!(calls::free_fmu_state::<Lag>(host.component, &mut state), Ok);
+        assert_eq!(calls::fmi3FreeFMUState::<Lag>(host.component, &mut state), Ok);
     }
     assert!(state.is_null());
 }

@@ -22,7 +22,7 @@ pub fn refuse_keys(text: &CriterionText) -> Result<(), String> {
 }
 
 /// The criterion on a curve: the metric's value has the ideal value 0 or 1, and may be so far away from it.
-pub fn criterion(study: &Study, name: &Name, text: &CriterionText, scale: &Scale<'_>) -> Result<Criterion> {
+pub fn criterion(study: &Study, name: &Name, text: &CriterionText, scale: &Scale) -> Result<Criterion> {
     let at = |message| study.error_of(name, message);
     let metric = text.metric.ok_or_else(|| {
         let names: Vec<String> = Metric::ALL.iter().map(|metric| metric.name()).collect();

@@ -6,7 +6,7 @@ use conformity::uncertainty::Uncertainty;
 use fmu_import::Description;
 
 /// A criterion whose error follows from others'.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Derived {
     /// Its number.
     number: usize,
@@ -23,7 +23,7 @@ impl Derived {
 impl Judge {
     /// Gives criteria that are `derived` the uncertainty that follows from their factors': in a product relative errors
     /// add, and those of two measurements are independent (GUM, 5.1.2 and 5.1.6).
-    pub(super) fn derive(&mut self, study: &Study, fmu: Option<&Description>) -> Result {
+    pub fn derive(&mut self, study: &Study, fmu: Option<&Description>) -> Result {
         for (number, (name, text)) in study.criteria.iter().enumerate() {
             if text.derived.is_none() {
                 continue;
@@ -120,7 +120,7 @@ impl Judge {
     }
 
     /// The stated correlations, and those that follow for derived criteria.
-    pub(super) fn with_derived(&self, study: &Study, mut pairs: Pairs) -> Result<Pairs> {
+    pub fn with_derived(&self, study: &Study, mut pairs: Pairs) -> Result<Pairs> {
         for (place, &(a, b, _)) in pairs.iter().enumerate() {
             let follows = self.derived.iter().any(|derived| {
                 derived.number == a || derived.number == b || derived.has_factor(a) && derived.has_factor(b)

@@ -40,7 +40,7 @@ pub fn check_variable(study: &Study, text: &CriterionText, variable: Option<&Var
 
 impl Judge {
     /// Reads what is required of the model as a whole, once the criteria are known.
-    pub(super) fn add_requirements(&mut self, study: &Study) -> Result {
+    pub fn add_requirements(&mut self, study: &Study) -> Result {
         self.measurement = self.correlated(study)?;
         if let Some(required) = &study.verdict {
             self.rule = Some(rule(study, required.as_ref())?);
@@ -67,15 +67,13 @@ impl Judge {
             .map(|(criterion, place)| (criterion.name.as_str(), place))
             .unzip();
         let Some(place) = places.first() else { return };
-        let warning = study
-            .error_at(
-                place,
-                format!(
-                    "no measured value yet: the nominal value of {} comes from a run of the model itself",
-                    names.join(", ")
-                ),
-            )
-            .to_string();
+        let warning = study.error_at(
+            place,
+            format!(
+                "no measured value yet: the nominal value of {} comes from a run of the model itself",
+                names.join(", ")
+            ),
+        );
         self.warnings.push(
             Concern::new(Code::NominalFromModel, warning).remedied(
                 "Write measured values into the study in place of the model's own, and remove `nominal-from`.",
@@ -178,7 +176,7 @@ impl Judge {
                     "Give a guard band below {widest:.3}, measure {} better or widen its tolerance.",
                     criterion.name
                 );
-                let warning = study.error_at(band, message).to_string();
+                let warning = study.error_at(band, message);
                 self.warnings.push(Concern::new(Code::GuardBandTooWide, warning).remedied(remedy));
             }
         }
@@ -219,7 +217,7 @@ impl Judge {
                 "{name_text}: with the tolerance {} even 0 is accepted in place of the measured value {value}{unit}",
                 criterion.stated_tolerance
             );
-            let warning = study.error_at(name, message).to_string();
+            let warning = study.error_at(name, message);
             self.warnings.push(Concern::new(Code::WideTolerance, warning).remedied(ACCEPTS_ZERO));
         }
     }
@@ -229,7 +227,7 @@ impl Judge {
         let Some(first) = study.cases.first().filter(|_| study.cases.iter().all(|case| case.held_out)) else { return };
         let message =
             "every case is held out, and none is left that `identify` may see, so `held-out` sets nothing apart";
-        let warning = study.error_at(&first.name, message).to_string();
+        let warning = study.error_at(&first.name, message);
         let remedy = "Remove `held-out` from a case, or add the cases that the parameters were fitted to.";
         self.warnings.push(Concern::new(Code::AllHeldOut, warning).remedied(remedy));
     }
@@ -240,17 +238,15 @@ impl Judge {
             let Some(reading) = criterion.reading.filter(|&value| !criterion.limits.accepts(value)) else {
                 continue;
             };
-            let warning = study
-                .error_at(
-                    name,
-                    format!(
-                        "{}: the measured value {reading}{} is itself beyond the limit ({})",
-                        criterion.name,
-                        criterion.unit_behind(),
-                        criterion.wanted()
-                    ),
-                )
-                .to_string();
+            let warning = study.error_at(
+                name,
+                format!(
+                    "{}: the measured value {reading}{} is itself beyond the limit ({})",
+                    criterion.name,
+                    criterion.unit_behind(),
+                    criterion.wanted()
+                ),
+            );
             self.warnings.push(Concern::new(Code::MeasuredBeyondLimit, warning).remedied(format!(
                 "Correct the measured value of {} or its limit, unless the model shall fail as the specimen did.",
                 criterion.name
@@ -277,7 +273,7 @@ impl Judge {
             let warning = study.error_at(*name, format!(
                 "no point can meet both {other} and {}: they judge the same value, and their limits have nothing in common",
                 criterion.name
-            )).to_string();
+            ));
             self.warnings.push(
                 Concern::new(Code::Contradictory, warning)
                     .remedied(format!("Find out which of {other} and {} was measured wrongly.", criterion.name)),
@@ -303,7 +299,7 @@ impl Judge {
                     criterion.stated_tolerance
                 );
                 let place = text.uncertainty.as_ref().map_or(name.span(), Spanned::span);
-                let warning = study.error_at(&Spanned::new(place, ()), message).to_string();
+                let warning = study.error_at(&Spanned::new(place, ()), message);
                 self.warnings.push(Concern::new(Code::UncertaintyAboveTolerance, warning).remedied("Measure better what is less sure than its tolerance, or state a `share` and a `risk` under [verdict]."));
             }
         }

@@ -13,7 +13,7 @@ use fmu_points::names::behind;
 use sampling::statistics::Statistic;
 
 /// The criterion on one number.
-pub fn criterion(study: &Study, name: &Name, text: &CriterionText, scale: &Scale<'_>) -> Result<Criterion> {
+pub fn criterion(study: &Study, name: &Name, text: &CriterionText, scale: &Scale) -> Result<Criterion> {
     let at = |message| study.error_of(name, message);
     curve::refuse_keys(text).map_err(at)?;
     let alone = match (&text.at_most, &text.at_least) {
@@ -124,7 +124,7 @@ pub fn sense(statistic: Statistic) -> Sense {
 }
 
 /// A measured value with its tolerance, in the study's unit.
-fn within(about: f64, stated: &ToleranceText, nominal: &Quantity, scale: &Scale<'_>) -> Result<Limits, String> {
+fn within(about: f64, stated: &ToleranceText, nominal: &Quantity, scale: &Scale) -> Result<Limits, String> {
     match stated {
         ToleranceText::Even(stated) => Ok(Limits::within(about, tolerance(stated, nominal, scale)?)),
         ToleranceText::Uneven { minus, plus } => {
@@ -134,7 +134,7 @@ fn within(about: f64, stated: &ToleranceText, nominal: &Quantity, scale: &Scale<
 }
 
 /// A tolerance as people read it beside the nominal value in the study's unit.
-fn stated(tolerance: &ToleranceText, nominal: &Quantity, scale: &Scale<'_>) -> String {
+fn stated(tolerance: &ToleranceText, nominal: &Quantity, scale: &Scale) -> String {
     let is_elsewhere = nominal.unit.is_some() && nominal.unit != scale.unit;
     let percent = |quantity: &Quantity| quantity.unit.as_deref() == Some("%");
     let of_nominal = match tolerance {
@@ -145,7 +145,7 @@ fn stated(tolerance: &ToleranceText, nominal: &Quantity, scale: &Scale<'_>) -> S
 }
 
 /// A tolerance in the study's unit. Percents are of the nominal value as written: 0.75 % of 82 degC is 0.615 degC.
-fn tolerance(quantity: &Quantity, nominal: &Quantity, scale: &Scale<'_>) -> Result<f64, String> {
+fn tolerance(quantity: &Quantity, nominal: &Quantity, scale: &Scale) -> Result<f64, String> {
     let tolerance = match quantity.unit.as_deref() {
         // "+0.5/-1", "-1 .. 0.5"
         Some(rest) if rest.starts_with(['/', '+', '-', '.', ',']) => {
@@ -169,7 +169,7 @@ fn uncertainty(
     name: &Name,
     text: &CriterionText,
     nominal: &Quantity,
-    scale: &Scale<'_>,
+    scale: &Scale,
 ) -> Result<Option<Uncertainty>> {
     let at = |place: &Spanned<Quantity>, what: &str, message: String| {
         let message = message.replace("the tolerance", what);

@@ -14,14 +14,14 @@ use number_tables::{Table, recorded::RecordedTable};
 /// The columns of a table of measured values that are outputs of the FMU.
 #[derive(Debug)]
 pub struct Measured<'a> {
-    pub(super) file: PathBuf,
+    pub file: PathBuf,
     /// The column of the time; where there is none, the rows are single readings.
-    pub(super) time: Option<String>,
+    pub time: Option<String>,
     /// The first and the last time, s.
-    pub(super) span: Option<[f64; 2]>,
-    pub(super) columns: Vec<Column<'a>>,
+    pub span: Option<[f64; 2]>,
+    pub columns: Vec<Column<'a>>,
     /// The columns that are inputs of the FMU: over time, or one value for each row, which is an operating point then.
-    pub(super) inputs: Vec<Column<'a>>,
+    pub inputs: Vec<Column<'a>>,
     /// Names of the others, each with the reason.
     left: Vec<(String, String)>,
 }
@@ -29,10 +29,10 @@ pub struct Measured<'a> {
 /// A column of measured values.
 #[derive(Debug)]
 pub struct Column<'a> {
-    pub(super) header: String,
-    pub(super) unit: Option<String>,
-    pub(super) variable: &'a Variable,
-    pub(super) values: Vec<f64>,
+    pub header: String,
+    pub unit: Option<String>,
+    pub variable: &'a Variable,
+    pub values: Vec<f64>,
 }
 
 impl<'a> Measured<'a> {
@@ -65,8 +65,7 @@ impl<'a> Measured<'a> {
                 Err(reason) => table.left.push((name.clone(), reason)),
             }
         }
-        let bare =
-            |column: &&Column<'_>| column.unit.is_none() && column.variable.unit().is_some_and(|unit| unit != "1");
+        let bare = |column: &&Column| column.unit.is_none() && column.variable.unit().is_some_and(|unit| unit != "1");
         if let Some(Column { header, variable, .. }) = table.columns.iter().chain(&table.inputs).find(bare) {
             let message = format!(
                 "column `{header}` has no unit, and the FMU has it in {}; write `{header} [unit]` in the first line of the file",
@@ -100,7 +99,7 @@ impl<'a> Measured<'a> {
     }
 
     /// Leaves out columns of which the FMU computes no finite values, in their order.
-    pub fn leave_out_infinite(&mut self, signals: &[Signal<'_>]) {
+    pub fn leave_out_infinite(&mut self, signals: &[Signal]) {
         let left = &mut self.left;
         let mut signals = signals.iter();
         self.columns.retain(|column| {
@@ -130,7 +129,7 @@ impl<'a> Measured<'a> {
         for (name, reason) in &self.left {
             fmu_points::tell::line!("left out of {file}: `{name}`: {reason}");
         }
-        let named = |columns: &[Column<'_>]| {
+        let named = |columns: &[Column]| {
             columns.iter().map(|column| format!("`{}`", column.header)).collect::<Vec<_>>().join(", ")
         };
         let (measured, inputs, rows) = (named(&self.columns), named(&self.inputs), self.columns[0].values.len());

@@ -20,12 +20,11 @@ pub const TOLERANCE: f64 = 0.05;
 pub const SMALL: f64 = 0.01;
 
 /// What a variable did, in its own unit.
-#[derive(Debug)]
 pub struct Signal<'a> {
-    pub(super) variable: &'a Variable,
-    pub(super) least: f64,
-    pub(super) most: f64,
-    pub(super) is_finite: bool,
+    pub variable: &'a Variable,
+    pub least: f64,
+    pub most: f64,
+    pub is_finite: bool,
     last: f64,
     mean: Accumulator,
     rms: Accumulator,
@@ -93,7 +92,7 @@ impl<'a> Signal<'a> {
 /// Runs the FMU once and looks at these variables.
 pub fn signals<'a>(isolated: &Isolated, task: &Task, variables: &[&'a Variable]) -> Result<Vec<Signal<'a>>, Error> {
     let handles: Vec<Handle> = variables.iter().map(|variable| variable.handle()).collect();
-    let mut signals: Vec<Signal<'_>> = variables.iter().map(|v| Signal::new(v)).collect();
+    let mut signals: Vec<Signal> = variables.iter().map(|v| Signal::new(v)).collect();
     let middle = 0.5 * (task.schedule.start + task.schedule.stop);
     let mut before = None;
     isolated.observe(task, &handles, Instant::now().checked_add(PATIENCE), |time, values| {

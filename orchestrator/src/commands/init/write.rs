@@ -23,20 +23,18 @@ const FEWEST_PARAMETERS: usize = 5;
 const CRITERIA: usize = 3;
 
 /// A study to be written.
-#[derive(Debug)]
 pub struct Study<'a> {
-    pub(super) fmu: &'a Description,
+    pub fmu: &'a Description,
     /// The FMU's path, as seen from the study.
-    pub(super) path: PathBuf,
-    pub(super) schedule: Schedule,
-    pub(super) parameters: Vec<(&'a Variable, Shown<'a>)>,
+    pub path: PathBuf,
+    pub schedule: Schedule,
+    pub parameters: Vec<(&'a Variable, Shown<'a>)>,
     /// Start values of the user's.
-    pub(super) set: Vec<(&'a Variable, String)>,
-    pub(super) criteria: Criteria,
+    pub set: Vec<(&'a Variable, String)>,
+    pub criteria: Criteria,
 }
 
 /// The lines of the criteria, and how many criteria these are.
-#[derive(Debug)]
 pub struct Criteria {
     lines: Vec<String>,
     /// What drives the model as it was measured.
@@ -47,7 +45,6 @@ pub struct Criteria {
 }
 
 /// In what unit people read a variable.
-#[derive(Clone, Copy, Debug)]
 struct View<'a> {
     unit: Option<&'a str>,
     to_variable: Conversion,
@@ -77,7 +74,6 @@ fn rounded(value: f64) -> f64 {
 }
 
 /// A parameter's range in the unit in which people read it.
-#[derive(Debug)]
 pub struct Shown<'a> {
     view: View<'a>,
     ends: [f64; 2],
@@ -127,7 +123,7 @@ impl<'a> Shown<'a> {
 
 impl Criteria {
     /// The first outputs that move, with what they do in a run of the model.
-    pub fn of_model(signals: &[Signal<'_>], fmu: &Description, path: &Path) -> Result<Self, Error> {
+    pub fn of_model(signals: &[Signal], fmu: &Description, path: &Path) -> Result<Self, Error> {
         let mut moving: Vec<_> = signals.iter().filter(|signal| signal.moves()).collect();
         let stands = moving.is_empty();
         if stands {
@@ -157,7 +153,7 @@ impl Criteria {
     }
 
     /// The columns of a table, as curves where it has a column of the time.
-    pub fn of_table(table: &Measured<'_>, path: &Path) -> Self {
+    pub fn of_table(table: &Measured, path: &Path) -> Self {
         let tolerance = "# The tolerances are a guess: they say how far the model may be from the true values. Add the accuracy \
                          of the";
         let is_of_points = table.time.is_none() && !table.inputs.is_empty();
@@ -205,7 +201,7 @@ fn head(variable: &Variable) -> [String; 2] {
 }
 
 /// A criterion whose nominal value comes from the model.
-fn own(signal: &Signal<'_>, fmu: &Description) -> Vec<String> {
+fn own(signal: &Signal, fmu: &Description) -> Vec<String> {
     let view = View::new(fmu, signal.variable);
     let (statistic, value) = signal.value();
     let nominal = rounded(view.value(value));
@@ -229,7 +225,7 @@ fn tolerance(nominal: f64, range: f64) -> String {
 }
 
 /// An input that follows a column.
-fn input(column: &Column<'_>, time: &str, path: &Path) -> String {
+fn input(column: &Column, time: &str, path: &Path) -> String {
     format!(
         "{} = {{ file = {}, time = {}, column = {}{}, extrapolate = \"hold\" }}",
         quoted(&column.variable.name),
@@ -241,8 +237,8 @@ fn input(column: &Column<'_>, time: &str, path: &Path) -> String {
 }
 
 /// A row whose inputs are those of an operating point.
-fn operating_point(table: &Measured<'_>, row: usize) -> Vec<String> {
-    let value = |column: &Column<'_>| {
+fn operating_point(table: &Measured, row: usize) -> Vec<String> {
+    let value = |column: &Column| {
         let unit = column.unit.as_ref().filter(|unit| *unit != "1");
         let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
         quoted(&format!("{}{unit}", number(column.values[row])))
@@ -263,11 +259,11 @@ fn operating_point(table: &Measured<'_>, row: usize) -> Vec<String> {
     lines
 }
 
-fn unit_key(column: &Column<'_>) -> String {
+fn unit_key(column: &Column) -> String {
     column.unit.as_deref().map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)))
 }
 
-fn curve(column: &Column<'_>, time: &str, path: &Path) -> Vec<String> {
+fn curve(column: &Column, time: &str, path: &Path) -> Vec<String> {
     let unit = unit_key(column);
     let [head, variable] = head(column.variable);
     let metrics = Metric::ALL.iter().map(|metric| metric.name());
@@ -286,7 +282,7 @@ fn curve(column: &Column<'_>, time: &str, path: &Path) -> Vec<String> {
     ]
 }
 
-fn reading(column: &Column<'_>) -> Vec<String> {
+fn reading(column: &Column) -> Vec<String> {
     let (value, count) = (rounded(mean(&column.values)), column.values.len());
     let noise = if count > 1 { deviation(&column.values, 1) } else { 0.0 };
     let mut lines = head(column.variable).to_vec();

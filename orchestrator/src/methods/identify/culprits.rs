@@ -18,7 +18,7 @@ use fmu_points::{
     task::{SensorError, Slot},
 };
 use indexmap::IndexMap;
-use result_document::{Block, Document, format::number};
+use result_document::{Document, format::number};
 use study::cases::SEPARATOR;
 
 use crate::{
@@ -35,9 +35,9 @@ use crate::{
 /// When the run was stopped.
 pub fn ask(
     (bound, fmu): (&Bound, &Description),
-    task: &Task<'_>,
+    task: &Task,
     searched: &Searched,
-    (remembered, model): (&Remembered<'_>, &FmuModel<'_, '_>),
+    (remembered, model): (&Remembered, &FmuModel),
 ) -> Result<Vec<Suspect>, NoPrediction> {
     model.say("what would explain the misfit".to_owned());
     let Searched { problem, optima, progress } = searched;
@@ -123,7 +123,7 @@ fn constants<'m>(
     (bound, fmu): (&Bound, &Description),
     problem: &Problem,
     places: &[f64],
-    (model, most): (&'m FmuModel<'_, '_>, usize),
+    (model, most): (&'m FmuModel, usize),
 ) -> Result<Vec<Constant<'m>>, NoPrediction> {
     /// So far apart stand the values of a derivative, as a part of the range.
     const STEP: f64 = 0.02;
@@ -181,15 +181,14 @@ struct Known {
 fn of_inputs(bound: &Bound, fmu: &Description) -> Vec<Known> {
     /// So large a part is as odd as the whole of what was stated of another.
     const ODD: f64 = 0.02;
-    let tasks = || bound.simulations.iter().map(|simulation| &simulation.task);
     let mut all: Vec<Known> = Vec::new();
-    for series in tasks().flat_map(|task| &task.inputs) {
+    for series in bound.tasks().flat_map(|task| &task.inputs) {
         let handle = series.slot.handle;
         let is_unknown = |slot: &Slot| slot.handle == handle;
         let is_told = all.iter().any(|known| known.slot.handle == handle);
         if is_told
-            || !tasks().all(|task| task.inputs.iter().any(|other| other.slot.handle == handle))
-            || tasks().flat_map(|task| &task.varied).any(is_unknown)
+            || !bound.tasks().all(|task| task.inputs.iter().any(|other| other.slot.handle == handle))
+            || bound.tasks().flat_map(|task| &task.varied).any(is_unknown)
         {
             continue;
         }
@@ -221,9 +220,9 @@ fn of_inputs(bound: &Bound, fmu: &Description) -> Vec<Known> {
 /// The real parameters and start values of the FMU that the study does not vary.
 fn found(bound: &Bound, fmu: &Description) -> Vec<Known> {
     const ODD: f64 = 0.05;
-    let tasks = || bound.simulations.iter().map(|simulation| &simulation.task);
-    let mut seen: BTreeSet<u32> = tasks().flat_map(|task| &task.varied).map(|slot| slot.handle.reference).collect();
-    seen.extend(tasks().flat_map(|task| &task.inputs).map(|series| series.slot.handle.reference));
+    let mut seen: BTreeSet<u32> =
+        bound.tasks().flat_map(|task| &task.varied).map(|slot| slot.handle.reference).collect();
+    seen.extend(bound.tasks().flat_map(|task| &task.inputs).map(|series| series.slot.handle.reference));
     let mut all = of_inputs(bound, fmu);
     for variable in fmu.variables.values() {
         let Some(slot) = Slot::of(variable).filter(|slot| slot.handle.content == Content::Real) else { continue };
@@ -235,7 +234,7 @@ fn found(bound: &Bound, fmu: &Description) -> Vec<Known> {
             _ => None,
         };
         let start = variable.kind.start();
-        let mut values = tasks().map(|task| task.fixed.iter().find_map(fixed).or(start));
+        let mut values = bound.tasks().map(|task| task.fixed.iter().find_map(fixed).or(start));
         let Some(Some(value)) = values.next() else { continue };
         if values.any(|other| other != Some(value)) {
             continue;
@@ -274,7 +273,7 @@ pub fn document(outcome: &IdentificationOutcome) -> Option<Document> {
         "Nothing that was tried explains all of it. Most of it goes with these, each alone."
     });
     let sentences = rivals.into_iter().take(SHOWN).map(|suspect| format!("{}: {}.", sentence(suspect), falls(suspect)));
-    told.blocks.push(Block::List(sentences.collect()));
+    told.list(sentences.collect());
     Some(told)
 }
 
@@ -422,6 +421,7 @@ fn sentence(suspect: &Suspect) -> String {
             _ => format!(" (stated: at most {}{unit})", number(limit, 3)),
         })
         .unwrap_or_default();
+    let (high, late) = if suspect.value > 0.0 { ("high", "late") } else { ("low", "early") };
     match &suspect.fault {
         Fault::Range => {
             let [low, high] = suspect.allowed.unwrap_or([f64::NAN; 2]);
@@ -438,17 +438,10 @@ fn sentence(suspect: &Suspect) -> String {
             format!("{name}, which the study does not vary, is {value}{unit} instead of {}{unit}", number(given, 4))
         }
         Fault::Offset => {
-            let sign = if suspect.value > 0.0 { "high" } else { "low" };
-            format!("the sensor of {name} reads {}{unit} too {sign}{stated}", number(suspect.value.abs(), 3))
+            format!("the sensor of {name} reads {}{unit} too {high}{stated}", number(suspect.value.abs(), 3))
         }
-        Fault::Gain => {
-            let sign = if suspect.value > 0.0 { "high" } else { "low" };
-            format!("the sensor of {name} reads {} % too {sign}{stated}", percent(suspect.value))
-        }
-        Fault::Delay => {
-            let sign = if suspect.value > 0.0 { "late" } else { "early" };
-            format!("{name} is recorded {} s too {sign}", number(suspect.value.abs(), 3))
-        }
+        Fault::Gain => format!("the sensor of {name} reads {} % too {high}{stated}", percent(suspect.value)),
+        Fault::Delay => format!("{name} is recorded {} s too {late}", number(suspect.value.abs(), 3)),
         Fault::Unit(words) => format!("{name} would fit if {words}"),
     }
 }

@@ -13,12 +13,12 @@ use calibration::{
     text,
 };
 
-use crate::{error::Error, identify::bind::Bound, plain};
+use crate::{error::Result, identify::bind::Bound, plain};
 use result_document::{
     Block, Document, Figure, Key, Table,
     format::{count, number},
     numbers,
-    svg::{Frame, area, envelope, path},
+    svg::{Frame, area},
     words,
 };
 
@@ -30,9 +30,9 @@ const MANY_CASES: usize = 6;
 
 /// An identification for its page.
 pub struct Page<'a> {
-    pub(super) title: &'a str,
-    pub(super) bound: &'a Bound,
-    pub(super) outcome: &'a IdentificationOutcome,
+    pub title: &'a str,
+    pub bound: &'a Bound,
+    pub outcome: &'a IdentificationOutcome,
 }
 
 /// Quantities that were measured together, in all cases.
@@ -85,7 +85,7 @@ impl Page<'_> {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn write(&self, folder: &Path) -> Result<(), Error> {
+    pub fn write(&self, folder: &Path) -> Result {
         let (is_good, headline, _) = self.headline();
         let page = plain::Page {
             kicker: "Identification",
@@ -147,17 +147,17 @@ impl Page<'_> {
         let mut told = Document::new("fit", "Fit", "Fit and residuals");
         let mut curves = self.bound.curves.iter().peekable();
         if curves.peek().is_some() {
-            told.blocks.push(Block::Legend(vec![
+            told.legend([
                 Key::new("line measured", "M0,9l3,-5l3,6l3,-6l5,4", "measured"),
                 Key::new("band", "M0,3h14v8h-14z", "two standard deviations of its noise"),
                 Key::new("line", "M0,7h14", "model"),
-            ]));
+            ]);
             let figures = curves.by_ref().take(MOST_CURVES).filter_map(|curve| {
                 let rows = curve.quantities.clone();
                 let rows: Vec<&Residual> = rows.map(|k| self.residual(0, k)).collect();
                 fitted(&curve.name, unit(&curve.unit), &curve.times, &rows)
             });
-            told.blocks.push(Block::Figures("planes".into(), figures.collect()));
+            told.show("planes", figures);
             let left = self.bound.curves.len().saturating_sub(MOST_CURVES);
             if left > 0 {
                 told.say(format!("{left} more curves are not drawn."));
@@ -242,17 +242,13 @@ impl Page<'_> {
                 ]
             })
         });
-        told.table(Table {
-            name: "Parameters".into(),
-            columns: vec![
-                words("Parameter"),
-                numbers("Most probable"),
-                numbers(self.outcome.interval()),
-                numbers("Left of the prior's spread"),
-            ],
-            rows: rows.collect(),
-            ..Table::default()
-        });
+        let columns = [
+            words("Parameter"),
+            numbers("Most probable"),
+            numbers(self.outcome.interval()),
+            numbers("Left of the prior's spread"),
+        ];
+        told.table(Table::new("Parameters", columns, rows.collect()));
         if self.outcome.has_several() {
             let optimum = |(place, optimum): (usize, &OptimumOutcome)| {
                 format!(
@@ -270,18 +266,9 @@ impl Page<'_> {
         self.outcome.notes.iter().for_each(|note| told.say(note));
         if let (Some(sample), Some(evidence)) = (&self.outcome.posterior, &self.outcome.evidence) {
             told.heading("Sample of the posterior");
-            told.table(Table {
-                name: "Sample of the posterior".into(),
-                columns: vec![
-                    words("Parameter"),
-                    numbers("Mean"),
-                    numbers("Deviation"),
-                    numbers("Median"),
-                    words("95 % of it"),
-                ],
-                rows: sample::text::marginals(sample),
-                ..Table::default()
-            });
+            let columns =
+                [words("Parameter"), numbers("Mean"), numbers("Deviation"), numbers("Median"), words("95 % of it")];
+            told.table(Table::new("Sample of the posterior", columns, sample::text::marginals(sample)));
             list(&mut told, sample::text::sentences(sample, evidence));
         }
         told
@@ -298,7 +285,7 @@ fn list(told: &mut Document, sentences: Vec<String>) {
 /// Adds a list, unless it is empty.
 fn items(told: &mut Document, sentences: Vec<String>) {
     if !sentences.is_empty() {
-        told.blocks.push(Block::List(sentences));
+        told.list(sentences);
     }
 }
 
@@ -323,18 +310,14 @@ fn unit(unit: &Option<String>) -> &str {
 
 /// The table of measured values.
 fn values(rows: Vec<Vec<String>>) -> Table {
-    Table {
-        name: "Measured values".into(),
-        columns: vec![
-            words("Value"),
-            numbers("Measured"),
-            numbers("Model"),
-            numbers("Model less measured"),
-            numbers("in standard uncertainties"),
-        ],
-        rows,
-        ..Table::default()
-    }
+    let columns = [
+        words("Value"),
+        numbers("Measured"),
+        numbers("Model"),
+        numbers("Model less measured"),
+        numbers("in standard uncertainties"),
+    ];
+    Table::new("Measured values", columns, rows)
 }
 
 /// A curve with its residuals below.
@@ -349,17 +332,16 @@ fn fitted(name: &str, unit: &str, times: &[f64], rows: &[&Residual]) -> Option<F
     }
     let y = range(low.iter().chain(&high).chain(&model).copied())?;
     let frame = Frame::new(560.0, 230.0, [start, end], y);
-    let back = times.iter().zip(&high).rev();
     let mut out = frame.axes("time (s)", Some(if unit.is_empty() { name } else { unit }));
-    out += &path("band", envelope(times.iter().zip(&low).chain(back), &frame) + "z");
-    out += &path("line measured", envelope(times.iter().zip(&measured), &frame));
-    out += &path("line", envelope(times.iter().zip(&model), &frame));
+    out += &frame.band(times, [&low, &high]);
+    out += &frame.line("line measured", times, &measured);
+    out += &frame.line("line", times, &model);
     let top = frame.wrap(&format!("{name}: measurement and model"), &out);
     let y = range(missed.iter().copied().chain([-3.0, 3.0]))?;
     let frame = Frame::new(560.0, 130.0, [start, end], y);
     let mut out = frame.axes("time (s)", Some("residual"));
     out += &area("band", [frame.x.at(start), frame.x.at(end)], [frame.y.at(-2.0), frame.y.at(2.0)]);
-    out += &path("line", envelope(times.iter().zip(&missed), &frame));
+    out += &frame.line("line", times, &missed);
     let bottom = frame.wrap(&format!("{name}: residuals in standard deviations"), &out);
     let squares: f64 = missed.iter().map(|m| m * m).sum();
     let shared = rows.iter().map(|r| r.shared).fold(0.0, |a: f64, b| if b.abs() > a.abs() { b } else { a });

@@ -65,7 +65,7 @@ pub fn other(path: &Path, problem: &Problem) -> Result<Evidence> {
 
 /// Samples the posterior where that is asked for.
 pub fn sampled(
-    objective: &Objective<'_>,
+    objective: &Objective,
     optima: &[Optimum],
     settings: &Identification,
     outcome: &mut IdentificationOutcome,

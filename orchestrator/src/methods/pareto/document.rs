@@ -2,12 +2,13 @@
 
 use parameter_regions::pareto::study::{Member, Pareto};
 use result_document::{
-    Block, Column, Document, Figure, Key, Table,
+    Column, Document, Figure, Key, Table,
     format::{count, number},
     numbers,
     svg::{Frame, area, circle, path},
     words,
 };
+use sampling::statistics::moments::sorted;
 
 /// Most pairs of criteria that are drawn.
 const MOST_PLOTS: usize = 6;
@@ -33,8 +34,8 @@ pub fn document(result: &Pareto) -> Document {
         "Criteria: the value and, in brackets, its deviation in units of the tolerance. The best compromise has the least \
          largest deviation: every criterion keeps as much room as the worst of them can have.",
     );
-    told.blocks.push(legend());
-    told.blocks.push(Block::Figures("thirds".into(), plots(result)));
+    told.legend(legend());
+    told.show("thirds", plots(result));
     told
 }
 
@@ -62,13 +63,13 @@ fn row(title: &str, m: &Member) -> Vec<String> {
     title.into_iter().chain(criteria).chain(m.parameters.iter().map(|v| number(*v, 4))).collect()
 }
 
-fn legend() -> Block {
+fn legend() -> [Key; 3] {
     let at = |r| circle([7.0, 7.0], r);
-    Block::Legend(vec![
+    [
         Key::new("pt in", &at(3.0), "meets all criteria"),
         Key::new("pt part", &at(3.0), "fails one or more"),
         Key::new("chosen", &at(5.5), "best compromise"),
-    ])
+    ]
 }
 
 fn plots(result: &Pareto) -> Vec<Figure> {
@@ -78,8 +79,7 @@ fn plots(result: &Pareto) -> Vec<Figure> {
 
 /// End of an axis: it covers the tolerance and all of the front but its outermost twentieth.
 fn end(result: &Pareto, k: usize) -> f64 {
-    let mut values: Vec<f64> = result.front.iter().map(|m| m.deviations[k]).collect();
-    values.sort_by(f64::total_cmp);
+    let values = sorted(result.front.iter().map(|m| m.deviations[k]).collect());
     let most = values.get(values.len() * 19 / 20).copied().unwrap_or(1.0);
     (1.08 * most).clamp(1.2, 4.0)
 }

@@ -42,7 +42,7 @@ pub struct Options {
 }
 
 /// A result in the folder of a finished study, as its page shows it.
-pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
+pub fn shown(study: &Finished) -> Option<Document> {
     study.result(FILE).map(|result| document(&result))
 }
 

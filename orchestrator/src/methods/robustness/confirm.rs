@@ -13,12 +13,12 @@ const MOST_DRAWS: u64 = 4_000_000;
 
 /// Statements to confirm, and the means to do so.
 pub struct Confirmation<'a, 'b> {
-    pub(super) session: &'a Session,
-    pub(super) pipeline: &'a mut Pipeline<'b>,
-    pub(super) known: &'a Points,
+    pub session: &'a Session,
+    pub pipeline: &'a mut Pipeline<'b>,
+    pub known: &'a Points,
     /// Fresh points in the box.
-    pub(super) points: usize,
-    pub(super) seed: u64,
+    pub points: usize,
+    pub seed: u64,
 }
 
 impl Confirmation<'_, '_> {

@@ -12,7 +12,7 @@ use parameter_regions::robustness::{
 };
 use result_document::{
     Block, Document, Figure, Key, Table,
-    format::{number, percent, with_unit},
+    format::{dash, number, percent, with_unit},
     numbers,
     svg::{Frame, path},
     words,
@@ -48,8 +48,8 @@ fn margins(result: &Robustness) -> Table {
     };
     let row = |(k, name): (usize, &String)| {
         let margin = result.margins.iter().find(|m| m.parameter == *name);
-        let of_margin = |of: &dyn Fn(&Margin) -> String| margin.map_or_else(|| "–".into(), of);
-        let of_box = |side: usize| result.region.as_ref().map_or_else(|| "–".into(), |r| number(r.limits[k][side], 5));
+        let of_margin = |of: &dyn Fn(&Margin) -> String| margin.map_or_else(dash, of);
+        let of_box = |side: usize| result.region.as_ref().map_or_else(dash, |r| number(r.limits[k][side], 5));
         vec![
             with_unit(name, &result.units[k]),
             of_margin(&|m| end(&m.low)),
@@ -59,19 +59,15 @@ fn margins(result: &Robustness) -> Table {
             of_box(1),
         ]
     };
-    Table {
-        name: "Margins and box".into(),
-        columns: vec![
-            words("Parameter"),
-            numbers("Alone, down to"),
-            numbers("Best point"),
-            numbers("Alone, up to"),
-            numbers("Box, from"),
-            numbers("Box, to"),
-        ],
-        rows: result.parameters.iter().enumerate().map(row).collect(),
-        ..Table::default()
-    }
+    let columns = [
+        words("Parameter"),
+        numbers("Alone, down to"),
+        numbers("Best point"),
+        numbers("Alone, up to"),
+        numbers("Box, from"),
+        numbers("Box, to"),
+    ];
+    Table::new("Margins and box", columns, result.parameters.iter().enumerate().map(row).collect())
 }
 
 /// The statement on the box, whether it comes to the level, and how the study's points and fresh runs compare with it.
@@ -101,12 +97,8 @@ fn surrogates(result: &Robustness) -> Table {
     let row = |(name, q): &(String, Quality)| {
         vec![name.clone(), q.points.to_string(), number(q.error, 2), percent(q.predicted.max(0.0))]
     };
-    Table {
-        name: "Surrogates".into(),
-        columns: vec![words("Criterion"), numbers("Points"), numbers("Error"), numbers("Variance predicted %")],
-        rows: result.criteria.iter().map(row).collect(),
-        ..Table::default()
-    }
+    let columns = [words("Criterion"), numbers("Points"), numbers("Error"), numbers("Variance predicted %")];
+    Table::new("Surrogates", columns, result.criteria.iter().map(row).collect())
 }
 
 /// Maps of the probability of verification, and of each criterion.

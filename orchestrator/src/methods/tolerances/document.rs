@@ -2,7 +2,7 @@
 
 use conformity::decision::Decision;
 use parameter_regions::tolerances::stated::{Parameter, Tolerances, Wanted};
-use result_document::{Block, Document, Table, format::number, numbers, words};
+use result_document::{Document, Table, format::number, numbers, words};
 
 /// The document of a result.
 pub fn document(result: &Tolerances) -> Document {
@@ -10,7 +10,7 @@ pub fn document(result: &Tolerances) -> Document {
     told.say(wanted(result));
     if !result.reasons.is_empty() {
         told.say("No tolerances would do.");
-        told.blocks.push(Block::List(result.reasons.clone()));
+        told.list(result.reasons.clone());
         return told;
     }
     if let Some(widest) = result.widest {

@@ -16,11 +16,11 @@ use study::{
 pub struct Goal<'a> {
     judge: &'a Judge,
     /// Which of both.
-    pub(super) wanted: Wanted,
+    pub wanted: Wanted,
     /// The least share or probability that is required.
-    pub(super) target: f64,
+    pub target: f64,
     /// With which confidence.
-    pub(super) confidence: f64,
+    pub confidence: f64,
     /// The guard band, in expanded uncertainties.
     guard: f64,
 }
