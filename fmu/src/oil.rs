@@ -71,7 +71,7 @@ pub struct Properties {
 
 impl Oil {
     /// The oil of the parameters: of the properties file if there is one, else of the two viscosities and the density.
-    pub fn properties(&self, experiment: &Experiment<'_>) -> Result<Properties, Fault> {
+    pub fn properties(&self, experiment: &Experiment) -> Result<Properties, Fault> {
         if self.properties_file.is_empty() {
             return Ok(self.through_two_points());
         }

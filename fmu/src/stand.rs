@@ -417,7 +417,7 @@ impl Model for Stand {
         crate::variables::listing().to_vec()
     }
 
-    fn initialise(&mut self, experiment: &Experiment<'_>, log: &mut dyn Log) -> Result {
+    fn initialise(&mut self, experiment: &Experiment, log: &mut dyn Log) -> Result {
         model::check_ranges(self)?;
         Self::check_time(experiment.start).map_err(Fault::Invalid)?;
         if let Some(tolerance) = experiment.tolerance {

@@ -152,7 +152,7 @@ pub fn of_values(problem: &Problem, optimum: &Optimum, groups: &[Group]) -> (Opt
 type Pulls = [(usize, usize, (DVector<f64>, f64))];
 
 /// What the variance of an unknown consists of.
-fn budget(rows: &Rows<'_>, covariance: &DMatrix<f64>, place: usize, (groups, all): (&[Group], &Pulls)) -> Vec<Part> {
+fn budget(rows: &Rows, covariance: &DMatrix<f64>, place: usize, (groups, all): (&[Group], &Pulls)) -> Vec<Part> {
     let (problem, variance) = (rows.problem, covariance[(place, place)]);
     let own = groups.iter().flat_map(|group| {
         let own = all.iter().filter(|(case, quantity, _)| group.values.contains(&[*case, *quantity]));

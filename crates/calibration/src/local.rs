@@ -59,7 +59,7 @@ impl Minimum {
 /// # Errors
 /// When a simulation fails at the start.
 pub fn minimise(
-    objective: &Objective<'_>,
+    objective: &Objective,
     start: Vec<f64>,
     held: &[usize],
     differences: Differences,
@@ -85,7 +85,7 @@ pub fn minimise(
 
 /// Whether the linearised problem goes on down to a place where a run fails, or is unknown as runs fail all around.
 fn goes_on(
-    objective: &Objective<'_>,
+    objective: &Objective,
     held: &[usize],
     differences: Differences,
     at: &mut Minimum,
@@ -138,7 +138,7 @@ impl Damping {
 
 /// Goes down one step; false where no step goes down.
 fn descend(
-    objective: &Objective<'_>,
+    objective: &Objective,
     linear: &Linear,
     held: &[usize],
     damping: &mut Damping,

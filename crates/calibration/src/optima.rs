@@ -108,7 +108,7 @@ impl Local {
 }
 
 impl Optimum {
-    pub(crate) fn new(objective: &Objective<'_>, minimum: Minimum, reached: usize) -> Result<Self, NoPrediction> {
+    pub(crate) fn new(objective: &Objective, minimum: Minimum, reached: usize) -> Result<Self, NoPrediction> {
         let posterior = Posterior::at(objective, &minimum)?;
         let free = 0..objective.problem.free.len();
         let intervals =
@@ -129,7 +129,7 @@ impl Optimum {
     ///
     /// # Errors
     /// When there are no further predictions.
-    pub fn look_at_ends(&mut self, objective: &Objective<'_>) -> Result<(), NoPrediction> {
+    pub fn look_at_ends(&mut self, objective: &Objective) -> Result<(), NoPrediction> {
         /// How often an end may be moved.
         const ROUNDS: usize = 4;
         let from = &self.minimum.places;
@@ -182,7 +182,7 @@ impl Optimum {
     ///
     /// # Errors
     /// When there are no further predictions.
-    pub fn look_around(&mut self, objective: &Objective<'_>) -> Result<(), NoPrediction> {
+    pub fn look_around(&mut self, objective: &Objective) -> Result<(), NoPrediction> {
         let ends = self.posterior.ends(&self.minimum.places);
         let misfits = objective.misfits(&ends)?;
         self.edge = Edge {

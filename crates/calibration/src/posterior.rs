@@ -66,7 +66,7 @@ impl Posterior {
     ///
     /// # Errors
     /// When there are no further predictions.
-    pub fn at(objective: &Objective<'_>, minimum: &Minimum) -> Result<Self, NoPrediction> {
+    pub fn at(objective: &Objective, minimum: &Minimum) -> Result<Self, NoPrediction> {
         let linear = objective.linear(&minimum.places, &minimum.misfit, Differences::Central)?;
         let problem = objective.problem;
         let n = problem.free.len();
@@ -242,12 +242,7 @@ pub fn interval(bounds: [f64; 2], quantile: impl Fn(f64) -> f64) -> [f64; 2] {
 }
 
 /// Mean and standard deviation of each channel's shared error, where the unknowns are as uncertain as their covariance says.
-fn shared(
-    objective: &Objective<'_>,
-    minimum: &Minimum,
-    along: &DMatrix<f64>,
-    covariance: &DMatrix<f64>,
-) -> Vec<[f64; 2]> {
+fn shared(objective: &Objective, minimum: &Minimum, along: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Vec<[f64; 2]> {
     let (problem, errors) = (objective.problem, &objective.errors);
     let known = errors.channels(problem, minimum.misfit.sources(problem));
     let marginal = problem.channels.iter().zip(known).map(|(channel, [mean, deviation])| {

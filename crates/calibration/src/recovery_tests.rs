@@ -80,7 +80,7 @@ fn synthetic(seed: u64) -> (Problem, Vec<f64>) {
     (problem, truth)
 }
 
-fn identify(objective: &Objective<'_>) -> (Minimum, Posterior) {
+fn identify(objective: &Objective) -> (Minimum, Posterior) {
     let starts = starts(objective.problem.free.len(), 32);
     let (mut optima, _) = search(objective, &starts, &effort(4, 60), &|_| ()).unwrap();
     assert_eq!(optima.len(), 1, "there is one minimum");

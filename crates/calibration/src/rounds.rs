@@ -43,7 +43,7 @@ impl Searched {
 ///
 /// # Errors
 /// Those of [`search`].
-pub fn searched(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(&Progress)) -> Result<Searched, SearchError> {
+pub fn searched(task: &Task, model: &dyn Simulate, observe: &dyn Fn(&Progress)) -> Result<Searched, SearchError> {
     let find = |problem: &Problem| {
         let objective = Objective::new(problem, model, task.difference);
         search(&objective, task.starts, &task.effort, observe)
@@ -59,7 +59,7 @@ pub fn searched(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(&Progres
 
 /// The problem whose gain errors are parts of what the fit predicts that they lead to, from a minimum on: each round
 /// brings the prediction nearer to the last one by about the size of a gain error.
-fn settled(task: &Task<'_>, model: &dyn Simulate, mut minimum: Minimum) -> Result<Problem, SearchError> {
+fn settled(task: &Task, model: &dyn Simulate, mut minimum: Minimum) -> Result<Problem, SearchError> {
     const ROUNDS: usize = 8;
     /// A part of what a gain error may do to a value that no result shows.
     const SETTLED: f64 = 1e-5;

@@ -82,7 +82,7 @@ const TOGETHER: usize = 64;
 /// # Errors
 /// When nothing can be simulated.
 pub fn search(
-    objective: &Objective<'_>,
+    objective: &Objective,
     starts: &[Vec<f64>],
     settings: &Effort,
     observe: &dyn Fn(&Progress),
@@ -135,7 +135,7 @@ pub fn search(
 
 /// Follows starts down; the ends come with the deepest first.
 fn descend(
-    objective: &Objective<'_>,
+    objective: &Objective,
     starts: &[Vec<f64>],
     batch: &[usize],
     settings: &Effort,

@@ -204,7 +204,7 @@ fn on_grid(cells: usize, density: impl Fn(f64, f64) -> f64) -> [[f64; 5]; 2] {
 }
 
 /// The same of a sample's places.
-fn of_sample(objective: &Objective<'_>, particles: u64, seed: u64) -> (Vec<[f64; 5]>, PosteriorOutcome) {
+fn of_sample(objective: &Objective, particles: u64, seed: u64) -> (Vec<[f64; 5]>, PosteriorOutcome) {
     let sample = sample(objective, &[], &settings(particles, seed), &|_, _| ()).unwrap();
     let outcome = PosteriorOutcome::new(objective, &[], &sample);
     let unknowns = 0..objective.problem.free.len();

@@ -204,7 +204,7 @@ fn means_of_repeats_are_combined_as_on_a_grid() {
 }
 
 /// Draws of so many means of three repeats, each with its local interval; how often a right model is in doubt.
-fn draws(means: usize, mut take: impl FnMut(&Objective<'_>, &[Optimum], [f64; 2])) -> usize {
+fn draws(means: usize, mut take: impl FnMut(&Objective, &[Optimum], [f64; 2])) -> usize {
     const DRAWS: usize = 200;
     let mut random = StdRng::seed_from_u64(17);
     let mut doubted = 0;

@@ -433,7 +433,7 @@ impl Inquiry<'_> {
         })
     }
 
-    fn constant(&self, constant: &Constant<'_>, place: f64) -> Result<Suspect, NoPrediction> {
+    fn constant(&self, constant: &Constant, place: f64) -> Result<Suspect, NoPrediction> {
         let free = &constant.free;
         let last = self.problem.free.len();
         let mut problem = self.problem.clone();

@@ -18,7 +18,7 @@ pub enum Decision {
 }
 
 impl std::fmt::Display for Decision {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+    fn fmt(&self, f: &mut std::fmt::Formatter) -> std::fmt::Result {
         f.write_str(match self {
             Self::Verified => "verified",
             Self::NotVerified => "not verified",

@@ -76,7 +76,7 @@ macro_rules! metrics {
                 }
             }
 
-            fn number(self, pair: &Pair<'_>) -> f64 {
+            fn number(self, pair: &Pair) -> f64 {
                 match self {
                     $(Self::$metric => $compare(pair),)*
                 }
@@ -110,7 +110,7 @@ impl Metric {
     ///
     /// # Panics
     /// When the curves are not equally long, and when a corridor has another length than its curve.
-    pub fn compare(self, pair: &Pair<'_>) -> f64 {
+    pub fn compare(self, pair: &Pair) -> f64 {
         assert_eq!(pair.reference.len(), pair.model.len(), "curves of one length");
         if self == Self::Corridor {
             assert_eq!(pair.reference.len(), pair.band.len(), "a corridor as long as its curve");

@@ -29,7 +29,7 @@
 //!         &VARIABLES
 //!     }
 //!
-//!     fn initialise(&mut self, _: &Experiment<'_>, _: &mut dyn Log) -> Result<(), Fault> {
+//!     fn initialise(&mut self, _: &Experiment, _: &mut dyn Log) -> Result<(), Fault> {
 //!         self.distance = 0.0;
 //!         Ok(())
 //!     }

@@ -242,7 +242,7 @@ mod tests {
             &[]
         }
 
-        fn initialise(&mut self, _: &Experiment<'_>, _: &mut dyn Log) -> Result<(), Fault> {
+        fn initialise(&mut self, _: &Experiment, _: &mut dyn Log) -> Result<(), Fault> {
             Ok(())
         }
 

@@ -20,7 +20,7 @@ pub struct Common {
 
 impl Common {
     /// Finds them in a loaded binary.
-    pub fn find(symbols: &Symbols<'_>) -> Result<Self, LibraryError> {
+    pub fn find(symbols: &Symbols) -> Result<Self, LibraryError> {
         Ok(Self {
             get_version: symbols.find("GetVersion"),
             free_instance: symbols.need("FreeInstance")?,

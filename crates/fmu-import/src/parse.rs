@@ -347,7 +347,7 @@ impl Reader {
         }
     }
 
-    fn variable(&mut self, node: Node<'_, '_>, types: &Types<'_>) -> Option<Variable> {
+    fn variable(&mut self, node: Node<'_, '_>, types: &Types) -> Option<Variable> {
         let name = self.name(node)?;
         let value_reference = self.reference(node, &name)?;
         let Some(element) = typed(node) else {

@@ -35,7 +35,7 @@ impl std::str::FromStr for Quantity {
 }
 
 impl fmt::Display for Quantity {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match &self.unit {
             Some(unit) => write!(f, "{} {unit}", self.number),
             None => write!(f, "{}", self.number),

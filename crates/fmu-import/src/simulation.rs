@@ -97,7 +97,7 @@ pub trait Simulation: Debug + Send {
         Ok(())
     }
     /// Enters initialisation mode, does what is to be done within it, and leaves it.
-    fn initialise(&mut self, within: Within<'_>) -> Called;
+    fn initialise(&mut self, within: Within) -> Called;
     /// Reads real variables, as many as there are references and places.
     fn reals(&mut self, references: &[u32], into: &mut [f64]) -> Called;
     /// Reads a variable of any kind.
@@ -113,7 +113,7 @@ pub trait Simulation: Debug + Send {
         self.step(time, step).map(|()| (time + step, false))
     }
     /// Lets several steps pass and reads after each; how many were taken and read, and why not all.
-    fn steps(&mut self, mut batch: Batch<'_>) -> (usize, Called) {
+    fn steps(&mut self, mut batch: Batch) -> (usize, Called) {
         for (taken, (&time, &size)) in batch.times.iter().zip(batch.sizes).enumerate() {
             let mut outcome = self.step(time, size);
             if outcome.is_ok() && !batch.references.is_empty() {

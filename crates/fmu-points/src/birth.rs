@@ -14,7 +14,7 @@ use crate::{child::Estate, wire::Order};
 /// # Safety
 /// This process has a single thread.
 #[cfg(unix)]
-pub unsafe fn child(keeper: &mut Keeper, estate: &mut Estate<'_>, order: &Order) -> io::Result<Child> {
+pub unsafe fn child(keeper: &mut Keeper, estate: &mut Estate, order: &Order) -> io::Result<Child> {
     // SAFETY: the caller promises that this process has a single thread.
     unsafe {
         keeper.fork(&mut |place| {
@@ -33,7 +33,7 @@ pub unsafe fn child(keeper: &mut Keeper, estate: &mut Estate<'_>, order: &Order)
 /// # Safety
 /// None is needed: it is there as on Unix.
 #[cfg(windows)]
-pub unsafe fn child(keeper: &mut Keeper, estate: &mut Estate<'_>, order: &Order) -> io::Result<Child> {
+pub unsafe fn child(keeper: &mut Keeper, estate: &mut Estate, order: &Order) -> io::Result<Child> {
     let mut command = std::process::Command::new(crate::system::program()?);
     command.arg(CHILD);
     let mut child = keeper.start(&mut command)?;

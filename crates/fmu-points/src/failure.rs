@@ -149,7 +149,7 @@ fn by_version(text: &str, [two, three]: [&'static str; 2]) -> &'static str {
 }
 
 impl fmt::Display for Failure {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         let class = self.class();
         match self {
             Self::OutOfRange(text)

@@ -217,7 +217,7 @@ impl Isolated {
     }
 
     /// One try of one point.
-    fn once(&mut self, way: fn(Vec<Job>) -> Order, job: &Job, post: &mut Post<'_>) -> Result<Reply, Gone> {
+    fn once(&mut self, way: fn(Vec<Job>) -> Order, job: &Job, post: &mut Post) -> Result<Reply, Gone> {
         let mut reply = None;
         let jobs = std::slice::from_ref(job);
         let (_, lost) = self.run_by(way, jobs, post, &mut |_, _, came| reply = Some(came))?;
@@ -226,18 +226,12 @@ impl Isolated {
 
     /// The same, but what hinders the FMU from starting is waited for: a licence that others have, and whatever kept it from
     /// being loaded.
-    fn patiently(&mut self, way: fn(Vec<Job>) -> Order, job: &Job, post: &mut Post<'_>) -> Result<Reply, Gone> {
+    fn patiently(&mut self, way: fn(Vec<Job>) -> Order, job: &Job, post: &mut Post) -> Result<Reply, Gone> {
         let first = self.once(way, job, post)?;
         self.insist(first, way, job, post)
     }
 
-    fn insist(
-        &mut self,
-        first: Reply,
-        way: fn(Vec<Job>) -> Order,
-        job: &Job,
-        post: &mut Post<'_>,
-    ) -> Result<Reply, Gone> {
+    fn insist(&mut self, first: Reply, way: fn(Vec<Job>) -> Order, job: &Job, post: &mut Post) -> Result<Reply, Gone> {
         const LONGEST: Duration = Duration::from_secs(5);
         let (since, mut pause) = (Instant::now(), Duration::from_millis(20));
         let mut pauses = PAUSES.iter();
@@ -294,7 +288,7 @@ impl Isolated {
     }
 
     /// Finds out with a point whether forks do as well as new processes, and reports the point.
-    fn try_forks(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(), Gone> {
+    fn try_forks(&mut self, job: &Job, post: &mut Post) -> Result<(), Gone> {
         let common = Arc::clone(&self.common);
         let verdict = self.compare(job, post);
         let (reply, start) = match verdict {
@@ -305,7 +299,7 @@ impl Isolated {
         self.finish(job, reply?, post)
     }
 
-    fn compare(&mut self, job: &Job, post: &mut Post<'_>) -> Result<(Reply, Start), Gone> {
+    fn compare(&mut self, job: &Job, post: &mut Post) -> Result<(Reply, Start), Gone> {
         let beside = Arc::clone(&self.common);
         let _others = beside.quiet.beside_others();
         let new = self.patiently(Order::New, job, post)?;
@@ -322,7 +316,7 @@ impl Isolated {
     }
 
     /// Runs points one by one or in forks, each alone; those that fail once more.
-    fn each_alone(&mut self, way: fn(Vec<Job>) -> Order, jobs: &[Job], post: &mut Post<'_>) -> Result<(), Gone> {
+    fn each_alone(&mut self, way: fn(Vec<Job>) -> Order, jobs: &[Job], post: &mut Post) -> Result<(), Gone> {
         let common = Arc::clone(&self.common);
         let mut failed = Vec::new();
         let floor = common.quiet.beside_others();
@@ -353,7 +347,7 @@ impl Isolated {
     }
 
     /// Reports a point. One that failed is tried once more before, in a new process, while nothing else runs.
-    fn finish(&mut self, job: &Job, mut reply: Reply, post: &mut Post<'_>) -> Result<(), Gone> {
+    fn finish(&mut self, job: &Job, mut reply: Reply, post: &mut Post) -> Result<(), Gone> {
         let common = Arc::clone(&self.common);
         if let Err(trouble) = &reply.answer
             && common.quiet.is_open(&trouble.failure)
@@ -372,7 +366,7 @@ impl Isolated {
 }
 
 impl Worker for Isolated {
-    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
+    fn run(&mut self, jobs: &[Job], post: &mut Post) -> Result<(), RunError> {
         let mut jobs = jobs;
         while let Some((job, rest)) = jobs.split_first() {
             let one = std::slice::from_ref(job);
@@ -418,7 +412,7 @@ impl Worker for Isolated {
 }
 
 /// Reports the outcome of a point: what the FMU said before it failed comes first.
-fn tell(post: &mut Post<'_>, index: u64, outcome: Outcome) {
+fn tell(post: &mut Post, index: u64, outcome: Outcome) {
     let answer = outcome.map_err(|Trouble { failure, notices, .. }| {
         if !notices.is_empty() {
             post.send(Event::Said(index, notices));
@@ -429,7 +423,7 @@ fn tell(post: &mut Post<'_>, index: u64, outcome: Outcome) {
 }
 
 /// Waits, unless the run is to end.
-fn pause_for(pause: Duration, post: &Post<'_>) -> Result<(), Gone> {
+fn pause_for(pause: Duration, post: &Post) -> Result<(), Gone> {
     let until = Instant::now() + pause;
     while Instant::now() < until {
         if (post.stopped)() {

@@ -27,7 +27,7 @@ impl Local {
 }
 
 impl Worker for Local {
-    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
+    fn run(&mut self, jobs: &[Job], post: &mut Post) -> Result<(), RunError> {
         let Some(runner) = &mut self.runner else { return Ok(()) };
         for job in jobs {
             let runs = (0..self.cases.len()).map(|case| {

@@ -49,7 +49,7 @@ pub struct Limit {
 }
 
 impl fmt::Display for Limit {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match &self.case {
             Some(case) => write!(f, "case {case}: {}", self.message),
             None => f.write_str(&self.message),

@@ -138,7 +138,7 @@ pub trait Worker: Send {
     ///
     /// # Errors
     /// When no further point can be run.
-    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError>;
+    fn run(&mut self, jobs: &[Job], post: &mut Post) -> Result<(), RunError>;
 
     /// Waits until it can take points; `false` where it will not, or is `stopped` before.
     ///

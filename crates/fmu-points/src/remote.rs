@@ -323,7 +323,7 @@ impl Team {
         order: &Order,
         jobs: &[Job],
         results: usize,
-        post: &mut Post<'_>,
+        post: &mut Post,
     ) -> (End, BTreeMap<u64, Job>) {
         let mut open: BTreeMap<u64, Job> = jobs.iter().map(|job| (job.index, job.clone())).collect();
         let Some(link) = &mut lane.link else { return (End::Stopped, open) };
@@ -376,7 +376,7 @@ impl Team {
     }
 
     /// Points of a worker that was lost: they are handed out again, unless one alone has cost too many workers.
-    fn reclaim(&self, open: BTreeMap<u64, Job>, alone: bool, how: &str, post: &mut Post<'_>) -> Vec<Job> {
+    fn reclaim(&self, open: BTreeMap<u64, Job>, alone: bool, how: &str, post: &mut Post) -> Vec<Job> {
         if let (true, Some(&index)) = (alone, open.keys().next()) {
             let mut state = self.state();
             let cost = state.costs.entry(index).or_default();
@@ -457,7 +457,7 @@ impl Remote {
     }
 
     /// One try of points on a lane; those that are open still.
-    fn attempt(&mut self, number: usize, jobs: &[Job], post: &mut Post<'_>) -> Result<Vec<Job>, RunError> {
+    fn attempt(&mut self, number: usize, jobs: &[Job], post: &mut Post) -> Result<Vec<Job>, RunError> {
         let begun = Instant::now();
         let team = Arc::clone(&self.team);
         let mut lane = team.lane(number);
@@ -484,7 +484,7 @@ impl Remote {
     }
 
     /// Runs points on whichever lane has a worker, until all are done.
-    fn run_anywhere(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
+    fn run_anywhere(&mut self, jobs: &[Job], post: &mut Post) -> Result<(), RunError> {
         let team = Arc::clone(&self.team);
         let mut open = jobs.to_vec();
         while !open.is_empty() && !post.is_over() {
@@ -514,7 +514,7 @@ impl Worker for Remote {
         }
     }
 
-    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
+    fn run(&mut self, jobs: &[Job], post: &mut Post) -> Result<(), RunError> {
         let Some(number) = self.lane else { return self.run_anywhere(jobs, post) };
         let open = self.attempt(number, jobs, post)?;
         post.give_back(open);

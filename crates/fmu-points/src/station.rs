@@ -202,7 +202,7 @@ struct Station {
 type Source<'a> = &'a mut dyn FnMut() -> io::Result<Vec<u8>>;
 
 impl Station {
-    fn new(terms: &Terms, output: &Arc<Mutex<Output>>, source: Source<'_>) -> Result<Self, Fault> {
+    fn new(terms: &Terms, output: &Arc<Mutex<Output>>, source: Source) -> Result<Self, Fault> {
         let nowhere = std::env::set_current_dir(&terms.folder)
             .err()
             .map(|error| format!("the study names a file relative to {}: {error}", terms.folder.display()));
@@ -283,7 +283,7 @@ impl Station {
 }
 
 /// Writes an FMU that comes in parts, the last one empty, into a folder.
-fn receive(folder: &Path, source: Source<'_>) -> io::Result<PathBuf> {
+fn receive(folder: &Path, source: Source) -> io::Result<PathBuf> {
     let path = folder.join("shipped.fmu");
     let at = |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
     let mut file = File::create(&path).map_err(at)?;

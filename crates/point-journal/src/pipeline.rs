@@ -176,7 +176,7 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Chooses some of the first points `of` these that an earlier part of the run has recorded: they run again at the end.
-    fn recall(&mut self, of: Range<u64>, job: Known<'_>) -> Result {
+    fn recall(&mut self, of: Range<u64>, job: Known) -> Result {
         let Some(finished) = self.finished.clone() else { return Ok(()) };
         let mut outcomes = finished.outcomes()?;
         for index in finished.points().filter(|index| of.contains(index)).take(again::EARLIER) {
@@ -188,7 +188,7 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Notes an event in the journal; the point that is done, if one is.
-    fn take(&mut self, event: Event, job: Known<'_>) -> Result<Option<(u64, Outcome)>> {
+    fn take(&mut self, event: Event, job: Known) -> Result<Option<(u64, Outcome)>> {
         Ok(match event {
             Event::Answer(index, mut answer) => {
                 let result = answer.as_mut().ok();

@@ -81,7 +81,7 @@ pub fn measures(
     surrogate: &Surrogate,
     limits: &[Limit],
     runs: &[Run],
-    design: &Design<'_>,
+    design: &Design,
     confidence: f64,
 ) -> Vec<Result<Vec<Index>, Doubt>> {
     let pairs = design.points.len() / design.width;
@@ -130,7 +130,7 @@ struct Part {
 
 impl Part {
     /// Of values: a row a point of a design, from the pair `start` on, a column a function.
-    fn new(values: &DMatrix<f64>, start: usize, design: &Design<'_>) -> Self {
+    fn new(values: &DMatrix<f64>, start: usize, design: &Design) -> Self {
         let functions = values.ncols();
         let mut moments = vec![[0.0; 2]; functions];
         let mut explained: Vec<Vec<[f64; 2]>> = Vec::new();

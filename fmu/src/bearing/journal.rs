@@ -197,7 +197,7 @@ pub trait JournalFilm {
     ///
     /// # Errors
     /// When a parameter or a file is not usable, or no such film exists.
-    fn new(setup: &Setup<'_>) -> Result<Self>
+    fn new(setup: &Setup) -> Result<Self>
     where
         Self: Sized;
 
@@ -299,12 +299,7 @@ pub trait TransientFilm {
     ///
     /// # Errors
     /// When the film cannot be solved; it is then as before.
-    fn advance(
-        &mut self,
-        bearing: &Bearing,
-        interval: &Interval,
-        exchange: Option<&HeatExchange<'_>>,
-    ) -> Result<Passed>;
+    fn advance(&mut self, bearing: &Bearing, interval: &Interval, exchange: Option<&HeatExchange>) -> Result<Passed>;
 
     /// Begins the search for the periodic orbit under a load that repeats itself: the first turn starts here.
     fn seek_orbit(&mut self);

@@ -61,7 +61,7 @@ pub trait Analysis {
     ///
     /// # Errors
     /// Why there is no answer.
-    fn find(&self, source: &Self::Source, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult>;
+    fn find(&self, source: &Self::Source, pipeline: &mut Pipeline, folder: &Path) -> Result<AnalysisResult>;
 }
 
 /// Identity of an analysis's points, besides study and FMU: seed, number, method.
@@ -108,7 +108,7 @@ impl AnalysisResult {
     }
 
     /// Tells how many of the points in a journal went beyond what the model is valid for.
-    pub(super) fn tell_validity(&mut self, of: SourceParts<'_>, folder: &Path) -> Result {
+    pub(super) fn tell_validity(&mut self, of: SourceParts, folder: &Path) -> Result {
         if let Some(told) = Validity::of_journal(of.package.description(), folder)? {
             self.text += &format!("\nwarning: {told}\n");
             self.add("beyond_validity", &told);

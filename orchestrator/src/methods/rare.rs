@@ -51,7 +51,7 @@ pub struct Options {
 }
 
 /// The result in a study's folder, as its page shows it.
-pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
+pub(super) fn shown(study: &Finished) -> Option<Document> {
     study.result::<Statement>(FILE).map(|statement| statement.document())
 }
 
@@ -138,7 +138,7 @@ impl Analysis for Rare {
         refuse(session, self.event)
     }
 
-    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult> {
+    fn find(&self, session: &Session, pipeline: &mut Pipeline, _: &Path) -> Result<AnalysisResult> {
         let Session { plan, judge, .. } = session;
         let limits = limits(judge, 0.0);
         let search = Search {

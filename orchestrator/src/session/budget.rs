@@ -186,12 +186,7 @@ impl Told {
 ///
 /// # Errors
 /// Those of the pipeline.
-pub fn run(
-    session: &Session,
-    net: &Design,
-    pipeline: &mut Pipeline<'_>,
-    until: Option<(Until, &History)>,
-) -> Result<Told> {
+pub fn run(session: &Session, net: &Design, pipeline: &mut Pipeline, until: Option<(Until, &History)>) -> Result<Told> {
     let budget = session.request.budget.clone().unwrap_or_default();
     let Session { plan, judge, .. } = session;
     let sample: Vec<Vec<f64>> = (0..net.len()).map(|index| net.point(index)).collect();

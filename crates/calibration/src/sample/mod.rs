@@ -175,7 +175,7 @@ impl Sample {
 /// # Errors
 /// When nothing can be simulated, or when there are no further predictions.
 pub fn sample(
-    objective: &Objective<'_>,
+    objective: &Objective,
     optima: &[Optimum],
     settings: &Settings,
     observe: &dyn Fn(f64, usize),
@@ -210,7 +210,7 @@ pub fn sample(
 /// # Errors
 /// Those of [`sample`].
 pub(crate) fn places(
-    objective: &Objective<'_>,
+    objective: &Objective,
     optima: &[Optimum],
     settings: &Settings,
     joined: bool,

@@ -222,7 +222,7 @@ impl<'a> Groups<'a> {
 
 impl PosteriorOutcome {
     /// Gathers what a sample tells.
-    pub fn new(objective: &Objective<'_>, optima: &[Optimum], sample: &Sample) -> Self {
+    pub fn new(objective: &Objective, optima: &[Optimum], sample: &Sample) -> Self {
         let problem = objective.problem;
         let alone = problem.populations.is_empty();
         let optima = if alone { optima } else { &[] };
@@ -280,7 +280,7 @@ impl PosteriorOutcome {
         doubts.into_iter().flatten().collect()
     }
 
-    fn notes(&self, objective: &Objective<'_>, optima: &[Optimum], sample: &Sample) -> Vec<String> {
+    fn notes(&self, objective: &Objective, optima: &[Optimum], sample: &Sample) -> Vec<String> {
         let mut notes = Vec::new();
         let (failed, evaluated) = (self.failed, self.evaluated);
         if failed > 0 {
@@ -329,7 +329,7 @@ impl PosteriorOutcome {
 
 /// How many independent particles the sample is worth, for the means and variances of all unknowns together. The groups
 /// are few, so the estimate for a single one would scatter too much.
-fn effective(groups: &Groups<'_>, sample: &Sample) -> f64 {
+fn effective(groups: &Groups, sample: &Sample) -> f64 {
     let mut ratios = Vec::new();
     for k in 0..sample.unknowns() {
         let mean = groups.estimate(&|particle| particle.places[k]);

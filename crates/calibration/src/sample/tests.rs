@@ -12,7 +12,7 @@ use super::outcome::{Evidence, PosteriorOutcome};
 use super::{Sample, SampleError, Settings, sample};
 
 /// The optima below some starts.
-fn optima(objective: &Objective<'_>, starts: &[Vec<f64>]) -> Vec<Optimum> {
+fn optima(objective: &Objective, starts: &[Vec<f64>]) -> Vec<Optimum> {
     let limits = limits(100, 1e-8);
     let mut optima = Optima::new(objective, limits);
     for start in starts {
@@ -242,7 +242,7 @@ fn failed_runs_count_as_impossible_and_are_counted() {
     assert_eq!(none, Err(SampleError::NoStart(200)));
 }
 
-fn sample_of(objective: &Objective<'_>, settings: &Settings) -> Result<usize, SampleError> {
+fn sample_of(objective: &Objective, settings: &Settings) -> Result<usize, SampleError> {
     sample(objective, &[], settings, &|_, _| ()).map(|sample| sample.particles.len())
 }
 

@@ -101,7 +101,7 @@ fn first(problem: &Problem) -> usize {
 ///
 /// # Errors
 /// When so many runs failed that there is nothing to fit, or those of the search and of the sample.
-pub fn replaced(task: &Task<'_>, model: &dyn Simulate, observe: &dyn Fn(String)) -> Result<Replaced, SearchError> {
+pub fn replaced(task: &Task, model: &dyn Simulate, observe: &dyn Fn(String)) -> Result<Replaced, SearchError> {
     let rounds::Task { problem, difference, .. } = task.search;
     let mut work = Work {
         task,

@@ -6,7 +6,7 @@ use super::Pair;
 /// thermal challenge problem", Comput. Methods Appl. Mech. Engrg. 197: the integral of |F_m(x) - F_r(x)| over x, with the
 /// empirical distribution functions of the values. It sees how often which values occur, not when. Of samples of one
 /// size it is the mean distance of the sorted values.
-pub fn area(pair: &Pair<'_>) -> f64 {
+pub fn area(pair: &Pair) -> f64 {
     let [model, reference] = [pair.model, pair.reference].map(|values| {
         let mut values = values.to_vec();
         values.sort_unstable_by(f64::total_cmp);

@@ -59,7 +59,7 @@ fn part(error: f64, of: f64) -> f64 {
 }
 
 /// The overall rating.
-pub(super) fn iso18571(pair: &Pair<'_>) -> f64 {
+pub(super) fn iso18571(pair: &Pair) -> f64 {
     rate(pair.reference, pair.model).overall()
 }
 

@@ -3,6 +3,6 @@
 use super::{Pair, rmse::rmse};
 
 /// The rmse divided by [`Pair::normaliser`].
-pub fn nrmse(pair: &Pair<'_>) -> f64 {
+pub fn nrmse(pair: &Pair) -> f64 {
     rmse(pair) / pair.normaliser
 }

@@ -231,7 +231,7 @@ mod tests {
             &VARIABLES
         }
 
-        fn initialise(&mut self, _: &Experiment<'_>, _: &mut dyn Log) -> Result<(), Fault> {
+        fn initialise(&mut self, _: &Experiment, _: &mut dyn Log) -> Result<(), Fault> {
             Ok(())
         }
 

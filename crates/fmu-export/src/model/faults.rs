@@ -16,7 +16,7 @@ use super::{
 /// # impl Model for Tank {
 /// #     const INFO: Info = fmu_export::info!();
 /// #     fn variables() -> &'static [Variable<Self>] { &[] }
-/// #     fn initialise(&mut self, _: &Experiment<'_>, _: &mut dyn Log) -> Result<(), Fault> { Ok(()) }
+/// #     fn initialise(&mut self, _: &Experiment, _: &mut dyn Log) -> Result<(), Fault> { Ok(()) }
 /// #     fn advance(&mut self, _: f64, _: f64, _: &mut dyn Log) -> Result<(), Fault> { Ok(()) }
 /// # }
 /// assert_eq!(faults::<Tank>(), Vec::<String>::new());

@@ -189,7 +189,7 @@ pub struct Clocks {
 
 impl Clocks {
     /// Those of a description; none where there are none.
-    pub fn find(symbols: &Symbols<'_>, description: &Description) -> Self {
+    pub fn find(symbols: &Symbols, description: &Description) -> Self {
         let mut all: Vec<Clock> = Vec::new();
         for variable in description.variables.values() {
             let (reference, handle) = (variable.value_reference, variable.handle());

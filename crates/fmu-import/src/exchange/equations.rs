@@ -64,7 +64,7 @@ pub struct Functions {
 
 impl Functions {
     /// Finds them in a loaded binary.
-    pub fn find(symbols: &Symbols<'_>, interface: Interface) -> Result<Self, LibraryError> {
+    pub fn find(symbols: &Symbols, interface: Interface) -> Result<Self, LibraryError> {
         let (steps, is_three) = (interface == Interface::CoSimulation, symbols.version == Version::Three);
         // Some FMUs of FMI 2.0 leave out what they do not need.
         let read = |name| symbols.need_if(is_three && !steps, name);

@@ -54,7 +54,7 @@ impl Simulation for Exchange {
         self.plant.model.resize(sizes)
     }
 
-    fn initialise(&mut self, _: Within<'_>) -> Called {
+    fn initialise(&mut self, _: Within) -> Called {
         let waiting = std::mem::take(&mut self.waiting);
         let (clocks, start) = (&mut self.clocks, self.march.time);
         self.plant.model.initialise(&mut |model| {

@@ -69,14 +69,7 @@ impl Rosenbrock {
 
     /// Linearises at a time and states. `nominals` are the states' typical magnitudes, and `h` the likely step, s,
     /// after whose end no rates are asked for. Whether there are rates, there and a little beside it in each state.
-    pub fn linearise(
-        &mut self,
-        f: &mut Rates<'_>,
-        time: f64,
-        states: &[f64],
-        nominals: &[f64],
-        h: f64,
-    ) -> Called<bool> {
+    pub fn linearise(&mut self, f: &mut Rates, time: f64, states: &[f64], nominals: &[f64], h: f64) -> Called<bool> {
         if states.is_empty() {
             return Ok(true);
         }
@@ -113,7 +106,7 @@ impl Rosenbrock {
     /// in `end`; none where the step cannot be computed.
     pub fn attempt(
         &mut self,
-        f: &mut Rates<'_>,
+        f: &mut Rates,
         time: f64,
         states: &[f64],
         h: f64,
@@ -173,7 +166,7 @@ mod tests {
     use super::*;
 
     /// Fixed steps over a span; the last states and the largest error estimate.
-    fn run(f: &mut Rates<'_>, mut states: Vec<f64>, span: f64, steps: usize) -> (Vec<f64>, f64) {
+    fn run(f: &mut Rates, mut states: Vec<f64>, span: f64, steps: usize) -> (Vec<f64>, f64) {
         let n = states.len();
         let mut method = Rosenbrock::new(n);
         let (h, ones) = (span / steps as f64, vec![1.0; n]);

@@ -51,7 +51,7 @@ pub struct Functions {
 
 impl Functions {
     /// Finds them in a loaded binary.
-    pub fn find(symbols: &Symbols<'_>, interface: Interface) -> Result<Self, LibraryError> {
+    pub fn find(symbols: &Symbols, interface: Interface) -> Result<Self, LibraryError> {
         Ok(Self {
             get_types_platform: symbols.find("GetTypesPlatform"),
             instantiate: symbols.need("Instantiate")?,

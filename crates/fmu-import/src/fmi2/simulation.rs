@@ -94,7 +94,7 @@ impl Simulation for Model {
         self.base.call(function, |set_up, of| unsafe { set_up(of, known, tolerance, start, 1, stop) })
     }
 
-    fn initialise(&mut self, within: Within<'_>) -> Called {
+    fn initialise(&mut self, within: Within) -> Called {
         self.base.plain(self.functions.enter_initialization_mode)?;
         within(self)?;
         self.base.exit_initialization_mode()
@@ -165,7 +165,7 @@ impl Simulation for Model {
         self.slow_step(status, time, step)
     }
 
-    fn steps(&mut self, batch: Batch<'_>) -> (usize, Called) {
+    fn steps(&mut self, batch: Batch) -> (usize, Called) {
         self.take(batch)
     }
 }

@@ -22,7 +22,7 @@ enum Halt {
 
 impl Model {
     /// Takes the steps. Returns how many were taken and read, and why not all.
-    pub fn take(&mut self, mut batch: Batch<'_>) -> (usize, Called) {
+    pub fn take(&mut self, mut batch: Batch) -> (usize, Called) {
         let mut done = 0;
         loop {
             let outcome = match self.usual_steps(&mut batch, &mut done) {
@@ -46,7 +46,7 @@ impl Model {
 
     /// Takes steps from `done` on until one returns anything but `fmi2OK`, reads after each, and counts them.
     #[inline(never)]
-    fn usual_steps(&mut self, batch: &mut Batch<'_>, done: &mut usize) -> Called<Option<Halt>> {
+    fn usual_steps(&mut self, batch: &mut Batch, done: &mut usize) -> Called<Option<Halt>> {
         let do_step = self.functions.do_step.get()?;
         let get_real = self.functions.real.get.get()?;
         let (component, width) = (self.base.component, batch.references.len());

@@ -78,7 +78,7 @@ pub struct Functions {
 
 impl Functions {
     /// Finds them in a loaded binary.
-    pub fn find(symbols: &Symbols<'_>, interface: Interface) -> Result<Self, LibraryError> {
+    pub fn find(symbols: &Symbols, interface: Interface) -> Result<Self, LibraryError> {
         Ok(Self {
             instantiate: match interface {
                 Interface::CoSimulation => Instantiates::CoSimulation(symbols.need("InstantiateCoSimulation")?),

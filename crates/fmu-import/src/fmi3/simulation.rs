@@ -172,7 +172,7 @@ impl Simulation for Model {
         Ok(())
     }
 
-    fn initialise(&mut self, within: Within<'_>) -> Called {
+    fn initialise(&mut self, within: Within) -> Called {
         let Experiment { start, stop, tolerance } = self.experiment;
         let (known, tolerance) = (tolerance.is_some(), tolerance.unwrap_or(0.0));
         let function = self.functions.enter_initialization_mode;

@@ -133,7 +133,7 @@ impl Model {
         Ok(values)
     }
 
-    fn put<T: Copy + Default>(&mut self, access: Access<T>, new: New<'_>, fit: impl Fn(&Value) -> Option<T>) -> Called {
+    fn put<T: Copy + Default>(&mut self, access: Access<T>, new: New, fit: impl Fn(&Value) -> Option<T>) -> Called {
         let values = self.merged(new, access.set.name, fit, |model| model.all(access, new.element, T::default()))?;
         self.put_all(access, new.element, &values)
     }
@@ -142,7 +142,7 @@ impl Model {
     /// that the FMU tells.
     fn merged<T>(
         &mut self,
-        new: New<'_>,
+        new: New,
         function: &'static str,
         fit: impl Fn(&Value) -> Option<T>,
         told: impl FnOnce(&mut Self) -> Called<Vec<T>>,
@@ -211,7 +211,7 @@ impl Model {
         Ok(places.iter().zip(&sizes).map(copy).collect())
     }
 
-    fn put_binary(&mut self, new: New<'_>) -> Called {
+    fn put_binary(&mut self, new: New) -> Called {
         let (element, set) = (new.element, self.functions.binary.set);
         let all = self.merged(
             new,
@@ -229,7 +229,7 @@ impl Model {
         self.base.call(set, |set, of| unsafe { set(of, reference, 1, sizes, places, element.of) })
     }
 
-    fn put_text(&mut self, new: New<'_>) -> Called {
+    fn put_text(&mut self, new: New) -> Called {
         let (element, access) = (new.element, self.functions.string);
         let texts = self.merged(
             new,

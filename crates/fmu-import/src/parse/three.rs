@@ -106,7 +106,7 @@ impl Reader {
     }
 
     /// Adds the elements of a variable, by its name and by its aliases.
-    fn elements(&mut self, written: &Written<'_>, types: &Types<'_>, into: &mut Description) {
+    fn elements(&mut self, written: &Written, types: &Types, into: &mut Description) {
         let node = written.node;
         let name = text(node, "name").unwrap_or_default();
         let Some(value_reference) = self.reference(node, &name) else { return };
@@ -175,7 +175,7 @@ impl Reader {
     }
 
     /// As written, or the default of FMI 3.0.
-    fn variability_of_three(&mut self, written: &Written<'_>) -> Variability {
+    fn variability_of_three(&mut self, written: &Written) -> Variability {
         let node = written.node;
         if node.has_attribute("variability") {
             return self.choice(node, "variability");
@@ -205,7 +205,7 @@ impl Reader {
     }
 
     /// Reads a start value.
-    fn begin(&mut self, written: &Written<'_>, kind: &mut Kind, text: &str) {
+    fn begin(&mut self, written: &Written, kind: &mut Kind, text: &str) {
         let (node, storage) = (written.node, written.storage);
         match kind {
             Kind::Real { start, .. } => *start = text.parse().ok(),

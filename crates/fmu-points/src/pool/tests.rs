@@ -5,7 +5,7 @@ use crate::failure::Failure;
 struct Doubling;
 
 impl Worker for Doubling {
-    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
+    fn run(&mut self, jobs: &[Job], post: &mut Post) -> Result<(), RunError> {
         for job in jobs {
             let value = job.values[0];
             let answer = if value < 0.0 { Err(Failure::Timeout) } else { Ok(vec![2.0 * value].into()) };
@@ -65,7 +65,7 @@ impl Worker for Leaving {
         Ok(self.0 > 0)
     }
 
-    fn run(&mut self, jobs: &[Job], post: &mut Post<'_>) -> Result<(), RunError> {
+    fn run(&mut self, jobs: &[Job], post: &mut Post) -> Result<(), RunError> {
         self.0 -= 1;
         if self.0 > 0 {
             return Doubling.run(jobs, post);

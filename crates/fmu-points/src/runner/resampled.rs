@@ -20,7 +20,7 @@ impl Draws {
     }
 
     /// To which of the curves a model conforms; none where they are not known.
-    pub fn conforming(&mut self, metric: Metric, pair: &Pair<'_>) -> Replicates {
+    pub fn conforming(&mut self, metric: Metric, pair: &Pair) -> Replicates {
         let rows = pair.reference.len();
         let known =
             self.resampling.errors.as_ref().filter(|errors| errors.shared.len() == rows && errors.own.len() == rows);
@@ -57,7 +57,7 @@ impl Draws {
     }
 
     /// The same for an rmse where all rows share their error: the mean of (d - w z)^2 is a parabola in z.
-    fn by_moments(&self, shared: &[f64], metric: Metric, pair: &Pair<'_>) -> Replicates {
+    fn by_moments(&self, shared: &[f64], metric: Metric, pair: &Pair) -> Replicates {
         let rows = pair.reference.len() as f64;
         let known = pair.model.iter().zip(pair.reference);
         let [mut squares, mut mixed, mut widths] = [0.0; 3];

@@ -181,7 +181,7 @@ fn quantities(sample: Sample, angle: f64, aligned: bool) -> [f64; CHANNELS] {
 }
 
 /// Solves for the nodes of slice `k` and eccentricity ratio `i`.
-fn fill(map: &MobilityMap<'_>, k: usize, i: usize, row: &mut [f32]) -> Result<(), NotConverged> {
+fn fill(map: &MobilityMap, k: usize, i: usize, row: &mut [f32]) -> Result<(), NotConverged> {
     let e = map.point(i, 0).eccentricity();
     let mut station = Station::new(map.width(k), e, CELLS);
     let ss = row.len() / CHANNELS;

@@ -37,7 +37,7 @@ impl Sample<'_> {
 }
 
 /// The largest box found in which the mean probability is at least the level.
-pub fn largest_box(sample: &Sample<'_>, level: f64) -> Option<Region> {
+pub fn largest_box(sample: &Sample, level: f64) -> Option<Region> {
     let scale = Scale::new(sample.points);
     let everything = vec![[f64::NEG_INFINITY, f64::INFINITY]; scale.columns.len()];
     let start = |seed: &Seed| {
@@ -58,13 +58,13 @@ pub fn largest_box(sample: &Sample<'_>, level: f64) -> Option<Region> {
 }
 
 /// A box inside another one, in which the mean probability is at least the level.
-pub fn tightened(sample: &Sample<'_>, level: f64, region: &Region) -> Option<Region> {
+pub fn tightened(sample: &Sample, level: f64, region: &Region) -> Option<Region> {
     let mut limits = region.limits.clone();
     peel(sample, level, &mut limits, None)?;
     Some(pasted(sample, &Scale::new(sample.points), level, limits))
 }
 
-fn pasted(sample: &Sample<'_>, scale: &Scale, level: f64, mut limits: Limits) -> Region {
+fn pasted(sample: &Sample, scale: &Scale, level: f64, mut limits: Limits) -> Region {
     paste(sample, scale, level, &mut limits);
     let limits = scale.closed(&limits);
     Region::new(limits, sample)
@@ -114,7 +114,7 @@ struct Seed {
 
 /// Good points far from each other: those in whose neighbourhood the level is held, if there are any. At the edge of a
 /// good part there is no room for a box.
-fn seeds(sample: &Sample<'_>, scale: &Scale, level: f64) -> Vec<Seed> {
+fn seeds(sample: &Sample, scale: &Scale, level: f64) -> Vec<Seed> {
     let good: Vec<usize> = (0..sample.points.len()).filter(|&j| sample.verdicts[j] >= level).collect();
     let step = good.len().div_ceil(CHOICE).max(1);
     let good: Vec<usize> = good.into_iter().step_by(step).collect();
@@ -129,7 +129,7 @@ fn seeds(sample: &Sample<'_>, scale: &Scale, level: f64) -> Vec<Seed> {
     spread(if deep.is_empty() { edge } else { deep })
 }
 
-fn seed(sample: &Sample<'_>, scale: &Scale, ranks: &[Vec<f64>], point: usize) -> Seed {
+fn seed(sample: &Sample, scale: &Scale, ranks: &[Vec<f64>], point: usize) -> Seed {
     let of_point = &ranks[point];
     let distance = |other: &Vec<f64>| {
         let sides = of_point.iter().zip(other).map(|(a, b)| (a - b).abs());
@@ -172,7 +172,7 @@ fn spread(mut seeds: Vec<Seed>) -> Vec<Seed> {
 }
 
 /// Peels slices off until the level is reached; `None` where too few points are left before that.
-fn peel(sample: &Sample<'_>, level: f64, limits: &mut Limits, kept: Option<usize>) -> Option<()> {
+fn peel(sample: &Sample, level: f64, limits: &mut Limits, kept: Option<usize>) -> Option<()> {
     let mut inside = sample.inside(limits);
     while sample.mean(&inside) < level {
         if inside.len() < FEWEST {
@@ -190,7 +190,7 @@ fn beyond(value: f64, side: usize, cut: f64) -> bool {
 }
 
 /// The slice whose loss raises the mean most: the mean then, the parameter, the side, and the new limit.
-fn thinnest(sample: &Sample<'_>, inside: &[usize], kept: Option<usize>) -> Option<(f64, usize, usize, f64)> {
+fn thinnest(sample: &Sample, inside: &[usize], kept: Option<usize>) -> Option<(f64, usize, usize, f64)> {
     let mut best: Option<(f64, usize, usize, f64)> = None;
     for k in 0..sample.points.first().map_or(0, Vec::len) {
         let column = sorted(inside.iter().map(|&j| sample.points[j][k]).collect());
@@ -230,7 +230,7 @@ fn cut(column: &[f64], side: usize, q: f64) -> Option<f64> {
 }
 
 /// Moves each limit out by a small step in turn, as long as the level holds.
-fn paste(sample: &Sample<'_>, scale: &Scale, level: f64, limits: &mut Limits) {
+fn paste(sample: &Sample, scale: &Scale, level: f64, limits: &mut Limits) {
     const STEP: f64 = 0.005;
     let mut open: Vec<(usize, usize)> = (0..limits.len()).flat_map(|k| [(k, 0), (k, 1)]).collect();
     while !open.is_empty() {

@@ -165,11 +165,7 @@ fn unseen_failures(table: &PointTable, inputs: &[Vec<f64>], region: Option<&Regi
 /// Searches until the lower limit of what is stated is no less than the level: where it is less, the search asks for so
 /// much more. Where no search comes to that, the first region whose probability alone is no less. It is checked against the
 /// study's own points.
-fn firm(
-    level: f64,
-    search: impl Fn(f64, Option<&Region>) -> Option<Region>,
-    evidence: &Evidence<'_>,
-) -> Option<Region> {
+fn firm(level: f64, search: impl Fn(f64, Option<&Region>) -> Option<Region>, evidence: &Evidence) -> Option<Region> {
     const TRIES: usize = 12;
     let (mut target, mut before, mut likely) = (level, None, None::<Region>);
     for _ in 0..TRIES {

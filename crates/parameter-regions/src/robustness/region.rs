@@ -87,7 +87,7 @@ pub struct Region {
 
 impl Region {
     /// A box with share and probability by a sample and the surrogates alone, as a search needs them.
-    pub(super) fn new(limits: Vec<[f64; 2]>, sample: &Sample<'_>) -> Self {
+    pub(super) fn new(limits: Vec<[f64; 2]>, sample: &Sample) -> Self {
         let pairs = sample.points.iter().zip(sample.verdicts);
         let inside = pairs.filter(|(x, _)| within(x, &limits));
         let held: Vec<f64> = inside.map(|(_, v)| *v).collect();

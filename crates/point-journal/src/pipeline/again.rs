@@ -91,7 +91,7 @@ impl Again {
     }
 
     /// Takes a point that was just recorded, if it is one of the first, or drawn.
-    pub fn note(&mut self, crew: &Crew, index: u64, outcome: &Outcome, job: Known<'_>) {
+    pub fn note(&mut self, crew: &Crew, index: u64, outcome: &Outcome, job: Known) {
         let host = crew.take_host(index);
         if outcome.is_err() {
             return;

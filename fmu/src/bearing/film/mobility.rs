@@ -113,7 +113,7 @@ struct Instant {
 }
 
 impl JournalFilm for MobilityFilm {
-    fn new(setup: &Setup<'_>) -> Result<Self, Fault> {
+    fn new(setup: &Setup) -> Result<Self, Fault> {
         setup.bearing.supply.refuse()?;
         if setup.bearing.resolution.energy == FilmEnergy::Circumferential {
             return Err(Fault::Invalid(
@@ -314,7 +314,7 @@ impl Prepared {
     /// happens next to standstill only. There friction takes the direction of the sliding, or, where it would turn that
     /// round, the value between that makes the contact stick. So it never drives the journal.
     #[inline(always)]
-    fn rub(&self, bearing: &Bearing, at: &Situation, place: (Vector2<f64>, f64), touch: Option<&Touching<'_>>) -> Push {
+    fn rub(&self, bearing: &Bearing, at: &Situation, place: (Vector2<f64>, f64), touch: Option<&Touching>) -> Push {
         let friction = match touch {
             Some(now) if now.touch.contact.normal > 0.0 => bearing.contact_friction(at.sliding()),
             _ => 0.0,
@@ -374,7 +374,7 @@ impl Prepared {
         bearing: &Bearing,
         at: &Situation,
         (e, length): (Vector2<f64>, f64),
-        touch: Option<&Touching<'_>>,
+        touch: Option<&Touching>,
         friction: f64,
     ) -> Push {
         let (load, rotation) = (at.load, at.mean_rotation());

@@ -60,7 +60,7 @@ impl<T> Clone for Passing<T> {
 }
 
 impl JournalFilm for ReynoldsJournal {
-    fn new(setup: &Setup<'_>) -> Result<Self> {
+    fn new(setup: &Setup) -> Result<Self> {
         let (bearing, resolution) = (setup.bearing, &setup.bearing.resolution);
         if resolution.energy == FilmEnergy::Circumferential && !resolution.mass_conserving {
             return Err(Fault::Invalid(
@@ -161,12 +161,7 @@ impl TransientFilm for ReynoldsJournal {
         self.film.eccentricity().into()
     }
 
-    fn advance(
-        &mut self,
-        bearing: &Bearing,
-        interval: &Interval,
-        exchange: Option<&HeatExchange<'_>>,
-    ) -> Result<Passed> {
+    fn advance(&mut self, bearing: &Bearing, interval: &Interval, exchange: Option<&HeatExchange>) -> Result<Passed> {
         let Interval { duration, load, speed, bush_speed, clearance, viscosity } = *interval;
         let sliding = speed - bush_speed;
         self.widen(clearance)?;
@@ -266,7 +261,7 @@ fn aligned(contact: Option<&ContactFamily>, ratio: f64, clearance: f64) -> f64 {
 }
 
 /// The form error of the file that `bearing.profileFile` names; round surfaces without one.
-fn read_profile(bearing: &Bearing, experiment: &Experiment<'_>) -> Result<Profile> {
+fn read_profile(bearing: &Bearing, experiment: &Experiment) -> Result<Profile> {
     match bearing.profile_file.as_str() {
         "" => Ok(Profile::default()),
         file => Profile::from_csv(&experiment.file(file))

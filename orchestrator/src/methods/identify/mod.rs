@@ -81,7 +81,7 @@ pub struct Options {
 const SECTION: &str = "identify/section.json";
 
 /// A result in the folder of a finished study, as its page shows it.
-pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
+pub(super) fn shown(study: &Finished) -> Option<Document> {
     study.result::<Section>(SECTION).map(|section| section.document)
 }
 
@@ -210,7 +210,7 @@ impl Analysis for Asked {
         surrogate::check(fit)
     }
 
-    fn find(&self, fit: &Fit, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult> {
+    fn find(&self, fit: &Fit, pipeline: &mut Pipeline, folder: &Path) -> Result<AnalysisResult> {
         let (mut outcome, sample) = find(fit, pipeline)?;
         if let (Some(other), Some(evidence)) = (self.other(&fit.settings, &fit.bound)?, &mut outcome.evidence) {
             evidence.compare(&other).unwrap_or_else(|message| {
@@ -281,7 +281,7 @@ impl Asked {
 }
 
 /// Searches for the most probable parameters.
-fn find(fit: &Fit, pipeline: &mut Pipeline<'_>) -> Result<(IdentificationOutcome, Option<Sample>)> {
+fn find(fit: &Fit, pipeline: &mut Pipeline) -> Result<(IdentificationOutcome, Option<Sample>)> {
     let Fit { study, settings, package, bound, .. } = fit;
     let starts = starts(study, settings, bound.problem.free.len())?;
     let limits = search::Effort { descents: settings.descents, iterations: settings.iterations };

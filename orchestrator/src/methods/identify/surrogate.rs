@@ -135,7 +135,7 @@ pub fn check(Fit { bound, known, request, .. }: &Fit) -> Result {
 /// Makes surrogates where a budget wants them.
 pub fn replaced(
     Fit { request, study, settings, bound, known, .. }: &Fit,
-    search: &rounds::Task<'_>,
+    search: &rounds::Task,
     model: &dyn Simulate,
     say: &dyn Fn(String),
 ) -> Result<Option<Replaced>, SearchError> {
@@ -160,7 +160,7 @@ pub fn replaced(
 /// Runs the optima in the model, whose predictions take the place of the surrogates'. Those for which the budget has no run left
 /// are left out, but for the first.
 pub fn run_again(
-    objective: &Objective<'_>,
+    objective: &Objective,
     replaced: &Replaced,
     (optima, left): (&mut Vec<Optimum>, u64),
 ) -> Result<SurrogateOutcome, SearchError> {

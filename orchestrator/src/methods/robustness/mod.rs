@@ -58,7 +58,7 @@ pub struct Options {
 }
 
 /// A result in the folder of a finished study, as its page shows it.
-pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
+pub(super) fn shown(study: &Finished) -> Option<Document> {
     study.result(FILE).map(|result| document(&result))
 }
 
@@ -181,7 +181,7 @@ impl Analysis for Asked {
         })
     }
 
-    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult> {
+    fn find(&self, session: &Session, pipeline: &mut Pipeline, _: &Path) -> Result<AnalysisResult> {
         let (origin, known, cloud) = self.known(&session.study, Some(&session.plan))?;
         let stated = self.stated(&known, &cloud)?;
         if session.request.account.is_some() {

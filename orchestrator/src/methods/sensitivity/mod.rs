@@ -65,7 +65,7 @@ pub struct Options {
 }
 
 /// A result in the folder of a finished study, as its page shows it.
-pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
+pub(super) fn shown(study: &Finished) -> Option<Document> {
     let result = study.result(FILE)?;
     Some(document(&result))
 }
@@ -151,7 +151,7 @@ impl Analysis for Asked {
         })
     }
 
-    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, folder: &Path) -> Result<AnalysisResult> {
+    fn find(&self, session: &Session, pipeline: &mut Pipeline, folder: &Path) -> Result<AnalysisResult> {
         let method = self.method;
         let design = method
             .design(session.plan.varied().len(), &self.settled)
@@ -169,7 +169,7 @@ fn enough(size: u64) -> Result<(), String> {
 }
 
 /// Simulates points of the unit cube of the parameters that vary.
-fn simulate(session: &Session, pipeline: &mut Pipeline<'_>, cube: &[Vec<f64>]) -> Result<PointTable> {
+fn simulate(session: &Session, pipeline: &mut Pipeline, cube: &[Vec<f64>]) -> Result<PointTable> {
     let plan = &session.plan;
     let points: Vec<Vec<f64>> = cube.iter().map(|u| plan.from_cube(u)).collect();
     let outcomes = pipeline.ask(&points)?;

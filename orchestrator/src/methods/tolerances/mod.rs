@@ -66,7 +66,7 @@ pub struct Options {
 }
 
 /// A result in the folder of a finished study, as its page shows it.
-pub(super) fn shown(study: &Finished<'_>) -> Option<Document> {
+pub(super) fn shown(study: &Finished) -> Option<Document> {
     study.result(FILE).map(|result| document(&result))
 }
 
@@ -135,7 +135,7 @@ impl Analysis for Asked {
         self.problem(session, &goal).map(drop)
     }
 
-    fn find(&self, session: &Session, pipeline: &mut Pipeline<'_>, _: &Path) -> Result<AnalysisResult> {
+    fn find(&self, session: &Session, pipeline: &mut Pipeline, _: &Path) -> Result<AnalysisResult> {
         let goal = Goal::new(&session.study, &session.judge, &self.from)?;
         let problem = self.problem(session, &goal)?;
         let stand = self.by_surrogate.then(|| self.stand(session)).transpose()?;
@@ -210,7 +210,7 @@ impl Asked {
         })
     }
 
-    fn problem(&self, session: &Session, goal: &Goal<'_>) -> Result<Problem> {
+    fn problem(&self, session: &Session, goal: &Goal) -> Result<Problem> {
         let Session { study, plan, .. } = session;
         let with_tolerances = plan.with_tolerances();
         if with_tolerances.is_empty() {

@@ -78,7 +78,7 @@ impl Balance {
     }
 
     /// Computes everything at the present gap, oil and field.
-    pub fn update(&mut self, cells: &Cells, gap: &Gap, liquid: &Liquid, field: &Field, stage: &Stage<'_>) {
+    pub fn update(&mut self, cells: &Cells, gap: &Gap, liquid: &Liquid, field: &Field, stage: &Stage) {
         self.weigh(gap, liquid, field);
         self.flow_around(cells, gap, liquid, field, stage);
         if liquid.compressible {
@@ -96,7 +96,7 @@ impl Balance {
     }
 
     /// Computes conductances `rho H^3 / mu` and fluxes between columns.
-    fn flow_around(&mut self, cells: &Cells, gap: &Gap, liquid: &Liquid, field: &Field, stage: &Stage<'_>) {
+    fn flow_around(&mut self, cells: &Cells, gap: &Gap, liquid: &Liquid, field: &Field, stage: &Stage) {
         let [_, flows] = gap.flow();
         for (behind, before) in cells.neighbours() {
             let (h, share) = (&gap.edge[behind.clone()], &cells.share[behind.clone()]);
@@ -127,7 +127,7 @@ impl Balance {
     }
 
     /// Computes conductances and fluxes between rows and through the open ends.
-    fn flow_over(&mut self, cells: &Cells, gap: &Gap, liquid: &Liquid, field: &Field, stage: &Stage<'_>) {
+    fn flow_over(&mut self, cells: &Cells, gap: &Gap, liquid: &Liquid, field: &Field, stage: &Stage) {
         let n = self.mass.len();
         let ([h, _], p, ease) = (gap.flow(), &field.pressure[..], &liquid.ease[..]);
         let (below, above) = (..n - 1, 1..n);
@@ -148,7 +148,7 @@ impl Balance {
     }
 
     /// Adds up the residuals.
-    fn add_up(&mut self, cells: &Cells, stage: &Stage<'_>) {
+    fn add_up(&mut self, cells: &Cells, stage: &Stage) {
         let rate = 1.0 / stage.duration;
         for (after, here) in cells.neighbours() {
             let residual = &mut self.residual[here.clone()];

@@ -209,7 +209,7 @@ impl ReynoldsFilm {
         interval: f64,
         drive: &Drive,
         contact: &dyn Fn(f64) -> f64,
-        exchange: &HeatExchange<'_>,
+        exchange: &HeatExchange,
     ) -> Result<Diagnostics, FilmError> {
         let conserves = self.work.geometry.cells.conserves_mass();
         let must = "one that conserves the oil's mass where the film has a temperature around the bearing";
@@ -232,7 +232,7 @@ impl ReynoldsFilm {
         interval: f64,
         drive: &Drive,
         contact: &dyn Fn(f64) -> f64,
-        exchange: Option<&HeatExchange<'_>>,
+        exchange: Option<&HeatExchange>,
     ) -> Result<Diagnostics, FilmError> {
         let usable = interval.is_finite() && interval >= LEAST_INTERVAL;
         within("interval", interval, usable, "at least 1e-250 s")?;

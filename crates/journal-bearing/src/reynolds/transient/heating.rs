@@ -11,7 +11,7 @@ use crate::reynolds::{lanes::dot, settings::Drive};
 
 impl Workspace {
     /// Gives each column its viscosity; a film without temperatures begins with the exchange's.
-    pub fn thin(&mut self, drive: &Drive, exchange: &HeatExchange<'_>) {
+    pub fn thin(&mut self, drive: &Drive, exchange: &HeatExchange) {
         let columns = self.geometry.cells.grid.columns();
         let begins = Warm { temperature: exchange.start, fluidity: 1.0 };
         self.state.warm.resize(columns, begins);
@@ -67,7 +67,7 @@ impl Workspace {
         duration: f64,
         heat: f64,
         drive: &Drive,
-        exchange: &HeatExchange<'_>,
+        exchange: &HeatExchange,
     ) -> Result<HeatGiven, NoSolution> {
         let volume = self.volume();
         let heats = self.heats(drive);

@@ -65,7 +65,7 @@ impl Stepper {
         step: Step,
         drive: &Drive,
         contact: &dyn Fn(f64) -> f64,
-        exchange: Option<&HeatExchange<'_>>,
+        exchange: Option<&HeatExchange>,
     ) -> Result<(Diagnostics, f64), NoSolution> {
         self.kept.copy_from(&work.state);
         if let Some(exchange) = exchange {
@@ -82,7 +82,7 @@ impl Stepper {
         step: Step,
         drive: &Drive,
         contact: &dyn Fn(f64) -> f64,
-        exchange: Option<&HeatExchange<'_>>,
+        exchange: Option<&HeatExchange>,
     ) -> Result<(Diagnostics, f64), NoSolution> {
         let Self { start: mass, launch, kept, landing, columns, failures } = self;
         let lands = work.geometry.cells.conserves_mass() && *failures >= PATIENCE;

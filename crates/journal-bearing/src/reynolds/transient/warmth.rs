@@ -101,7 +101,7 @@ pub fn step(
     columns: &[Column],
     temperatures: &mut [f64],
     duration: f64,
-    exchange: &HeatExchange<'_>,
+    exchange: &HeatExchange,
 ) -> Result<HeatGiven, NoSolution> {
     let n = columns.len();
     let start = temperatures.to_vec();

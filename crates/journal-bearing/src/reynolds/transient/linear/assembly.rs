@@ -5,7 +5,7 @@ use super::{Base, unknowns::Unknowns};
 use crate::reynolds::ring::Ring;
 
 /// Fills the matrix. `held` is scratch space of one value per cell.
-pub fn assemble(ring: &mut Ring, unknowns: &Unknowns, held: &mut [f64], base: &Base<'_>) {
+pub fn assemble(ring: &mut Ring, unknowns: &Unknowns, held: &mut [f64], base: &Base) {
     let Base { cells, gap, balance, stage, .. } = *base;
     let (full, empty) = (&unknowns.full, &unknowns.empty);
     let (swell, balanced) = (&unknowns.swell, &unknowns.balanced);

@@ -5,7 +5,7 @@ use super::{Base, unknowns::Unknowns};
 use crate::reynolds::ring::Ring;
 
 /// Adds the derivatives of the flux corrections to the matrix.
-pub fn centre(ring: &mut Ring, unknowns: &Unknowns, base: &Base<'_>) {
+pub fn centre(ring: &mut Ring, unknowns: &Unknowns, base: &Base) {
     let (liquid, field) = (base.liquid, base.field);
     for (before, behind) in edges(base.cells) {
         let edge = Edge::new(before, behind, base.balance.carried[behind]);

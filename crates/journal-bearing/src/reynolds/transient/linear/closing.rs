@@ -26,7 +26,7 @@ impl Closing {
     }
 
     /// Computes the derivatives of the balances marked in `balanced` over the components of the eccentricity ratio.
-    pub fn differentiate(&mut self, base: &Base<'_>, balanced: &[f64], derivatives: &mut [Vec<f64>; 2]) {
+    pub fn differentiate(&mut self, base: &Base, balanced: &[f64], derivatives: &mut [Vec<f64>; 2]) {
         self.open_edges(base);
         let Base { cells, gap, field, balance, stage, .. } = *base;
         let (rate, [flow, _]) = (1.0 / stage.duration, gap.flow());
@@ -57,7 +57,7 @@ impl Closing {
     }
 
     /// Computes the fluxes' derivatives over the gap at their edges.
-    fn open_edges(&mut self, base: &Base<'_>) {
+    fn open_edges(&mut self, base: &Base) {
         let (gap, balance) = (base.gap, base.balance);
         let (pressure, [cell_flow, flow]) = (&base.field.pressure[..], gap.flow());
         for (behind, before) in base.cells.neighbours() {

@@ -68,7 +68,7 @@ impl Linear {
     }
 
     /// Linearises about `base` and answers to its residuals.
-    pub fn renew(&mut self, base: &Base<'_>) {
+    pub fn renew(&mut self, base: &Base) {
         self.sort(base);
         let (ring, unknowns) = (&mut self.ring, &self.unknowns);
         assembly::assemble(ring, unknowns, self.closing.scratch(), base);
@@ -147,7 +147,7 @@ impl Linear {
     }
 
     /// Sorts the cells by their unknowns; columns without any are left out of the factorisation.
-    fn sort(&mut self, base: &Base<'_>) {
+    fn sort(&mut self, base: &Base) {
         let (cells, field) = (base.cells, base.field);
         self.unknowns.sort(cells, base.liquid, field);
         let conserving = cells.conserves_mass();

@@ -15,7 +15,7 @@ fn add(
     ends: [usize; 2],
     conductance: f64,
     unknowns: &Unknowns,
-    Base { liquid, field, .. }: &Base<'_>,
+    Base { liquid, field, .. }: &Base,
 ) {
     let [a, b] = ends;
     let flow = conductance * (field.pressure[a] - field.pressure[b]);
@@ -29,7 +29,7 @@ fn add(
 }
 
 /// Adds the derivatives of all flows to the matrix.
-pub fn thicken(ring: &mut Ring, unknowns: &Unknowns, base: &Base<'_>) {
+pub fn thicken(ring: &mut Ring, unknowns: &Unknowns, base: &Base) {
     let Base { cells, liquid, field, balance, stage, .. } = *base;
     for (a, b) in edges(cells) {
         let couplings = [&mut ring.after[a], &mut ring.before[b]];
