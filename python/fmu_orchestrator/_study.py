@@ -247,7 +247,7 @@ class Study:
         """Tells how far parameters may move, from the points of a finished study.
 
         ``level`` is the verification probability that the box must hold; ``confirm`` runs so many new points in it,
-        ``budget`` at most so many in all.
+        ``budget`` those that are left of so many in the folder.
         """
         source, folder = self._folders(points_of, output)
         # The program looks where the study's name says; a study that was changed here has another folder.
@@ -269,7 +269,7 @@ class Study:
     ) -> Tolerances:
         """Finds the widest tolerances of the parameters at which the model still conforms; the section ``[verdict]`` or
         ``[tolerances]`` states the wanted share. The points of a finished study are used first; with ``budget`` a surrogate of
-        them finds, and so many runs confirm."""
+        them finds, and the runs that are left of so many in the folder confirm."""
         source, folder = self._folders(points_of, output)
         options: dict[str, Value] = {"from": source, "points": points, "confirm": confirm, "budget": budget, "seed": seed}
         done = self._run("tolerances", folder, options, running, state="tolerances")

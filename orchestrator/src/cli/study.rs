@@ -46,7 +46,7 @@ pub struct Verify {
     /// The seed, instead of the study's
     #[arg(long, value_name = "S", allow_negative_numbers = true)]
     pub seed: Option<u64>,
-    /// For an FMU whose runs are dear: at most N runs in all, at points that are chosen while they come in; a surrogate tells the
+    /// For an FMU whose runs are dear: at most N runs in the folder, at points that are chosen while they come in; a surrogate tells the
     /// share with its interval, or counts where it does not hold
     #[arg(
         long,
