@@ -59,8 +59,8 @@ def check(row):
 def functions():
     """The names of the C functions, from the places in the source where they are exported."""
     sources = [ROOT / f"crates/fmu-export/src/{version}/calls.rs" for version in ("fmi2", "fmi3")]
-    pattern = r"\b(fmi[23]\w+)(?= = |\(\) -> Text)"
-    return {name for source in sources for name in re.findall(pattern, source.read_text())}
+    pattern = re.compile(r"(?:^ +|, |\{ )(fmi[23]\w+)(?=\(| = |, fmi|:)", re.MULTILINE)
+    return {name for source in sources for name in pattern.findall(source.read_text())}
 
 
 def elf(row, more=frozenset()):
