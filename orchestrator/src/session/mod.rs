@@ -1,6 +1,7 @@
 //! A study with everything that its run needs: tied to its FMU, its points known.
 
 pub mod account;
+mod accounts;
 pub mod budget;
 mod finale;
 mod request;
