@@ -94,7 +94,8 @@ impl Budget {
                 let beside = budget.beside.saturating_add(BESIDE * cases);
                 let (before, end) = (budget.points() as u64, runs.saturating_sub(beside) / cases);
                 if end <= before {
-                    let [then, more] = [budget.runs, cases * (before + 1) + beside].map(|own| account.with_others(own));
+                    let [then, more] =
+                        [budget.runs, beside.saturating_add(cases * (before + 1))].map(|own| account.with_others(own));
                     let message = format!("{then} runs are in this folder already; give as many, or {more} or more");
                     return Err(Error::option("budget", message + &account.told()));
                 }
