@@ -15,9 +15,10 @@ const CANDIDATES: usize = 1024;
 const NO_NOISE: f64 = 1e-4;
 /// All functions that are drawn lie within so many deviations of the most probable one.
 const SURE: f64 = 10.0;
-/// Errors of runs left out, over the deviation of the output, from which on the surrogate is not asked...
+/// Errors of runs left out, over the deviation of the output, from which on the surrogate is asked only where hardly a sign
+/// depends on them.
 pub(crate) const LARGEST_ERROR: f64 = 0.2;
-/// ... unless hardly a sign depends on them: then they leave open no more than this part of the variance of the signs.
+/// Hardly a sign depends on errors that leave open no more than this part of the variance of the signs.
 const LARGEST_OPEN: f64 = 0.1;
 /// So many deviations more wrong signs among the runs left out than their probabilities say refute the surrogate.
 pub(crate) const REFUTED: f64 = 2.5;

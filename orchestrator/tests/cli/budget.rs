@@ -189,7 +189,7 @@ fn accounts(bench: &Bench, folders: &[&str]) -> u64 {
     folders.iter().map(own).sum()
 }
 
-/// A dear FMU's whole study in one folder: what one command has run, the others do not run again, and count.
+/// A dear FMU's whole study in one folder: runs of one command serve the others, and count for all.
 #[test]
 fn a_whole_study_takes_a_hundred_runs() {
     let bench = measured_lag();
