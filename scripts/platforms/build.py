@@ -4,7 +4,7 @@ import os
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from . import unwinder
+from . import gates, unwinder
 from .common import PACKAGE, ROOT, Failure, run, say, target_dir, venv
 
 # Zig links against any glibc, and takes LLVM's unwinder in place of libgcc_s.
@@ -95,7 +95,7 @@ def linux64(row):
         compiler = linux()
     except Failure as failure:
         say(f"warning: building with plain cargo, as Zig is not to be had: {failure}")
-        row.notes.append("plain cargo, without the old glibc baseline")
+        row.notes.append(f"plain cargo, {gates.NO_BASELINE}")
         return plain(row)
     say(f"building linux64 for glibc {GLIBC}")
     return compiler.library()

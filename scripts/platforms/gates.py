@@ -8,6 +8,8 @@ from . import macho
 from .common import ROOT, Failure, run
 
 GLIBC = (2, 17)
+# The note of a binary that was not made for other machines.
+NO_BASELINE = "without the old glibc baseline"
 LIBRARIES = {
     "elf": {"libc.so.6", "libm.so.6", "libdl.so.2", "libpthread.so.0", "librt.so.1",
             "ld-linux-x86-64.so.2", "ld-linux-aarch64.so.1"},
@@ -75,7 +77,7 @@ def elf(row, more=frozenset()):
                 re.findall(r"@GLIBC_([\d.]+)", symbols)]
     highest = max(versions, default=(0,))
     text = ".".join(map(str, highest))
-    baseline = not any("without the old glibc" in note for note in row.notes)
+    baseline = not any(NO_BASELINE in note for note in row.notes)
     if baseline and highest > GLIBC:
         raise Failure(f"needs glibc {text}, more than {'.'.join(map(str, GLIBC))}")
     strange = libraries - LIBRARIES["elf"] - more
