@@ -195,6 +195,8 @@ MODELS = MEMORY + LIFE + LOGGER + PROCESSES + SIGNALS + DESCRIPTORS + SURROUNDIN
 MEETINGS = [Model(name, reproducible=None) for name in [
     "waits_at_a_port", "waits_for_datagrams", "names_a_socket", "locks_a_file_elsewhere", "locks_a_record_elsewhere",
     "locks_its_resources", "leaves_a_file_elsewhere", "reads_its_path"]]
+# The name under which model.c knows the behaviour; the linker gives it to one of them, so that nothing is compiled a model.
+CHOSEN = "chosen_behaviour"
 # Models without a function of their own in tests/faulty.
 PLAIN = {"needs_a_tool", "has_no_outputs"}
 
@@ -241,8 +243,7 @@ class Workshop:
     def parts(self):
         with self.lock:
             if self.objects is None:
-                sources = sorted(path for path in SOURCES.glob("*.c") if path.name != "model.c")
-                self.objects = {source.stem: self.compiled(source) for source in sources}
+                self.objects = {source.stem: self.compiled(source, f"-DBEHAVIOUR={CHOSEN}") for source in sorted(SOURCES.glob("*.c"))}
         return self.objects
 
     def binary(self, behaviour, flags=(), missing=False):
@@ -253,7 +254,9 @@ class Workshop:
         into = self.folder / f"{behaviour}-{len(flags)}{missing}.so"
         # Several models have the same behaviour, and are built at the same time: a file is there as a whole or not.
         under_way = self.folder / f"{into.name}.{threading.get_ident()}"
-        self.compile("-shared", "-Wl,-Bsymbolic", f"-DBEHAVIOUR={behaviour}", SOURCES / "model.c", *objects.values(),
+        if flags:
+            objects["model"] = SOURCES / "model.c"
+        self.compile("-shared", "-Wl,-Bsymbolic", f"-Wl,--defsym={CHOSEN}={behaviour}", f"-DBEHAVIOUR={CHOSEN}", *objects.values(),
                      *flags, "-o", under_way, "-lm", "-lpthread")
         return under_way.replace(into)
 
