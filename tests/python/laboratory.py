@@ -1,10 +1,10 @@
-"""Studies of the faulty FMUs: each is run undisturbed, killed and resumed, and computed by fmpy in fresh processes."""
+"""Studies of the faulty FMUs: each is run undisturbed, some are killed and resumed, and computed by fmpy in fresh processes."""
 
 import shutil
 import signal
 import threading
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import faulty
@@ -62,10 +62,14 @@ class Case:
     hit: set
     expected: dict  # by point, the outputs as hex floats
     whole: Outcome
-    resumed: Outcome
-    killed: bool  # whether the kill came before the end
-    strays: list  # what the kill left
     folder: Path  # of its runs
+    resumed: Outcome | None = None  # where a run was to be killed
+    killed: bool = False  # whether the kill came before the end
+    strays: list = field(default_factory=list)  # what the kill left
+
+    @property
+    def outcomes(self):
+        return [self.whole] + ([self.resumed] if self.resumed else [])
 
 
 class Laboratory:
@@ -77,10 +81,11 @@ class Laboratory:
         self.sound = {}
 
     def begin(self, models):
+        """Investigates models, each with whether a run is to be killed."""
         # Reference values of points without a fault: the same for all models but those with results of their own, as a
         # long test shows.
         self.sound = self.fresh(self.workshop.model(faulty.HEALTHY))
-        self.cases = {model.name: self.threads.submit(self.investigate, model) for model in models}
+        self.cases = {model.name: self.threads.submit(self.investigate, model, killed) for model, killed in models}
 
     def case(self, model):
         return self.cases[model.name].result()
@@ -117,7 +122,7 @@ class Laboratory:
         assert not failures, f"fmpy: {failures}"
         return {point: result["values"] for point, result in results.items()}
 
-    def investigate(self, model):
+    def investigate(self, model, killed):
         folder = self.folder / model.name
         folder.mkdir()
         fmu, hit = self.workshop.model(model), HIT_AND_WAITING if model.waits else HIT
@@ -127,8 +132,10 @@ class Laboratory:
             expected = self.fresh(fmu, hit) if model.results == "own" else self.sound
         options = ["--point-timeout", TIMEOUT if model.waits else NO_TIMEOUT, *model.options]
         whole = study(folder, fmu, hit, "whole", options).run()
-        resumed, killed, strays = self.kill(folder, fmu, hit, options)
-        return Case(model, hit, expected, whole, resumed, killed, strays, folder)
+        case = Case(model, hit, expected, whole, folder)
+        if killed:
+            case.resumed, case.killed, case.strays = self.kill(folder, fmu, hit, options)
+        return case
 
     def kill(self, folder, fmu, hit, options):
         """Kills a run when it has done some points, and resumes it."""

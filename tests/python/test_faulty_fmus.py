@@ -8,8 +8,33 @@ from faulty import MODELS
 from laboratory import NO_TIMEOUT, OUTPUTS, POINTS, TIMEOUT, Laboratory, bits, complaints, rate, study
 from test_acceptance import orchestrator
 
-every_model = pytest.mark.parametrize("model", MODELS, ids=lambda model: model.name)
 BY_NAME = {model.name: model for model in MODELS}
+# For the long run: each has a sibling that does the same another way.
+SELDOM = {
+    "drifts_later", "spoils_later_points", "reads_unwritten_memory_at_times", "crashes_in_second_instantiate", "allows_one_instance",
+    "crashes_in_reset", "loops_in_free", "loops_in_second_instantiate", "returns_a_negative_status", "gives_infinity",
+    "logs_to_environment_two", "logs_to_itself", "logs_nothing_but_null", "logs_wild_statuses", "exits_at_once", "throws", "jumps_out",
+    "interrupts_its_parent", "divides_by_zero", "writes_stray_lengths", "closes_standard_streams", "talks_without_an_end",
+    "reads_its_process_number", "reads_an_address", "draws_truly_random_numbers"}
+# A run of these is killed and resumed in every run of the tests: they leave processes, files or locks behind, stay in the way of
+# signals, or give each status that a journal can hold, and all that a summary counts.
+KILLED = {
+    "healthy", "draws_random_numbers", "takes_much_memory", "writes_to_null", "crashes_in_free", "loops_in_step", "fails_to_terminate",
+    "ends_early", "discards", "fails", "dies", "gives_not_a_number", "is_pending", "has_no_outputs", "warns", "passes_a_limit",
+    "forks_and_returns", "starts_a_daemon", "starts_children", "leaves_threads_behind", "becomes_a_sleeping_program", "exits",
+    "exits_in_terminate", "aborts", "kills_its_parent", "stops_its_parent", "kills_its_group", "blocks_signals", "stops_itself",
+    "ignores_signals", "refuses_to_die_with_its_parent", "writes_stray_bytes", "closes_descriptors", "leaks_descriptors",
+    "talks_a_lot", "changes_surroundings", "sets_limits", "reads_the_clock", "counts_in_a_file", "gets_its_licence_later",
+    "shares_a_licence", "takes_its_time_to_end", "crashes_at_exit", "loops_when_unloaded"}
+
+
+def every(models, ordinary):
+    marked = [model if ordinary(model.name) else pytest.param(model, marks=pytest.mark.long) for model in models]
+    return pytest.mark.parametrize("model", marked, ids=lambda model: model.name)
+
+
+every_model = every(MODELS, lambda name: name not in SELDOM)
+every_killed_model = every(MODELS, lambda name: name in KILLED)
 
 
 def models(*names):
@@ -19,9 +44,13 @@ def models(*names):
 @pytest.fixture(scope="module")
 def laboratory(request, tmp_path_factory):
     laboratory = Laboratory(tmp_path_factory.mktemp("faulty"))
-    asked = [item for item in request.session.items if "case" in getattr(item, "fixturenames", ())]
-    names = dict.fromkeys(item.callspec.params["model"].name for item in asked)
-    laboratory.begin([BY_NAME[name] for name in names])
+
+    def asked(fixture):
+        items = [item for item in request.session.items if fixture in getattr(item, "fixturenames", ())]
+        return dict.fromkeys(item.callspec.params["model"].name for item in items)
+
+    killed = asked("killed_case")
+    laboratory.begin([(BY_NAME[name], name in killed) for name in asked("case")])
     yield laboratory
     laboratory.end()
 
@@ -29,6 +58,12 @@ def laboratory(request, tmp_path_factory):
 @pytest.fixture
 def case(laboratory, model):
     return laboratory.case(model)
+
+
+@pytest.fixture
+def killed_case(case):
+    """With a run that was killed and resumed."""
+    return case
 
 
 @every_model
@@ -51,21 +86,22 @@ def test_no_process_is_left(case):
     assert case.whole.strays == []
 
 
-@every_model
-def test_killed_and_resumed(case):
+@every_killed_model
+def test_killed_and_resumed(killed_case):
+    case = killed_case
     assert case.killed, "the kill came too late"
     assert complaints(case, case.resumed) == []
 
 
-@every_model
-def test_no_process_outlives_a_killed_supervisor(case):
-    assert case.strays == []
-    assert case.resumed.strays == []
+@every_killed_model
+def test_no_process_outlives_a_killed_supervisor(killed_case):
+    assert killed_case.strays == []
+    assert killed_case.resumed.strays == []
 
 
 @every_model
 def test_the_summary_tells_what_the_results_are_worth(case):
-    for outcome in (case.whole, case.resumed):
+    for outcome in case.outcomes:
         # What a few points do shows where one of them runs again.
         assert case.model.reproducible in (None, outcome.summary["reproducible"])
         assert outcome.summary["isolation"] == "fresh"
@@ -79,7 +115,8 @@ def told(case, name):
 
 
 @models("warns", "healthy", "logs_to_environment_one")
-def test_warnings_are_counted(case):
+def test_warnings_are_counted(killed_case):
+    case = killed_case
     warns = case.model.name == "warns"
     for warnings in told(case, "warnings"):
         assert (warnings["points"], warnings["count"]) == ((POINTS, 20 * POINTS) if warns else (0, 0))
@@ -87,7 +124,8 @@ def test_warnings_are_counted(case):
 
 
 @models("passes_a_limit", "passes_limits_all_the_time", "healthy")
-def test_points_beyond_the_model_are_counted_by_limit(case):
+def test_points_beyond_the_model_are_counted_by_limit(killed_case):
+    case = killed_case
     every = [("step -0.2 is beyond step 0", POINTS, 1), ("in a thread: step 0.5", POINTS, 1)]
     one = [(f"the rate {rate(9):.4f} is beyond its limit", len(case.hit), 9)]
     expected = {"passes_a_limit": one, "passes_limits_all_the_time": every}.get(case.model.name, [])
@@ -99,7 +137,8 @@ def test_points_beyond_the_model_are_counted_by_limit(case):
 
 
 @models("ends_early", "healthy")
-def test_ends_that_the_fmu_chose_are_counted(case):
+def test_ends_that_the_fmu_chose_are_counted(killed_case):
+    case = killed_case
     early = case.model.name == "ends_early"
     for ends in told(case, "ended_early"):
         assert ends["points"] == (len(case.hit) if early else 0)
@@ -107,7 +146,8 @@ def test_ends_that_the_fmu_chose_are_counted(case):
 
 
 @models("fails_to_terminate", "crashes_in_free", "loops_in_terminate", "healthy")
-def test_simulations_that_cannot_be_ended_are_counted(case):
+def test_simulations_that_cannot_be_ended_are_counted(killed_case):
+    case = killed_case
     points = {"healthy": 0, "loops_in_terminate": len(case.hit)}.get(case.model.name, POINTS)
     for errors in told(case, "terminate_errors"):
         assert errors["points"] == points
@@ -115,7 +155,8 @@ def test_simulations_that_cannot_be_ended_are_counted(case):
 
 
 @models(*[model.name for model in MODELS if model.changes is not None], "opens_its_resources_for_writing", "healthy")
-def test_the_first_file_that_an_fmu_changes_in_its_folder_is_named(case):
+def test_the_first_file_that_an_fmu_changes_in_its_folder_is_named(killed_case):
+    case = killed_case
     for outcome in (case.whole, case.resumed):
         file = outcome.summary["changed_file"]
         if case.model.changes is None:
@@ -144,7 +185,8 @@ def test_they_are_counted_in_shared_processes_too(case, laboratory, tmp_path):
 
 
 @models("says_version_one", "needs_a_tool", "healthy")
-def test_what_concerns_the_whole_fmu_is_told_once(case):
+def test_what_concerns_the_whole_fmu_is_told_once(killed_case):
+    case = killed_case
     version, tool = case.model.name == "says_version_one", case.model.name == "needs_a_tool"
     for outcome in (case.whole, case.resumed):
         assert outcome.summary["fmi_version"] == ("1.0" if version else None)
