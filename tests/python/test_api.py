@@ -133,11 +133,51 @@ def test_sensitivity_is_the_command_lines(tmp_path):
         study.sensitivity(morris=4, output=tmp_path / "morris").indices("F_N")
 
 
-def test_analyses_take_points_of_a_study(verified, tmp_path):
-    study = Study.load(PAPER)
+SMALL = """
+fmu = "{fmu}"
+[simulation]
+stop = 1
+step = 1
+[design]
+points = 24
+seed = 5
+[parameters."bearing.radialClearance"]
+distribution = "normal"
+mean = 0.02
+deviation = 0.002
+unit = "mm"
+[parameters."load.preload"]
+distribution = "uniform"
+min = 45
+max = 51
+unit = "N"
+[criteria.F_N]
+variable = "sensor.loadForceMean"
+nominal = 750
+tolerance = "2 %"
+unit = "N"
+[criteria.P_fr]
+variable = "sensor.frictionPowerMean"
+nominal = 14
+tolerance = "20 %"
+unit = "W"
+"""
+
+
+@pytest.fixture(scope="module")
+def small(fmu, tmp_path_factory):
+    """A study of two parameters and two criteria, with which an analysis is done soon, and its verification."""
+    file = tmp_path_factory.mktemp("small") / "study.toml"
+    file.write_text(SMALL.format(fmu=fmu))
+    return file, Study.load(file).verify(output=file.parent / "verified")
+
+
+def test_analyses_take_points_of_a_study(small, tmp_path):
+    file, verified = small
+    study = Study.load(file)
     ours = study.sensitivity(points_of=verified, output=tmp_path / "ours")
-    command("sensitivity", PAPER, "--from", verified.folder, "--output", tmp_path / "theirs")
-    assert ours.data == json.loads((tmp_path / "theirs" / "sensitivity.json").read_text()) and ours.data["runs"] == 60
+    command("sensitivity", file, "--from", verified.folder, "--output", tmp_path / "theirs")
+    assert ours.data == json.loads((tmp_path / "theirs" / "sensitivity.json").read_text()) and ours.data["runs"] == 24
     with pytest.raises(OrchestratorError, match="--budget"):
         study.sensitivity(points_of=verified, budget=80)
     for options, told in [({}, "needs budget=N"), ({"budget": 20, "output": tmp_path / "other"}, "leave output out")]:
@@ -147,10 +187,11 @@ def test_analyses_take_points_of_a_study(verified, tmp_path):
 
 @pytest.mark.parametrize("name, options", [
     ("robustness", {"level": 0.5, "confirm": 4, "seed": 3}), ("pareto", {})])
-def test_other_analyses_are_the_command_lines(name, options, verified, tmp_path):
-    ours = getattr(Study.load(PAPER), name)(points_of=verified, **options, output=tmp_path / "ours")
+def test_other_analyses_are_the_command_lines(name, options, small, tmp_path):
+    file, verified = small
+    ours = getattr(Study.load(file), name)(points_of=verified, **options, output=tmp_path / "ours")
     flags = [f"--{key}={value}" for key, value in options.items()] + [f"--from={verified.folder}"]
-    done = command(name, PAPER, *flags, "--output", tmp_path / "theirs")
+    done = command(name, file, *flags, "--output", tmp_path / "theirs")
     assert ours.data == json.loads((tmp_path / "theirs" / f"{name}.json").read_text())
     assert ours.text.replace(str(ours.folder), "") == done.stdout.replace(str(tmp_path / "theirs"), "")
 

@@ -1,14 +1,12 @@
 """The Python package's tables and functions, as other libraries take them."""
 
 import numpy as np
-import openturns as ot
 import pandas
 import polars
 import pyarrow
 import pytest
 import scipy.optimize
 from python_package import PAPER
-from SALib.sample import latin
 
 from fmu_orchestrator import OrchestratorError, Study, _arrow
 from fmu_orchestrator._table import csv_of, parse
@@ -102,6 +100,9 @@ def test_some_inputs_and_one_output(verified):
 
 def test_other_libraries_call_it(verified):
     """SALib's samples, OpenTURNS' functions, scipy's searches."""
+    import openturns as ot
+    from SALib.sample import latin
+
     study = Study.load(PAPER)
     others = {name: verified.points[name][0] for name in study.parameters if name != "bearing.radialClearance"}
     f = study.function(outputs=["P_fr"], others=others)

@@ -3,17 +3,11 @@
 import json
 import os
 import signal
-import sys
 import threading
 import time
 
-from distributed import Client, LocalCluster
-
 from faulty import Workshop
 from test_acceptance import PROGRAM, ROOT, orchestrator
-
-sys.path.insert(0, str(ROOT / "examples" / "cluster"))
-import dask_shards  # noqa: E402
 
 
 def files(folder):
@@ -38,12 +32,16 @@ def kill_one(client, processes, folder, held, killed):
 
 
 def test_a_lost_dask_worker_costs_nothing(tmp_path, monkeypatch):
+    # Other tests take `files` from here: they need not wait for Dask.
+    monkeypatch.syspath_prepend(ROOT / "examples" / "cluster")
+    import dask_shards
+    from distributed import Client, LocalCluster
     monkeypatch.setenv("FAULTY_FOLDER", str(tmp_path))
     study, held, killed = tmp_path / "study.toml", tmp_path / "held", []
     Workshop(tmp_path).study(study)
     orchestrator("verify", study, "--output", tmp_path / "single")
     held.touch()
-    with LocalCluster(n_workers=3, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster, Client(cluster) as client:
         arguments = client, client.run(os.getpid), tmp_path / "dask", held, killed
         thread = threading.Thread(target=kill_one, args=arguments, daemon=True)
         thread.start()

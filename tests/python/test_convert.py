@@ -67,8 +67,8 @@ def test_a_table_of_numbers_alone_is_asked_about(tmp_path):
     assert rows(values)[:2] == [["1", "2", "3"], ["94255.0", "2018.0", "1000.0"]]
 
 
-# So many files of each format are damaged. In the long run, `MUTATED=2000`, the process of each is a fork of this one, which has the
-# libraries already; it prints what came of them (`pytest -s`).
+# So many files of each format are damaged in the long run. With `MUTATED=2000` the process of each is a fork of this one, which has
+# the libraries already; it prints what came of them (`pytest -s`).
 MUTATED = int(os.environ.get("MUTATED", "3"))
 SAMPLES = {
     "csv": lambda path: path.write_text("time [s],T [degC]\n" + "".join(f"{k / 10},{20 + k % 7}\n" for k in range(60))),
@@ -138,12 +138,13 @@ class Forks:
             return SimpleNamespace(returncode=os.waitstatus_to_exitcode(status), stdout=out.read(), stderr=err.read())
 
 
+@pytest.mark.parametrize("files", [1, pytest.param(MUTATED, marks=pytest.mark.long)])
 @pytest.mark.parametrize("ending", SAMPLES)
-def test_a_damaged_file_is_read_or_is_one_line(tmp_path, ending, monkeypatch):
+def test_a_damaged_file_is_read_or_is_one_line(tmp_path, ending, files, monkeypatch):
     """No crash, no hang, no flood: a library that fails costs a line."""
     forks, came = Forks(), collections.Counter()
     whole = tmp_path / f"whole.{ending}"
-    if MUTATED > 100:
+    if files > 100:
         monkeypatch.setattr(_convert, "subprocess", forks)
         # Libraries with threads may be loaded before a fork, but not used.
         writer = multiprocessing.get_context("fork").Process(target=SAMPLES[ending], args=(whole,))
@@ -151,7 +152,7 @@ def test_a_damaged_file_is_read_or_is_one_line(tmp_path, ending, monkeypatch):
     else:
         SAMPLES[ending](whole)
     content, draw = whole.read_bytes(), random.Random(56)
-    for number in range(MUTATED):
+    for number in range(files):
         damaged = bytearray(content)
         for _ in range(draw.randint(1, 12)):
             place, way = draw.randrange(len(damaged)), draw.random()

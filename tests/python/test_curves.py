@@ -83,12 +83,14 @@ def test_metrics_are_those_of_numpy_and_scipy(program):
 
 
 # The public implementation is slow, and the longer the curves the more so: an ordinary run takes the pairs of short ones.
-@pytest.mark.parametrize("longest", [50, pytest.param(1000, marks=pytest.mark.long)])
-def test_ratings_are_those_of_a_public_implementation(program, longest):
+@pytest.mark.parametrize("longest", [90, pytest.param(1000, marks=pytest.mark.long)])
+def test_ratings_are_those_of_a_public_implementation(program, longest, monkeypatch):
+    # Its loops take less time as they are than to be compiled.
+    monkeypatch.setenv("NUMBA_DISABLE_JIT", "1")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         from objective_rating_metrics.rating import ISO18571
-    shifts, compared_pairs = set(), 0
+    shifts = set()
     for number, (reference, model) in enumerate(pairs()):
         if len(reference[0]) > longest:
             continue
@@ -105,6 +107,5 @@ def test_ratings_are_those_of_a_public_implementation(program, longest):
         ):
             assert found[name] == pytest.approx(rating, abs=1e-6), (number, name)
         shifts.add(found["phase-rating"])
-        compared_pairs += 1
     # They are not all alike.
-    assert compared_pairs >= 4 and len(shifts) > min(10, compared_pairs // 2)
+    assert len(shifts) > 10

@@ -21,7 +21,8 @@ def points(folder, method, count, seed, more=""):
         text += f"[parameters.\"{name}\"]\ndistribution = 'uniform'\nmin = {start}\nmax = {1.01 * start}\n"
     text += "[criteria.F]\nvariable = 'sensor.loadForce'\nnominal = 0\ntolerance = 1e9\n"
     (folder / "study.toml").write_text(text + more)
-    command = [PROGRAM, "verify", folder / "study.toml", "--output", folder / f"out-{count}-{seed}"]
+    command = [PROGRAM, "verify", folder / "study.toml", "--output", folder / f"out-{count}-{seed}", "--isolation", "none",
+               "--extra-runs", "0"]
     subprocess.run(command, check=True, capture_output=True)
     with (folder / f"out-{count}-{seed}" / "points.csv").open() as file:
         rows = list(csv.DictReader(file))

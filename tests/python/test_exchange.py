@@ -135,7 +135,7 @@ stop = 0.2
 step = 0.05
 [design]
 method = "sobol"
-points = 40
+points = 12
 seed = 1
 [parameters."bearing.radialClearance"]
 distribution = "uniform"
@@ -163,7 +163,7 @@ def test_points_are_the_same_however_they_are_run(fmu, tmp_path):
         return (tmp_path / name / "points.csv").read_bytes()
 
     one = points("one", "--jobs", "1", "--isolation", "fresh")
-    assert one.count(b",ok\n") == 40
+    assert one.count(b",ok\n") == 12
     assert points("two", "--jobs", "2", "--isolation", "shared") == one
     # As a kill leaves it: the head and four points.
     journal = (tmp_path / "two/journal.txt").read_text().splitlines(keepends=True)

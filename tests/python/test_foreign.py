@@ -14,6 +14,8 @@ import pytest
 from reference_fmus import exchange_only
 from test_acceptance import PROGRAM, ROOT, rows
 
+# On two workers, of which each reuses its instance.
+POINTS = 6
 PACKAGE = "gemseo-fmu==3.1.1"
 FOLDER = ROOT / ".venv" / "foreign"
 # Parameters with their ranges, and outputs.
@@ -37,7 +39,7 @@ def foreign():
 
 def study(fmu, parameters, outputs):
     text = f"fmu = {json.dumps(str(fmu))}\n[simulation]\nstop = 1\nstep = 0.01\n"
-    text += "[design]\nmethod = 'latin-hypercube'\npoints = 12\n"
+    text += f"[design]\nmethod = 'latin-hypercube'\npoints = {POINTS}\n"
     for name, (low, high) in parameters.items():
         text += f"[parameters.{json.dumps(name)}]\ndistribution = 'uniform'\nmin = {low}\nmax = {high}\n"
     for name in outputs:
@@ -64,7 +66,7 @@ def compare(fmu, parameters, outputs, folder, environment=None):
 
 @pytest.mark.parametrize("name", CASES)
 def test_openmodelica(foreign, tmp_path, name):
-    assert compare(foreign / f"{name}.fmu", *CASES[name], tmp_path) == 12
+    assert compare(foreign / f"{name}.fmu", *CASES[name], tmp_path) == POINTS
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -76,7 +78,7 @@ def test_openmodelica_by_model_exchange(foreign, tmp_path, name):
     subprocess.run([PROGRAM, "verify", tmp_path / "study.toml", "--output", tmp_path / "out", "--jobs", "2"],
                    capture_output=True, check=True)
     points = rows(tmp_path / "out" / "points.csv")
-    assert [point["status"] for point in points] == ["ok"] * 12
+    assert [point["status"] for point in points] == ["ok"] * POINTS
     for point in points:
         values = {name: float(point[name]) for name in parameters}
         end = fmpy.simulate_fmu(str(fmu), fmi_type="ModelExchange", start_values=values, output=outputs, stop_time=1.0,
@@ -113,6 +115,6 @@ def test_pythonfmu(tmp_path):
                    capture_output=True)
     path = os.pathsep.join([sysconfig.get_path("purelib"), sysconfig.get_path("platlib")])
     environment = {**os.environ, "LD_PRELOAD": str(library), "PYTHONPATH": path}
-    assert compare(tmp_path / "Cooling.fmu", {"rate": (0.1, 2)}, ["temperature"], tmp_path, environment) == 12
+    assert compare(tmp_path / "Cooling.fmu", {"rate": (0.1, 2)}, ["temperature"], tmp_path, environment) == POINTS
     done = subprocess.run([PROGRAM, "simulate", tmp_path / "Cooling.fmu"], capture_output=True, text=True)
     assert done.returncode == 2 and "LD_PRELOAD" in done.stderr

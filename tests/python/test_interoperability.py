@@ -49,7 +49,7 @@ def test_other_libraries_of_clang_do_not_pass_for_libclang(files, enough, tmp_pa
 
 def test_what_is_installed_runs_and_the_rest_is_named(fmu, tmp_path):
     names = [FORMS[0], FORMS[3]]
-    done = matrix(*(fmu.with_name(name) for name in names), *SCENARIO, "--environments", tmp_path / "none", "--output", tmp_path, "--junit", tmp_path / "junit.xml",
+    done = matrix(*(fmu.with_name(name) for name in names), *SCENARIO, "--stop", "0.3", "--environments", tmp_path / "none", "--output", tmp_path, "--junit", tmp_path / "junit.xml",
                   "--csv", tmp_path / "table.csv", *(part for name in ("orchestrator simulate", "FMPy", "ECOS (ecospy)", "fmi4c",
                   "FMPy validation") for part in ("--only", name)), env={**ENVIRONMENT, "FMI4C": ""})
     assert done.returncode == 1, done.stdout + done.stderr  # FMI4C names nothing that loads

@@ -17,6 +17,7 @@ from fmu_orchestrator import Study
 from test_acceptance import PROGRAM, orchestrator
 from test_cluster import files
 
+POINTS = 120
 LAUNCHED = Path(__file__).with_name("launched.py")
 IDENTIFY = """
 fmu = "{fmu}"
@@ -50,7 +51,7 @@ def study(tmp_path_factory):
     folder = tmp_path_factory.mktemp("launcher")
     file = folder / "study.toml"
     Workshop(folder).study(file)
-    file.write_text(file.read_text().replace("halton", "monte-carlo").replace("points = 40", "points = 300"))
+    file.write_text(file.read_text().replace("halton", "monte-carlo").replace("points = 40", f"points = {POINTS}"))
     (folder / "identify.toml").write_text(IDENTIFY.format(fmu=folder / "healthy.fmu"))
     return file
 
@@ -78,7 +79,7 @@ def test_a_launcher_may_print_lines(study, single, tmp_path):
     command = "sh -c 'echo Welcome; printf \"loading modules ...\"; exec \"$@\"' --"
     assert launched(study, tmp_path / "out", command).stderr == ""
     assert files(tmp_path / "out") == files(single)
-    assert sum(json.loads((tmp_path / "out" / "summary.json").read_text())["run"]["hosts"].values()) == 300
+    assert sum(json.loads((tmp_path / "out" / "summary.json").read_text())["run"]["hosts"].values()) == POINTS
 
 
 def test_hosts(study, single, tmp_path):
@@ -91,7 +92,7 @@ def test_hosts(study, single, tmp_path):
     assert files(tmp_path / "out") == files(single)
     assert sorted((tmp_path / "starts").read_text().split()) == ["node1", "node1", "node2"]
     run = json.loads((tmp_path / "out" / "summary.json").read_text())["run"]
-    assert run["jobs"] == 3 and sum(run["hosts"].values()) == 300
+    assert run["jobs"] == 3 and sum(run["hosts"].values()) == POINTS
     # A worker that comes late may find no point left.
     assert run["hosts"].keys() <= {"node1", "node2"}
 

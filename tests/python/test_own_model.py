@@ -8,6 +8,7 @@ import fmpy.validation
 import numpy as np
 import pytest
 from conftest import ROOT, FMU2Stand
+from test_acceptance import PROGRAM
 
 GRAVITY, AREA, HOLE = 9.81, 0.5, 2e-3
 
@@ -64,6 +65,6 @@ def test_states_and_derivatives_come_with_the_boundary(tank, tmp_path):
 
 
 def test_a_mistake_in_the_command_is_told(tank):
-    command = ["cargo", "run", "--locked", "--quiet", "--package", "own-model", "--", "--add", "win65=tank.dll"]
-    done = subprocess.run(command, cwd=ROOT, capture_output=True, text=True)
+    # The program that the fixture built: through cargo, program and library would be built in turns, each time anew.
+    done = subprocess.run([PROGRAM.with_name("own-model"), "--add", "win65=tank.dll"], cwd=ROOT, capture_output=True, text=True)
     assert done.returncode == 2 and "the platforms are linux64" in done.stderr

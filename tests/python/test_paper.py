@@ -33,7 +33,7 @@ def test_a_wrong_page_is_found(right, wrong):
     assert not re.fullmatch(pattern, PAGE.replace(right, wrong))
 
 
-@pytest.mark.parametrize("part", ["rig", "run", "map", "a", pytest.param("s", marks=pytest.mark.long)])
+@pytest.mark.parametrize("part", ["rig", "run", "a", *(pytest.param(part, marks=pytest.mark.long) for part in ("map", "s"))])
 def test_the_page_agrees_with_the_runs(tmp_path, part):
     found = simulated.PARTS[part](simulated.Stand(PROGRAM, tmp_path))
     pattern = claims.expected(TEMPLATE, printed.values() | {f"{part}_{name}": value for name, value in found.items()})

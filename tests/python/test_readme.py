@@ -42,10 +42,14 @@ def run(lines, folder, **environment):
 
 
 def test_the_commands_work(tmp_path):
-    """Those that need no building, with the FMU and the program that are there, and fewer points."""
+    """Those that need no building, with the FMU and the program that are there, fewer points and shorter runs."""
     (tmp_path / "dist").symlink_to(ROOT / "dist")
     built = [line for line in script() if not re.search(r"^export|scripts/verify", line)]
-    lines = [line.replace("points = 1024", "points = 8") for line in built]
+    less = {"points = 1024": "points = 8", "stop = 150": "stop = 5", "init my.fmu": "init my.fmu --stop 5 --step 0.1"}
+    assert all(sum(much in line for line in built) == 1 for much in less)
+    lines = built
+    for much, little in less.items():
+        lines = [line.replace(much, little) for line in lines]
     assert len(script()) == len(lines) + 2
     run(lines, tmp_path, PATH=f"{PROGRAM.parent}:{os.environ['PATH']}")
     assert (tmp_path / "results/my/report.html").is_file()

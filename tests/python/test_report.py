@@ -234,7 +234,7 @@ def test_no_sideways_scrolling(browser, small):
 CURVES = """
 fmu = "model.fmu"
 simulation = { stop = 2, step = 0.01 }
-design = { method = "sobol", points = 32, seed = 1 }
+design = { method = "sobol", points = 16, seed = 1 }
 [parameters."load.preload"]
 distribution = "uniform"
 min = 45
@@ -275,7 +275,7 @@ def test_curves_come_first_with_a_slider_that_judges(browser, tmp_path):
                                    box.find_element(By.CSS_SELECTOR, "[type=number]"), limit)
             settle(browser)
             expected = sum(meets(float(row[name]), limit) for row in points)
-            assert box.find_element(By.CLASS_NAME, "note").text.startswith(f"{expected} of 32 points meet it"), (name, limit)
+            assert box.find_element(By.CLASS_NAME, "note").text.startswith(f"{expected} of 16 points meet it"), (name, limit)
             key = "least" if name == "share" else "tolerance"
             snippet = browser.execute_script("return document.querySelector('#whatif .snippet').textContent")
             assert f"{key} = {limit}" in snippet, snippet
