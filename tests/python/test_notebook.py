@@ -7,7 +7,7 @@ from nbclient import NotebookClient
 from test_acceptance import PROGRAM, ROOT
 
 # What the notebook draws, and fewer draws that show the same.
-FEWER = {"sensitivity(base=128)": "sensitivity(base=16)", "posterior=400, starts=8": "posterior=100, starts=4"}
+FEWER = {"sensitivity(base=128)": "sensitivity(base=16)", "posterior=400, starts=8": "posterior=200, starts=4"}
 NOTEBOOK = ROOT / "examples" / "notebook" / "verification.ipynb"
 
 
