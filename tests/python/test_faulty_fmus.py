@@ -19,12 +19,12 @@ SELDOM = {
 # A run of these is killed and resumed in every run of the tests: they leave processes, files or locks behind, stay in the way of
 # signals, or give each status that a journal can hold, and all that a summary counts.
 KILLED = {
-    "healthy", "draws_random_numbers", "takes_much_memory", "writes_to_null", "crashes_in_free", "loops_in_step", "fails_to_terminate",
+    "healthy", "draws_random_numbers", "takes_much_memory", "writes_to_null", "crashes_in_free", "fails_to_terminate",
     "ends_early", "discards", "fails", "dies", "gives_not_a_number", "is_pending", "has_no_outputs", "warns", "passes_a_limit",
     "forks_and_returns", "starts_a_daemon", "starts_children", "leaves_threads_behind", "becomes_a_sleeping_program", "exits",
     "exits_in_terminate", "aborts", "kills_its_parent", "stops_its_parent", "kills_its_group", "blocks_signals", "stops_itself",
     "ignores_signals", "refuses_to_die_with_its_parent", "writes_stray_bytes", "closes_descriptors", "leaks_descriptors",
-    "talks_a_lot", "changes_surroundings", "sets_limits", "reads_the_clock", "counts_in_a_file", "gets_its_licence_later",
+    "changes_surroundings", "sets_limits", "reads_the_clock", "counts_in_a_file", "gets_its_licence_later",
     "shares_a_licence", "takes_its_time_to_end", "crashes_at_exit", "loops_when_unloaded"}
 
 
