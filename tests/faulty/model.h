@@ -1,8 +1,9 @@
 /* FMUs that misbehave, one behaviour each, to show what becomes of the other points of a study.
  *
  * Every FMU is model.c, the lag y' = (1 - y) * rate, compiled with -DBEHAVIOUR=name. The behaviour is a function
- * of that name in one of the other files, called at the moments below. A behaviour that needs a cause waits for
- * HIT, the step in the middle of a point whose parameter `fault` is 1, so that the other points are healthy. */
+ * of that name in one of the other files, or one to which the linker gives the name, called at the moments below.
+ * A behaviour that needs a cause waits for HIT, the step in the middle of a point whose parameter `fault` is 1, so
+ * that the other points are healthy. */
 #ifndef MODEL_H
 #define MODEL_H
 

@@ -60,7 +60,7 @@ def test_a_starting_study_runs_at_once_and_verifies_nothing(fmu, tmp_path):
     study = tmp_path / "studies" / "new.toml"
     study.parent.mkdir()
     (tmp_path / "model.fmu").symlink_to(ROOT / "dist" / f"{fmu}.fmu")
-    orchestrator("init", tmp_path / "model.fmu", "--stop", 5, "--step", 0.01, "--output", study)
+    orchestrator("init", tmp_path / "model.fmu", "--stop", 1, "--step", 0.01, "--output", study)
     text = study.read_text()
     assert len(text.splitlines()) <= 60 and 'fmu = "../model.fmu"' in text
     said = orchestrator("verify", study, "--points", 8, "--output", tmp_path / "out", code=1)
