@@ -87,7 +87,7 @@ fn is_made_or_refused(settings: &[(&'static str, f64)]) -> Result<(), TestCaseEr
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 15, failure_persistence: None, ..ProptestConfig::default() })]
 
     #[test]
     fn a_step_is_made_or_refused_with_a_name(settings in corners()) {

@@ -84,7 +84,7 @@ fn a_turning_load_is_one_at_rest_at_another_speed() {
     for film in [FilmModel::Mobility, FilmModel::Reynolds] {
         for (ratio, seen) in [(-1.0, 3.0), (1.0, -1.0), (0.25, 0.5)] {
             let step = TAU / SPEED / 200.0;
-            let steps = 4000;
+            let steps = 1000;
             let end = steps as f64 * step;
             let turning = path(&mut bare(film), steps, step, |time| turned(ratio * SPEED * time) * 500.0);
             let seen_from_load = Rotation2::new(-ratio * SPEED * end) * turning[steps - 1];

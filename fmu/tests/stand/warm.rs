@@ -54,11 +54,24 @@ fn the_stand_s_energy_is_closed() {
     assert!((heat - lost - gained).abs() < 2e-3 * heat);
 }
 
-/// The steady start stays where it is; prints what the temperature around the bearing changes on the rig.
 #[test]
+fn the_steady_start_of_few_columns_knows_the_warm_film() {
+    warm_start([48, 4]);
+}
+
+/// Prints what the temperature around the bearing changes on the rig.
+#[test]
+#[ignore = "takes a while: scripts/test --long"]
 fn the_steady_start_knows_the_warm_film() {
+    // As many as the width needs.
+    warm_start([0, 0]);
+}
+
+/// The steady start stays where it is.
+fn warm_start(cells: [i32; 2]) {
     let of = |energy: FilmEnergy| {
         let mut stand = stand(energy);
+        [stand.bearing.resolution.columns, stand.bearing.resolution.rows] = cells;
         stand.thermal.initialization = Initialization::SteadyState;
         let begun = std::time::Instant::now();
         stand.initialise(&Experiment::default(), &mut ()).unwrap();

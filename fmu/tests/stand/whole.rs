@@ -259,6 +259,7 @@ fn rates_taken_over_from_the_last_step_are_those_computed_anew() {
 fn a_failed_step_leaves_the_film_as_it_was() {
     let mut stand = start(|stand| {
         stand.film.model = FilmModel::Reynolds;
+        (stand.bearing.resolution.columns, stand.bearing.resolution.rows) = (48, 4);
         stand.bearing.surface.roughness = 0.0;
         stand.bearing.resolution.tilt[0] = 8e-6;
     });
@@ -376,13 +377,13 @@ fn a_stiff_contact_leaps() {
             stand.load.preload = 3e3;
         });
         let mut log = Messages(Vec::new());
-        stand.advance(0.0, 4.0, &mut log).unwrap();
+        stand.advance(0.0, 3.0, &mut log).unwrap();
         assert_eq!(log.0[0].contains("in a leap"), multirate, "{:?}", log.0);
         *stand.readings()
     };
     let [leapt, resolved] = [true, false].map(loaded);
     let warmer = leapt.bearing_temperature - resolved.bearing_temperature;
-    assert!(warmer.abs() < 0.05, "{warmer} K");
+    assert!(warmer.abs() < 0.0375, "{warmer} K");
     let torque = leapt.friction_torque / resolved.friction_torque;
     assert!((torque - 1.0).abs() < 2e-4, "{torque}");
 }

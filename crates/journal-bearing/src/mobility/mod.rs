@@ -56,8 +56,8 @@ mod tests {
         let (mut sum, mut worst, mut count) = (0.0, 0.0_f64, 0.0);
         for width in [0.27, 0.5, 0.76, 1.1, 1.47] {
             let slice = map.slice(width);
-            for e in [0.05, 0.33, 0.61, 0.85, 0.93, 0.98] {
-                for angle in [0.03_f64, -0.4, 1.3, -2.2, 3.0] {
+            for e in [0.05, 0.61, 0.93, 0.98] {
+                for angle in [0.03_f64, 1.3, -2.2] {
                     let direct = exact(width, e, angle, [192, 16]).unwrap().mobility;
                     let (radial, tangential) = slice.mobility(e, angle.cos(), angle.sin());
                     let error = (Vector2::new(radial, tangential) - direct).norm() / direct.norm();

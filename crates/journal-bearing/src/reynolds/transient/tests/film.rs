@@ -159,6 +159,7 @@ fn roughness_raises_the_film_s_friction() {
         let mut film = ReynoldsFilm::new(FilmSettings {
             asperities: Some(surface),
             rough_film,
+            cells: [64, 6],
             ..FilmSettings::new(0.019, 0.025, 20e-6)
         })
         .unwrap();
@@ -217,7 +218,8 @@ fn a_full_film_has_sommerfeld_s_friction() {
 #[test]
 fn a_tilted_journal_is_nearest_at_its_end() {
     let tilted = |tilt: f64| {
-        ReynoldsFilm::new(FilmSettings { tilt: [tilt, 0.0], ..FilmSettings::new(0.019, 0.025, 20e-6) }).unwrap()
+        let settings = FilmSettings::new(0.019, 0.025, 20e-6);
+        ReynoldsFilm::new(FilmSettings { tilt: [tilt, 0.0], cells: [48, 4], ..settings }).unwrap()
     };
     for tilt in [4e-6, -4e-6] {
         let mut film = tilted(tilt);
