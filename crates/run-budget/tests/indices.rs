@@ -49,13 +49,23 @@ fn a_hundred_runs_tell_ishigamis_indices() {
     }
 }
 
-/// The tails decide: a point in a thousand has a fifth of the cube's variance. 1, 0.5, 0.36 and 0.6 of 2.46 belong to the terms.
 #[test]
 fn cubes_of_normal_numbers_have_their_part() {
+    parts_of_cubes(1..=2);
+}
+
+#[test]
+#[ignore = "takes a while: scripts/test --long"]
+fn cubes_of_normal_numbers_have_their_part_whatever_the_seed() {
+    parts_of_cubes(3..=10);
+}
+
+/// The tails decide: a point in a thousand has a fifth of the cube's variance. 1, 0.5, 0.36 and 0.6 of 2.46 belong to the terms.
+fn parts_of_cubes(seeds: std::ops::RangeInclusive<u64>) {
     let of = |x: &[f64]| x[0] + 0.5 * x[1] * x[1] + 0.6 * x[0] * x[2] + 0.2 * x[3].powi(3);
     let cubes = Model { name: "cubes", dimensions: 4, normals: 4, correlation: 0.0, of, limit: 0.0, smooth: true };
     let closed = [1.36, 0.5, 0.36, 0.6].map(|part| part / 2.46);
-    for seed in 1..=4 {
+    for seed in seeds {
         for (index, closed) in tried(&cubes, 96, seed).expect("the surrogate holds").iter().zip(closed) {
             let Index { estimate, interval: [low, high] } = index[1];
             assert!((estimate - closed).abs() < 0.012 && low < closed && closed < high, "{seed} {index:?} {closed}");

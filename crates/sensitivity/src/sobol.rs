@@ -243,7 +243,7 @@ mod tests {
     /// The short form of `cargo run --release --example coverage`.
     #[test]
     fn intervals_hold_the_exact_indices_in_95_per_cent_of_repetitions() {
-        const REPETITIONS: u64 = 60;
+        const REPETITIONS: u64 = 30;
         const BASE: u64 = 256;
         let a = [0.0, 1.0, 4.5, 9.0];
         let (gf, gt) = sobol_g_indices(&a);
@@ -355,13 +355,21 @@ mod tests {
     #[test]
     fn intervals_hold_indices_near_0() {
         for base in [64, 256] {
+            assert!(near_zero_held(base, 60) >= 55, "{base}");
+        }
+    }
+
+    #[test]
+    #[ignore = "takes a while; run by scripts/test --long"]
+    fn intervals_hold_indices_near_0_in_93_per_cent_of_many_seeds() {
+        for base in [64, 256] {
             assert!(near_zero_held(base, 200) >= 186, "{base}");
         }
     }
 
     #[test]
     fn intervals_hold_and_hardly_any_index_is_far_off() {
-        for Told { what, stated, held, off } in told(128, 1000..1040) {
+        for Told { what, stated, held, off } in told(128, 1000..1016) {
             let count = |of: Vec<u64>| of.iter().sum::<u64>() as f64;
             let [held, off] = [held, off].map(count).map(|count| count / (12 * stated.max(1)) as f64);
             assert!(stated == 0 || held >= 0.95 && off <= 0.01, "{what}: {stated} stated, {held} hold, {off} far off");

@@ -40,11 +40,11 @@ fn held(records: u64, accuracy: f64, seed: u64) -> [[u32; 2]; 2] {
     held
 }
 
-/// Of 20 intervals that hold with 95 %, 16 or more hold with a probability of 99.7 %.
+/// Of 10 intervals that hold with 95 %, 7 or more hold with a probability of 99.9 %.
 #[test]
 fn some_intervals_hold_as_often_as_they_say() {
-    let held = held(20, 0.1, 12);
-    assert!(held.as_flattened().iter().all(|count| *count >= 16), "{held:?}");
+    let held = held(10, 0.1, 12);
+    assert!(held.as_flattened().iter().all(|count| *count >= 7), "{held:?}");
 }
 
 /// Of 100 intervals that hold with 95 %, 88 or more hold with a probability of 99.9 %.

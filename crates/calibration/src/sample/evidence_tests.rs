@@ -69,12 +69,22 @@ fn of_friction(measured: &[(f64, f64)], contact: bool, seed: u64) -> Evidence {
 
 const SPEEDS: [f64; 8] = [0.2, 0.4, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0];
 
-/// Without its friction of contact the model loses in each of 20 records; where 200 particles are too few to be relied on, nothing is
-/// told.
 #[test]
 fn a_model_without_contact_loses_to_the_right_one() {
+    the_right_one_wins(6, 3);
+}
+
+#[test]
+#[ignore = "long: run by scripts/test --long"]
+fn a_model_without_contact_loses_twenty_times() {
+    the_right_one_wins(20, 10);
+}
+
+/// Without its friction of contact the model loses in each of so many records; where 200 particles are too few to be relied on, nothing
+/// is told, but in `least` of them.
+fn the_right_one_wins(records: u64, least: u32) {
     let mut told = 0;
-    for seed in 1..=20 {
+    for seed in 1..=records {
         let mut random = Random::new(seed, Purpose::Search, 2);
         let measured = SPEEDS.map(|speed| {
             let exact = 0.02 * speed.sqrt() + 0.03 * (-speed / 0.8).exp();
@@ -95,8 +105,8 @@ fn a_model_without_contact_loses_to_the_right_one() {
         assert!(words.contains("favour this one by a factor of"), "{words}");
         assert!(wrong.words().contains("favour the other one"));
     }
-    println!("{told} of 20 told");
-    assert!(told >= 10, "{told}");
+    println!("{told} of {records} told");
+    assert!(told >= least, "{told}");
 }
 
 /// How many intervals hold, and how wide the widest is.
@@ -112,12 +122,12 @@ fn held(unknowns: usize, seeds: std::ops::Range<u64>) -> (u32, f64) {
     (held, widest)
 }
 
-/// Of 4 intervals that hold with 95 %, 3 or 4 hold with a probability of 99 %.
+/// Of 2 intervals that hold with 95 %, 1 or 2 hold with a probability of 99.7 %.
 #[test]
 fn some_intervals_of_the_evidence_hold_the_closed_form() {
     for (unknowns, first) in [(2, 100), (5, 200)] {
-        let (held, widest) = held(unknowns, first..first + 4);
-        assert!(held >= 3 && widest < 1.5, "{unknowns}: {held} {widest}");
+        let (held, widest) = held(unknowns, first..first + 2);
+        assert!(held >= 1 && widest < 1.5, "{unknowns}: {held} {widest}");
     }
 }
 

@@ -188,7 +188,7 @@ fn tails_beyond_the_normal_approximation_are_sampled() {
     let objective = Objective::new(&problem, &model, 1e-5);
     let optima = optima(&objective, &[vec![0.45; 4]]);
     let mut ratios = Vec::new();
-    for seed in 0..8 {
+    for seed in 0..4 {
         let sample = sample(&objective, &optima, &settings(1000, seed), &|_, _| ()).unwrap();
         for k in 0..4 {
             // The mean is 0.

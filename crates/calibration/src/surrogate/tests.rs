@@ -93,7 +93,7 @@ struct Shown {
     asked: f64,
 }
 
-fn shown(trial: &Trial, records: u64, seed: u64) -> Shown {
+fn shown(trial: &Trial, records: u64, seed: u64, particles: u64) -> Shown {
     let mut random = StdRng::seed_from_u64(seed);
     let unknowns = (trial.unknown)().len();
     let asked = Cell::new(0_u64);
@@ -110,7 +110,7 @@ fn shown(trial: &Trial, records: u64, seed: u64) -> Shown {
         };
         let replaced = made(&problem, &model, trial.places, record).unwrap();
         shown.asked = asked.get() as f64;
-        let (ours, told) = posterior(&replaced.problem, &replaced.model, 1000, record);
+        let (ours, told) = posterior(&replaced.problem, &replaced.model, particles, record);
         let holds = |told: &PosteriorOutcome| {
             let one = |k: &usize| told.free[*k].intervals.iter().any(|[low, high]| (*low..=*high).contains(&truth[*k]));
             (0..unknowns).filter(one).count() as u32
@@ -122,7 +122,7 @@ fn shown(trial: &Trial, records: u64, seed: u64) -> Shown {
             continue;
         }
         let exact = |_: usize, p: &[f64], _: &[f64]| Ok((trial.model)(p));
-        let (theirs, told) = posterior(&problem, &exact, 2000, record);
+        let (theirs, told) = posterior(&problem, &exact, 2 * particles, record);
         shown.held[1] += holds(&told);
         let pairs = moments(&ours).into_iter().zip(moments(&theirs));
         let off = pairs.map(|([m, s], [mean, deviation])| [(m - mean).abs() / deviation, (s / deviation - 1.0).abs()]);
@@ -139,11 +139,11 @@ fn shown(trial: &Trial, records: u64, seed: u64) -> Shown {
     shown
 }
 
-/// Of 4 intervals that hold with 95 %, 2 to 4 hold with a probability of 99.95 %; of 4 times 2 of them, 5 to 8.
+/// Of 2 times 2 intervals that hold with 95 %, 2 to 4 hold with a probability of 99.95 %.
 #[test]
 fn a_posterior_by_surrogate_is_that_of_the_model() {
-    let shown = shown(&DECAY, 4, 22);
-    assert!(shown.held[0] >= 5 && shown.rough == 0 && shown.asked <= 40.0, "{shown:?}");
+    let shown = shown(&DECAY, 2, 22, 500);
+    assert!(shown.held[0] >= 2 && shown.rough == 0 && shown.asked <= 40.0, "{shown:?}");
     assert!(shown.off[0][0] < 0.1 && shown.off[0][1] < 0.1, "{shown:?}");
 }
 
@@ -151,7 +151,7 @@ fn a_posterior_by_surrogate_is_that_of_the_model() {
 #[test]
 #[ignore = "takes minutes"]
 fn four_unknowns_need_eighty_runs() {
-    let shown = shown(&OSCILLATION, 40, 21);
+    let shown = shown(&OSCILLATION, 40, 21, 1000);
     assert!(shown.held[0] >= 143, "{shown:?}");
     assert!(shown.off[0][0] < 0.2 && shown.off[0][1] < 0.15 && shown.asked <= 76.0, "{shown:?}");
 }
@@ -183,7 +183,7 @@ fn kinks_and_jumps() {
         places: 60,
     };
     for trial in [jump, kink, ridge] {
-        let shown = shown(&trial, 80, 31);
+        let shown = shown(&trial, 80, 31, 1000);
         let [held, _, of] = shown.held;
         assert!(f64::from(held) >= 0.875 * f64::from(of), "{shown:?}");
     }

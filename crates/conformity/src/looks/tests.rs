@@ -187,9 +187,9 @@ fn wrong(studies: u32, numbers: &[u64], nets: usize, looks: impl Fn(&History, u6
     wrong
 }
 
-fn resumed(studies: u32, samples: &[usize]) {
+fn resumed(studies: u32, samples: &[usize], doublings: u32) {
     let twenty: Vec<u64> = (1..=20).map(|k| 100 * k).collect();
-    let doubled: Vec<u64> = (0..8).map(|k| 64 << k).collect();
+    let doubled: Vec<u64> = (0..doublings).map(|k| 64 << k).collect();
     let most = Binomial::new(0.05, u64::from(studies)).unwrap().inverse_cdf(0.95);
     for numbers in [&twenty, &doubled] {
         for &nets in samples {
@@ -207,11 +207,11 @@ fn resumed(studies: u32, samples: &[usize]) {
 
 #[test]
 fn studies_that_are_resumed_again_and_again_hardly_ever_decide_wrongly() {
-    resumed(500, &[4]);
+    resumed(300, &[4], 6);
 }
 
 #[test]
 #[ignore = "takes a minute; run by scripts/test --long"]
 fn of_10_000_studies_that_are_resumed_few_decide_wrongly() {
-    resumed(10_000, &[1, 4, 16]);
+    resumed(10_000, &[1, 4, 16], 8);
 }

@@ -144,11 +144,14 @@ const fn population(shape: Shape, standard: f64, risk: f64, points: usize) -> Po
 /// that band decides wrongly too often: the test can tell.
 #[test]
 fn a_guard_band_from_the_same_points_decides_rightly() {
-    const STUDIES: u32 = 300;
+    bands_of_the_same_points(150);
+}
+
+fn bands_of_the_same_points(studies: u32) {
     let peaks = population(Shape::Peaks(0.5), 0.2, 0.05, 100);
-    let [by_bands, as_given] = wrong(&peaks, STUDIES, 1, &[peaks.points]);
-    assert!(by_bands.iter().all(|&n| n <= STUDIES / 20), "{by_bands:?}");
-    assert!(as_given.iter().any(|&n| n > STUDIES / 12), "{as_given:?}");
+    let [by_bands, as_given] = wrong(&peaks, studies, 1, &[peaks.points]);
+    assert!(by_bands.iter().all(|&n| n <= studies / 20), "{by_bands:?}");
+    assert!(as_given.iter().any(|&n| n > studies / 12), "{as_given:?}");
 }
 
 #[test]
@@ -215,13 +218,23 @@ fn exceeded(population: &Population, studies: u32, nets: usize) -> [u32; 2] {
 /// The least band of the same points exceeds its limit in every other study.
 #[test]
 fn the_band_of_a_study_keeps_its_limit() {
-    const STUDIES: u32 = 200;
+    bands_keep_their_limit(100);
+}
+
+#[test]
+#[ignore = "takes a while; run by scripts/test --long"]
+fn bands_of_more_studies_decide_rightly_and_keep_their_limit() {
+    bands_of_the_same_points(300);
+    bands_keep_their_limit(200);
+}
+
+fn bands_keep_their_limit(studies: u32) {
     for (population, nets) in
         [(population(Shape::Normal(0.5), 0.3, 0.04, 200), 1), (population(Shape::Peaks(0.5), 0.2, 0.05, 128), 8)]
     {
-        let [found, least] = exceeded(&population, STUDIES, nets);
-        assert!(found <= STUDIES / 20, "{population:?} {nets}: {found}");
-        assert!(least > STUDIES / 5, "{population:?} {nets}: {least}");
+        let [found, least] = exceeded(&population, studies, nets);
+        assert!(found <= studies / 20, "{population:?} {nets}: {found}");
+        assert!(least > studies / 5, "{population:?} {nets}: {least}");
     }
 }
 

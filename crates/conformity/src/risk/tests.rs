@@ -344,7 +344,7 @@ fn samples_of_a_design_are_told_apart() {
 
 /// The global risks over a normal population N(84, 0.6) with simple acceptance.
 fn risks_of(limits: Limits, uncertainty: Uncertainty) -> [f64; 2] {
-    const POINTS: u32 = 50_000;
+    const POINTS: u32 = 20_000;
     let error = Some(uncertainty.law(0.0));
     let measured = Measured { limits, value: None, error };
     let measurement = Measurement::new(vec![measured], &[]).unwrap();

@@ -133,7 +133,7 @@ fn check(studies: u32, seed: u64) {
 
 #[test]
 fn stated_risks_come_true() {
-    check(4_000, 1);
+    check(1_500, 1);
 }
 
 /// A hundred thousand studies for each decision rule.

@@ -82,8 +82,8 @@ fn margins_end_where_a_criterion_does() {
 
 #[test]
 fn maps_cover_all_pairs() {
-    let t = table(200);
-    let r = robustness(&t, &region::cloud(&rows(&t), 7), 0.9).unwrap();
+    let t = table(100);
+    let r = robustness(&t, &sample(4_000, 7), 0.9).unwrap();
     let pairs: Vec<(usize, usize)> = r.maps.iter().map(|m| (m.x, m.y)).collect();
     assert_eq!(pairs, [(0, 1), (0, 2), (1, 2)]);
     let middle = maps::CELLS * maps::CELLS / 2 + maps::CELLS / 2;
@@ -93,9 +93,9 @@ fn maps_cover_all_pairs() {
 
 #[test]
 fn a_level_that_is_reached_nowhere_is_said() {
-    let mut t = table(200);
+    let mut t = table(100);
     t.criteria[0].lower = 50.0;
     t.criteria[0].upper = 51.0;
-    let r = robustness(&t, &region::cloud(&rows(&t), 7), 0.9).unwrap();
+    let r = robustness(&t, &sample(4_000, 7), 0.9).unwrap();
     assert!(r.region.is_none() && r.warnings.iter().any(|w| w.contains("no box")));
 }
