@@ -92,15 +92,16 @@ fn column(table: &[(String, Vec<String>)], name: &str) -> Vec<String> {
 /// processes; and each is verified when it is in all of them.
 #[test]
 fn two_cases_are_two_studies() {
+    let bench = bench();
+    for (case, study) in [("low", LOW), ("high", HIGH)] {
+        bench.write("study.toml", &format!("{HEAD}{study}"));
+        verify(&bench, "study.toml", case, &["--isolation", "none"]);
+    }
     for isolation in ["fresh", "shared"] {
-        let bench = bench();
-        let options = ["--isolation", isolation];
-        verify(&bench, "cases.toml", "cases", &options);
+        verify(&bench, "cases.toml", "cases", &["--isolation", isolation, "--force"]);
         let own = columns(&bench, "cases");
         let mut all = vec![true; 40];
-        for (case, study) in [("low", LOW), ("high", HIGH)] {
-            bench.write("study.toml", &format!("{HEAD}{study}"));
-            verify(&bench, "study.toml", case, &options);
+        for case in ["low", "high"] {
             let alone = columns(&bench, case);
             assert_eq!(column(&own, "lag.rate"), column(&alone, "lag.rate"));
             for name in if case == "low" { &["Y"][..] } else { &["Y", "T"] } {
@@ -266,7 +267,7 @@ fn analyses_work_with_cases() {
         // Each case of a point is a run.
         &["robustness", "cases.toml", "--from", "out", "--budget", "33", "--output", "b"],
         &["pareto", "cases.toml", "--from", "out"],
-        &["verify", "cases.toml", "--rare", "--budget", "60", "--output", "rare"],
+        &["verify", "cases.toml", "--rare", "--budget", "40", "--output", "rare"],
         &["tolerances", "goal.toml", "--points", "256", "--output", "t"],
         &["verify", "cases.toml", "--validation", "--output", "v"],
         &["report", "out"],

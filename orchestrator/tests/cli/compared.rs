@@ -30,7 +30,7 @@ tolerance = 0.05
 
 /// A folder with the results of the study in `old`.
 fn bench() -> Bench {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     verified(&bench, "old", STUDY, &[]);
     bench
 }
@@ -52,7 +52,7 @@ fn compared(bench: &Bench, new: &str, more: &[&str]) -> (Said, Value) {
 #[test]
 fn the_same_study_gives_no_difference_however_it_is_run() {
     let bench = bench();
-    for more in [&["--jobs", "3"][..], &["--isolation", "fresh", "--jobs", "1"], &["--isolation", "none"]] {
+    for more in [&["--isolation", "fresh", "--jobs", "3"][..], &["--isolation", "none", "--jobs", "1"]] {
         verified(&bench, "new", STUDY, more);
         let (said, file) = compared(&bench, "new", &["--strict"]);
         assert_eq!(said.code, 0, "{}{}", said.out, said.err);
@@ -195,7 +195,7 @@ fn forged(bench: &Bench, table: &dyn Fn(String) -> String, summary: &dyn Fn(&mut
 #[test]
 fn another_answer_at_the_same_values_is_a_difference() {
     // About a quarter of the points meet it.
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let narrow = STUDY.replace("tolerance = 0.05", "tolerance = 0.02");
     verified(&bench, "old", &narrow, &[]);
     let before = bench.summary("old");

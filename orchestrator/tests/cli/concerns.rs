@@ -24,7 +24,7 @@ uncertainty = 0.01
 "#;
 
 fn verified(study: &str) -> (Bench, Value) {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     bench.write("study.toml", study);
     let said = bench.run(&["verify", "study.toml", "--output", "out"]);
     assert!(said.code < 2, "{}", said.err);
@@ -98,7 +98,7 @@ fn a_final_value_of_a_signal_that_swings_is_warned_of() {
         writeln!(table, "{t},{}", 0.86 + 0.01 * (8.0 * t).sin()).unwrap();
     }
     let run = |study: &str| {
-        let bench = Bench::new();
+        let bench = Bench::new().in_process();
         bench.write("study.toml", study);
         bench.write("u.csv", &table);
         let said = bench.run(&["verify", "study.toml", "--output", "out", "--verbose"]);
@@ -207,7 +207,7 @@ fn what_the_fmu_does_not_allow_is_not_claimed() {
 /// With no extra runs the summary says that nothing was observed.
 #[test]
 fn extra_runs_are_as_many_as_asked_for() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     bench.write("study.toml", STUDY);
     for runs in ["0", "3"] {
         let said = bench.run(&["verify", "study.toml", "--output", runs, "--extra-runs", runs]);
@@ -263,7 +263,7 @@ fn a_value_that_is_no_item_of_an_enumeration_is_out_of_range() {
 /// Where nothing was compared, nothing is contradicted either.
 #[test]
 fn a_study_whose_points_all_fail_is_inconclusive() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let verdict = "[verdict]\nshare = \"5 %\"\n";
     for study in [STUDY.to_owned(), format!("{STUDY}{verdict}")] {
         bench.write("study.toml", &format!("{study}[fixed]\n\"lag.fault\" = \"Fail\"\n"));
@@ -286,7 +286,7 @@ fn a_study_whose_points_all_fail_is_inconclusive() {
 /// An empty line of a table of one column is a failed point.
 #[test]
 fn an_empty_line_of_a_table_is_a_failed_point() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     bench.write("study.toml", STUDY);
     bench.write("table.csv", "Y\n0.86\n\n0.861\n0.5\n\n");
     let said = bench.run(&["judge", "study.toml", "table.csv", "--output", "out"]);
@@ -300,7 +300,7 @@ fn an_empty_line_of_a_table_is_a_failed_point() {
 /// written twice are named.
 #[test]
 fn a_table_is_looked_at_as_the_points_of_a_study() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let concerns_of = |study: &str, table: &str| {
         bench.write("study.toml", study);
         bench.write("table.csv", table);
@@ -351,7 +351,7 @@ nominal = 0.5
 tolerance = 1
 window = { from = 0.5, to = "700 ms" }
 "#;
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     bench.write("study.toml", &study);
     for place in [&["--isolation", "none"][..], &["--isolation", "fresh"]] {
         let arguments = [&["verify", "study.toml", "--output", "out"], place].concat();
@@ -399,7 +399,7 @@ fn the_comparison_names_the_largest_uncertainty() {
 fn the_numerical_uncertainty_is_that_of_the_step() {
     let study = STUDY.replace("points = 40", "points = 4").replace("step = 0.01", "step = 0.1").replace("0.86", "1.13")
         + "[inputs.\"drive.u\"]\nfile = \"u.csv\"\ncolumn = \"u\"\n";
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     bench.write("study.toml", &study);
     bench.write("u.csv", "time,u\n0,0\n2,2\n");
     let said = bench.run(&["verify", "study.toml", "--output", "out", "--validation"]);

@@ -131,7 +131,7 @@ fn a_point_spoils_no_other() {
         ("a process", "plainly"),
         ("a timer", "with an error"),
     ] {
-        assert_eq!(wrong(&bench, number(&WHAT, what), number(&HOW, how), 10, 200, "2"), 0, "{what}, {how}");
+        assert_eq!(wrong(&bench, number(&WHAT, what), number(&HOW, how), 10, 60, "2"), 0, "{what}, {how}");
     }
 }
 

@@ -48,7 +48,7 @@ fn runs_after_the_study_take_no_longer_than_its_points_did() {
 /// Values of a diverged run have squares beyond all numbers, or are the largest numbers themselves.
 #[test]
 fn whatever_a_point_gives_the_files_are_written() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let study = STUDY
         .replace("lag.rate", "lag.length")
         .replace("lag.y", "lag.micrometres")
@@ -80,7 +80,7 @@ fn whatever_a_point_gives_the_files_are_written() {
 /// Names in Modelica may have hundreds of characters, most systems take 255 bytes for the name of a file.
 #[test]
 fn long_names_cost_no_page() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let name = "component.".repeat(25);
     let other = format!("[criteria.\"{name}z\"]\nvariable = \"lag.temperature\"\nnominal = 280\ntolerance = 9\n");
     let study = STUDY.replace("[criteria.Y]", &format!("[criteria.\"{name}y\"]")) + &other;
@@ -104,7 +104,7 @@ fn long_names_cost_no_page() {
 /// A plot, a picture of the page or a page that cannot be written costs itself: the verdict stands.
 #[test]
 fn a_page_that_cannot_be_written_costs_no_verdict() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     bench.write("study.toml", STUDY);
     std::fs::create_dir_all(bench.path("out/report.html/in-the-way")).unwrap();
     std::fs::create_dir_all(bench.path("out/best-point.csv/in-the-way")).unwrap();
@@ -118,7 +118,7 @@ fn a_page_that_cannot_be_written_costs_no_verdict() {
 /// Pictures that a page cannot show are left out, and said.
 #[test]
 fn of_many_criteria_some_have_pictures() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let criterion = |k: i32| {
         let nominal = 0.86 + 0.001 * f64::from(k);
         format!("[criteria.Y{k}]\nvariable = \"lag.y\"\nnominal = {nominal}\ntolerance = 0.1\nuncertainty = 0.01\n")

@@ -297,7 +297,7 @@ fn correlated_errors_are_whole_ones() {
 /// one it would become one of the rate.
 #[test]
 fn a_recorded_input_has_a_zero_error() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let rate = 1.1_f64;
     let curve = |input: f64| {
         let rows = (1..=20).map(|k| {
@@ -468,7 +468,7 @@ tolerance = 0.02
         assert!(verdict < fit && section.contains("95 %, too narrow"), "{section}");
     }
     // Whoever wants no runs but the points gets none.
-    let said = bench.run(&["verify", "study.toml", "--points", "1000", "--output", "few", "--extra-runs", "0"]);
+    let said = bench.run(&["verify", "study.toml", "--points", "100", "--output", "few", "--extra-runs", "0"]);
     assert!(!said.out.contains("Likeliest") && !bench.path("few/identify").exists(), "{}", said.out);
     // A search for it is told first, too.
     assert_eq!(bench.run(&["identify", "study.toml", "--output", "few"]).code, 0);
@@ -590,7 +590,7 @@ tolerance = 0.02
 /// a^k u_(n-k) with a = exp(-rate h). A product by the input is formed with what the sensor read.
 #[test]
 fn the_sensor_of_an_input_has_offset_gain_and_noise() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let rows: String = (0..=20).map(|k| format!("{},2\n", 0.05 * f64::from(k))).collect();
     bench.write("u.csv", &format!("time,u\n{rows}"));
     let (rate, end) = (1.1_f64, 1.0 - (-1.1_f64).exp());

@@ -118,7 +118,7 @@ fn an_input_from_a_file_is_followed_within_steps() {
 fn verify_gives_the_same_in_every_way() {
     let bench = bench();
     let run = |isolation: &str, jobs: &str, output: &str| {
-        let options = ["--points", "16", "--isolation", isolation, "--jobs", jobs, "--output", output];
+        let options = ["--points", "6", "--isolation", isolation, "--jobs", jobs, "--output", output];
         let said = bench.run(&[&["verify", "study.toml"], &options[..]].concat());
         assert_eq!(said.code, 0, "{}{}", said.out, said.err);
         bench.read(&format!("{output}/points.csv"))

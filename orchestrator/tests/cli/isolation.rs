@@ -25,7 +25,7 @@ tolerance = 0.2
 fn bench(macros: &[&str]) -> Bench {
     let bench = Bench::empty();
     bench.fmu("lag.fmu", macros, &model("", ""));
-    bench.write("study.toml", &STUDY.replace("1000", "200"));
+    bench.write("study.toml", &STUDY.replace("1000", "60"));
     bench
 }
 
@@ -118,10 +118,12 @@ fn what_points_meet_at_is_told() {
         let run = |arguments: &[&str]| -> Said {
             bench.command(arguments).env("LAG_HELD", bench.path("held.txt")).output().unwrap().into()
         };
-        for jobs in ["2", "1"] {
+        // Alone no point meets another, whatever it holds.
+        let jobs: &[&str] = if told.starts_with("TCP") { &["2", "1"] } else { &["2"] };
+        for jobs in jobs {
             let said = run(&["verify", "study.toml", "--points", "4", "--verbose", "--jobs", jobs, "--output", jobs]);
             let held = bench.summary(jobs)["held"]["first"]["message"].as_str().unwrap_or_default().to_owned();
-            let is_told = !told.is_empty() && jobs == "2";
+            let is_told = !told.is_empty() && *jobs == "2";
             assert!(if is_told { held.starts_with(told) } else { held.is_empty() }, "{holds}, {jobs}: {held}");
             let words = ": the FMU holds a port, a socket or a lock of this machine";
             assert_eq!(said.out.contains(words), is_told, "{holds}, {jobs}: {}", said.out);

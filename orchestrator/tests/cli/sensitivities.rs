@@ -88,24 +88,31 @@ fn holed(options: &[&str]) -> Value {
 
 #[test]
 fn points_of_a_study_tell_indices_where_a_surrogate_holds() {
+    told_by_points(96, "from the 96 points");
+}
+
+/// Surrogates learn from a part of many points.
+#[test]
+#[ignore = "takes a while: scripts/test --long"]
+fn many_points_of_a_study_tell_indices_where_a_surrogate_holds() {
+    told_by_points(512, "from 250 of the 512 points");
+}
+
+fn told_by_points(points: u32, words: &str) {
     let bench = Bench::functions();
-    bench.write("study.toml", &format!("{HEAD}{}", criteria(&["linear", "holed"])));
+    let head = HEAD.replace("points = 512", &format!("points = {points}"));
+    bench.write("study.toml", &format!("{head}{}", criteria(&["linear", "holed"])));
     assert!(bench.run(&["verify", "study.toml", "--output", "out"]).code < 2);
     // By closed form x2 has 4 of 14; where runs fail without a pattern a design is asked for.
     let said = bench.run(&["sensitivity", "study.toml", "--from", "out"]);
-    assert!(
-        said.out.contains("from 250 of the 512 points") && said.out.contains("--base 256"),
-        "{}{}",
-        said.out,
-        said.err
-    );
+    assert!(said.out.contains(words) && said.out.contains("--base 256"), "{}{}", said.out, said.err);
     let told: Value = serde_json::from_str(&bench.read("out/sensitivity.json")).unwrap();
     let total = &told["outputs"][0]["sobol"]["total"][1];
     let [value, low, high] = ["value", "low", "high"].map(|key| total[key].as_f64().unwrap());
     assert!((value - 4.0 / 14.0).abs() < 0.01 && low < 4.0 / 14.0 && 4.0 / 14.0 < high, "{total}");
     // Surrogates are told of failed runs.
     let said = bench.run(&["robustness", "study.toml", "--from", "out"]);
-    assert!(said.out.contains("of 512 points failed"), "{}{}", said.out, said.err);
+    assert!(said.out.contains(&format!("of {points} points failed")), "{}{}", said.out, said.err);
 }
 
 #[test]

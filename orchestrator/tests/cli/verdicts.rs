@@ -154,7 +154,7 @@ fn verify(bench: &Bench, study: &str, options: &[&str]) -> (crate::support::Said
 
 #[test]
 fn a_study_ends_when_its_verdict_is_known() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let waiting = ["--until", "verdict", "--points", "3000"];
     for (share, code) in [("5 %", 0), ("90 %", 1)] {
         let study = LAG.replace("share = \"5 %\"", &format!("share = \"{share}\""));
@@ -177,7 +177,7 @@ fn a_study_ends_when_its_verdict_is_known() {
 
 #[test]
 fn a_verdict_cannot_be_waited_for_where_nothing_tells_how_points_depend() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     for (from, to, words) in [
         ("monte-carlo", "sobol", ["until", "use method = \"monte-carlo\""]),
         ("monte-carlo", "latin-hypercube", ["until", "this design needs all its points"]),
@@ -191,7 +191,7 @@ fn a_verdict_cannot_be_waited_for_where_nothing_tells_how_points_depend() {
 
 #[test]
 fn shards_have_no_verdict_and_their_union_has() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let study = LAG.replace("\"5 %\"\n[dossier]", "\"90 %\"\n[dossier]");
     bench.write("study.toml", &study);
     for shard in ["1/2", "2/2"] {
@@ -206,7 +206,7 @@ fn shards_have_no_verdict_and_their_union_has() {
 
 #[test]
 fn the_dossier_is_in_summary_and_page() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let (_, summary) = verify(&bench, LAG, &[]);
     assert_eq!(summary["dossier"]["rig"], "Rig 2");
     let date = summary["run"]["date"].as_str().unwrap();
@@ -219,7 +219,7 @@ fn the_dossier_is_in_summary_and_page() {
 
 #[test]
 fn the_page_says_what_accepting_risks() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let (said, _) = verify(&bench, LAG, &[]);
     let page = bench.read("out/report.html");
     for part in [
@@ -259,7 +259,7 @@ fn accepted(bench: &Bench, folder: &str) -> Vec<(f64, bool)> {
 /// as many as the summary says, whether the band is given or found, and by every command alike.
 #[test]
 fn points_tell_which_of_them_a_guard_band_accepts() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let (_, _) = verify(&bench, LAG, &[]);
     assert!(!bench.read("out/points.csv").starts_with("point,lag.rate,Y,Y.ok,verified,accepted"));
     for rule in ["risk = \"3 %\"", "guard-band = 0.8"] {
@@ -314,7 +314,7 @@ fn resumed(bench: &Bench, options: &[&str]) -> (crate::support::Said, Value) {
 
 #[test]
 fn a_study_that_is_looked_at_again_has_an_interval_for_that() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let near = LAG.replace("\"5 %\"\n[dossier]", "\"40 %\"\n[dossier]");
     let interval = |summary: &Value| {
         let ends = &summary["required"]["interval"];
@@ -349,7 +349,7 @@ fn a_study_that_is_looked_at_again_has_an_interval_for_that() {
 
 #[test]
 fn a_study_that_was_waited_for_stays_one() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let near = LAG.replace("\"5 %\"\n[dossier]", "\"40 %\"\n[dossier]");
     let (_, waited) = verify(&bench, &near, &["--until", "verdict", "--points", "60"]);
     let (_, resumed) = resumed(&bench, &["--points", "60"]);
@@ -361,7 +361,7 @@ fn a_study_that_was_waited_for_stays_one() {
 
 #[test]
 fn shards_that_grow_and_are_joined_again_are_looked_at_again() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let near = LAG.replace("\"5 %\"\n[dossier]", "\"40 %\"\n[dossier]");
     bench.write("study.toml", &near);
     for (points, output, looks) in [("60", "first", 1), ("120", "second", 2)] {
@@ -380,7 +380,7 @@ fn shards_that_grow_and_are_joined_again_are_looked_at_again() {
 /// Half of a net is in the tolerance whatever the true share: its points are no sample.
 #[test]
 fn one_net_has_neither_a_verdict_by_share_nor_intervals() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let net = LAG.replace("method = \"monte-carlo\"\npoints = 300\nseed = 3", "method = \"sobol\"\npoints = 8");
     bench.write("study.toml", &net);
     let said = bench.run(&["verify", "study.toml", "--output", "net"]);
@@ -421,7 +421,7 @@ fn a_measurement_that_cannot_decide_leaves_the_model_open() {
 
 #[test]
 fn every_command_with_a_verdict_tells_its_exit_codes() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let words = |text: String| text.split_whitespace().collect::<Vec<_>>().join(" ");
     let all = words(bench.run(&["--help"]).out);
     for words in ["1 not verified", "3 inconclusive", "130 interrupted", "[verdict]"] {
@@ -438,7 +438,7 @@ fn every_command_with_a_verdict_tells_its_exit_codes() {
 /// Under a guard band the page shows what was decided: the accepted points, not all within tolerance.
 #[test]
 fn the_page_shows_the_share_that_was_decided() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let (_, summary) = verify(&bench, LAG, &[]);
     let page = bench.read("out/report.html");
     assert!(page.contains("\"guarded\":false") && !page.contains("less the guard bands"));
@@ -487,7 +487,7 @@ fn the_answer_fits_a_terminal() {
 /// In K or degC, an amplitude or a slope is a difference: 3 degC of it are 3 K, and not 276.15 K.
 #[test]
 fn amplitudes_and_slopes_convert_as_differences() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     for (statistic, stated, expected) in [
         ("amplitude", "at-most = \"3 degC\"", 3.0),
         ("slope", "at-least = \"-1 degC\"", -1.0),
@@ -524,7 +524,7 @@ fn a_gain_of_nothing_is_no_uncertainty() {
 /// scale 0.1 / sqrt(3), integrated between the tolerances.
 #[test]
 fn each_accepted_point_conforms_with_the_required_probability() {
-    let bench = Bench::new();
+    let bench = Bench::new().in_process();
     let study = "fmu = \"none.fmu\"\n[design]\nmethod = \"monte-carlo\"\npoints = 4\n[criteria.T]\nvariable = \"t\"\nnominal = 82\n\
                  tolerance = \"1 degC\"\nunit = \"degC\"\nuncertainty = \"0.5 degC\"\nnoise = \"0.1 degC\"\nrepeats = 3\n\
                  [verdict]\nshare = \"5 %\"\npoint-risk = \"5 %\"\n";
