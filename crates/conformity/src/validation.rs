@@ -300,7 +300,7 @@ mod tests {
     /// Of 50 intervals that hold with 95 %, 41 or more hold with a probability of 99.9 %.
     #[test]
     fn the_interval_of_few_repeats_holds_in_some_studies() {
-        intervals_of_few_repeats_hold(50, 41, &[3]);
+        intervals_of_few_repeats_hold(50, 41, &[2]);
     }
 
     #[test]
