@@ -195,7 +195,7 @@ MODELS = MEMORY + LIFE + LOGGER + PROCESSES + SIGNALS + DESCRIPTORS + SURROUNDIN
 MEETINGS = [Model(name, reproducible=None) for name in [
     "waits_at_a_port", "waits_for_datagrams", "names_a_socket", "locks_a_file_elsewhere", "locks_a_record_elsewhere",
     "locks_its_resources", "leaves_a_file_elsewhere", "reads_its_path"]]
-# The name under which model.c knows the behaviour; the linker gives it to one of them, so that nothing is compiled a model.
+# The name under which model.c knows the behaviour; the linker gives it to one of them, so that nothing is compiled for one model alone.
 CHOSEN = "chosen_behaviour"
 # Models without a function of their own in tests/faulty.
 PLAIN = {"needs_a_tool", "has_no_outputs"}

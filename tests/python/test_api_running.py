@@ -18,7 +18,7 @@ from fmu_orchestrator._progress import Journal
 LONG = """
 fmu = "{fmu}"
 [simulation]
-stop = 4
+stop = 10
 step = 0.001
 [design]
 method = "halton"

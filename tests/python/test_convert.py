@@ -67,7 +67,7 @@ def test_a_table_of_numbers_alone_is_asked_about(tmp_path):
     assert rows(values)[:2] == [["1", "2", "3"], ["94255.0", "2018.0", "1000.0"]]
 
 
-# So many files of each format are damaged: one, in the long run three, too. With `MUTATED=2000` the process of each is a fork of this
+# So many files of each format are damaged: one; in the long run also three. With `MUTATED=2000` the process of each is a fork of this
 # one, which has the libraries already; it prints what came of them (`pytest -s`).
 MUTATED = [int(os.environ["MUTATED"])] if "MUTATED" in os.environ else [1, pytest.param(3, marks=pytest.mark.long)]
 SAMPLES = {

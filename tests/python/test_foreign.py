@@ -14,7 +14,7 @@ import pytest
 from reference_fmus import exchange_only
 from test_acceptance import PROGRAM, ROOT, rows
 
-# On two workers, of which each reuses its instance.
+# Three for each of two workers.
 POINTS = 6
 PACKAGE = "gemseo-fmu==3.1.1"
 FOLDER = ROOT / ".venv" / "foreign"

@@ -3,6 +3,7 @@
 import os
 
 import nbformat
+import pytest
 from nbclient import NotebookClient
 from test_acceptance import PROGRAM, ROOT
 
@@ -11,7 +12,8 @@ FEWER = {"sensitivity(base=128)": "sensitivity(base=16)", "posterior=400, starts
 NOTEBOOK = ROOT / "examples" / "notebook" / "verification.ipynb"
 
 
-def test_the_notebook(fmu, tmp_path, monkeypatch):
+@pytest.mark.parametrize("fewer", [FEWER, pytest.param({}, marks=pytest.mark.long)], ids=["fewer", "whole"])
+def test_the_notebook(fewer, fmu, tmp_path, monkeypatch):
     monkeypatch.setenv("FMU_ORCHESTRATOR_PROGRAM", str(PROGRAM))
     monkeypatch.setenv("PYTHONPATH", str(ROOT / "python"))
     # The kernel's settings are not the user's.
@@ -19,9 +21,9 @@ def test_the_notebook(fmu, tmp_path, monkeypatch):
     notebook = nbformat.read(NOTEBOOK, as_version=4)
     assert all(not cell.outputs for cell in notebook.cells if cell.cell_type == "code"), "clear the outputs"
     for cell in notebook.cells:
-        for much, little in FEWER.items():
+        for much, little in fewer.items():
             cell.source = cell.source.replace(much, little)
-    assert all(sum(little in cell.source for cell in notebook.cells) == 1 for little in FEWER.values())
+    assert all(sum(little in cell.source for cell in notebook.cells) == 1 for little in fewer.values())
     NotebookClient(notebook, timeout=300, kernel_name="python3", resources={"metadata": {"path": str(tmp_path)}}).execute()
     if keep := os.environ.get("KEEP_NOTEBOOK"):
         nbformat.write(notebook, keep)

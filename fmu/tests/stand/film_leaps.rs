@@ -79,7 +79,7 @@ fn fluctuating(stand: &mut Stand) {
     stand.drive.fluctuation_frequency = 2.5;
 }
 
-/// The rig, a point of Table 3, and the rig at a speed that fluctuates: so many seconds each of five turns.
+/// The rig, a point of Table 3, and the rig at a speed that fluctuates: each for so many seconds, of five turns.
 fn leaps(seconds: [u32; 3]) {
     for (set, seconds) in [|_: &mut Stand| (), table3, fluctuating].into_iter().zip(seconds) {
         let turns = check(set, f64::from(seconds));

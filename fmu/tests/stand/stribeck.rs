@@ -8,7 +8,7 @@ use plain_bearing_stand::sensors::Readings;
 use plain_bearing_stand::stand::Stand;
 use std::collections::BTreeMap;
 use std::f64::consts::{PI, TAU};
-use std::sync::Mutex;
+use std::sync::{Mutex, PoisonError};
 
 const NO_FILES: Experiment<'static> = Experiment { start: 0.0, stop: None, tolerance: None, resources: None };
 
@@ -155,7 +155,7 @@ impl Film {
 fn reference(stand: &Stand, resting: &Readings, speed: f64) -> [f64; 2] {
     let Readings { load_force: load, film_viscosity: viscosity, eccentricity_ratio: near, .. } = *resting;
     static SOLVED: Mutex<BTreeMap<[u64; 3], [f64; 2]>> = Mutex::new(BTreeMap::new());
-    let mut all = SOLVED.lock().unwrap();
+    let mut all = SOLVED.lock().unwrap_or_else(PoisonError::into_inner);
     let key = [load, viscosity, speed].map(f64::to_bits);
     *all.entry(key).or_insert_with(|| solved(stand, [load, viscosity, speed], near))
 }
@@ -185,7 +185,7 @@ fn solved(stand: &Stand, [load, viscosity, speed]: [f64; 3], near: f64) -> [f64;
         ((carried / load).ln(), told)
     };
     // The stand's own place is near: that saves most of the search.
-    let [mut low, mut high] = [-0.02, 0.02].map(|by| near + by).map(|e| (e, logarithm(e).0));
+    let [mut low, mut high] = [-0.02, 0.02].map(|by| (near + by).min(0.999)).map(|e| (e, logarithm(e).0));
     assert!(low.1 < 0.0 && high.1 > 0.0, "{load} N is not borne near {near}: {low:?} {high:?}");
     let mut moved = 0.0;
     for _ in 0..30 {

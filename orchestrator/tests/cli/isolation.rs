@@ -119,7 +119,7 @@ fn what_points_meet_at_is_told() {
             bench.command(arguments).env("LAG_HELD", bench.path("held.txt")).output().unwrap().into()
         };
         // Alone no point meets another, whatever it holds.
-        let jobs: &[&str] = if told.starts_with("TCP") { &["2", "1"] } else { &["2"] };
+        let jobs: &[&str] = if ["TCP", "lock"].iter().any(|way| told.starts_with(way)) { &["2", "1"] } else { &["2"] };
         for jobs in jobs {
             let said = run(&["verify", "study.toml", "--points", "4", "--verbose", "--jobs", jobs, "--output", jobs]);
             let held = bench.summary(jobs)["held"]["first"]["message"].as_str().unwrap_or_default().to_owned();

@@ -80,8 +80,8 @@ fn a_model_without_contact_loses_twenty_times() {
     the_right_one_wins(20, 10);
 }
 
-/// Without its friction of contact the model loses in each of so many records; where 200 particles are too few to be relied on, nothing
-/// is told, but in `least` of them.
+/// Without its friction of contact the model loses in each of so many records. Where 200 particles are too few to be relied on, nothing
+/// is told; in `least` of them or more, something is.
 fn the_right_one_wins(records: u64, least: u32) {
     let mut told = 0;
     for seed in 1..=records {
@@ -122,12 +122,12 @@ fn held(unknowns: usize, seeds: std::ops::Range<u64>) -> (u32, f64) {
     (held, widest)
 }
 
-/// Of 2 intervals that hold with 95 %, 1 or 2 hold with a probability of 99.7 %.
+/// Of 4 intervals that hold with 95 %, 3 or 4 hold with a probability of 99 %.
 #[test]
 fn some_intervals_of_the_evidence_hold_the_closed_form() {
     for (unknowns, first) in [(2, 100), (5, 200)] {
-        let (held, widest) = held(unknowns, first..first + 2);
-        assert!(held >= 1 && widest < 1.5, "{unknowns}: {held} {widest}");
+        let (held, widest) = held(unknowns, first..first + 4);
+        assert!(held >= 3 && widest < 1.5, "{unknowns}: {held} {widest}");
     }
 }
 

@@ -96,7 +96,7 @@ fn the_mean_of_repeats_has_students_distribution() {
     assert!(once.law(0.0).is_normal());
 }
 
-/// Of 30 intervals that hold with 95 %, 23 or more hold with a probability of 99.98 %.
+/// Of 30 intervals that hold with 95 %, 23 or more hold with a probability of 99.99 %.
 #[test]
 fn some_stated_intervals_hold_the_true_value() {
     stated_intervals_hold(30, 0.76);

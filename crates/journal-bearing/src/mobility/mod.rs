@@ -52,12 +52,22 @@ mod tests {
     /// does so at many more points.
     #[test]
     fn agrees_with_direct_solutions() {
+        agrees(&[0.05, 0.61, 0.93, 0.98], &[0.03, 1.3, 3.0]);
+    }
+
+    #[test]
+    #[ignore = "takes a while: scripts/test --long"]
+    fn agrees_with_more_direct_solutions() {
+        agrees(&[0.05, 0.33, 0.61, 0.85, 0.93, 0.98], &[0.03, -0.4, 1.3, -2.2, 3.0]);
+    }
+
+    fn agrees(eccentricities: &[f64], angles: &[f64]) {
         let map = SliceFamily::new(&MobilityMap::built_in().unwrap());
         let (mut sum, mut worst, mut count) = (0.0, 0.0_f64, 0.0);
         for width in [0.27, 0.5, 0.76, 1.1, 1.47] {
             let slice = map.slice(width);
-            for e in [0.05, 0.61, 0.93, 0.98] {
-                for angle in [0.03_f64, 1.3, -2.2] {
+            for &e in eccentricities {
+                for &angle in angles {
                     let direct = exact(width, e, angle, [192, 16]).unwrap().mobility;
                     let (radial, tangential) = slice.mobility(e, angle.cos(), angle.sin());
                     let error = (Vector2::new(radial, tangential) - direct).norm() / direct.norm();

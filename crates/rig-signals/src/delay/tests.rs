@@ -112,16 +112,28 @@ fn trial(load: Load, shape: [f64; 2], noise: f64, faults: Faults, seeds: u64) ->
 
 #[test]
 fn delays_between_samples_have_no_bias_and_intervals_hold() {
+    // Of 8 without bias the mean is beyond 0.9 of their root mean square with a chance of 1 in 1000. 95 % of 8: 5 or fewer have one
+    // of 6 in 1000.
+    between_samples(8, 0.9, 0.7);
+}
+
+#[test]
+#[ignore = "takes a while: scripts/test --long"]
+fn delays_between_samples_have_no_bias_in_twenty_seeds() {
+    // 95 % of 20: 15 or fewer have a chance of 3 in 1000.
+    between_samples(20, 4.0 / 20f64.sqrt(), 0.75);
+}
+
+fn between_samples(seeds: u64, biased: f64, least: f64) {
     for (load, shape, noise, error) in [
         (Load::Turns(0.64), [1000.0, 10.0], 0.05, 1.2e-4),
         (Load::Turns(0.64), [200.0, 20.0], 0.05, 1.5e-4),
         (Load::Random(60.0), [200.0, 20.0], 0.05, 1e-4),
     ] {
-        let [bias, rms, held] = trial(load, shape, noise, NONE, 8);
+        let [bias, rms, held] = trial(load, shape, noise, NONE, seeds);
         assert!(rms < error, "{load:?} {shape:?}: {rms}");
-        assert!(bias.abs() < 4.0 * rms / 8f64.sqrt(), "{load:?}: {bias} {rms}");
-        // 95 % of 8: 5 or fewer have a chance of 6 in 1000.
-        assert!(held > 0.7, "{load:?}: {held}");
+        assert!(bias.abs() < biased * rms, "{load:?}: {bias} {rms}");
+        assert!(held > least, "{load:?}: {held}");
     }
 }
 
