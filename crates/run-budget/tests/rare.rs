@@ -107,7 +107,7 @@ fn one_in_ten_thousand_beyond_a_plane_is_told_to_a_tenth() {
     told(&plane(4, DEVIATIONS[1]), 1, 60);
 }
 
-/// As a study that was killed asks for them.
+/// A study that was killed asks for its runs again, and is to get the same.
 #[test]
 fn the_same_runs_are_asked_for_again() {
     let rare = plane(2, DEVIATIONS[0]);

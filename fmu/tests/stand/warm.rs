@@ -63,7 +63,7 @@ fn the_steady_start_of_few_columns_knows_the_warm_film() {
 #[test]
 #[ignore = "takes a while: scripts/test --long"]
 fn the_steady_start_knows_the_warm_film() {
-    // As many as the width needs.
+    // 0: as many columns and rows as the width needs.
     warm_start([0, 0]);
 }
 

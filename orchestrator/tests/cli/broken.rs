@@ -249,7 +249,7 @@ fn every_broken_binary_is_found() {
     });
 }
 
-/// Of a fault's name in `lag.c`, as it stands in its enumeration.
+/// The number of a fault of `lag.c`: the place of its name in the enumeration there.
 fn fault_number(name: &str) -> String {
     let source = include_str!("../fixtures/lag.c");
     let names = source[source.find("NONE, CRASH").unwrap()..].split('}').next().unwrap();
@@ -366,7 +366,7 @@ fn legal_things_are_no_errors() {
     strange_descriptions(2);
 }
 
-/// One of `run` is run, too.
+/// One description of each `run` is also run.
 fn strange_descriptions(run: usize) {
     let bench = Bench::empty();
     let binary = bench.binary(&[]);
