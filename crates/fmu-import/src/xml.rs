@@ -3,18 +3,21 @@
 use roxmltree::{Document, Node, ParsingOptions};
 use thiserror::Error;
 
-/// The most elements, comments and pieces of text in a document.
-const MOST_NODES: usize = 10_000_000;
-/// The most attributes in a document.
-const MOST_ATTRIBUTES: usize = 10_000_000;
-/// The most attributes of one element, of which the reader compares each with all others.
-const MOST_IN_ELEMENT: usize = 1_000;
-/// The most characters of one element's attributes: the start values of an array of a million numbers have fewer.
-const MOST_CHARACTERS: usize = 1 << 25;
-/// The most elements within each other.
-const MOST_DEPTH: usize = 256;
-/// The most namespaces of one element, which those within it take over.
-const MOST_NAMESPACES: usize = 64;
+/// A number that is not exceeded.
+struct Limit {
+    most: usize,
+    what: &'static str,
+}
+
+const NODES: Limit = Limit { most: 10_000_000, what: "elements, comments and pieces of text" };
+const ATTRIBUTES: Limit = Limit { most: 10_000_000, what: "attributes" };
+/// The reader compares each attribute of an element with all others.
+const IN_ELEMENT: Limit = Limit { most: 1_000, what: "attributes in an element" };
+/// The start values of an array of a million numbers have fewer.
+const BYTES: Limit = Limit { most: 1 << 25, what: "bytes in an element's attributes" };
+const DEPTH: Limit = Limit { most: 256, what: "elements within each other" };
+/// Elements take over the namespaces of those around them.
+const NAMESPACES: Limit = Limit { most: 64, what: "namespaces in an element" };
 
 /// Why a document cannot be read.
 #[derive(Debug, Error)]
@@ -28,7 +31,7 @@ pub enum XmlError {
     )]
     DocumentType,
     /// It is unreasonably large.
-    #[error("line {line}: refused: more than {most} {what}")]
+    #[error("line {line}: refused: more than {most} {what}; the file is damaged or hostile")]
     Large {
         /// The line, from 1.
         line: usize,
@@ -45,11 +48,11 @@ pub enum XmlError {
 /// When it is not well-formed, has a document type, or is larger than what is read here.
 pub fn parse(text: &str) -> Result<Document<'_>, XmlError> {
     Sizes::default().check(text)?;
-    let options =
-        ParsingOptions { nodes_limit: u32::try_from(MOST_NODES).unwrap_or(u32::MAX), ..ParsingOptions::default() };
+    let nodes_limit = u32::try_from(NODES.most).unwrap_or(u32::MAX);
+    let options = ParsingOptions { nodes_limit, ..ParsingOptions::default() };
     Document::parse_with_options(text, options).map_err(|error| match error {
         roxmltree::Error::DtdDetected => XmlError::DocumentType,
-        roxmltree::Error::NodesLimitReached => nodes().at(text, text.len()),
+        roxmltree::Error::NodesLimitReached => NODES.exceeded(text, text.len()),
         other => XmlError::Syntax(other),
     })
 }
@@ -75,19 +78,20 @@ pub fn within<'a>(root: Node<'a, 'a>, list: &str, name: &str) -> impl Iterator<I
     list.flat_map(move |list| children(list, name))
 }
 
-/// A limit that is exceeded, and the name of what is counted.
-struct Excess(usize, &'static str);
+impl Limit {
+    fn allows(&'static self, count: usize) -> Result<(), &'static Self> {
+        if count > self.most { Err(self) } else { Ok(()) }
+    }
 
-fn nodes() -> Excess {
-    Excess(MOST_NODES, "elements, comments and pieces of text")
-}
-
-impl Excess {
-    fn at(self, text: &str, place: usize) -> XmlError {
-        let before = &text.as_bytes()[..place];
-        XmlError::Large { line: before.iter().filter(|byte| **byte == b'\n').count() + 1, most: self.0, what: self.1 }
+    fn exceeded(&self, text: &str, place: usize) -> XmlError {
+        let line = text.as_bytes()[..place].iter().filter(|byte| **byte == b'\n').count() + 1;
+        XmlError::Large { line, most: self.most, what: self.what }
     }
 }
+
+/// How the marks that are no start tags begin and end.
+const OTHER_MARKS: [(&str, &str); 4] = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>"), (END_TAG, ">")];
+const END_TAG: &str = "</";
 
 /// The sizes of a document, as far as it has been looked through.
 #[derive(Default)]
@@ -103,75 +107,76 @@ impl Sizes {
     fn check(&mut self, text: &str) -> Result<(), XmlError> {
         let mut place = 0;
         while let Some(start) = text[place..].find('<').map(|offset| place + offset) {
-            let mark = &text[start..];
-            let special = [("<!--", "-->"), ("<![CDATA[", "]]>"), ("<?", "?>"), ("</", ">")]
-                .iter()
-                .find(|(begin, _)| mark.starts_with(begin));
-            let length = match special {
-                Some((begin, end)) => {
-                    if *begin == "</" {
-                        self.open.pop();
-                    }
-                    mark.find(end).map(|offset| offset + end.len())
-                }
-                None => self.element(mark).map_err(|excess| excess.at(text, start))?,
-            };
-            self.nodes += 1;
-            if self.nodes > MOST_NODES {
-                return Err(nodes().at(text, start));
-            }
+            let length = self.count(&text[start..]).map_err(|limit| limit.exceeded(text, start))?;
             let Some(length) = length else { break };
             place = start + length;
         }
         Ok(())
     }
 
-    /// Counts the parts of the element at the start of the text, and returns the length of its mark where that ends.
-    fn element(&mut self, mark: &str) -> Result<Option<usize>, Excess> {
-        let (mut quote, mut attributes) = (None, 0);
-        // Where the last word began, and whether it goes on.
-        let (mut word, mut within) = (0, false);
-        let mut namespaces = self.open.last().copied().unwrap_or(0);
-        for (place, byte) in mark.bytes().enumerate() {
-            let letter = quote.is_none() && !byte.is_ascii_whitespace() && byte != b'=';
-            if letter && !within {
-                word = place;
-            }
-            within = letter;
-            if place > MOST_CHARACTERS {
-                return Err(Excess(MOST_CHARACTERS, "characters in an element's attributes"));
-            }
-            match (byte, quote) {
-                (b'"' | b'\'', None) => quote = Some(byte),
-                (_, Some(open)) if byte == open => quote = None,
-                (_, Some(_)) => {}
-                (b'=', None) => {
-                    attributes += 1;
-                    namespaces += usize::from(mark.as_bytes()[word..].starts_with(b"xmlns"));
-                    if attributes > MOST_IN_ELEMENT {
-                        return Err(Excess(MOST_IN_ELEMENT, "attributes in an element"));
-                    }
-                    if namespaces > MOST_NAMESPACES {
-                        return Err(Excess(MOST_NAMESPACES, "namespaces in an element"));
-                    }
+    /// Counts the mark at the start of the text, and returns its length where it ends.
+    fn count(&mut self, text: &str) -> Result<Option<usize>, &'static Limit> {
+        self.nodes += 1;
+        NODES.allows(self.nodes)?;
+        let Some((begin, end)) = OTHER_MARKS.iter().find(|(begin, _)| text.starts_with(begin)) else {
+            let tag = StartTag::scan(text);
+            self.enter(&tag)?;
+            return Ok(tag.is_closed.then_some(tag.bytes));
+        };
+        if *begin == END_TAG {
+            self.open.pop();
+        }
+        // The begin holds no part of the end: the comment `<!-->` is still open.
+        Ok(text[begin.len()..].find(end).map(|offset| begin.len() + offset + end.len()))
+    }
+
+    fn enter(&mut self, tag: &StartTag) -> Result<(), &'static Limit> {
+        IN_ELEMENT.allows(tag.attributes)?;
+        BYTES.allows(tag.bytes)?;
+        self.attributes += tag.attributes;
+        ATTRIBUTES.allows(self.attributes)?;
+        let namespaces = self.open.last().copied().unwrap_or(0) + tag.namespaces;
+        NAMESPACES.allows(namespaces)?;
+        if !tag.is_empty {
+            self.open.push(namespaces);
+        }
+        DEPTH.allows(self.open.len())
+    }
+}
+
+/// The parts of a start tag, as far as the text goes.
+#[derive(Default)]
+struct StartTag {
+    bytes: usize,
+    attributes: usize,
+    namespaces: usize,
+    /// Whether the text has the tag's end.
+    is_closed: bool,
+    /// Whether the tag is the whole element.
+    is_empty: bool,
+}
+
+impl StartTag {
+    fn scan(text: &str) -> Self {
+        let mut tag = Self::default();
+        while let Some(offset) = text[tag.bytes..].find(['=', '>', '"', '\'']) {
+            let before = &text[tag.bytes..][..offset];
+            let (sign, after) = text[tag.bytes + offset..].split_at(1);
+            tag.bytes += offset + 1;
+            match sign {
+                ">" => return Self { is_closed: true, is_empty: before.ends_with('/'), ..tag },
+                "=" => {
+                    let name = before.split_ascii_whitespace().next_back();
+                    tag.attributes += 1;
+                    tag.namespaces += usize::from(name.is_some_and(|name| name.starts_with("xmlns")));
                 }
-                (b'>', None) => {
-                    self.attributes += attributes;
-                    if self.attributes > MOST_ATTRIBUTES {
-                        return Err(Excess(MOST_ATTRIBUTES, "attributes"));
-                    }
-                    if !mark[..place].ends_with('/') {
-                        self.open.push(namespaces);
-                    }
-                    if self.open.len() > MOST_DEPTH {
-                        return Err(Excess(MOST_DEPTH, "elements within each other"));
-                    }
-                    return Ok(Some(place + 1));
-                }
-                _ => {}
+                quote => match after.find(quote) {
+                    Some(length) => tag.bytes += length + 1,
+                    None => break,
+                },
             }
         }
-        Ok(None)
+        Self { bytes: text.len(), ..tag }
     }
 }
 
@@ -189,26 +194,44 @@ mod tests {
         let attributes = many(200_000, |k| format!(" a{k}=\"\""));
         assert_eq!(
             refused(&format!("<a>\n<b{attributes}/></a>")),
-            "line 2: refused: more than 1000 attributes in an element"
+            "line 2: refused: more than 1000 attributes in an element; the file is damaged or hostile"
         );
-        let long = "x".repeat(MOST_CHARACTERS);
+        let long = "x".repeat(BYTES.most);
         assert_eq!(
             refused(&format!("<a>\n<b c='{long}'/></a>")),
-            "line 2: refused: more than 33554432 characters in an element's attributes"
+            "line 2: refused: more than 33554432 bytes in an element's attributes; the file is damaged or hostile"
         );
         let depth = many(100_000, |_| "<a>".to_owned());
-        assert_eq!(refused(&depth), "line 1: refused: more than 256 elements within each other");
+        assert_eq!(
+            refused(&depth),
+            "line 1: refused: more than 256 elements within each other; the file is damaged or hostile"
+        );
         let namespaces = many(65, |k| format!("<a xmlns:n{k}=\"n\">"));
-        assert_eq!(refused(&namespaces), "line 1: refused: more than 64 namespaces in an element");
+        assert_eq!(
+            refused(&namespaces),
+            "line 1: refused: more than 64 namespaces in an element; the file is damaged or hostile"
+        );
         // Refused without the gigabytes that reading them would take.
-        let elements = "x<a/>".repeat(MOST_NODES / 2 + 1);
+        let elements = "x<a/>".repeat(NODES.most / 2 + 1);
         assert_eq!(
             refused(&format!("<a>{elements}</a>")),
-            "line 1: refused: more than 10000000 elements, comments and pieces of text"
+            "line 1: refused: more than 10000000 elements, comments and pieces of text; the file is damaged or hostile"
         );
-        let full = format!("<a{}/>", " a=''".repeat(MOST_IN_ELEMENT));
-        let all = full.repeat(MOST_ATTRIBUTES / MOST_IN_ELEMENT + 1);
-        assert_eq!(refused(&format!("<a>{all}</a>")), "line 1: refused: more than 10000000 attributes");
+        let full = format!("<a{}/>", " a=''".repeat(IN_ELEMENT.most));
+        let all = full.repeat(ATTRIBUTES.most / IN_ELEMENT.most + 1);
+        assert_eq!(
+            refused(&format!("<a>{all}</a>")),
+            "line 1: refused: more than 10000000 attributes; the file is damaged or hostile"
+        );
+    }
+
+    #[test]
+    fn a_comment_does_not_end_within_its_own_begin() {
+        let attributes = (0..1_001).map(|k| format!(" a{k}=''")).collect::<String>();
+        assert_eq!(
+            refused(&format!("<r><!--><a b='--><x{attributes}/><y c='/>'/></r>")),
+            "line 1: refused: more than 1000 attributes in an element; the file is damaged or hostile"
+        );
     }
 
     #[test]
