@@ -8,7 +8,7 @@ mod slot;
 
 pub use curve::{CurveErrors, MeasuredCurve, Resampling};
 pub use inputs::{Series, Unseen, place};
-pub use schedule::{CommunicationPoints, Schedule};
+pub use schedule::{CommunicationPoints, Schedule, ScheduleError};
 pub use slot::{SensorError, Slot};
 
 use std::sync::Arc;

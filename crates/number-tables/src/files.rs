@@ -48,9 +48,14 @@ impl FileError {
         self
     }
 
-    /// The same, of a line or of a column, counted from 1.
-    pub fn at(mut self, number: impl Display) -> Self {
-        self.place += &format!(":{number}");
+    /// The same, of a line, counted from 1.
+    pub fn at_line(self, line: impl Display) -> Self {
+        Self { place: format!(":{line}"), ..self }
+    }
+
+    /// The same, of a character of its line, counted from 1.
+    pub fn at_column(mut self, column: usize) -> Self {
+        self.place += &format!(":{column}");
         self
     }
 }

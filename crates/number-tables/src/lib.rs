@@ -112,7 +112,7 @@ fn check_marks(path: &Path, rows: &dyn Rows, mut places: impl Iterator<Item = us
         return Ok(());
     };
     let message = format!("column `{}`: {why}; {} and asks for --decimal", shown(name), convert(path));
-    Err(FileError::new(path, message).at(line))
+    Err(FileError::new(path, message).at_line(line))
 }
 
 fn twice(path: &Path, what: &str) -> FileError {
@@ -251,7 +251,7 @@ impl<'a> Reading<'a> {
                         let (column, text) = (shown(&self.header[place]), shown(&row.text(place)));
                         let remedy = remedy(self.path, &text);
                         FileError::new(self.path, format!("column `{column}`: `{text}` is not a number{remedy}"))
-                            .at(row.line())
+                            .at_line(row.line())
                     })
             })
             .collect::<Result<_, _>>()?;

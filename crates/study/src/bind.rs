@@ -16,7 +16,7 @@ use super::{
     values::{find, size_of, slot_of, value_of},
 };
 use fmu_import::{Content, Description, Handle, Value, Variable, quantity::Scale, units::Conversion};
-use fmu_points::task::{Detail, MeasuredCurve, Probe, Product, Schedule, Slot, Task};
+use fmu_points::task::{Detail, MeasuredCurve, Probe, Product, Schedule, ScheduleError, Slot, Task};
 use sampling::{design::Joint, statistics::Statistic};
 
 /// Finds variables and checks values for one FMU.
@@ -40,11 +40,11 @@ pub struct Bound {
 impl Binder<'_> {
     /// The simulation of a point, or of one of its cases.
     pub fn task(&self, case: Option<&CaseText>, varied: Vec<Slot>) -> Result<Bound> {
-        let mut schedule = self.schedule().map_err(|message| match case {
-            None => self.study.error(format!("[simulation] {message}")),
+        let mut schedule = self.schedule().map_err(|error| match case {
+            None => self.study.error_in("simulation", error.settings, error),
             Some(case) => {
                 let name = case.name.as_ref();
-                self.study.error_at(&case.name, format!("the simulation of the case `{name}`: {message}"))
+                self.study.error_at(&case.name, format!("the simulation of the case `{name}`: {error}"))
             }
         })?;
         let (outputs, observed) = self.criteria(&schedule)?;
@@ -330,7 +330,7 @@ impl Binder<'_> {
             .collect())
     }
 
-    fn schedule(&self) -> Result<Schedule, String> {
+    fn schedule(&self) -> Result<Schedule, ScheduleError> {
         let simulation = &self.study.simulation;
         let experiment = Schedule::suggested(self.fmu);
         let start = simulation.start.unwrap_or(experiment.start);
@@ -349,7 +349,8 @@ impl Binder<'_> {
         let stop = schedule.stop;
         schedule.window_start = match (simulation.warm_up, simulation.window) {
             (Some(_), Some(_)) => {
-                return Err("there are both warm-up and window; keep one".to_owned());
+                let message = "there are both warm-up and window; keep one".to_owned();
+                return Err(ScheduleError { settings: &["warm-up"], message });
             }
             (Some(warm_up), None) => start + warm_up,
             (None, Some(window)) => stop - window,
@@ -357,7 +358,9 @@ impl Binder<'_> {
         };
         schedule.check()?;
         if simulation.step.is_none() {
-            schedule.check_suggested().map_err(|message| format!("{message} under [simulation]"))?;
+            schedule
+                .check_suggested()
+                .map_err(|error| ScheduleError { message: format!("{error} under [simulation]"), ..error })?;
         }
         Ok(schedule)
     }

@@ -1,108 +1,132 @@
 //! Errors of a study, with file, line and column.
 
-use std::path::Path;
+use std::{ops::Range, path::Path};
 
-use toml::de::DeTable;
-
-use fmu_import::{ArchiveError, FmuError, FmuFault};
 use fmu_points::names::{did_you_mean, nearest};
-use number_tables::files::{FileError, missing};
+use number_tables::files::FileError;
+use toml::{
+    Spanned,
+    de::{DeTable, DeValue},
+};
 
-/// Why an FMU cannot be used, with a remedy.
-pub fn unusable(error: &FmuError) -> String {
-    match error {
-        FmuError { path, fault: FmuFault::Archive(ArchiveError::Missing) } => {
-            format!("{}: {}", path.display(), missing(path))
-        }
-        FmuError { path, fault: FmuFault::Archive(ArchiveError::NotZip) }
-            if path.extension().is_some_and(|it| it == "toml") =>
-        {
-            format!("{}: a study, where an FMU is needed; name the FMU, or run the study by `verify`", path.display())
-        }
-        FmuError { path, fault: FmuFault::Archive(ArchiveError::System) } => {
-            let way = "python -m fmu_orchestrator system";
-            format!("{error}: `{way} {} --step 0.001 --output system.fmu` makes one of it", path.display())
-        }
-        other => other.to_string(),
-    }
-}
-
-/// Why the FMU of a study cannot be opened.
-#[derive(Debug, thiserror::Error)]
-pub enum OpenError {
-    /// It cannot be used.
-    #[error("{}", unusable(.0))]
-    Fmu(#[from] FmuError),
-    /// The study names a file that is not there.
-    #[error(transparent)]
-    File(#[from] FileError),
-}
-
-/// A text in which errors have a place.
-pub struct Place<'a> {
+/// A text of which errors say line and column.
+pub struct SourceText<'a> {
     pub(super) path: &'a Path,
     pub(super) text: &'a str,
 }
 
-impl Place<'_> {
-    pub fn error(&self, offset: usize, message: String) -> FileError {
+impl SourceText<'_> {
+    /// An error at a byte of the text.
+    pub fn error_at(&self, offset: usize, message: String) -> FileError {
         let before = self.text.get(..offset).unwrap_or(self.text);
         let line_start = before.rfind('\n').map_or(0, |index| index + 1);
         FileError::new(self.path, message)
-            .at(before.matches('\n').count() + 1)
-            .at(before[line_start..].chars().count() + 1)
+            .at_line(before.matches('\n').count() + 1)
+            .at_column(before[line_start..].chars().count() + 1)
+    }
+
+    /// An error at the first of these keys that the section has, at the section where it has none of them, and without a place
+    /// where the section is not written.
+    pub fn error_under(&self, section: &str, keys: &[&str], message: String) -> FileError {
+        match DeTable::parse(self.text).ok().and_then(|study| offset_of(study.get_ref(), section, keys)) {
+            Some(offset) => self.error_at(offset, message),
+            None => FileError::new(self.path, message),
+        }
     }
 
     /// The TOML reader's message on one line, with a remedy.
     pub fn toml(&self, error: &toml::de::Error) -> FileError {
         let message = suggest(error.message());
         match error.span() {
-            Some(span) => {
-                let is_broken = DeTable::parse(self.text).is_err();
-                let line = self.text.get(..span.start).unwrap_or_default();
-                let begin = line.rfind('\n').map_or(0, |end| end + 1);
-                let line = self.text[begin..].lines().next().unwrap_or_default();
-                let section =
-                    self.text[..begin + line.len()].lines().rev().map(str::trim).find(|line| line.starts_with('['));
-                let is_unknown = message.starts_with("unknown") && section == Some(line.trim());
-                let message = match section {
-                    Some(section) if !is_broken && is_single(section) && !is_unknown => format!(
-                        "there is only one of this section: write {} instead of {section}",
-                        section.replace("[[", "[").replace("]]", "]")
-                    ),
-                    _ if is_broken && !message.starts_with("duplicate key") => format!("{message}; {RULES}"),
-                    _ => remedy(&message, line).unwrap_or(message),
-                };
-                self.error(span.start, message)
-            }
-            None => self.named(message),
-        }
-    }
-
-    /// An error at the section that its message names in brackets, and there at the key that it names first.
-    pub fn named(&self, message: String) -> FileError {
-        match self.place_of(&message) {
-            Some(offset) => self.error(offset, message),
+            Some(span) => self.error_at(span.start, Slip::of(self.text, span.start, &message).explained(message)),
             None => FileError::new(self.path, message),
         }
     }
+}
 
-    fn place_of(&self, message: &str) -> Option<usize> {
-        let study = DeTable::parse(self.text).ok()?;
-        let mut sections = message.split('[').filter_map(|part| part.split_once(']'));
-        let (section, (name, content)) =
-            sections.find_map(|(name, words)| Some((words, study.get_ref().get_key_value(name)?)))?;
-        let mut words = section.split(|c: char| !(c.is_alphanumeric() || c == '-'));
-        Some(
-            content
-                .get_ref()
-                .as_table()
-                .and_then(|keys| words.find_map(|word| keys.get_key_value(word).map(|(key, _)| key)))
-                .unwrap_or(name)
-                .span()
-                .start,
-        )
+fn offset_of(study: &DeTable, section: &str, keys: &[&str]) -> Option<usize> {
+    let (name, content) = study.get_key_value(section)?;
+    let content = content.get_ref().as_table();
+    let key = content.and_then(|content| keys.iter().find_map(|key| content.get_key_value(*key)));
+    Some(key.map_or(name, |(key, _)| key).span().start)
+}
+
+/// What is wrong with the text of a study, beside what the reader says of it.
+enum Slip<'a> {
+    /// It breaks the rules of TOML.
+    Broken,
+    /// The heading of a section stands in the brackets of a list, and there is only one of this section.
+    Single(&'a str),
+    /// The name of a section lacks its quotes: what stands before the name, and the name.
+    Unquoted(&'a str, &'a str),
+    /// The reader has said all.
+    Other,
+}
+
+impl<'a> Slip<'a> {
+    /// What is wrong at this byte, of which the reader says this.
+    fn of(text: &'a str, offset: usize, message: &str) -> Self {
+        let Ok(study) = DeTable::parse(text) else {
+            return if message.starts_with("duplicate key") { Self::Other } else { Self::Broken };
+        };
+        if let Some(heading) = single_section(study.get_ref(), offset) {
+            return Self::Single(&text[heading]);
+        }
+        let unquoted = message.starts_with("unknown field").then(|| unquoted(text, offset)).flatten();
+        unquoted.map_or(Self::Other, |(before, name)| Self::Unquoted(before, name))
     }
+
+    fn explained(self, message: String) -> String {
+        match self {
+            Self::Broken => format!("{message}; {RULES}"),
+            Self::Single(heading) => format!(
+                "there is only one of this section: write {} instead of {heading}",
+                heading.replace("[[", "[").replace("]]", "]")
+            ),
+            Self::Unquoted(before, name) => {
+                format!("a name with a point in it needs quotes: [{before}.\"{name}\"]")
+            }
+            Self::Other => message,
+        }
+    }
+}
+
+/// The heading, in the brackets of a list, of the section with the key or value that begins at this byte, unless there is a list
+/// of such sections. A key that nobody knows is no section in wrong brackets.
+fn single_section(table: &DeTable, offset: usize) -> Option<Range<usize>> {
+    const LISTS: [&str; 4] = ["cases", "correlations", "uncertainty-correlations", "except"];
+    table.iter().filter(|(key, _)| !LISTS.contains(&key.get_ref().as_ref())).find_map(|(key, value)| {
+        // The value that a heading begins is the heading, and so begins before its key.
+        let is_heading = value.get_ref().is_array() && value.span().start < key.span().start;
+        if is_heading && begins_in(value, offset) {
+            return Some(value.span());
+        }
+        single_section(value.get_ref().as_table()?, offset)
+    })
+}
+
+/// Whether the value, or a key or value in it, begins at this byte.
+fn begins_in(value: &Spanned<DeValue>, offset: usize) -> bool {
+    value.span().start == offset
+        || match value.get_ref() {
+            DeValue::Array(items) => items.iter().any(|item| begins_in(item, offset)),
+            DeValue::Table(table) => {
+                table.iter().any(|(key, value)| key.span().start == offset || begins_in(value, offset))
+            }
+            _ => false,
+        }
+}
+
+/// Where a heading has a key that its section does not know at this byte: what stands before the name to which the key belongs,
+/// and that name without the quotes that it needs.
+fn unquoted(text: &str, offset: usize) -> Option<(&str, &str)> {
+    let line = text.get(..offset)?.rfind('\n').map_or(0, |end| end + 1);
+    let inner = text[line..].trim_start().strip_prefix('[')?.trim_start_matches('[');
+    let heading = inner.split([']', '\n']).next()?;
+    let before = offset.checked_sub(text.len() - inner.len())?;
+    let (section, _) = heading.get(..before)?.strip_suffix('.')?.rsplit_once('.')?;
+    let name = &heading[section.len() + 1..];
+    (!name.contains(['"', '\''])).then_some((section, name))
 }
 
 /// How each line of a study is written, for one that breaks the rules of TOML.
@@ -115,20 +139,6 @@ const LIMITS: [&str; 6] = ["min", "max", "lower", "upper", "below", "above"];
 /// The remedy where a tolerance is not the same to both sides.
 pub const BOTH_SIDES: &str = "a single limit is `at-most` or `at-least`, without `nominal` and `tolerance`; a tolerance that is not \
                               the same to both sides is tolerance = { minus = \"1 degC\", plus = \"2 degC\" }";
-
-/// The remedy where the name of a section lacks its quotes.
-fn remedy(message: &str, line: &str) -> Option<String> {
-    let (section, name) = line.trim().strip_prefix('[')?.trim_end_matches(']').split_once('.')?;
-    let is_bare = message.starts_with("unknown field") && name.contains('.') && !name.contains(['"', '\'']);
-    is_bare.then(|| format!("a name with a point in it needs quotes: [{section}.\"{name}\"]"))
-}
-
-/// Whether this is the name of a section in the brackets of a list, and there is no list of such sections.
-fn is_single(section: &str) -> bool {
-    const LISTS: [&str; 4] = ["cases", "correlations", "uncertainty-correlations", "except"];
-    let name = section.strip_prefix("[[");
-    name.is_some_and(|name| !name.split([']', '.']).any(|part| LISTS.contains(&part)))
-}
 
 /// Shortens "unknown field `x`, expected one of `a`, `b`, ..." to the nearest name.
 fn suggest(message: &str) -> String {
@@ -205,6 +215,22 @@ mod tests {
                 "[parameters.\"lag.rate\"]",
                 "[[parameters.\"lag.rate\"]]",
                 "4:1: there is only one of this section: write [parameters.\"lag.rate\"]",
+            ),
+            (
+                "points = 8",
+                "points = [\n[[1, 2]],\n[3]\n]",
+                "3:10: invalid type: sequence, expected a whole number, not negative",
+            ),
+            ("[design]", "[[design]] # [[1]]", "write [design] instead of [[design]]"),
+            (
+                "\"lag.rate\"]",
+                "lag.rate.of.change] # [x]",
+                "4:17: a name with a point in it needs quotes: [parameters.\"lag.rate.of.change\"]",
+            ),
+            (
+                "[design]",
+                "[identify.free.lag.rate]\n[design]",
+                "2:20: a name with a point in it needs quotes: [identify.free.\"lag.rate\"]",
             ),
             ("\"normal\"", "\"rectangular\"", "did you mean `uniform`?"),
             ("deviation", "sigma", "did you mean `deviation`?"),

@@ -14,9 +14,10 @@ use sha2::{Digest, Sha256};
 use toml::Spanned;
 
 use crate::{
-    error::{OpenError, Place, unusable},
+    error::SourceText,
     identification::Identification,
     name::{Name, Pair},
+    opening::{OpenError, unusable},
     sections::{RobustnessText, SensitivityText, TolerancesText},
     text::{CaseText, CriterionText, ParameterText, RecordingText, Required, Setting, Simulation},
     values::size_of,
@@ -134,8 +135,8 @@ impl Study {
     /// # Errors
     /// With line and column when the text is not understood.
     pub fn parse(path: &Path, text: String) -> Result<Self> {
-        let place = Place { path, text: &text };
-        let mut study: Self = toml::from_str(&text).map_err(|error| place.toml(&error))?;
+        let source = SourceText { path, text: &text };
+        let mut study: Self = toml::from_str(&text).map_err(|error| source.toml(&error))?;
         study.path = path.to_owned();
         study.text = text;
         study.spread_criteria()?;
@@ -148,7 +149,7 @@ impl Study {
     /// # Errors
     /// With line and column when the text is not understood.
     pub fn section<T: serde::de::DeserializeOwned>(&self) -> Result<T> {
-        toml::from_str(&self.text).map_err(|error| self.place().toml(&error))
+        toml::from_str(&self.text).map_err(|error| self.source().toml(&error))
     }
 
     /// File from which the study was read.
@@ -252,11 +253,11 @@ impl Study {
 
     /// An error at a place in the file.
     pub fn error_at<T>(&self, at: &Spanned<T>, message: impl Into<String>) -> FileError {
-        self.place().error(at.span().start, message.into())
+        self.source().error_at(at.span().start, message.into())
     }
 
-    fn place(&self) -> Place<'_> {
-        Place { path: &self.path, text: &self.text }
+    fn source(&self) -> SourceText<'_> {
+        SourceText { path: &self.path, text: &self.text }
     }
 
     /// An error of what a name in the file stands for.
@@ -264,8 +265,18 @@ impl Study {
         self.error_at(name, format!("{}: {message}", name.as_ref()))
     }
 
-    /// An error of a section, or of the study as a whole: at the key that the message names, where the file has it.
+    /// An error of the study as a whole.
     pub fn error(&self, message: impl Into<String>) -> FileError {
-        self.place().named(message.into())
+        FileError::new(&self.path, message)
+    }
+
+    /// An error of a section, whose name begins the message: at the first of these keys that the section has, or at the section.
+    pub fn error_in(&self, section: &str, keys: &[&str], message: impl Display) -> FileError {
+        self.source().error_under(section, keys, format!("[{section}] {message}"))
+    }
+
+    /// An error at a section, where the study has it; the message says what the section has to do with it.
+    pub fn error_near(&self, section: &str, message: impl Into<String>) -> FileError {
+        self.source().error_under(section, &[], message.into())
     }
 }

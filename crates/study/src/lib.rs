@@ -15,6 +15,7 @@ pub mod limit;
 mod measured;
 mod name;
 mod once;
+mod opening;
 pub mod plan;
 pub mod points;
 mod reference;
@@ -32,10 +33,11 @@ pub mod values;
 mod window;
 
 pub use detail::first_wrong;
-pub use error::{BOTH_SIDES, OpenError, unusable};
+pub use error::BOTH_SIDES;
 pub use file::Study;
 pub use identification::Identification;
 pub use name::{Name, Pair, exactly_two};
+pub use opening::{OpenError, unusable};
 pub use reference::{EstimateText, Normalise, ReferenceText};
 pub use sections::{RobustnessText, SensitivityText, TolerancesText};
 pub use text::{

@@ -35,7 +35,7 @@ pub fn read(path: &Path, fmu: &Description) -> Result<Vec<(String, u32, Value)>>
 fn parse<T>(path: &Path, text: &str, take: impl Fn(&str, Setting) -> Result<T, String>) -> Result<Vec<T>> {
     let text = text.trim_start_matches('\u{feff}');
     let document = xml::parse(text).map_err(|error| FileError::new(path, format!("no SSP parameter set: {error}")))?;
-    let at = |node: Node, message| FileError::new(path, message).at(document.text_pos_at(node.range().start).row);
+    let at = |node: Node, message| FileError::new(path, message).at_line(document.text_pos_at(node.range().start).row);
     let root = document.root_element();
     let name = root.tag_name().name();
     if name != "ParameterSet" {

@@ -81,10 +81,13 @@ fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> 
     if !session.judge.guard.leaves_something(&session.judge.measurement) {
         return Err(session
             .study
-            .error("the guard band is as wide as a tolerance, so that no point can be accepted; change [verdict]")
+            .error_near(
+                "verdict",
+                "the guard band is as wide as a tolerance, so that no point can be accepted; change [verdict]",
+            )
             .into());
     }
-    budget::guard(&session.judge).map_err(|message| session.study.error(message))?;
+    budget::guard(&session.judge).map_err(|message| session.study.error_near("verdict", message))?;
     if let (Some(Until::Verdict), None) = (options.until, session.judge.rule) {
         return Err(Error::option("until", "there is no verdict to wait for: add [verdict] with the required share"));
     }

@@ -83,9 +83,9 @@ pub fn schedule(fmu: &Description, start: Option<f64>, stop: Option<f64>, step: 
         leap: false,
         tolerance: suggested.tolerance,
     };
-    schedule.check().map_err(|message| Error::option("stop/--step", message))?;
+    schedule.check().map_err(|error| Error::option("stop/--step", error.message))?;
     if step.is_none() {
-        schedule.check_suggested().map_err(|message| Error::option("step", message))?;
+        schedule.check_suggested().map_err(|error| Error::option("step", error.message))?;
     }
     if !takes_any_step(fmu) {
         schedule = schedule.in_whole_steps();

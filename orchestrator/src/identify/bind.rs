@@ -162,12 +162,12 @@ pub(super) fn check_effort(study: &Study, settings: &Identification) -> Result {
         ("iterations", settings.iterations as u64),
     ];
     if let Some((key, _)) = numbers.into_iter().find(|(_, number)| *number == 0) {
-        return Err(study.error(format!("[identify] {key} must be 1 or more")));
+        return Err(study.error_in("identify", &[key], format!("{key} must be 1 or more")));
     }
     if settings.difference > 0.0 && settings.difference < 0.5 {
         Ok(())
     } else {
-        Err(study.error("[identify] difference must lie between 0 and 0.5"))
+        Err(study.error_in("identify", &["difference"], "difference must lie between 0 and 0.5"))
     }
 }
 
@@ -182,7 +182,8 @@ impl Binder<'_> {
     fn bind(&self) -> Result<Bound> {
         let settings = self.settings;
         if !self.study.parameters.is_empty() {
-            return Err(self.study.error(
+            return Err(self.study.error_near(
+                "parameters",
                 "identify does not use [parameters]: give each under [fixed], \
                            [identify.free], [identify.known] or [identify.latent]",
             ));

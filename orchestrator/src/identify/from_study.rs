@@ -558,7 +558,8 @@ impl Unknowns<'_> {
             self.add(bound, name, free, slot.clone(), input.conversion)?;
         }
         if bound.problem.free.is_empty() {
-            Err(self.study.error(
+            Err(self.study.error_near(
+                "parameters",
                 "identify needs at least one parameter: one that varies under [parameters], or [identify.free.NAME]",
             ))
         } else {

@@ -191,11 +191,14 @@ pub(super) fn session(request: Request, takes: Takes) -> Result<Session> {
     if session.plan.correlation.is_some() && !takes.correlations {
         return Err(session
             .study
-            .error(format!(
-                "this analysis takes every parameter on its own, and correlated ones cannot be changed alone; remove \
-                       [[correlations]], or use `orchestrator sensitivity {} --budget 100`, which keeps them together",
-                session.study.path().display()
-            ))
+            .error_near(
+                "correlations",
+                format!(
+                    "this analysis takes every parameter on its own, and correlated ones cannot be changed alone; remove \
+                     [[correlations]], or use `orchestrator sensitivity {} --budget 100`, which keeps them together",
+                    session.study.path().display()
+                ),
+            )
             .into());
     }
     let together = session.plan.together();

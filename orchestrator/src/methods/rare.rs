@@ -96,7 +96,8 @@ fn refuse(session: &Session, event: RareEvent) -> Result {
     if session.judge.is_guarded() {
         return Err(session
             .study
-            .error(
+            .error_near(
+                "verdict",
                 "--rare counts points by their tolerances alone, and a guard band decides otherwise; remove `risk` \
                        and `guard-band` under [verdict]",
             )

@@ -132,7 +132,7 @@ impl Budget {
 pub fn sample(session: &Session) -> Result<Design> {
     let design = &session.study.design;
     let net = Sampling { method: Method::Sobol, points: SAMPLE, seed: design.seed, replicates: 1 };
-    session.plan.design(&net).map_err(|message| session.study.error(format!("[design] {message}")).into())
+    session.plan.design(&net).map_err(|message| session.study.error_in("design", &[], message).into())
 }
 
 /// The factor of the guard band.

@@ -15,6 +15,7 @@ use point_journal::{
     Header, lines,
     pipeline::{Model, Part},
 };
+use sampling::design::Sampling;
 
 /// A study whose points are known beforehand.
 pub struct Verification {
@@ -45,9 +46,11 @@ impl Verification {
                 (source, Some(digest))
             }
             (None, None) => {
+                let Sampling { points, replicates, .. } = study.design;
+                let key = if points > 0 && replicates != 1 { "replicates" } else { "points" };
                 let design = plan.design(&study.design).map_err(|message| match session.request.points {
                     Some(points) => study.error(format!("--points {points}: {message}")),
-                    None => study.error(format!("[design] {message}")),
+                    None => study.error_in("design", &[key], message),
                 })?;
                 (Source::Design(design), None)
             }

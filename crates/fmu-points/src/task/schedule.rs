@@ -56,14 +56,17 @@ impl Schedule {
     ///
     /// # Errors
     /// Says how many steps it makes.
-    pub fn check_suggested(&self) -> Result<(), String> {
+    pub fn check_suggested(&self) -> Result<(), ScheduleError> {
         const MOST: u64 = 100_000_000;
         let Self { start, stop, step, .. } = *self;
         match self.steps() {
-            steps if steps > MOST => Err(format!(
-                "the FMU suggests a step of {step:?} s, which makes {steps:.0e} steps from {start:?} s to {stop:?} s; give a step",
-                steps = steps as f64
-            )),
+            steps if steps > MOST => wrong(
+                &[],
+                format!(
+                    "the FMU suggests a step of {step:?} s, which makes {steps:.0e} steps from {start:?} s to {stop:?} s; give a step",
+                    steps = steps as f64
+                ),
+            ),
             _ => Ok(()),
         }
     }
@@ -72,27 +75,36 @@ impl Schedule {
     ///
     /// # Errors
     /// Says which one does not.
-    pub fn check(&self) -> Result<(), String> {
+    pub fn check(&self) -> Result<(), ScheduleError> {
         const MOST_STEPS: f64 = 1e12;
         let Self { start, stop, step, .. } = *self;
         if !(start.is_finite() && stop.is_finite() && stop > start) {
-            return Err(format!("the stop time {stop:?} s must be later than the start {start:?} s"));
+            return wrong(
+                &["stop", "start"],
+                format!("the stop time {stop:?} s must be later than the start {start:?} s"),
+            );
         }
         if !(step > 0.0 && (stop - start) / step < MOST_STEPS) {
-            return Err(format!("the step {step:?} s must be positive, and not absurdly small"));
+            return wrong(&["step"], format!("the step {step:?} s must be positive, and not absurdly small"));
         }
         // What an FMU suggests for longer runs is cut to the run before.
         if step > (stop - start) * (1.0 + 1e-9) {
-            return Err(format!(
-                "the step {step:?} s is longer than the run from {start:?} s to {stop:?} s; make the step smaller, or stop later"
-            ));
+            return wrong(
+                &["step", "stop"],
+                format!(
+                    "the step {step:?} s is longer than the run from {start:?} s to {stop:?} s; make the step smaller, or stop later"
+                ),
+            );
         }
         if !(self.window_start >= start && self.window_start <= stop) {
             let at = self.window_start;
-            return Err(format!("statistics would begin at {at} s, outside the simulation; correct warm-up or window"));
+            return wrong(
+                &["warm-up", "window"],
+                format!("statistics would begin at {at} s, outside the simulation; correct warm-up or window"),
+            );
         }
         if self.tolerance.is_some_and(|tolerance| tolerance.is_nan() || tolerance <= 0.0) {
-            return Err("the tolerance must be positive".to_owned());
+            return wrong(&["tolerance"], "the tolerance must be positive".to_owned());
         }
         Ok(())
     }
@@ -125,6 +137,20 @@ impl Schedule {
     fn even(&self) -> (u64, f64) {
         if self.leap && self.window_start > self.start { (1, self.window_start) } else { (0, self.start) }
     }
+}
+
+/// Why the times of a run make no sense.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{message}")]
+pub struct ScheduleError {
+    /// The settings of a study on which it depends, the likeliest first.
+    pub settings: &'static [&'static str],
+    /// What does not make sense.
+    pub message: String,
+}
+
+fn wrong(settings: &'static [&'static str], message: String) -> Result<(), ScheduleError> {
+    Err(ScheduleError { settings, message })
 }
 
 /// The communication points of a [`Schedule`].
@@ -255,7 +281,7 @@ mod tests {
     #[test]
     fn a_suggestion_of_a_thousand_million_steps_is_asked_about() {
         let of = |step| Schedule { start: 0.0, stop: 10.0, step, window_start: 0.0, leap: false, tolerance: None };
-        assert!(of(1e-8).check_suggested().unwrap_err().contains("1e9 steps"));
+        assert!(of(1e-8).check_suggested().unwrap_err().message.contains("1e9 steps"));
         assert_eq!(of(1e-6).check_suggested(), Ok(()));
     }
 

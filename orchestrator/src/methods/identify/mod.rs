@@ -266,7 +266,8 @@ impl Asked {
     /// The study's settings, overridden by the command line. A study with criteria need not have any.
     fn settings(&self, study: &Study, seed: Option<u64>) -> Result<Identification> {
         let mut settings = study.identify.clone().or_else(|| (!study.criteria.is_empty()).then(Identification::default)).ok_or_else(|| {
-            study.error(
+            study.error_near(
+                "criteria",
                 "identify needs to know what is measured: add [criteria], or a section [identify] (`orchestrator identify --help`)",
             )
         })?;
@@ -408,5 +409,5 @@ fn so_far(progress: &Progress) -> String {
 /// Starts from a scrambled Sobol net between the bounds.
 fn starts(study: &Study, settings: &Identification, unknowns: usize) -> Result<Vec<Vec<f64>>> {
     Ok(cube(unknowns, settings.starts, settings.seed, 1)
-        .map_err(|message| study.error(format!("[identify] {message}")))?)
+        .map_err(|message| study.error_in("identify", &["starts"], message))?)
 }

@@ -143,7 +143,7 @@ pub fn replaced(
     let unknowns = search.problem.unknowns();
     let evenly = |count: usize| cube(unknowns, count as u64, settings.seed.wrapping_add(1), 1);
     // Whether there is a net of so many dimensions shows at the first one.
-    evenly(1).map_err(|message| SearchError::Surrogate(study.error(format!("[identify] {message}")).to_string()))?;
+    evenly(1).map_err(|message| SearchError::Surrogate(study.error_in("identify", &[], message).to_string()))?;
     let task = Task {
         search: *search,
         known: &known.places,

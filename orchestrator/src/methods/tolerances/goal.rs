@@ -52,7 +52,9 @@ impl<'a> Goal<'a> {
                 study.error_at(stated, format!("{} must be more than 0 % and less than 100 %", stated.as_ref()))
             })?,
             None => required.ok_or_else(|| {
-                study.error(
+                let section = if study.verdict.is_some() { "verdict" } else { "tolerances" };
+                study.error_near(
+                    section,
                     "it does not say what the tolerances must achieve: add `share` under [verdict], or `share` or \
                      `conformance` under [tolerances], such as \"95 %\"",
                 )
@@ -103,8 +105,10 @@ fn guard(study: &Study, judge: &Judge, from: &Path) -> Result<f64> {
         }
     };
     Ok(band.ok_or_else(|| {
-        study.error(
-            "[verdict] risk sets a guard band from the points of a finished study: verify the study first, or state \
+        study.error_in(
+            "verdict",
+            &["risk"],
+            "risk sets a guard band from the points of a finished study: verify the study first, or state \
              `guard-band` instead",
         )
     })?)

@@ -230,7 +230,7 @@ impl Asked {
             confirm: self.confirm,
             seed: self.seed,
         };
-        problem.check().map_err(|message| study.error(format!("[tolerances] {message}")))?;
+        problem.check().map_err(|message| study.error_in("tolerances", &["points"], message))?;
         Ok(problem)
     }
 }
