@@ -84,7 +84,8 @@ pub fn run(mut stand: Stand, task: &Task) -> Result<Vec<f64>, String> {
     let experiment =
         Experiment { start: schedule.start, stop: Some(schedule.stop), tolerance: schedule.tolerance, resources: None };
     stand.initialise(&experiment, &mut ()).map_err(|fault| fault.to_string())?;
-    let mut accumulators: Vec<_> = (task.observed.iter()).map(|probe| Accumulator::new(probe.statistic)).collect();
+    let statistics = task.observed.iter().map(|probe| probe.measure.statistic().map(Accumulator::new));
+    let mut accumulators: Vec<_> = statistics.collect::<Option<_>>().ok_or("it is compared with a curve")?;
     let mut observe = |stand: &Stand, elapsed| {
         for (accumulator, probe) in accumulators.iter_mut().zip(&task.observed) {
             accumulator.add(elapsed, get(stand, &probe.name));

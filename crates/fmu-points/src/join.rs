@@ -125,7 +125,7 @@ fn known(outcome: &Outcome, count: usize) -> Vec<Option<f64>> {
 mod tests {
     use super::*;
     use crate::failure::Partial;
-    use crate::task::{Probe, Schedule, Task};
+    use crate::task::{Measure, Probe, Schedule, Task};
     use fmu_import::{Content, Handle};
     use sampling::statistics::Statistic;
 
@@ -134,10 +134,8 @@ mod tests {
         let probe = Probe {
             name: "y".to_owned(),
             handle: Handle { reference: 0, content: Content::Real },
-            statistic: Statistic::Final,
+            measure: Measure::Statistic(Statistic::Final),
             window: None,
-            curve: None,
-            detail: None,
             unit: None,
             product: None,
         };

@@ -16,7 +16,7 @@ use std::sync::Arc;
 use serde::{Deserialize, Serialize};
 
 use fmu_import::{Handle, Value, Variable};
-use sampling::statistics::{Accumulator, Direction};
+use sampling::statistics::Direction;
 
 pub use sampling::statistics::Statistic;
 
@@ -31,10 +31,9 @@ pub struct Task {
     pub sizes: Vec<(u32, u64)>,
     /// Start values that stay as they are, by value reference.
     pub fixed: Vec<(u32, Value)>,
-    /// Of an FMU made of several: the variable that says how many of its finest steps lie between two exchanges of values inside of
-    /// it, by value reference, and its value. No communication step from outside changes those.
+    /// Of an FMU made of several: when they exchange values. No communication step from outside changes that.
     #[serde(skip_serializing_if = "Option::is_none")]
-    pub exchange: Option<(u32, i128)>,
+    pub exchange: Option<Exchange>,
     /// The variables that take a point's values, in the order of those values.
     pub varied: Vec<Slot>,
     /// The inputs that change over time.
@@ -59,14 +58,28 @@ impl Task {
 
     /// Halves the communication step so many times, and with it the time between the exchanges of values inside of the FMU.
     pub fn halve_steps(&mut self, times: u32) {
-        self.schedule.step /= f64::from(2_u32.pow(times));
-        if let Some((reference, steps)) = self.exchange {
-            let steps = (steps >> times).max(1);
-            self.exchange = Some((reference, steps));
+        self.schedule.step *= 0.5_f64.powi(i32::try_from(times).unwrap_or(i32::MAX));
+        let Some(Exchange { reference, start }) = self.exchange else { return };
+        let set = self.fixed.iter().find_map(|(fixed, value)| match value {
+            Value::Integer(steps) if *fixed == reference => Some(*steps),
+            _ => None,
+        });
+        if let Some(steps) = set.or(start) {
+            let steps = steps.checked_shr(times).unwrap_or(0).max(1);
             self.fixed.retain(|(fixed, _)| *fixed != reference);
             self.fixed.push((reference, Value::Integer(steps)));
         }
     }
+}
+
+/// The variable of an FMU made of several that says how many of its finest steps lie between two exchanges of values inside of it.
+/// Its value is that in [`Task::fixed`], or where that has none, the FMU's own.
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+pub struct Exchange {
+    /// Its value reference.
+    pub reference: u32,
+    /// The value that it has in the FMU, where that states one.
+    pub start: Option<i128>,
 }
 
 /// One of the simulations of a point. A point of a study without cases has one; else it has one a case.
@@ -92,21 +105,15 @@ pub struct Probe {
     pub name: String,
     /// How calls reach it.
     pub handle: Handle,
-    /// Statistic that turns the signal into one number.
-    pub statistic: Statistic,
-    /// From when to when the statistic is taken, s, where that is not the schedule's window.
+    /// What turns the signal into one number.
+    pub measure: Measure,
+    /// From when to when the signal is looked at, s, where that is not the schedule's window.
     pub window: Option<[f64; 2]>,
-    /// The measured curve with which the whole signal is compared; no statistic is taken then.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub curve: Option<Arc<MeasuredCurve>>,
-    /// A number that the statistic needs.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub detail: Option<Detail>,
     /// The variable's unit, for people.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
-    /// Where it is the product of another variable and a recorded input: the rig multiplied by the reading, errors and all, and so
-    /// does the result.
+    /// The variable is (another variable) x (a recorded input). The rig computed it with the sensor's reading, errors included, so
+    /// the model's value is computed with that reading, too.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub product: Option<Product>,
 }
@@ -122,27 +129,83 @@ pub struct Product {
     pub factor: f64,
 }
 
-/// A number without which a statistic is not complete.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub enum Detail {
-    /// The percent of the time that a percentile leaves below.
-    Percent(f64),
-    /// The time of a value, s.
+/// What turns a signal into one number.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Measure {
+    /// A statistic that needs no number.
+    Statistic(Statistic),
+    /// The value that so many percent of the time are below.
+    Percentile(f64),
+    /// The value at a time, s.
     At(f64),
-    /// The level that a signal crosses, in the FMU's unit, and the way in which it does.
-    Level(f64, Direction),
-    /// The angle whose whole turns count, and how much it changes in a turn, in the FMU's unit.
-    Turns(Handle, f64),
+    /// The time from the begin of the window to the first crossing of a level.
+    Crossing {
+        /// The level, in the FMU's unit.
+        level: f64,
+        /// The way in which the signal crosses it.
+        direction: Direction,
+    },
+    /// The mean over the whole turns of an angle.
+    MeanOverTurns {
+        /// The angle.
+        angle: Handle,
+        /// How much it changes in a turn, in the FMU's unit.
+        turn: f64,
+    },
+    /// The comparison of the whole signal with a measured curve.
+    Curve(Arc<MeasuredCurve>),
+    /// The value at the time of a curve's row, in the unit of the curve: `factor * value + offset`.
+    Row {
+        /// When, on the model's clock, s.
+        time: f64,
+        /// From the FMU's unit to the curve's.
+        factor: f64,
+        /// See `factor`.
+        offset: f64,
+    },
 }
 
-impl Detail {
-    /// Words for the statistic.
-    pub fn label(self) -> String {
+impl Measure {
+    /// Whether only the value at the end is asked for.
+    pub fn is_final(&self) -> bool {
+        matches!(self, Self::Statistic(Statistic::Final))
+    }
+
+    /// Whether it has times of its own, and so looks at the whole run.
+    pub fn has_own_times(&self) -> bool {
+        matches!(self, Self::At(_) | Self::Curve(_) | Self::Row { .. })
+    }
+
+    /// The angle that is read beside the signal.
+    pub fn companion(&self) -> Option<Handle> {
         match self {
-            Self::Percent(percent) => format!("{percent} % percentile"),
-            Self::At(time) => format!("value at {time} s"),
-            Self::Turns(..) => "mean over whole turns".to_owned(),
-            Self::Level(..) => Statistic::Crossing.label().to_owned(),
+            Self::MeanOverTurns { angle, .. } => Some(*angle),
+            _ => None,
+        }
+    }
+
+    /// The statistic; none of a measured curve.
+    pub fn statistic(&self) -> Option<Statistic> {
+        match self {
+            Self::Statistic(statistic) => Some(*statistic),
+            Self::Percentile(_) => Some(Statistic::Percentile),
+            Self::At(_) => Some(Statistic::Final),
+            Self::Crossing { .. } => Some(Statistic::Crossing),
+            Self::MeanOverTurns { .. } => Some(Statistic::Mean),
+            Self::Curve(_) | Self::Row { .. } => None,
+        }
+    }
+
+    /// Whether it is a difference of two values, which has no offset when units convert.
+    pub fn is_difference(&self) -> bool {
+        self.statistic().is_some_and(Statistic::is_difference)
+    }
+
+    /// The measured curve with which the signal is compared.
+    pub fn curve(&self) -> Option<&MeasuredCurve> {
+        match self {
+            Self::Curve(curve) => Some(curve),
+            _ => None,
         }
     }
 }
@@ -153,70 +216,31 @@ impl Probe {
         Some(Self {
             name: variable.name.clone(),
             handle: variable.number_handle()?,
-            statistic,
+            measure: Measure::Statistic(statistic),
             window: None,
-            curve: None,
-            detail: None,
             unit: variable.unit().map(str::to_owned),
             product: None,
         })
     }
 
-    /// Whether only the value at the end is asked for.
-    pub fn is_final(&self) -> bool {
-        self.statistic == Statistic::Final && self.curve.is_none() && self.detail.is_none()
-    }
-
-    /// Whether it has times of its own, and so looks at the whole run.
-    pub fn has_own_times(&self) -> bool {
-        self.curve.is_some() || matches!(self.detail, Some(Detail::At(_)))
-    }
-
-    /// The angle that is read beside it.
-    pub fn companion(&self) -> Option<Handle> {
-        match self.detail {
-            Some(Detail::Turns(angle, _)) => Some(angle),
-            _ => None,
-        }
-    }
-
     /// One that reads the variable at a time of the model's clock, s, in the unit of a measured curve.
     pub fn at_row(&self, curve: &MeasuredCurve, time: f64) -> Self {
-        Self { curve: Some(Arc::new(curve.read_at(time))), ..self.clone() }
+        Self { measure: Measure::Row { time, factor: curve.factor, offset: curve.offset }, ..self.clone() }
     }
 
     /// Whether another one takes the same statistic of the same part of the run.
-    pub fn looks_as(&self, other: &Self) -> bool {
-        self.curve.is_none()
-            && other.curve.is_none()
-            && (self.statistic, self.window, self.detail) == (other.statistic, other.window, other.detail)
-    }
-
-    /// When it reads a row of a curve, on the model's clock, s.
-    pub(crate) fn row(&self) -> Option<f64> {
-        self.curve.as_ref().filter(|curve| curve.reads)?.times.first().copied()
+    pub fn takes_same_statistic(&self, other: &Self) -> bool {
+        self.measure.statistic().is_some() && (&self.measure, self.window) == (&other.measure, other.window)
     }
 
     /// Whether the other one reads a later row of the same curve.
-    pub(crate) fn goes_on_in(&self, next: &Self) -> bool {
-        let conversion = |probe: &Self| {
-            let curve = probe.curve.as_ref();
-            curve.map(|curve| [curve.factor, curve.offset])
+    pub(crate) fn is_followed_by(&self, next: &Self) -> bool {
+        let (Measure::Row { time, factor, offset }, Measure::Row { time: later, factor: f, offset: o }) =
+            (&self.measure, &next.measure)
+        else {
+            return false;
         };
-        let rows = self.row().zip(next.row());
-        rows.is_some_and(|(row, later)| row < later)
-            && self.handle == next.handle
-            && self.window == next.window
-            && conversion(self) == conversion(next)
-    }
-
-    /// An accumulator of its statistic.
-    pub fn accumulator(&self) -> Accumulator {
-        match self.detail {
-            Some(Detail::Percent(percent)) => Accumulator::percentile(percent),
-            Some(Detail::Level(level, direction)) => Accumulator::crossing(level, direction),
-            _ => Accumulator::new(self.statistic),
-        }
+        time < later && (factor, offset, self.handle, self.window) == (f, o, next.handle, next.window)
     }
 }
 
@@ -228,13 +252,18 @@ mod exchange_tests {
     fn steps_inside_are_halved_with_those_outside() {
         let schedule = Schedule { start: 0.0, stop: 8.0, step: 0.8, window_start: 0.0, leap: false, tolerance: None };
         let other = (8, Value::Real(1.0));
-        let given =
-            Task { exchange: Some((7, 4)), fixed: vec![(7, Value::Integer(4)), other.clone()], ..Task::new(schedule) };
-        for (times, steps) in [(1, 2), (2, 1)] {
-            let mut task = given.clone();
-            task.halve_steps(times);
-            assert_eq!(task.schedule.step, 0.8 / f64::from(4 / steps));
-            assert_eq!(task.fixed, [other.clone(), (7, Value::Integer(steps.into()))]);
+        let exchange = |start| Some(Exchange { reference: 7, start });
+        let set = vec![(7, Value::Integer(4)), other.clone()];
+        for (exchange, fixed) in [(exchange(Some(9)), set), (exchange(Some(4)), vec![other.clone()])] {
+            for (times, steps) in [(1, 2), (2, 1), (40, 1), (200, 1)] {
+                let mut task = Task { exchange, fixed: fixed.clone(), ..Task::new(schedule) };
+                task.halve_steps(times);
+                assert_eq!(task.schedule.step, 0.8 / f64::from(times).exp2());
+                assert_eq!(task.fixed, [other.clone(), (7, Value::Integer(steps))]);
+            }
         }
+        let mut task = Task { exchange: exchange(None), ..Task::new(schedule) };
+        task.halve_steps(1);
+        assert_eq!(task.fixed, []);
     }
 }

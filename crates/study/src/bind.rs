@@ -6,7 +6,7 @@ use std::{collections::HashSet, sync::Arc};
 use toml::Spanned;
 
 use super::{
-    CaseText, CriterionText, Name, ParameterText, Study,
+    CaseText, CriterionText, Detail, Name, ParameterText, Study,
     input::Input,
     inputs::{self, Recordings},
     limit::limit,
@@ -16,7 +16,7 @@ use super::{
     values::{find, size_of, slot_of, value_of},
 };
 use fmu_import::{Content, Description, Handle, Value, Variable, quantity::Scale, units::Conversion};
-use fmu_points::task::{Detail, MeasuredCurve, Probe, Product, Schedule, ScheduleError, Slot, Task};
+use fmu_points::task::{Exchange, Measure, MeasuredCurve, Probe, Product, Schedule, ScheduleError, Slot, Task};
 use sampling::{design::Joint, statistics::Statistic};
 
 /// Finds variables and checks values for one FMU.
@@ -52,13 +52,12 @@ impl Binder<'_> {
         let Recordings { series: inputs, errors, mut concerns } = inputs::series(self.study, self.fmu, &schedule)?;
         let curves = self.study.criteria.iter().zip(&observed);
         concerns.extend(curves.filter_map(|((name, text), probe)| {
-            let curve = probe.curve.as_ref()?;
+            let curve = probe.measure.curve()?;
             let scale = text.scale(Some((self.fmu, self.variable(&text.variable).ok()?))).ok()?;
             measured::doubt(name.as_ref(), curve, limit(text, curve.metric, &scale).ok()?)
         }));
-        let fixed = self.fixed()?;
-        let exchange = self.exchange(&fixed);
-        let task = Task { schedule, sizes: self.fmu.sizes.clone(), fixed, exchange, varied, inputs, observed };
+        let (sizes, fixed, exchange) = (self.fmu.sizes.clone(), self.fixed()?, self.exchange());
+        let task = Task { schedule, sizes, fixed, exchange, varied, inputs, observed };
         Ok(Bound { outputs, task, errors, concerns })
     }
 
@@ -129,9 +128,10 @@ impl Binder<'_> {
                 let probe = Probe::of(variable, criterion.statistic.unwrap_or_default())
                     .ok_or_else(|| at("a text cannot be compared with a measurement".to_owned()))?;
                 let scale = criterion.scale(Some((self.fmu, variable))).map_err(at)?;
+                let curve = self.curve(name, criterion, &scale, &probe.handle, schedule)?;
+                let number = self.measure(name, criterion, variable, schedule)?;
                 let probe = Probe {
-                    curve: self.curve(name, criterion, &scale, &probe.handle, schedule)?,
-                    detail: self.detail(name, criterion, variable, schedule)?,
+                    measure: curve.map_or(number, Measure::Curve),
                     product: self.product(criterion, variable),
                     ..probe
                 };
@@ -165,14 +165,8 @@ impl Binder<'_> {
         Some(Product { of: of.number_handle()?, by: by.number_handle()?, factor })
     }
 
-    /// The number that a criterion's statistic needs.
-    fn detail(
-        &self,
-        name: &Name,
-        text: &CriterionText,
-        variable: &Variable,
-        schedule: &Schedule,
-    ) -> Result<Option<Detail>> {
+    /// What turns a criterion's signal into one number, but for a measured curve.
+    fn measure(&self, name: &Name, text: &CriterionText, variable: &Variable, schedule: &Schedule) -> Result<Measure> {
         let named = |message| self.study.error_of(name, message);
         let detail = text.detail().map_err(named)?;
         let needs_lines =
@@ -184,24 +178,26 @@ impl Binder<'_> {
             ));
         }
         if let Some(angle) = &text.turns {
-            return self.turns(angle, variable).map(Some);
+            return self.turns(angle, variable);
         }
         match detail {
             Some(Detail::Level(number, direction)) => {
                 let unit = text.level.as_ref().and_then(|level| level.as_ref().unit.as_deref());
                 let level = Scale::new(unit, self.fmu, variable).map_err(named)?.conversion.value(number);
-                Ok(Some(Detail::Level(level, direction)))
+                Ok(Measure::Crossing { level, direction })
             }
             Some(Detail::At(time)) if !(schedule.start..=schedule.stop).contains(&time) => Err(named(format!(
                 "at = {time} s is not within the run from {} s to {} s; correct it, or start and stop under [simulation]",
                 schedule.start, schedule.stop
             ))),
-            detail => Ok(detail),
+            Some(Detail::At(time)) => Ok(Measure::At(time)),
+            Some(Detail::Percent(percent)) => Ok(Measure::Percentile(percent)),
+            None => Ok(Measure::Statistic(text.statistic.unwrap_or_default())),
         }
     }
 
     /// The angle over whose whole turns the mean of a variable is taken.
-    fn turns(&self, name: &Spanned<String>, of: &Variable) -> Result<Detail> {
+    fn turns(&self, name: &Spanned<String>, of: &Variable) -> Result<Measure> {
         let at = |message| self.study.error_at(name, message);
         let angle = self.variable(name)?;
         let handle = angle.number_handle();
@@ -212,7 +208,7 @@ impl Binder<'_> {
             .map_err(|message| at(format!("turns must name an angle: {message}")))?
             .conversion
             .difference(std::f64::consts::TAU);
-        Ok(Detail::Turns(handle, turn.abs()))
+        Ok(Measure::MeanOverTurns { angle: handle, turn: turn.abs() })
     }
 
     /// The measured curve of a criterion, where it has one.
@@ -256,16 +252,16 @@ impl Binder<'_> {
         let run = [schedule.start, schedule.stop];
         let general = [schedule.window_start, schedule.stop];
         // A curve has its own times, and looks from the start on; so does the value at a time.
-        let is_cut = general != run && observed.iter().any(Probe::has_own_times);
+        let is_cut = general != run && observed.iter().any(|probe| probe.measure.has_own_times());
         if criteria().all(|criterion| criterion.window.is_none()) && !is_cut {
             return Ok(observed);
         }
         for (probe, criterion) in observed.iter_mut().zip(criteria()) {
             probe.window = Some(match self.stated_window(criterion, run)? {
-                _ if probe.has_own_times() => run,
+                _ if probe.measure.has_own_times() => run,
                 Some(window) => window,
                 // The final value is that at the end, whatever the others look at.
-                None if probe.is_final() => [schedule.stop; 2],
+                None if probe.measure.is_final() => [schedule.stop; 2],
                 None => general,
             });
         }
@@ -286,14 +282,13 @@ impl Binder<'_> {
     }
 
     /// The variable by which a container of FMUs, as fmu-manipulation-toolbox makes them, multiplies its step.
-    fn exchange(&self, fixed: &[(u32, Value)]) -> Option<(u32, i128)> {
+    fn exchange(&self) -> Option<Exchange> {
         let variable = self.fmu.variables.get("container.ts_multiplier")?;
-        let reference = variable.handle().reference;
-        let stated = fixed.iter().find(|(fixed, _)| *fixed == reference).map(|(_, value)| value.clone());
-        match stated.or_else(|| variable.kind.start_value())? {
-            Value::Integer(steps) => Some((reference, steps)),
+        let start = match variable.kind.start_value() {
+            Some(Value::Integer(steps)) => Some(steps),
             _ => None,
-        }
+        };
+        Some(Exchange { reference: variable.handle().reference, start })
     }
 
     fn fixed(&self) -> Result<Vec<(u32, Value)>> {

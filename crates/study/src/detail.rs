@@ -2,8 +2,31 @@
 
 use super::{CriterionText, window::seconds};
 use fmu_import::{Description, Variable, quantity::Scale};
-use fmu_points::{names::behind, task::Detail};
+use fmu_points::names::behind;
 use sampling::statistics::{Direction, Statistic};
+use serde::{Deserialize, Serialize};
+
+/// A number without which a statistic is not complete.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Detail {
+    /// The percent of the time that a percentile leaves below.
+    Percent(f64),
+    /// The time of a value, s.
+    At(f64),
+    /// The level that a signal crosses, in the study's unit, and the way in which it does.
+    Level(f64, Direction),
+}
+
+impl Detail {
+    /// Words for the statistic.
+    pub fn label(self) -> String {
+        match self {
+            Self::Percent(percent) => format!("{percent} % percentile"),
+            Self::At(time) => format!("value at {time} s"),
+            Self::Level(..) => Statistic::Crossing.label().to_owned(),
+        }
+    }
+}
 
 impl CriterionText {
     /// The scale of its numbers, tied to the FMU's variable where there is an FMU: a time and a frequency have units of their own.

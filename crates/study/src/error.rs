@@ -217,9 +217,9 @@ mod tests {
                 "4:1: there is only one of this section: write [parameters.\"lag.rate\"]",
             ),
             (
-                "points = 8",
-                "points = [\n[[1, 2]],\n[3]\n]",
-                "3:10: invalid type: sequence, expected a whole number, not negative",
+                "[design]",
+                "[[cases]]\nname = \"a\"\nconcerns = [\n[[1, 2]]\n]\n[design]",
+                "5:1: invalid type: sequence, expected a text in quotes",
             ),
             ("[design]", "[[design]] # [[1]]", "write [design] instead of [[design]]"),
             (

@@ -8,7 +8,7 @@ mod scalar;
 
 pub use requirements::share;
 
-use crate::{NominalFrom, Result, Study, concern::Concern, plan::find};
+use crate::{Detail, NominalFrom, Result, Study, concern::Concern, plan::find};
 use std::{collections::HashSet, ops::Range};
 
 use serde::{Deserialize, Serialize};
@@ -25,7 +25,6 @@ use fmu_import::{Description, Variable};
 use fmu_points::{
     failure::Failure,
     names::{behind, did_you_mean, nearest},
-    task::Detail,
 };
 use sampling::statistics::{Statistic, moments::length};
 

@@ -32,7 +32,7 @@ mod tolerance;
 pub mod values;
 mod window;
 
-pub use detail::first_wrong;
+pub use detail::{Detail, first_wrong};
 pub use error::BOTH_SIDES;
 pub use file::Study;
 pub use identification::Identification;

@@ -77,7 +77,6 @@ impl Binder<'_> {
             delay,
             factor: back.difference(1.0),
             offset: back.value(0.0),
-            reads: false,
         };
         self.check_span(&measured)?;
         Ok(measured)

@@ -19,7 +19,7 @@ use super::{
 use fmu_import::{Description, units::Conversion};
 use fmu_points::{
     names::behind,
-    task::{Case, Probe, Slot},
+    task::{Case, Measure, Probe, Slot},
 };
 use sampling::{
     design::{self, Design, Joint, Sampling, correlation::Correlation},
@@ -123,8 +123,10 @@ impl Plan {
     /// Leaves out the draws of measured curves, which nothing but the risk of a verdict needs.
     pub fn forget_resampling(&mut self) {
         let observed = self.cases.iter_mut().flat_map(|case| &mut case.task.observed);
-        for curve in observed.filter_map(|probe| probe.curve.as_mut()) {
-            Arc::make_mut(curve).resampling = None;
+        for probe in observed {
+            if let Measure::Curve(curve) = &mut probe.measure {
+                Arc::make_mut(curve).resampling = None;
+            }
         }
     }
 
@@ -315,10 +317,10 @@ impl Plan {
             .iter_mut()
             .zip(self.outputs.iter().zip(self.probes()))
             // A curve's number is in the study's unit already.
-            .filter(|(_, (_, probe))| probe.curve.is_none())
+            .filter(|(_, (_, probe))| probe.measure.curve().is_none())
         {
             *value =
-                if probe.statistic.is_difference() { conversion.difference(*value) } else { conversion.value(*value) };
+                if probe.measure.is_difference() { conversion.difference(*value) } else { conversion.value(*value) };
         }
     }
 }

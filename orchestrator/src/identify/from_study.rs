@@ -77,7 +77,7 @@ pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Resu
     let mut lags = Lags::default();
     for (number, (((name, text), criterion), ((case, probe), conversion))) in criteria.zip(probes).enumerate() {
         let first = bound.problem.quantities.len();
-        if let Some(curve) = &probe.curve {
+        if let Some(curve) = probe.measure.curve() {
             bound.curves.push(BoundCurve {
                 name: name.as_ref().clone(),
                 unit: criterion.unit.clone(),
@@ -85,7 +85,7 @@ pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Resu
                 times: curve.times.clone(),
             });
         }
-        let data = match &probe.curve {
+        let data = match probe.measure.curve() {
             Some(curve) => {
                 let sensor = fitted.sensor(name, text);
                 let curve = Recorded { name, unit: &criterion.unit, curve, first };
@@ -113,7 +113,7 @@ pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Resu
                                           into a case that is held out",
                     )
                 })?;
-                let difference = probe.statistic.is_difference();
+                let difference = probe.measure.is_difference();
                 bound.readings.push(Reading::Value(bound.outputs.len()));
                 bound.outputs.push(if difference { conversion.of_differences() } else { *conversion });
                 bound.simulations[case].task.observed.push(probe.clone());
@@ -156,7 +156,7 @@ pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Resu
 /// What is assumed of errors that are not normal: rectangular limits, and Student's of a mean of repeats.
 fn as_normal(study: &Study, judge: &Judge, plan: &Plan) -> Option<String> {
     let of_curve = |probe: &Probe| {
-        let errors = probe.curve.as_ref().and_then(|curve| curve.errors.as_ref());
+        let errors = probe.measure.curve().and_then(|curve| curve.errors.as_ref());
         errors.is_some_and(|errors| errors.rectangular)
     };
     let of_value = |criterion: &Criterion| {

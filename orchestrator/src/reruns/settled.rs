@@ -146,10 +146,11 @@ fn moves_of(plan: &Plan, criterion: usize, time: &[f64], signal: &[f64]) -> Opti
 fn moves(time: &[f64], signal: &[f64], schedule: Schedule, probe: &Probe) -> Option<Motion> {
     let [from, to] = probe.window.unwrap_or([schedule.window_start, schedule.stop]);
     let run = [schedule.start, to];
-    if signal.len() != time.len() || probe.has_own_times() {
+    if signal.len() != time.len() || probe.measure.has_own_times() {
         return None;
     }
-    match probe.statistic.trend() {
+    let statistic = probe.measure.statistic()?;
+    match statistic.trend() {
         Trend::Unknown => None,
         Trend::OfSignal => {
             let mut motion = motion(time, signal, run)?;
@@ -160,7 +161,7 @@ fn moves(time: &[f64], signal: &[f64], schedule: Schedule, probe: &Probe) -> Opt
             Some(motion)
         }
         Trend::OfExtremes => {
-            let later = (to >= schedule.stop).then(|| growth(time, signal, probe.statistic, [from, to]));
+            let later = (to >= schedule.stop).then(|| growth(time, signal, statistic, [from, to]));
             Some(Motion { swing: 0.0, drift: later.flatten().unwrap_or(0.0) * (to - schedule.start) })
         }
     }

@@ -3,7 +3,7 @@
 use super::resampled::Draws;
 use crate::{
     notices::Replicates,
-    task::{Detail, MeasuredCurve, Probe},
+    task::{Measure, MeasuredCurve, Probe},
 };
 use curves::{Pair, Sampler};
 use sampling::statistics::{Accumulator, MeanOverTurns};
@@ -27,26 +27,30 @@ impl Collector {
     /// One for a probe, or for several that read a curve row by row.
     pub fn new(probes: &[Probe]) -> Self {
         let probe = &probes[0];
-        match (&probe.curve, probe.detail) {
-            (Some(curve), _) if curve.reads => {
-                let times = probes.iter().filter_map(Probe::row);
-                Self::Rows(Sampler::new(times.collect()), [curve.factor, curve.offset])
+        match &probe.measure {
+            Measure::Statistic(statistic) if statistic.is_since_first() => {
+                Self::Event(Accumulator::new(*statistic), None)
             }
-            (Some(curve), _) => Self::Curve(Box::new(Comparison::new(curve))),
-            (None, Some(Detail::At(time))) => Self::Value(Sampler::new(vec![time])),
-            (None, Some(Detail::Turns(_, turn))) => Self::Turns(MeanOverTurns::new(turn)),
-            (None, _) if probe.statistic.is_since_first() => Self::Event(probe.accumulator(), None),
-            (None, _) => Self::Statistic(probe.accumulator()),
+            Measure::Statistic(statistic) => Self::Statistic(Accumulator::new(*statistic)),
+            Measure::Percentile(percent) => Self::Statistic(Accumulator::percentile(*percent)),
+            Measure::At(time) => Self::Value(Sampler::new(vec![*time])),
+            Measure::Crossing { level, direction } => Self::Event(Accumulator::crossing(*level, *direction), None),
+            Measure::MeanOverTurns { turn, .. } => Self::Turns(MeanOverTurns::new(*turn)),
+            Measure::Curve(curve) => Self::Curve(Box::new(Comparison::new(curve))),
+            Measure::Row { factor, offset, .. } => {
+                let times = probes.iter().filter_map(|probe| match probe.measure {
+                    Measure::Row { time, .. } => Some(time),
+                    _ => None,
+                });
+                Self::Rows(Sampler::new(times.collect()), [*factor, *offset])
+            }
         }
     }
 
     /// Forgets all values.
     pub fn restart(&mut self, probes: &[Probe]) {
-        let probe = &probes[0];
         match self {
-            Self::Statistic(accumulator) => *accumulator = probe.accumulator(),
-            Self::Event(accumulator, first) => (*accumulator, *first) = (probe.accumulator(), None),
-            Self::Turns(_) => *self = Self::new(probes),
+            Self::Statistic(_) | Self::Event(..) | Self::Turns(_) => *self = Self::new(probes),
             Self::Curve(comparison) => comparison.restart(),
             Self::Value(sampler) | Self::Rows(sampler, _) => sampler.restart(),
         }
@@ -169,7 +173,6 @@ mod tests {
     use super::*;
     use curves::Metric;
     use fmu_import::{Content, Handle};
-    use sampling::statistics::Statistic;
 
     fn probe(delay: f64) -> Probe {
         let curve = MeasuredCurve {
@@ -183,15 +186,12 @@ mod tests {
             delay,
             factor: 10.0,
             offset: 0.0,
-            reads: false,
         };
         Probe {
             name: "y".to_owned(),
             handle: Handle { reference: 0, content: Content::Real },
-            statistic: Statistic::Final,
+            measure: Measure::Curve(Arc::new(curve)),
             window: None,
-            curve: Some(Arc::new(curve)),
-            detail: None,
             unit: None,
             product: None,
         }
@@ -221,7 +221,7 @@ mod tests {
     #[test]
     fn a_value_is_taken_between_communication_points() {
         let at = |time: f64| {
-            let probe = Probe { curve: None, detail: Some(Detail::At(time)), ..probe(0.0) };
+            let probe = Probe { measure: Measure::At(time), ..probe(0.0) };
             let probes = [probe];
             let mut collector = Collector::new(&probes);
             for _ in 0..2 {
@@ -243,7 +243,7 @@ mod tests {
     #[test]
     fn rows_are_read_together() {
         let whole = probe(0.0);
-        let curve = whole.curve.as_ref().unwrap();
+        let curve = whole.measure.curve().unwrap();
         let mut rows: Vec<Probe> = [0.5, 1.25, 3.0].map(|at| whole.at_row(curve, at)).into();
         rows.push(whole.at_row(curve, 2.0));
         rows.push(whole.clone());

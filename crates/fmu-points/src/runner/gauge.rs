@@ -46,7 +46,7 @@ impl Gauge {
         }
         let [first, last] = self.seen.unwrap_or([time, time]);
         let value = probe.read(instance)?;
-        match probe.companion() {
+        match probe.measure.companion() {
             Some(other) => {
                 let other = instance.value(other)?.number();
                 self.collector.add_beside(time - last, value, other);

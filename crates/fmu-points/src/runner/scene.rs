@@ -6,7 +6,7 @@ use super::{gauge::Gauge, watched::Watched};
 use crate::{
     names::behind,
     notices::Notices,
-    task::{Detail, Probe, Product, SensorError, Slot, Task, place},
+    task::{Measure, Probe, Product, SensorError, Slot, Task, place},
 };
 use fmu_import::{Called, Content, End, Instance};
 use sampling::{
@@ -44,7 +44,7 @@ pub fn together(observed: &[Probe], numbers: impl Iterator<Item = usize>) -> Vec
     let mut groups: Vec<Range<usize>> = Vec::new();
     for number in numbers {
         match groups.last_mut() {
-            Some(last) if last.end == number && observed[number - 1].goes_on_in(&observed[number]) => {
+            Some(last) if last.end == number && observed[number - 1].is_followed_by(&observed[number]) => {
                 last.end += 1;
             }
             _ => groups.push(number..number + 1),
@@ -90,12 +90,13 @@ impl Scene {
         let noisy: Vec<f64> = task.varied.iter().map(|slot| f64::from(has_noise(slot))).collect();
         correct(&mut task, &mut recorded, &noisy);
         let stops = place(&mut task.inputs, &task.schedule);
-        let has_windows = task.observed.iter().any(|probe| probe.window.is_some() || probe.companion().is_some());
+        let has_windows =
+            task.observed.iter().any(|probe| probe.window.is_some() || probe.measure.companion().is_some());
         let (probes, others): (Vec<_>, Vec<_>) = task
             .observed
             .iter()
             .enumerate()
-            .filter(|(_, probe)| has_windows || !probe.is_final())
+            .filter(|(_, probe)| has_windows || !probe.measure.is_final())
             .partition(|(_, probe)| !has_windows && probe.handle.content == Content::Real);
         let [probes, others] =
             [probes, others].map(|of| together(&task.observed, of.iter().map(|(number, _)| *number)));
@@ -138,7 +139,7 @@ impl Scene {
             let mut inputs = self.task.inputs.iter().zip(&self.recorded);
             let reading = inputs.find(|(series, _)| series.slot.handle == by).map(|(_, (_, reading))| *reading);
             let mut probes = self.task.observed.iter();
-            let other = probes.position(|other| other.handle == of && other.looks_as(probe));
+            let other = probes.position(|other| other.handle == of && other.takes_same_statistic(probe));
             if let (Some(reading), Some(other)) = (reading, other) {
                 self.results[number] =
                     reading.factor * self.results[number] + factor * reading.shift * self.results[other];
@@ -183,7 +184,7 @@ impl Scene {
         let gauges = self.gauges.iter().map(|gauge| (&gauge.probes, &gauge.collector));
         let (_, collector) = watched.chain(gauges).find(|(probes, _)| probes.contains(&result))?;
         let probe = &self.task.observed[result];
-        let (Some(Detail::Level(level, direction)), [low, high]) = (probe.detail, collector.uncrossed()?) else {
+        let (Measure::Crossing { level, direction }, [low, high]) = (&probe.measure, collector.uncrossed()?) else {
             return None;
         };
         let crosses = match direction {
@@ -219,7 +220,7 @@ impl Scene {
         }
         if !self.has_windows {
             let finals = self.task.observed.iter().zip(&mut self.results);
-            for (probe, result) in finals.filter(|(probe, _)| probe.is_final()) {
+            for (probe, result) in finals.filter(|(probe, _)| probe.measure.is_final()) {
                 *result = probe.read(instance)?;
             }
         }

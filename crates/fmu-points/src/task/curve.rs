@@ -29,9 +29,6 @@ pub struct MeasuredCurve {
     pub factor: f64,
     /// See `factor`.
     pub offset: f64,
-    /// Whether the result is the model's value at the first of the times, in the criterion's unit, and no metric of both
-    /// curves.
-    pub reads: bool,
 }
 
 /// The errors of a measured curve's values, in the criterion's unit: standard uncertainties by parts.
@@ -67,20 +64,6 @@ pub struct Resampling {
 }
 
 impl MeasuredCurve {
-    /// What reads the model at a time of its own clock, s.
-    pub(super) fn read_at(&self, time: f64) -> Self {
-        Self {
-            times: vec![time],
-            values: vec![0.0],
-            band: Vec::new(),
-            errors: None,
-            resampling: None,
-            delay: 0.0,
-            reads: true,
-            ..*self
-        }
-    }
-
     /// The times on the model's clock.
     pub fn shown_times(&self) -> impl Iterator<Item = f64> + '_ {
         self.times.iter().map(|time| time - self.delay)
