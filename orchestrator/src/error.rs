@@ -91,7 +91,7 @@ impl Error {
     /// Turns an error of the system into one that names the file.
     pub fn io(path: &Path) -> impl FnOnce(io::Error) -> Self {
         let path = path.to_owned();
-        move |source| FileError::read(&path, source).into()
+        move |source| FileError::system(&path, source).into()
     }
 }
 

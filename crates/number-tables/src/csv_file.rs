@@ -74,7 +74,7 @@ const MARKS: [char; 2] = ['.', ','];
 
 impl CsvFile {
     fn open(path: &Path) -> Result<Self> {
-        Self::begin(path).map_err(|error| FileError::read(path, error))
+        Self::begin(path).map_err(|error| FileError::system(path, error))
     }
 
     fn begin(path: &Path) -> io::Result<Self> {
@@ -163,7 +163,7 @@ pub fn rows(path: &Path, gaps: bool) -> Result<Box<dyn Rows>> {
     let keeps = gaps && names.len() == 1;
     let (blanks, skipped) = files::open(path)
         .and_then(|file| blank(BufReader::new(file), keeps))
-        .map_err(|error| FileError::read(path, error))?;
+        .map_err(|error| FileError::system(path, error))?;
     Ok(Box::new(CsvRows {
         file,
         names,

@@ -33,8 +33,8 @@ impl FileError {
         Self { path: path.to_owned(), place: String::new(), message: message.into(), kind: None }
     }
 
-    /// The system says no.
-    pub fn read(path: &Path, error: io::Error) -> Self {
+    /// The system refuses to open, read, write, make or rename it.
+    pub fn system(path: &Path, error: io::Error) -> Self {
         let error = of_the_system(error);
         Self { kind: Some(error.kind()), ..Self::new(path, reason(path, &error)) }
     }
@@ -105,7 +105,7 @@ pub fn digest(path: &Path) -> io::Result<String> {
 /// # Errors
 /// As [`open`], when it is very large, and when it is not in UTF-8.
 pub fn text(path: &Path) -> Result<String> {
-    read(path).map_err(|error| FileError::read(path, error))
+    read(path).map_err(|error| FileError::system(path, error))
 }
 
 fn read(path: &Path) -> io::Result<String> {

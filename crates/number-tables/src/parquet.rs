@@ -31,7 +31,7 @@ struct ParquetRows {
 /// # Errors
 /// When there is none, or it is none of Parquet.
 pub fn rows(path: &Path, _: bool) -> Result<Box<dyn Rows>> {
-    let file = files::open(path).map_err(|error| FileError::read(path, error))?;
+    let file = files::open(path).map_err(|error| FileError::system(path, error))?;
     let reader = SerializedFileReader::new(file).map_err(|error| wrong(path, &error))?;
     let schema = reader.metadata().file_metadata().schema();
     // A duration of pandas is a plain number but for the notes beside it.

@@ -53,7 +53,7 @@ impl Error {
 
     /// Turns an error of the system into one that names the file.
     pub(crate) fn io(path: &Path) -> impl FnOnce(io::Error) -> Self {
-        move |source| FileError::read(path, source).into()
+        move |source| FileError::system(path, source).into()
     }
 }
 

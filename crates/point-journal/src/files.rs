@@ -1,4 +1,5 @@
-//! Files that are either as before or complete, whatever happens while they are written.
+//! Files that are either as before or complete, however the program ends; not after a power failure, since nothing here waits for the
+//! disk. Results follow from the journal, which does.
 
 use std::{
     io::{self, Write},
@@ -11,39 +12,54 @@ use tempfile::NamedTempFile;
 
 use fmu_points::tell::visible;
 
-/// Makes the folder for results, where it is not there.
+/// Makes a folder, where it is not there.
 ///
 /// # Errors
-/// When the system says no.
+/// When it cannot be made; those around it that could are there.
 pub fn make_folder(path: &Path) -> Result<(), FileError> {
+    make(path, "no folder can be made here")
+}
+
+/// The same of the folder that `--output` names, which the error names, too.
+///
+/// # Errors
+/// As [`make_folder`].
+pub fn make_output(path: &Path) -> Result<(), FileError> {
+    make(path, "no folder can be made here; choose another --output")
+}
+
+fn make(path: &Path, none_here: &str) -> Result<(), FileError> {
     std::fs::create_dir_all(path).map_err(|error| match error.kind() {
-        io::ErrorKind::NotFound => FileError::new(path, "no folder can be made here; choose another --output"),
-        _ => FileError::read(path, error),
+        io::ErrorKind::NotFound => FileError::new(path, none_here),
+        _ => FileError::system(path, error),
     })
 }
+
+/// How the names of files begin that are being written: who takes a folder of results removes those that a killed run has left.
+pub const DRAFT: &str = ".writing-";
 
 /// Writes a file all at once: it is either as before or complete.
 ///
 /// # Errors
-/// When the system says no.
+/// When it cannot be written; it is as before then.
 pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), FileError> {
-    let folder = path.parent().unwrap_or(Path::new("."));
     let attempt = || {
-        let mut file = draft(folder)?;
+        // The folder of a bare name is empty, which is the working directory.
+        let mut file = draft(path.parent().unwrap_or(path))?;
         let mut buffered = io::BufWriter::new(&mut file);
         write(&mut buffered)?;
         buffered.flush()?;
         drop(buffered);
         Ok(file)
     };
-    let file = attempt().map_err(|error| FileError::read(path, error))?;
+    let file = attempt().map_err(|error| FileError::system(path, error))?;
     keep(file, path)
 }
 
 /// Writes a text, all at once.
 ///
 /// # Errors
-/// When the system says no.
+/// As [`write_atomically`].
 pub fn write_text(path: &Path, text: impl AsRef<[u8]>) -> Result<(), FileError> {
     write_atomically(path, |out| out.write_all(text.as_ref()))
 }
@@ -51,7 +67,7 @@ pub fn write_text(path: &Path, text: impl AsRef<[u8]>) -> Result<(), FileError> 
 /// Writes a csv table, all at once: its head, and the rows that `rows` adds.
 ///
 /// # Errors
-/// When the system says no.
+/// As [`write_atomically`].
 pub fn write_table<T: AsRef<str>>(
     path: &Path,
     head: impl IntoIterator<Item = T>,
@@ -68,7 +84,7 @@ pub fn write_table<T: AsRef<str>>(
 /// Writes a value as JSON, all at once, with hidden characters as `\u202e`.
 ///
 /// # Errors
-/// When the system says no.
+/// As [`write_atomically`], and when the value is none of JSON.
 pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), FileError> {
     write_atomically(path, |out| {
         let text = serde_json::to_string_pretty(value)?;
@@ -76,14 +92,11 @@ pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), FileError> 
     })
 }
 
-/// The names of files that are being written begin so.
-pub const DRAFT: &str = ".writing-";
-
 /// A file in a folder that [`keep`] gives its name when it is complete. It may be read by whom the user's umask lets read,
 /// as any other file; temporary files are private otherwise.
 ///
 /// # Errors
-/// When the system says no.
+/// When the folder takes no file.
 pub fn draft(folder: &Path) -> io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(DRAFT);
@@ -95,7 +108,7 @@ pub fn draft(folder: &Path) -> io::Result<NamedTempFile> {
 /// Gives a finished file its name. What has that name is replaced: a link, too, and not the file that it leads to.
 ///
 /// # Errors
-/// When the system says no.
+/// When that cannot be replaced; the finished file is gone then.
 pub fn keep(file: NamedTempFile, path: &Path) -> Result<(), FileError> {
-    file.persist(path).map(drop).map_err(|error| FileError::read(path, error.error))
+    file.persist(path).map(drop).map_err(|error| FileError::system(path, error.error))
 }

@@ -28,7 +28,7 @@ use tempfile::NamedTempFile;
 
 use crate::{
     Error, Outcome, Result,
-    files::{draft, keep, make_folder},
+    files::{draft, keep, make_output},
     finished::Finished,
     header::Header,
     lines::{self, Line, open, path_in},
@@ -84,7 +84,7 @@ impl Journal {
 
     /// A journal with its first line, which is not yet in its place.
     fn draft(folder: &Path, header: &Header) -> Result<(NamedTempFile, Self)> {
-        make_folder(folder)?;
+        make_output(folder)?;
         let draft = draft(folder).map_err(Error::io(folder))?;
         let mut journal = Self::open(folder, draft.path(), header)?;
         journal.append_header();

@@ -11,7 +11,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::{Error, Result, files::make_folder};
+use crate::{Error, Result, files::make_output};
 
 const FILE: &str = "run.lock";
 /// How long to wait for the lock. When a run is killed while it starts a worker, the new process holds a copy of the lock
@@ -27,7 +27,7 @@ impl Lock {
     /// # Errors
     /// When another run has it, and when the system says no.
     pub fn take(folder: &Path) -> Result<Self> {
-        make_folder(folder)?;
+        make_output(folder)?;
         let path = folder.join(FILE);
         // A network file system locks only files that are open for writing.
         let file = OpenOptions::new().write(true).create(true).truncate(false).open(&path).map_err(Error::io(&path))?;

@@ -10,7 +10,7 @@ use crate::{
     report::recording,
 };
 use number_tables::files::FileError;
-use point_journal::files::{make_folder, write_text};
+use point_journal::files::{make_output, write_text};
 use rig_signals::{
     RigRecording, Synchronised,
     case::{Case, Frame},
@@ -32,7 +32,7 @@ pub fn run(options: &cli::Synchronise) -> Result<ExitCode> {
         result.warnings.extend(files.too_tight(&recorded, &result));
     }
     let folder = &options.output;
-    make_folder(folder)?;
+    make_output(folder)?;
     let mut text = criteria::to_toml(&result);
     write_text(&folder.join("criteria.toml"), &text)?;
     if recorded.bearing.is_some() {

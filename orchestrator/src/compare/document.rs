@@ -5,7 +5,7 @@ use std::path::Path;
 use super::{Change, Comparison, said};
 use crate::{error::Result, plain};
 use conformity::conclusion::grouped;
-use point_journal::files::{make_folder, write_json};
+use point_journal::files::{make_output, write_json};
 use result_document::{
     Document, Figure, Key, Table,
     bins::axis_range,
@@ -176,7 +176,7 @@ pub fn scatter(
 /// # Errors
 /// When the system says no.
 pub fn write(comparison: &Comparison, folder: &Path) -> Result {
-    make_folder(folder)?;
+    make_output(folder)?;
     write_json(&folder.join("compare.json"), comparison)?;
     let title = comparison.headline();
     let sides = [&comparison.old, &comparison.new].map(|side| side.folder.display().to_string());

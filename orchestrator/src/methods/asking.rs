@@ -20,7 +20,7 @@ use fmu_points::stop;
 use parameter_regions::table::PointTable;
 use point_journal::{
     Header, Outcome,
-    files::{make_folder, write_json},
+    files::{make_output, write_json},
     pipeline::{
         Pipeline,
         folder::{Earlier, Kept},
@@ -137,7 +137,7 @@ impl AnalysisResult {
     /// # Errors
     /// When the system says no.
     pub fn write(&self, folder: &Path) -> Result {
-        make_folder(folder)?;
+        make_output(folder)?;
         Ok(write_json(&folder.join(self.file), &self.content)?)
     }
 }

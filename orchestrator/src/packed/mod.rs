@@ -17,7 +17,7 @@ use crate::{
 };
 use fmu_import::{Package, digest, percent_encoded};
 use manifest::Related;
-use point_journal::files::{draft, keep, make_folder, write_text};
+use point_journal::files::{draft, keep, make_folder, make_output, write_text};
 use study::Study;
 use tempfile::TempDir;
 
@@ -361,7 +361,7 @@ pub fn pack(package: &mut Package, study: &Study, results: &Path, summary: &Summ
     let mut contents: Vec<(String, Vec<u8>)> = vec![(MANIFEST.to_owned(), manifest.into_bytes())];
     contents.extend(files.into_iter().map(|file| (file.name, file.content)));
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    make_folder(folder)?;
+    make_output(folder)?;
     let copy = draft(folder).map_err(Error::io(output))?;
     let earlier = format!("{FOLDER}{own}");
     package.copy_with(copy.as_file(), |entry| entry.starts_with(&earlier), &contents)?;

@@ -28,7 +28,7 @@ use number_tables::csv_file;
 use outputs::from_runs;
 use parameter_regions::table::PointTable;
 use point_journal::{
-    files::{make_folder, write_table},
+    files::{make_output, write_table},
     pipeline::Pipeline,
 };
 use result_document::Document;
@@ -179,7 +179,7 @@ fn simulate(session: &Session, pipeline: &mut Pipeline, cube: &[Vec<f64>]) -> Re
 
 /// Writes the runs in the order of their design, for other programs to analyse.
 fn keep_runs(folder: &Path, rows: &PointTable) -> Result {
-    make_folder(folder)?;
+    make_output(folder)?;
     let parameters = rows.parameters.iter().map(|p| (&*p.name, &*p.values));
     let criteria = rows.criteria.iter().map(|c| (&*c.name, &*c.values));
     let columns: Vec<(&str, &[f64])> = parameters.chain(criteria).collect();
