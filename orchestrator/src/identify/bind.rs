@@ -121,12 +121,12 @@ impl Bound {
 
 /// A parameter of the FMU: how it is set, and its unit in the study.
 pub(super) struct Input<'a> {
-    pub(super) slot: Slot,
-    pub(super) scale: Scale<'a>,
+    pub slot: Slot,
+    pub scale: Scale<'a>,
 }
 
 impl<'a> Input<'a> {
-    pub(super) fn new(study: &Study, fmu: &'a Description, name: &Name, unit: Option<&str>) -> Result<Self> {
+    pub fn new(study: &Study, fmu: &'a Description, name: &Name, unit: Option<&str>) -> Result<Self> {
         let variable = find(fmu, name.as_ref()).map_err(|m| study.error_at(name, m))?;
         let input = || {
             let slot = slot_of(variable)?;
@@ -137,7 +137,7 @@ impl<'a> Input<'a> {
     }
 
     /// An unknown parameter of the study.
-    pub(super) fn free(study: &Study, fmu: &'a Description, name: &Name, text: &FreeText) -> Result<(Free, Self)> {
+    pub fn free(study: &Study, fmu: &'a Description, name: &Name, text: &FreeText) -> Result<(Free, Self)> {
         let input = Self::new(study, fmu, name, text.unit.as_deref().or(text.min.unit.as_deref()))?;
         let free = free(name.as_ref(), text, &input.scale).map_err(|message| study.error_of(name, message))?;
         Ok((free, input))

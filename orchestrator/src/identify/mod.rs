@@ -5,7 +5,10 @@
 //! - [`model`] asks the FMU for predictions.
 
 pub mod bind;
+mod fitted;
 pub mod from_study;
 pub mod late;
 pub mod model;
 pub mod offsets;
+mod shared;
+mod unknowns;

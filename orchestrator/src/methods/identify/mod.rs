@@ -45,6 +45,7 @@ use calibration::{
     rounds::{self, Searched},
     sample::{Sample, outcome::Evidence},
     search::{self, Progress, SearchError},
+    surrogate::{Replaced, outcome::SurrogateOutcome},
 };
 use fmu_import::Package;
 use point_journal::{
@@ -283,95 +284,109 @@ impl Asked {
 
 /// Searches for the most probable parameters.
 fn find(fit: &Fit, pipeline: &mut Pipeline) -> Result<(IdentificationOutcome, Option<Sample>)> {
-    let Fit { study, settings, package, bound, .. } = fit;
+    let Fit { study, settings, bound, .. } = fit;
     let starts = starts(study, settings, bound.problem.free.len())?;
-    let limits = search::Effort { descents: settings.descents, iterations: settings.iterations };
+    let effort = search::Effort { descents: settings.descents, iterations: settings.iterations };
     if fit.request.account.is_some() {
         pipeline.repeat_at_most(1);
     }
     let model = FmuModel::new(bound, pipeline);
-    let runs = fit.request.account.as_ref().map_or(u64::MAX, Account::points);
-    let capped = Capped::new(&model, runs);
+    let capped = Capped::new(&model, fit.request.account.as_ref().map_or(u64::MAX, Account::points));
     let remembered = Remembered::new(&capped, fit.known.answers(bound));
-    let task =
-        rounds::Task { problem: &bound.problem, difference: settings.difference, starts: &starts, effort: limits };
-    let search = || {
-        let replaced = surrogate::replaced(fit, &task, &remembered, &|text| model.say(text))?;
-        let mut task = task;
-        // Where the surrogate does not hold, the rest of the budget goes down from the best run.
-        let rough = replaced.as_ref().filter(|replaced| !replaced.told.holds);
-        let best: Vec<Vec<f64>> = rough.iter().map(|rough| rough.best[..bound.problem.free.len()].to_vec()).collect();
-        if rough.is_some() {
-            (task.starts, task.effort.descents) = (&best, 1);
-        }
-        let by = replaced.as_ref().filter(|replaced| replaced.told.holds);
-        let mut asked: &dyn Simulate = &remembered;
-        // Without surrogates: the places of a sample hardly ever come twice, and there are many.
-        let mut sampled: &dyn Simulate = &model;
-        if let Some(by) = by {
-            task.problem = &by.problem;
-            (asked, sampled) = (&by.model, &by.model);
-        }
-        let mut searched = rounds::searched(&task, asked, &|progress| {
-            model.say(so_far(progress));
-        })?;
-        let again = by
-            .map(|by| {
-                let objective = Objective::new(&searched.problem, &remembered, settings.difference);
-                surrogate::run_again(&objective, by, (&mut searched.optima, capped.left()))
-            })
-            .transpose()?
-            .or_else(|| rough.map(|rough| rough.told.clone()));
-        let optima = &searched.optima;
-        let mut outcome = IdentificationOutcome { surrogate: again, notes: bound.notes.clone(), ..searched.outcome() };
-        if rough.is_some() && capped.has_refused() {
-            outcome.end = End::Budget;
-        }
-        if runs > 0 {
-            look_closer(&mut outcome, &searched, &model)?;
-        } else {
-            let told = fit.request.account.as_ref().map(Account::told).unwrap_or_default();
-            let note = "The budget has no run left: neither the optimum was run nor half the communication step";
-            outcome.notes.push(format!("{note}{told}."));
-        }
-        (outcome.farthest, outcome.influence) =
-            calibration::influence::of_values(&searched.problem, &optima[0], &document::groups(bound));
-        outcome.look_along(&document::curves(bound), &bound.problem.estimates);
-        if outcome.fit() == fit::Fit::Misses {
-            outcome.notes.extend(offsets::held(bound));
-            // On surrogates one would look for what their error explains.
-            if replaced.is_none() {
-                let fmu = (bound, package.description());
-                outcome.suspects = Some(culprits::ask(fmu, &task, &searched, (&remembered, &model))?);
-            }
-        }
-        if let Some(replaced) = by {
-            // Only the model's own runs tell where it fails.
-            outcome.excluded = Excluded::new(&bound.problem, &replaced.failures, replaced.screened.iter().copied());
-        }
-        let objective = Objective::new(&searched.problem, sampled, settings.difference);
-        let sample = match rough {
-            // There are no runs for it.
-            Some(_) => None,
-            None => {
-                let say = |text| model.say(text);
-                posterior::sampled(&objective, optima, settings, &mut outcome, &say)?
-            }
-        };
-        Ok((outcome, sample))
-    };
-    search().map_err(|error: SearchError| match model.halted() {
+    let task = rounds::Task { problem: &bound.problem, difference: settings.difference, starts: &starts, effort };
+    search_by(fit, task, (&model, &capped, &remembered)).map_err(|error| match model.halted() {
         Some(halt) => halt,
         None => Error::Search(error.to_string()),
     })
 }
 
+/// What a search asks for predictions.
+enum Asks {
+    /// The model.
+    Model,
+    /// Surrogates of the model, which hold.
+    Surrogates(Box<Replaced>),
+    /// The model, with the rest of a budget whose surrogates do not hold: down from this best run.
+    FromBest(SurrogateOutcome, [Vec<f64>; 1]),
+}
+
+impl Asks {
+    fn new(replaced: Option<Replaced>, unknowns: usize) -> Self {
+        match replaced {
+            None => Self::Model,
+            Some(replaced) if replaced.told.holds => Self::Surrogates(Box::new(replaced)),
+            Some(Replaced { told, best, .. }) => Self::FromBest(told, [best[..unknowns].to_vec()]),
+        }
+    }
+}
+
+/// The search itself, with the model as it is, with runs up to a budget, and with its answers remembered.
+fn search_by(
+    fit: &Fit,
+    given: rounds::Task,
+    (model, capped, remembered): (&FmuModel, &Capped, &Remembered),
+) -> Result<(IdentificationOutcome, Option<Sample>), SearchError> {
+    let Fit { settings, package, bound, .. } = fit;
+    let say = |text| model.say(text);
+    let asks = Asks::new(surrogate::replaced(fit, &given, remembered, &say)?, bound.problem.free.len());
+    let (task, asked): (_, &dyn Simulate) = match &asks {
+        Asks::Model => (given, remembered),
+        Asks::Surrogates(by) => (rounds::Task { problem: &by.problem, ..given }, &by.model),
+        Asks::FromBest(_, starts) => {
+            let effort = search::Effort { descents: 1, ..given.effort };
+            (rounds::Task { starts, effort, ..given }, remembered)
+        }
+    };
+    let mut searched = rounds::searched(&task, asked, &|progress| say(so_far(progress)))?;
+    let surrogate = match &asks {
+        Asks::Model => None,
+        Asks::Surrogates(by) => {
+            let objective = Objective::new(&searched.problem, remembered, settings.difference);
+            Some(surrogate::run_again(&objective, by, (&mut searched.optima, capped.left()))?)
+        }
+        Asks::FromBest(told, _) => Some(told.clone()),
+    };
+    let optima = &searched.optima;
+    let mut outcome = IdentificationOutcome { surrogate, notes: bound.notes.clone(), ..searched.outcome() };
+    if matches!(asks, Asks::FromBest(..)) && capped.has_refused() {
+        outcome.end = End::Budget;
+    }
+    match &fit.request.account {
+        Some(account) if account.points() == 0 => {
+            let note = "The budget has no run left: neither the optimum was run nor half the communication step";
+            outcome.notes.push(format!("{note}{}.", account.told()));
+        }
+        _ => look_closer(&mut outcome, &searched, model)?,
+    }
+    (outcome.farthest, outcome.influence) =
+        calibration::influence::of_values(&searched.problem, &optima[0], &document::groups(bound));
+    outcome.look_along(&document::curves(bound), &bound.problem.estimates);
+    if outcome.fit() == fit::Fit::Misses {
+        outcome.notes.extend(offsets::held(bound));
+        // On surrogates one would look for what their error explains.
+        if let Asks::Model = asks {
+            let fmu = (bound, package.description());
+            outcome.suspects = Some(culprits::ask(fmu, &given, &searched, (remembered, model))?);
+        }
+    }
+    let sampled: &dyn Simulate = match &asks {
+        // The places of a sample hardly ever come twice, and there are many.
+        Asks::Model => model,
+        Asks::Surrogates(by) => {
+            // Only the model's own runs tell where it fails.
+            outcome.excluded = Excluded::new(&bound.problem, &by.failures, by.screened.iter().copied());
+            &by.model
+        }
+        // There are no runs for a sample.
+        Asks::FromBest(..) => return Ok((outcome, None)),
+    };
+    let objective = Objective::new(&searched.problem, sampled, settings.difference);
+    let sample = posterior::sampled(&objective, optima, settings, &mut outcome, &say)?;
+    Ok((outcome, sample))
+}
+
 /// Tries half the communication steps at the first optimum.
-fn look_closer(
-    outcome: &mut IdentificationOutcome,
-    searched: &Searched,
-    model: &FmuModel<'_, '_>,
-) -> Result<(), SearchError> {
+fn look_closer(outcome: &mut IdentificationOutcome, searched: &Searched, model: &FmuModel) -> Result<(), SearchError> {
     let Searched { problem, optima, .. } = searched;
     model.say("half the communication step".to_owned());
     let finer = Finer(model);
