@@ -3,10 +3,11 @@
 
 use super::{
     instance::Instance,
+    lookup::variable_of,
     phase::Phase,
     refusal::{Outcome, Refusal},
     types::{Real, ValueReference},
-    values::{check_settable, variable},
+    values::check_settable,
 };
 use crate::model::{Kind, Model, Role, Variable, inside};
 
@@ -35,7 +36,7 @@ impl<M: Model> Instance<M> {
             .zip(orders)
             .zip(values)
             .map(|((reference, order), value)| {
-                let variable = variable::<M>(*reference)?;
+                let variable = variable_of::<M>(*reference)?;
                 let set = input_slope(variable, *order)?;
                 if !value.is_finite() {
                     return Err(unfit(variable, format!("its derivative, {value}, must be finite")));
@@ -78,7 +79,7 @@ impl<M: Model> Instance<M> {
         self.refresh()?;
         let mut ahead = None;
         for ((reference, order), value) in references.iter().zip(orders).zip(values.iter_mut()) {
-            let (read, derivative) = output(variable::<M>(*reference)?, *order)?;
+            let (read, derivative) = output(variable_of::<M>(*reference)?, *order)?;
             *value = match derivative {
                 Some(derivative) => derivative(self.differentiated()?),
                 None => {
@@ -126,11 +127,11 @@ impl<M: Model> Instance<M> {
             return Err(Refusal::Phase(self.run.phase));
         }
         self.refresh()?;
-        let reads = unknowns.iter().map(|unknown| read(variable::<M>(*unknown)?)).collect::<Outcome<Vec<_>>>()?;
+        let reads = unknowns.iter().map(|unknown| read(variable_of::<M>(*unknown)?)).collect::<Outcome<Vec<_>>>()?;
         let knowns = knowns
             .iter()
             .zip(direction)
-            .map(|(known, direction)| self.known(variable::<M>(*known)?, *direction))
+            .map(|(known, direction)| self.known(variable_of::<M>(*known)?, *direction))
             .collect::<Outcome<Vec<_>>>()?;
         let rate = knowns.iter().fold(0.0_f64, |rate, known| rate.max((known.direction / known.magnitude).abs()));
         if rate == 0.0 {

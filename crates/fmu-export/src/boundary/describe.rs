@@ -183,7 +183,7 @@ pub fn states<M: Model>(interface: Interface) -> &'static [State<M>] {
     }
 }
 
-/// Whether an output depends on an input at once, each of them perhaps an array.
+/// Whether the output depends on the input without delay. Each slice holds the elements of one variable.
 pub fn depends<M>(output: &[Variable<M>], input: &[Variable<M>]) -> bool {
     let on = |name| output.iter().any(|output| output.depends_on.contains(name));
     input.iter().any(|input| on(&input.name))

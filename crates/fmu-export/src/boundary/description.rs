@@ -9,9 +9,9 @@ use super::{
         units,
     },
     exchange::{RATE, STATE},
-    intermediate::is_intermediate,
     types::ValueReference,
     values::TIME,
+    watch::is_intermediate,
     xml::{Number, Tag, Xml},
 };
 use crate::model::{Kind, Model, Role, Variable, indicators, named, offered};

@@ -6,96 +6,32 @@
 
 use super::{
     instance::Instance,
+    lookup::variable_of,
     phase::Phase,
     refusal::{Outcome, Refusal},
     run::Run,
-    types::{ComponentEnvironment, IntermediateUpdateCallback, ValueReference},
-    values::{all_elements, variable},
-    watch::{Underway, Watch},
+    types::ValueReference,
+    watch::{Answer, Underway, Update, check_intermediate_access},
 };
-use crate::model::{Kind, Model, Role, Variable};
-
-/// The most updates in a communication step: where a model takes more inner steps, an update comes after several of them.
-const MOST_UPDATES: f64 = 1000.0;
-
-/// A call of the host that is due.
-pub struct Update {
-    callback: IntermediateUpdateCallback,
-    environment: ComponentEnvironment,
-    time: f64,
-    /// Whether something of the step is left, so that inputs matter.
-    more: bool,
-    /// Whether the step can end here.
-    early: bool,
-}
-
-/// Whether and when the host wants a step to end.
-pub type Answer = Option<f64>;
-
-impl Update {
-    /// Calls the host. An answer counts only if it was allowed.
-    pub fn ask(self) -> Answer {
-        let (mut requested, mut at) = (0, self.time);
-        let (more, early) = (self.more, self.early);
-        // SAFETY: the host vouches for its callback when it instantiates; the places live until it returns.
-        unsafe {
-            (self.callback)(self.environment, self.time, more, true, true, early, &raw mut requested, &raw mut at);
-        }
-        (early && requested != 0).then_some(at)
-    }
-}
-
-/// Whether hosts may access a variable within steps: continuous inputs and outputs.
-pub fn is_intermediate<M: Model>(variable: &Variable<M>) -> bool {
-    M::INNER_STEP.is_some()
-        && matches!(variable.kind, Kind::Real(_))
-        && matches!(variable.role, Role::Input | Role::Output)
-}
-
-impl<M: Model> Watch<M> {
-    /// Takes what the host has said when it made the instance.
-    pub fn new(
-        callback: IntermediateUpdateCallback,
-        environment: ComponentEnvironment,
-        early: bool,
-        variables: &[ValueReference],
-        inner_step: fn(&M, f64) -> f64,
-    ) -> Outcome<Self> {
-        let mut variables = all_elements::<M>(variables).into_owned();
-        variables.sort_unstable();
-        for reference in &variables {
-            let variable = variable::<M>(*reference)?;
-            if !is_intermediate(variable) {
-                let (name, why) = (variable.name, "it has no intermediateUpdate attribute");
-                return Err(Refusal::NotIntermediate { name, why });
-            }
-        }
-        Ok(Self { callback, environment, early, variables, inner_step, underway: None })
-    }
-}
+use crate::model::Model;
 
 impl<M: Model> Instance<M> {
-    /// Takes a communication step, or its first part if the host looks into steps: `pause` then holds the call that is due.
-    pub fn begin_step(&mut self, from: f64, step: f64, pause: &mut Option<Update>) -> Outcome {
+    /// Takes a communication step, or its first part if the host looks into steps, and returns the call of the host that is due.
+    pub fn begin_step(&mut self, from: f64, step: f64) -> Outcome<Option<Update>> {
         if self.watch.is_none() {
-            return self.step(from, step);
+            return self.step(from, step).map(|()| None);
         }
         self.check_step(from, step)?;
         self.refresh()?;
         if let Some(watch) = &mut self.watch {
-            watch.underway = Some(Underway {
-                before: Box::new(self.run.clone()),
-                until: from + step,
-                left: step,
-                least: step / MOST_UPDATES,
-            });
+            watch.underway = Some(Underway::new(&self.run, from, step));
         }
         self.run.time = from;
-        self.advance_by_part(pause)
+        self.advance_by_part()
     }
 
-    /// Goes on with a step after the host has answered.
-    pub fn go_on(&mut self, answer: Answer, pause: &mut Option<Update>) -> Outcome {
+    /// Goes on with a step after the host has answered, and returns the call that is due then.
+    pub fn go_on(&mut self, answer: Answer) -> Outcome<Option<Update>> {
         let time = self.run.time;
         self.run.phase = Phase::StepComplete;
         if let Some(underway) = self.underway()
@@ -110,11 +46,11 @@ impl<M: Model> Instance<M> {
             Some(underway) if underway.left > 0.0 => {}
             _ => {
                 self.end();
-                return Ok(());
+                return Ok(None);
             }
         }
         match self.refresh() {
-            Ok(()) => self.advance_by_part(pause),
+            Ok(()) => self.advance_by_part(),
             Err(refusal) => Err(self.take_back(refusal)),
         }
     }
@@ -136,35 +72,16 @@ impl<M: Model> Instance<M> {
         refusal
     }
 
-    /// Advances by one inner step and pauses.
-    fn advance_by_part(&mut self, pause: &mut Option<Update>) -> Outcome {
+    /// Advances by one part of the step, and returns the call of the host that is due behind it.
+    fn advance_by_part(&mut self) -> Outcome<Option<Update>> {
         let time = self.run.time;
-        let (watch, underway) = self
-            .watch
-            .as_ref()
-            .and_then(|watch| Some((watch, watch.underway.as_ref()?)))
-            .ok_or(Refusal::Phase(self.run.phase))?;
-        let inner = (watch.inner_step)(&self.run.model, underway.left).max(underway.least);
-        // No tiny rest, and none that does not move the time.
-        let part = if inner < 0.999 * underway.left && time + inner > time { inner } else { underway.left };
-        let left = underway.left - part;
-        let to = if left > 0.0 { time + part } else { underway.until };
-        if let Err(refusal) = self.advance(time, part, to) {
+        let part = self.watch.as_ref().and_then(|watch| watch.next_part(&self.run.model, time));
+        let part = part.ok_or(Refusal::Phase(self.run.phase))?;
+        if let Err(refusal) = self.advance(time, part.length, part.to) {
             return Err(self.take_back(refusal));
         }
         self.run.phase = Phase::Intermediate;
-        if let Some(underway) = self.underway() {
-            underway.left = left;
-        }
-        let more = left > 0.0;
-        *pause = self.watch.as_ref().map(|watch| Update {
-            callback: watch.callback,
-            environment: watch.environment,
-            time: to,
-            more,
-            early: watch.early && more,
-        });
-        Ok(())
+        Ok(self.watch.as_mut().map(|watch| watch.behind(&part)))
     }
 
     /// In intermediate update mode a host sets inputs that it has announced, and reads continuous inputs and outputs. By the
@@ -182,10 +99,9 @@ impl<M: Model> Instance<M> {
         let Some(watch) = &self.watch else { return Err(Refusal::Phase(self.run.phase)) };
         let more = matches!(&watch.underway, Some(underway) if underway.left > 0.0);
         for reference in references {
-            let variable = variable::<M>(*reference)?;
-            let why = if !is_intermediate(variable) {
-                "it has no intermediateUpdate attribute"
-            } else if set && watch.variables.binary_search(reference).is_err() {
+            let variable = variable_of::<M>(*reference)?;
+            check_intermediate_access(variable)?;
+            let why = if set && watch.variables.binary_search(reference).is_err() {
                 "it is not among the requiredIntermediateVariables"
             } else if set && !more {
                 "the step is complete, so intermediateVariableSetRequested is false"
@@ -207,10 +123,12 @@ mod tests {
 
     use super::*;
     use crate::boundary::logger::Logger;
+    use crate::boundary::types::ComponentEnvironment;
     use crate::boundary::types::Status;
     use crate::boundary::version::Version;
+    use crate::boundary::watch::Watch;
     use crate::declare::input;
-    use crate::model::{Experiment, Fault, Info, Log};
+    use crate::model::{Experiment, Fault, Info, Log, Variable};
     use crate::{field, units};
 
     /// A clock that takes steps of a second and stops at its limit.
@@ -265,23 +183,22 @@ mod tests {
         clock.set_real(&[0], &[2.5])?;
         clock.exit_initialization()?;
         let before = clock.run.model.clone();
-        let mut pause = None;
-        clock.begin_step(0.0, 4.0, &mut pause)?;
+        clock.begin_step(0.0, 4.0)?;
         assert_eq!(clock.run.time, 1.0);
         clock.set_real(&[0], &[2.75])?;
-        clock.go_on(None, &mut pause)?;
+        clock.go_on(None)?;
         assert_eq!((clock.run.time, clock.run.phase), (2.0, Phase::Intermediate));
-        let failed = clock.go_on(None, &mut pause).unwrap_err();
+        let Err(failed) = clock.go_on(None) else { panic!("the step ends beyond the limit") };
         assert_eq!(failed.status(), Status::Discard);
         assert_eq!((clock.run.model.clone(), clock.run.time), (before, 0.0));
         assert_eq!(clock.run.phase, Phase::StepFailed);
         // The whole step in one go fails as well, one to the limit does not.
         clock.run.phase = Phase::StepComplete;
-        clock.begin_step(0.0, 2.5, &mut pause)?;
-        clock.go_on(None, &mut pause)?;
-        clock.go_on(None, &mut pause)?;
+        clock.begin_step(0.0, 2.5)?;
+        clock.go_on(None)?;
+        clock.go_on(None)?;
         assert_eq!(clock.run.time, 2.5);
-        clock.go_on(None, &mut pause)?;
+        clock.go_on(None)?;
         assert_eq!((clock.run.time, clock.run.phase), (2.5, Phase::StepComplete));
         Ok(())
     }

@@ -19,6 +19,7 @@ pub mod guard;
 pub mod instance;
 pub mod intermediate;
 pub mod logger;
+pub mod lookup;
 pub mod phase;
 pub mod raw;
 pub mod refusal;

@@ -38,6 +38,8 @@ pub enum Refusal {
     NotIntermediate { name: &'static str, why: &'static str },
     #[error("{name} cannot be set to {value}: it must be {allowed}")]
     Value { name: &'static str, value: String, allowed: String },
+    #[error("{0} cannot be set to a value: it must be left alone, as the model computes it")]
+    Computed(&'static str),
     #[error("{name}: {why}")]
     Derivative { name: &'static str, why: String },
     #[error("log category {0:?} is unknown; LogCategories in modelDescription.xml lists the known ones")]

@@ -1,38 +1,18 @@
 //! Reading and writing variables. A value reference is the variable's index in the model's table.
 
-use std::{borrow::Cow, ffi::CString, fmt::Debug};
+use std::{ffi::CString, fmt::Debug};
 
 use super::{
     exchange::existing,
     instance::Instance,
     logger::c_string,
+    lookup::variable_of,
     phase::Phase,
     refusal::{Outcome, Refusal},
     types::{Real, Text, ValueReference},
     version::Version,
 };
 use crate::model::{Access, Kind, Model, Role, Variable, inside};
-
-/// The variable of a value reference.
-pub fn variable<M: Model>(reference: ValueReference) -> Outcome<&'static Variable<M>> {
-    usize::try_from(reference)
-        .ok()
-        .and_then(|index| M::variables().get(index))
-        .ok_or(Refusal::UnknownReference(reference))
-}
-
-/// How many elements FMI 3.0 refers to by a value reference, that of an array's first one.
-pub fn size<M: Model>(reference: ValueReference) -> usize {
-    variable::<M>(reference).map_or(1, |variable| variable.elements)
-}
-
-/// The value references of all elements.
-pub fn all_elements<M: Model>(references: &[ValueReference]) -> Cow<'_, [ValueReference]> {
-    if references.iter().all(|first| size::<M>(*first) == 1) {
-        return Cow::Borrowed(references);
-    }
-    Cow::Owned(references.iter().flat_map(|first| (*first..).take(size::<M>(*first))).collect())
-}
 
 /// The refusal for a variable of another type than the function's.
 pub fn wrong_type<M>(version: Version, variable: &Variable<M>, asked: &'static str) -> Refusal {
@@ -91,12 +71,23 @@ impl<M: Model> Instance<M> {
         values: &mut [T],
         read: impl Fn(&Kind<M>, &M) -> Option<T>,
     ) -> Outcome {
+        self.get_each(references, values, |instance, reference| {
+            let variable = variable_of::<M>(reference)?;
+            let now = read(&variable.kind, &instance.run.model);
+            now.ok_or_else(|| wrong_type(instance.version, variable, asked))
+        })
+    }
+
+    fn get_each<T>(
+        &mut self,
+        references: &[ValueReference],
+        values: &mut [T],
+        read: impl Fn(&Self, ValueReference) -> Outcome<T>,
+    ) -> Outcome {
         self.check_intermediate(references, false)?;
         self.refresh()?;
         for (reference, value) in references.iter().zip(values) {
-            let variable = variable::<M>(*reference)?;
-            let now = read(&variable.kind, &self.run.model);
-            *value = now.ok_or_else(|| wrong_type(self.version, variable, asked))?;
+            *value = read(self, *reference)?;
         }
         Ok(())
     }
@@ -104,23 +95,19 @@ impl<M: Model> Instance<M> {
     /// Reads real values. In Model Exchange the states are the host's, and not every output exists at every state: the
     /// solver then tries a shorter step.
     pub fn get_real(&mut self, references: &[ValueReference], values: &mut [Real]) -> Outcome {
-        self.check_intermediate(references, false)?;
-        self.refresh()?;
         let (version, exchange) = (self.version, self.run.exchange);
-        for (reference, value) in references.iter().zip(values) {
-            *value = match variable::<M>(*reference) {
-                Ok(variable) => match &variable.kind {
-                    Kind::Real(real) => (real.access.get)(&self.run.model),
-                    _ => return Err(wrong_type(version, variable, version.real())),
-                },
-                Err(unknown) => self.unlisted(*reference)?.ok_or(unknown)?,
+        self.get_each(references, values, |instance, reference| {
+            let variable = variable_of::<M>(reference);
+            let value = match &variable {
+                Ok(Variable { kind: Kind::Real(real), .. }) => (real.access.get)(&instance.run.model),
+                Ok(variable) => return Err(wrong_type(version, variable, version.real())),
+                Err(_) => instance.unlisted(reference)?.ok_or(Refusal::UnknownReference(reference))?,
             };
             if exchange && !value.is_finite() {
-                let name = variable::<M>(*reference).map_or("the value", |variable| variable.name);
-                existing(name, *value)?;
+                existing(variable.map_or("the value", |variable| variable.name), value)?;
             }
-        }
-        Ok(())
+            Ok(value)
+        })
     }
 
     /// The value of a variable that is not in the model's table.
@@ -164,10 +151,10 @@ impl<M: Model> Instance<M> {
     }
 
     /// Refuses values of a type that no variable of a model has.
-    pub fn none_of(&mut self, references: &[ValueReference], asked: &'static str) -> Outcome {
+    pub fn refuse_type(&mut self, references: &[ValueReference], asked: &'static str) -> Outcome {
         match references.first() {
             None => Ok(()),
-            Some(first) => Err(wrong_type(self.version, variable::<M>(*first)?, asked)),
+            Some(first) => Err(wrong_type(self.version, variable_of::<M>(*first)?, asked)),
         }
     }
 
@@ -188,7 +175,8 @@ impl<M: Model> Instance<M> {
         Ok(())
     }
 
-    /// Checks all values with `put`, then writes them all: a call that is refused changes nothing.
+    /// Checks all values, then writes them all: a call that is refused changes nothing. `put` does both, and checks alone where it
+    /// gets no model.
     fn set<T: Copy>(
         &mut self,
         references: &[ValueReference],
@@ -196,17 +184,19 @@ impl<M: Model> Instance<M> {
         put: impl Fn(&Variable<M>, T, Option<&mut M>) -> Outcome,
     ) -> Outcome {
         self.check_intermediate(references, true)?;
+        // First check.
         for (reference, value) in references.iter().zip(values) {
-            let variable = variable::<M>(*reference).map_err(|unknown| match self.state_or_rate(*reference) {
+            let variable = variable_of::<M>(*reference).map_err(|unknown| match self.state_or_rate(*reference) {
                 Ok(Some(_)) => Refusal::Absent("a state is set by SetContinuousStates, and its derivative is computed"),
                 _ => unknown,
             })?;
             check_settable(variable, self.run.phase)?;
             put(variable, *value, None)?;
         }
+        // Then write.
         let model = self.run.seed.as_mut().unwrap_or(&mut self.run.model);
         for (reference, value) in references.iter().zip(values) {
-            put(variable::<M>(*reference)?, *value, Some(model))?;
+            put(variable_of::<M>(*reference)?, *value, Some(model))?;
         }
         self.run.stale = true;
         self.run.differentiated = false;
@@ -281,18 +271,14 @@ impl<M: Model> Instance<M> {
     }
 }
 
-/// Writes a checked value if there is a model to write it to; else checks that it could be written.
+/// Writes a checked value where there is a model; without one it checks alone that the variable can be written.
 fn write<M, T: ?Sized, R>(
     variable: &Variable<M>,
     access: &Access<M, T, R>,
     value: &T,
     model: Option<&mut M>,
 ) -> Outcome {
-    let set = access.set.ok_or_else(|| Refusal::Value {
-        name: variable.name,
-        value: "a value".to_owned(),
-        allowed: "left alone, as the model computes it".to_owned(),
-    })?;
+    let set = access.set.ok_or(Refusal::Computed(variable.name))?;
     if let Some(model) = model {
         set(model, value);
     }

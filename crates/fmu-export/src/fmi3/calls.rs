@@ -24,6 +24,7 @@ use crate::{
         guard::{Handle, Known, enter, instantiate_by},
         instance::Instance,
         logger::{Callback, Logger},
+        lookup::{all_elements, size},
         phase::{
             ALIVE, DERIVABLE, Function, INTEGRABLE,
             Phase::{
@@ -34,7 +35,7 @@ use crate::{
         },
         raw::{place, texts, values, values_mut},
         refusal::{Outcome, Refusal},
-        values::{INT32, INT64, all_elements, size},
+        values::{INT32, INT64},
         version::Version,
         watch::Watch,
     },
@@ -68,9 +69,9 @@ macro_rules! with_types {
                 )*
                 $(
                     $get(vr: *const ValueReference, n: usize, value: *mut $type, n_values: usize) in VISIBLE =>
-                        |instance| instance.none_of(references(vr, n)?, $name);
+                        |instance| instance.refuse_type(references(vr, n)?, $name);
                     $set(vr: *const ValueReference, n: usize, value: *const $type, n_values: usize) in SETTABLE =>
-                        |instance| instance.none_of(references(vr, n)?, $name);
+                        |instance| instance.refuse_type(references(vr, n)?, $name);
                 )*
             }
         }
@@ -169,14 +170,14 @@ with_types! {
         fmi3GetString(vr: *const ValueReference, n: usize, value: *mut Text, n_values: usize) in VISIBLE =>
             |instance| instance.get_string(&for_values::<M>(vr, n, n_values)?, values_mut(value, n_values, "values")?);
         fmi3GetBinary(vr: *const ValueReference, n: usize, sizes: *mut usize, value: *mut Binary, n_values: usize)
-            in VISIBLE => |instance| instance.none_of(references(vr, n)?, "Binary");
+            in VISIBLE => |instance| instance.refuse_type(references(vr, n)?, "Binary");
         fmi3GetClock(vr: *const ValueReference, n: usize, value: *mut Boolean) in VISIBLE =>
             |instance| instance.get_clock(references(vr, n)?, values_mut(value, n, "values")?);
 
         fmi3SetString(vr: *const ValueReference, n: usize, value: *const Text, n_values: usize) in SETTABLE =>
             |instance| instance.set_string(&for_values::<M>(vr, n, n_values)?, &texts(value, n_values, "values")?);
         fmi3SetBinary(vr: *const ValueReference, n: usize, sizes: *const usize, value: *const Binary, n_values: usize)
-            in SETTABLE => |instance| instance.none_of(references(vr, n)?, "Binary");
+            in SETTABLE => |instance| instance.refuse_type(references(vr, n)?, "Binary");
         fmi3SetClock(vr: *const ValueReference, n: usize, value: *const Boolean) in SETTABLE =>
             |instance| instance.set_clock(references(vr, n)?, values(value, n, "values")?);
 
@@ -353,8 +354,8 @@ unsafe fn take_step<M: Model>(
                 )
             };
             let outcome = match answer {
-                None => instance.begin_step(from, step, &mut pause),
-                Some(answer) => instance.go_on(answer, &mut pause),
+                None => instance.begin_step(from, step),
+                Some(answer) => instance.go_on(answer),
             };
             let [event, terminate] = flags;
             *event = (outcome.is_ok() && instance.event_due).into();
@@ -364,7 +365,8 @@ unsafe fn take_step<M: Model>(
             if instance.run.phase == StepFailed {
                 instance.run.phase = StepComplete;
             }
-            outcome
+            pause = outcome?;
+            Ok(())
         };
         let begins = answer.is_none();
         let function = function(if begins { StepComplete } else { Intermediate });
