@@ -119,7 +119,7 @@ impl Findings {
         self.all.first().map(|finding| finding.rule.severity)
     }
 
-    /// How many findings there are of a severity.
+    /// The number of findings of this severity, without those that are ignored.
     pub fn count(&self, severity: Severity) -> usize {
         self.all.iter().filter(|finding| finding.rule.severity == severity).count()
     }

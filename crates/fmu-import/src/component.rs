@@ -1,4 +1,4 @@
-//! A component of a binary, and the functions whose signature is the same in both versions of FMI.
+//! An instance in an FMU's shared library (`fmi2Component`, `fmi3Instance`), and the functions with one signature in both versions.
 
 use std::ffi::{CString, c_char, c_int};
 

@@ -154,7 +154,7 @@ impl Package {
     ///
     /// # Errors
     /// When it cannot be read any more.
-    pub fn with_document<T>(&mut self, read: impl FnOnce(Node<'_, '_>) -> T) -> Result<T, FmuError> {
+    pub fn with_document<T>(&mut self, read: impl FnOnce(Node) -> T) -> Result<T, FmuError> {
         let bytes = self.archive.description().map_err(|fault| self.unusable(fault))?;
         let text = decode::decode(&bytes);
         let document = xml::parse(&text).map_err(|fault| self.unusable(DescriptionError::from(fault)))?;

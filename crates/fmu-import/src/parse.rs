@@ -5,11 +5,9 @@
 //! [`Description::remarks`].
 
 mod three;
+mod two;
 
-use std::{
-    collections::{HashMap, HashSet},
-    str::FromStr,
-};
+use std::{collections::HashMap, str::FromStr};
 
 use indexmap::map::Entry;
 use roxmltree::Node;
@@ -18,9 +16,7 @@ use thiserror::Error;
 
 use crate::{
     decode::{self, decode},
-    description::{
-        About, Capabilities, DefaultExperiment, Description, ExchangeSizes, Interface, Kind, Remark, Storage, Variable,
-    },
+    description::{About, Capabilities, DefaultExperiment, Description, Interface, Kind, Remark, Storage, Variable},
     units::{BaseUnit, Conversion, DisplayUnit, Unit, Units},
     version::Version,
     xml::{self, XmlError, child, children, within},
@@ -101,7 +97,7 @@ pub fn description(bytes: &[u8], sizes: &[(u32, u64)]) -> Result<Description, De
         reader.remarks.push(Remark { line, about: About::Encoding, text: text.to_owned() });
     }
     if interface == Interface::ModelExchange {
-        description.exchange = reader.exchange(root, slave);
+        description.exchange = reader.exchange_of_two(root, slave);
         // The integration takes inputs at the time of each evaluation.
         description.capabilities.can_interpolate_inputs = true;
         description.capabilities.can_handle_variable_communication_step_size = true;
@@ -127,11 +123,11 @@ fn interface<'a>(root: Node<'a, 'a>) -> Result<(Interface, Node<'a, 'a>), Descri
 }
 
 /// A text of one line (`xs:normalizedString`), in which line ends and tabs are blanks.
-pub fn text(node: Node<'_, '_>, attribute: &str) -> Option<String> {
+pub fn text(node: Node, attribute: &str) -> Option<String> {
     Some(node.attribute(attribute)?.replace(['\n', '\r', '\t'], " "))
 }
 
-pub fn line(node: Node<'_, '_>) -> u32 {
+pub fn line(node: Node) -> u32 {
     node.document().text_pos_at(node.range().start).row
 }
 
@@ -143,16 +139,7 @@ fn required<'a>(node: Node<'a, 'a>, attribute: &'static str) -> Result<&'a str, 
     })
 }
 
-/// How many variables of FMI 2.0 are derivatives; aliases share a reference and count once.
-fn rates(root: Node<'_, '_>) -> usize {
-    let references: HashSet<_> = within(root, "ModelVariables", "ScalarVariable")
-        .filter(|node| child(*node, "Real").is_some_and(|real| real.has_attribute("derivative")))
-        .map(|node| node.attribute("valueReference"))
-        .collect();
-    references.len()
-}
-
-fn log_categories(root: Node<'_, '_>) -> Vec<String> {
+fn log_categories(root: Node) -> Vec<String> {
     child(root, "LogCategories")
         .into_iter()
         .flat_map(|list| list.children())
@@ -173,7 +160,7 @@ pub struct Reader {
 }
 
 impl Reader {
-    pub fn remark(&mut self, node: Node<'_, '_>, about: About, text: impl Into<String>) {
+    pub fn remark(&mut self, node: Node, about: About, text: impl Into<String>) {
         const ENOUGH: usize = 100;
         if self.remarks.len() < ENOUGH {
             self.remarks.push(Remark { line: line(node) as usize, about, text: text.into() });
@@ -182,7 +169,7 @@ impl Reader {
 
     /// The line of a variable. They come in their order: counted from the last one on, as counting from the start
     /// each time would take minutes for a hundred thousand.
-    pub fn line(&mut self, node: Node<'_, '_>) -> u32 {
+    pub fn line(&mut self, node: Node) -> u32 {
         let start = node.range().start;
         let (position, lines) = self.counted;
         let passed = node.document().input_text().as_bytes().get(position..start);
@@ -193,7 +180,7 @@ impl Reader {
     }
 
     /// An optional attribute. One that cannot be read counts as missing, with a remark.
-    pub fn number<T: FromStr>(&mut self, node: Node<'_, '_>, name: &str) -> Option<T> {
+    pub fn number<T: FromStr>(&mut self, node: Node, name: &str) -> Option<T> {
         let text = node.attribute(name)?.trim();
         let value = text.parse().ok();
         if value.is_none() {
@@ -208,7 +195,7 @@ impl Reader {
         value
     }
 
-    fn boolean(&mut self, node: Node<'_, '_>, name: &str) -> Option<bool> {
+    pub fn boolean(&mut self, node: Node, name: &str) -> Option<bool> {
         let text = node.attribute(name)?.trim();
         let value = truth(text);
         if value.is_none() {
@@ -218,7 +205,7 @@ impl Reader {
     }
 
     /// The item of an enumeration that an attribute names, or else the default.
-    pub fn choice<T: DeserializeOwned + Default>(&mut self, node: Node<'_, '_>, name: &str) -> T {
+    pub fn choice<T: DeserializeOwned + Default>(&mut self, node: Node, name: &str) -> T {
         let Some(text) = node.attribute(name) else { return T::default() };
         item(text).unwrap_or_else(|| {
             self.remark(node, About::Value, format!("unknown {name} \"{text}\""));
@@ -226,7 +213,7 @@ impl Reader {
         })
     }
 
-    fn capabilities(&mut self, node: Node<'_, '_>, standard: Version) -> Capabilities {
+    fn capabilities(&mut self, node: Node, standard: Version) -> Capabilities {
         let mut flag = |name| self.boolean(node, name).unwrap_or(false);
         let usual = Capabilities {
             can_handle_variable_communication_step_size: flag("canHandleVariableCommunicationStepSize"),
@@ -252,32 +239,7 @@ impl Reader {
         }
     }
 
-    /// The declarations of Model Exchange of FMI 2.0 beside its capabilities.
-    fn exchange(&mut self, root: Node<'_, '_>, node: Node<'_, '_>) -> ExchangeSizes {
-        let structure = child(root, "ModelStructure");
-        let listed = structure
-            .and_then(|structure| child(structure, "Derivatives"))
-            .map_or(0, |list| children(list, "Unknown").count());
-        // Without its states an FMU would stand still and look well.
-        let states = if listed == 0 { rates(root) } else { listed };
-        if states > listed {
-            self.remark(
-                root,
-                About::Value,
-                format!(
-                    "ModelStructure lists no derivatives; the {states} variables with the attribute derivative count"
-                ),
-            );
-        }
-        ExchangeSizes {
-            states,
-            indicators: self.number(root, "numberOfEventIndicators").unwrap_or(0),
-            completed_not_needed: self.boolean(node, "completedIntegratorStepNotNeeded").unwrap_or(false),
-            even_steps: false,
-        }
-    }
-
-    fn default_experiment(&mut self, root: Node<'_, '_>) -> DefaultExperiment {
+    fn default_experiment(&mut self, root: Node) -> DefaultExperiment {
         let Some(node) = child(root, "DefaultExperiment") else { return DefaultExperiment::default() };
         DefaultExperiment {
             start: self.number(node, "startTime"),
@@ -287,7 +249,7 @@ impl Reader {
         }
     }
 
-    fn units(&mut self, root: Node<'_, '_>) -> Units {
+    fn units(&mut self, root: Node) -> Units {
         let mut units = Units::default();
         for node in within(root, "UnitDefinitions", "Unit") {
             let Some(name) = text(node, "name") else {
@@ -329,57 +291,15 @@ impl Reader {
         units
     }
 
-    fn conversion(&mut self, node: Node<'_, '_>) -> Conversion {
+    fn conversion(&mut self, node: Node) -> Conversion {
         Conversion {
             factor: self.number(node, "factor").unwrap_or(1.0),
             offset: self.number(node, "offset").unwrap_or(0.0),
         }
     }
 
-    fn variables_of_two(&mut self, root: Node<'_, '_>, into: &mut Description) {
-        let types: Types<'_> = within(root, "TypeDefinitions", "SimpleType")
-            .filter_map(|node| Some((node.attribute("name")?, typed(node)?)))
-            .collect();
-        for node in within(root, "ModelVariables", "ScalarVariable") {
-            if let Some(variable) = self.variable(node, &types) {
-                self.add(node, variable, into);
-            }
-        }
-    }
-
-    fn variable(&mut self, node: Node<'_, '_>, types: &Types) -> Option<Variable> {
-        let name = self.name(node)?;
-        let value_reference = self.reference(node, &name)?;
-        let Some(element) = typed(node) else {
-            self.remark(node, About::Variable, format!("`{name}` has no type and is left out"));
-            return None;
-        };
-        let declared = element.attribute("declaredType").and_then(|name| types.get(name));
-        let mut kind = self.kind(element, declared.copied(), None);
-        match &mut kind {
-            Kind::Real { start, .. } => *start = self.number(element, "start"),
-            Kind::Integer { start, .. } | Kind::Enumeration { start, .. } => {
-                *start = self.number::<i32>(element, "start").map(i128::from);
-            }
-            Kind::Boolean { start } => *start = self.boolean(element, "start"),
-            Kind::String { start } => *start = element.attribute("start").map(str::to_owned),
-            Kind::Clock(_) => {}
-        }
-        Some(Variable {
-            name,
-            line: self.line(node),
-            value_reference,
-            place: None,
-            description: node.attribute("description").map(str::to_owned),
-            causality: self.choice(node, "causality"),
-            variability: self.choice(node, "variability"),
-            clocks: Vec::new(),
-            kind,
-        })
-    }
-
     /// The name of a variable.
-    pub fn name(&mut self, node: Node<'_, '_>) -> Option<String> {
+    pub fn name(&mut self, node: Node) -> Option<String> {
         let name = text(node, "name");
         if name.is_none() {
             self.remark(node, About::Variable, "a variable without a name is left out");
@@ -388,7 +308,7 @@ impl Reader {
     }
 
     /// The value reference of a variable.
-    pub fn reference(&mut self, node: Node<'_, '_>, name: &str) -> Option<u32> {
+    pub fn reference(&mut self, node: Node, name: &str) -> Option<u32> {
         let text = node.attribute("valueReference");
         let reference = text.and_then(|text| text.trim().parse().ok());
         if reference.is_none() {
@@ -404,7 +324,7 @@ impl Reader {
     }
 
     /// Adds a variable, unless there is one of its name.
-    pub fn add(&mut self, node: Node<'_, '_>, variable: Variable, into: &mut Description) {
+    pub fn add(&mut self, node: Node, variable: Variable, into: &mut Description) {
         if into.variables.contains_key(&variable.name) {
             let name = &variable.name;
             self.remark(node, About::Name, format!("a second variable `{name}`; the first one counts"));
@@ -415,7 +335,7 @@ impl Reader {
 
     /// The type's attributes without the start value: the variable's own, or else those of its declared type. Whole
     /// numbers of FMI 3.0 have a `storage`; those of FMI 2.0 are of 32 bits.
-    pub fn kind(&mut self, node: Node<'_, '_>, declared: Option<Node<'_, '_>>, storage: Option<Storage>) -> Kind {
+    pub fn kind(&mut self, node: Node, declared: Option<Node>, storage: Option<Storage>) -> Kind {
         let source = |name: &str| {
             declared.filter(|node| node.has_attribute(name)).filter(|_| !node.has_attribute(name)).unwrap_or(node)
         };
@@ -453,14 +373,14 @@ impl Reader {
         }
     }
 
-    fn bound(&mut self, node: Node<'_, '_>, name: &str, storage: Storage) -> Option<i128> {
+    fn bound(&mut self, node: Node, name: &str, storage: Storage) -> Option<i128> {
         match storage {
             Storage::UInt64 => self.number::<u64>(node, name).map(i128::from),
             _ => self.number::<i64>(node, name).map(i128::from),
         }
     }
 
-    fn items(&mut self, declared: Node<'_, '_>) -> Vec<(String, i128)> {
+    fn items(&mut self, declared: Node) -> Vec<(String, i128)> {
         children(declared, "Item")
             .filter_map(|item| {
                 let value = self.number::<i64>(item, "value")?.into();
@@ -483,11 +403,6 @@ pub fn truth(text: &str) -> Option<bool> {
 pub fn item<T: DeserializeOwned>(word: &str) -> Option<T> {
     let word: StrDeserializer<'_, serde::de::value::Error> = word.into_deserializer();
     T::deserialize(word).ok()
-}
-
-/// The element that carries the type's attributes.
-fn typed<'a>(node: Node<'a, 'a>) -> Option<Node<'a, 'a>> {
-    ["Real", "Integer", "Boolean", "String", "Enumeration"].iter().find_map(|name| child(node, name))
 }
 
 #[cfg(test)]

@@ -4,20 +4,20 @@ use roxmltree::{Document, Node, ParsingOptions};
 use thiserror::Error;
 
 /// A number that is not exceeded.
-struct Limit {
+struct SizeLimit {
     most: usize,
     what: &'static str,
 }
 
-const NODES: Limit = Limit { most: 10_000_000, what: "elements, comments and pieces of text" };
-const ATTRIBUTES: Limit = Limit { most: 10_000_000, what: "attributes" };
+const NODES: SizeLimit = SizeLimit { most: 10_000_000, what: "elements, comments and pieces of text" };
+const ATTRIBUTES: SizeLimit = SizeLimit { most: 10_000_000, what: "attributes" };
 /// The reader compares each attribute of an element with all others.
-const IN_ELEMENT: Limit = Limit { most: 1_000, what: "attributes in an element" };
+const IN_ELEMENT: SizeLimit = SizeLimit { most: 1_000, what: "attributes in an element" };
 /// The start values of an array of a million numbers have fewer.
-const BYTES: Limit = Limit { most: 1 << 25, what: "bytes in an element's attributes" };
-const DEPTH: Limit = Limit { most: 256, what: "elements within each other" };
+const BYTES: SizeLimit = SizeLimit { most: 1 << 25, what: "bytes in an element's attributes" };
+const DEPTH: SizeLimit = SizeLimit { most: 256, what: "elements within each other" };
 /// Elements take over the namespaces of those around them.
-const NAMESPACES: Limit = Limit { most: 64, what: "namespaces in an element" };
+const NAMESPACES: SizeLimit = SizeLimit { most: 64, what: "namespaces in an element" };
 
 /// Why a document cannot be read.
 #[derive(Debug, Error)]
@@ -78,7 +78,7 @@ pub fn within<'a>(root: Node<'a, 'a>, list: &str, name: &str) -> impl Iterator<I
     list.flat_map(move |list| children(list, name))
 }
 
-impl Limit {
+impl SizeLimit {
     fn allows(&'static self, count: usize) -> Result<(), &'static Self> {
         if count > self.most { Err(self) } else { Ok(()) }
     }
@@ -115,7 +115,7 @@ impl Sizes {
     }
 
     /// Counts the mark at the start of the text, and returns its length where it ends.
-    fn count(&mut self, text: &str) -> Result<Option<usize>, &'static Limit> {
+    fn count(&mut self, text: &str) -> Result<Option<usize>, &'static SizeLimit> {
         self.nodes += 1;
         NODES.allows(self.nodes)?;
         let Some((begin, end)) = OTHER_MARKS.iter().find(|(begin, _)| text.starts_with(begin)) else {
@@ -130,7 +130,7 @@ impl Sizes {
         Ok(text[begin.len()..].find(end).map(|offset| begin.len() + offset + end.len()))
     }
 
-    fn enter(&mut self, tag: &StartTag) -> Result<(), &'static Limit> {
+    fn enter(&mut self, tag: &StartTag) -> Result<(), &'static SizeLimit> {
         IN_ELEMENT.allows(tag.attributes)?;
         BYTES.allows(tag.bytes)?;
         self.attributes += tag.attributes;

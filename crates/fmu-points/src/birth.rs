@@ -54,12 +54,12 @@ pub const CHILD: &str = "fmu-points-child";
 pub fn serve() -> io::Result<()> {
     use std::panic::{AssertUnwindSafe, catch_unwind};
 
-    use fmu_import::isolation::Place;
+    use fmu_import::isolation::ChildEnd;
     use fmu_import::isolation::keeper::leave;
 
     use crate::wire::Setup;
 
-    let mut place = Place::take()?;
+    let mut place = ChildEnd::take()?;
     let missing = || io::Error::other("the worker has gone");
     let mut setup: Setup = serde_json::from_slice(&place.receive().ok_or_else(missing)?)?;
     let order: Order = crate::wire::read(&place.receive().ok_or_else(missing)?)

@@ -16,7 +16,7 @@ use crate::{
     system,
     wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read},
 };
-use fmu_import::{Handle, Package, Value, isolation::Place};
+use fmu_import::{Handle, Package, Value, isolation::ChildEnd};
 
 /// Replies of many points are held back for this time at most, when the next point is done.
 const HOLD: Duration = Duration::from_millis(1);
@@ -31,7 +31,7 @@ pub struct Estate<'a> {
 
 /// A worker's child.
 pub struct Child<'a> {
-    pub place: Place,
+    pub place: ChildEnd,
     pub estate: Estate<'a>,
 }
 

@@ -16,8 +16,9 @@ use crate::{
     local::Local,
     points::{Answer, Event, Job, Limits, RunError, Worker},
     pool,
-    remote::{Remote, Team},
+    remote::Remote,
     task::{Case, Task},
+    team::Team,
     working_directory,
 };
 use fmu_import::{FmuError, Library, Package};

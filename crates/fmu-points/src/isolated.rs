@@ -166,8 +166,8 @@ impl Isolated {
         &mut self,
         way: fn(Vec<Job>) -> Order,
         jobs: &'a [Job],
-        post: &mut Post<'_>,
-        answer: &mut dyn FnMut(&mut Post<'_>, &'a Job, Reply),
+        post: &mut Post,
+        answer: &mut dyn FnMut(&mut Post, &'a Job, Reply),
     ) -> Result<(Vec<&'a Job>, Failure), Gone> {
         self.settle_in()?;
         let common = Arc::clone(&self.common);
@@ -320,7 +320,7 @@ impl Isolated {
         let common = Arc::clone(&self.common);
         let mut failed = Vec::new();
         let floor = common.quiet.beside_others();
-        let mut take = |post: &mut Post<'_>, job, reply: Reply| match reply.answer {
+        let mut take = |post: &mut Post, job, reply: Reply| match reply.answer {
             Ok(simulated) => post.send(Event::Answer(reply.index, Ok(simulated))),
             Err(_) => failed.push((job, reply)),
         };

@@ -82,6 +82,7 @@ mod station;
 pub mod stop;
 pub mod system;
 pub mod task;
+mod team;
 pub mod tell;
 mod wire;
 mod worker;

@@ -8,6 +8,7 @@ mod gauge;
 mod resampled;
 mod scene;
 mod steps;
+mod together;
 mod watched;
 
 use std::sync::Arc;

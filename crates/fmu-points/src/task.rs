@@ -27,12 +27,10 @@ pub struct Task {
     pub schedule: Schedule,
     /// The sizes of arrays: structural parameters by value reference, as [`Description::sizes`](fmu_import::Description::sizes)
     /// has them.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub sizes: Vec<(u32, u64)>,
     /// Start values that stay as they are, by value reference.
     pub fixed: Vec<(u32, Value)>,
     /// Of an FMU made of several: when they exchange values. No communication step from outside changes that.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub exchange: Option<Exchange>,
     /// The variables that take a point's values, in the order of those values.
     pub varied: Vec<Slot>,
@@ -110,11 +108,9 @@ pub struct Probe {
     /// From when to when the signal is looked at, s, where that is not the schedule's window.
     pub window: Option<[f64; 2]>,
     /// The variable's unit, for people.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
     /// The variable is (another variable) x (a recorded input). The rig computed it with the sensor's reading, errors included, so
     /// the model's value is computed with that reading, too.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub product: Option<Product>,
 }
 

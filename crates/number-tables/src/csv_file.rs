@@ -35,8 +35,8 @@ struct CsvFile {
     marks: Vec<Marks>,
 }
 
-/// What a column's cells tell of point and comma in its numbers: the first cell in which each is the decimal mark, and in which it
-/// may also stand between thousands, with their lines. A point for decimals in one column says nothing of another one.
+/// What a column's cells tell of its decimal mark, for point and comma each: the first cell (with its line) in which the mark can
+/// only be decimal, and the first in which it may separate thousands. Columns are judged apart.
 #[derive(Clone, Debug, Default)]
 struct Marks {
     decimal: [Option<(u64, String)>; 2],

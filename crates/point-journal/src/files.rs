@@ -6,7 +6,10 @@ use std::{
     path::Path,
 };
 
-use number_tables::{csv_file, files::FileError};
+use number_tables::{
+    csv_file,
+    files::{FileError, Result},
+};
 use serde::Serialize;
 use tempfile::NamedTempFile;
 
@@ -16,7 +19,7 @@ use fmu_points::tell::visible;
 ///
 /// # Errors
 /// When it cannot be made; those around it that could are there.
-pub fn make_folder(path: &Path) -> Result<(), FileError> {
+pub fn make_folder(path: &Path) -> Result {
     make(path, "no folder can be made here")
 }
 
@@ -24,11 +27,11 @@ pub fn make_folder(path: &Path) -> Result<(), FileError> {
 ///
 /// # Errors
 /// As [`make_folder`].
-pub fn make_output(path: &Path) -> Result<(), FileError> {
+pub fn make_output(path: &Path) -> Result {
     make(path, "no folder can be made here; choose another --output")
 }
 
-fn make(path: &Path, none_here: &str) -> Result<(), FileError> {
+fn make(path: &Path, none_here: &str) -> Result {
     std::fs::create_dir_all(path).map_err(|error| match error.kind() {
         io::ErrorKind::NotFound => FileError::new(path, none_here),
         _ => FileError::system(path, error),
@@ -42,7 +45,7 @@ pub const DRAFT: &str = ".writing-";
 ///
 /// # Errors
 /// When it cannot be written; it is as before then.
-pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), FileError> {
+pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result {
     let attempt = || {
         // The folder of a bare name is empty, which is the working directory.
         let mut file = draft(path.parent().unwrap_or(path))?;
@@ -60,7 +63,7 @@ pub fn write_atomically(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::R
 ///
 /// # Errors
 /// As [`write_atomically`].
-pub fn write_text(path: &Path, text: impl AsRef<[u8]>) -> Result<(), FileError> {
+pub fn write_text(path: &Path, text: impl AsRef<[u8]>) -> Result {
     write_atomically(path, |out| out.write_all(text.as_ref()))
 }
 
@@ -72,7 +75,7 @@ pub fn write_table<T: AsRef<str>>(
     path: &Path,
     head: impl IntoIterator<Item = T>,
     rows: impl FnOnce(&mut csv::Writer<&mut dyn Write>) -> io::Result<()>,
-) -> Result<(), FileError> {
+) -> Result {
     write_atomically(path, |out| {
         let mut table = csv::Writer::from_writer(out);
         table.write_record(head.into_iter().map(|text| csv_file::cell(text.as_ref()).into_owned()))?;
@@ -85,7 +88,7 @@ pub fn write_table<T: AsRef<str>>(
 ///
 /// # Errors
 /// As [`write_atomically`], and when the value is none of JSON.
-pub fn write_json(path: &Path, value: &impl Serialize) -> Result<(), FileError> {
+pub fn write_json(path: &Path, value: &impl Serialize) -> Result {
     write_atomically(path, |out| {
         let text = serde_json::to_string_pretty(value)?;
         writeln!(out, "{}", visible(&text))
@@ -109,6 +112,6 @@ pub fn draft(folder: &Path) -> io::Result<NamedTempFile> {
 ///
 /// # Errors
 /// When that cannot be replaced; the finished file is gone then.
-pub fn keep(file: NamedTempFile, path: &Path) -> Result<(), FileError> {
+pub fn keep(file: NamedTempFile, path: &Path) -> Result {
     file.persist(path).map(drop).map_err(|error| FileError::system(path, error.error))
 }

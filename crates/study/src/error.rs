@@ -11,8 +11,8 @@ use toml::{
 
 /// A text of which errors say line and column.
 pub struct SourceText<'a> {
-    pub(super) path: &'a Path,
-    pub(super) text: &'a str,
+    pub path: &'a Path,
+    pub text: &'a str,
 }
 
 impl SourceText<'_> {

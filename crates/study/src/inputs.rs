@@ -28,11 +28,11 @@ pub const GAIN: &str = "gain";
 /// The recordings of a study for an FMU.
 pub(super) struct Recordings {
     /// What the inputs follow.
-    pub(super) series: Vec<Series>,
+    pub series: Vec<Series>,
     /// The errors of their sensors.
-    pub(super) errors: Vec<InputError>,
+    pub errors: Vec<InputError>,
     /// Doubts about them.
-    pub(super) concerns: Vec<Concern>,
+    pub concerns: Vec<Concern>,
 }
 
 /// Reads the recordings of a study for an FMU.

@@ -23,8 +23,8 @@ use fmu_points::task::{CurveErrors, MeasuredCurve, Resampling};
 use number_tables::{Table, files::FileError};
 use toml::Spanned;
 
-/// The most samples of which a rating is drawn again: its time grows with their square, and 256 draws of 1,000 take a third of
-/// a second.
+/// The most samples of a curve whose rating is bootstrapped: the time grows with their square; 256 resamplings of 1,000 take a third
+/// of a second.
 const MOST_DRAWN: f64 = 1000.0;
 
 /// The rows of a recording that count.

@@ -5,7 +5,7 @@
 
 use std::{collections::HashMap, ffi::c_int};
 
-use super::are_near;
+use super::rounding::are_near;
 use crate::{
     call::{Call, Called, Status},
     description::{Causality, Description, Kind, Ticking, Timing, Variable},

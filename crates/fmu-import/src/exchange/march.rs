@@ -3,10 +3,10 @@
 use std::{collections::HashMap, sync::Arc};
 
 use super::{
-    are_near,
     clocks::Clocks,
     equations::{Functions, Plant},
     rosenbrock::Rosenbrock,
+    rounding::are_near,
 };
 use crate::{
     call::{Call, Called, End, Status},

@@ -11,6 +11,7 @@ mod equations;
 mod jacobian;
 mod march;
 mod rosenbrock;
+mod rounding;
 mod sparse;
 
 use crate::{
@@ -24,11 +25,6 @@ pub use equations::Functions;
 use equations::Ramp;
 pub use march::Exchange;
 use march::{March, Mode};
-
-/// Whether two times, s, differ by rounding only.
-fn are_near(one: f64, other: f64) -> bool {
-    (one - other).abs() <= 4.0 * f64::EPSILON * other.abs()
-}
 
 impl Simulation for Exchange {
     fn base(&self) -> &Base {

@@ -31,7 +31,7 @@ mod windows;
 pub mod words;
 
 #[cfg(unix)]
-pub use birth::Place;
+pub use birth::ChildEnd;
 pub use child::Child;
 #[cfg(unix)]
 pub use control_group::ControlGroup;
@@ -39,7 +39,7 @@ pub use frame::Broken;
 pub use keeper::Keeper;
 pub use loss::{Bounds, Loss, Parting};
 #[cfg(windows)]
-pub use windows::birth::Place;
+pub use windows::birth::ChildEnd;
 #[cfg(windows)]
 pub use windows::job::ControlGroup;
 #[cfg(windows)]

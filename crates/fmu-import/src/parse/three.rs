@@ -54,7 +54,7 @@ impl Written<'_> {
 
 impl Reader {
     /// The variables of FMI 3.0.
-    pub fn variables_of_three(&mut self, root: Node<'_, '_>, into: &mut Description) {
+    pub fn variables_of_three(&mut self, root: Node, into: &mut Description) {
         let types = types(root);
         let list = child(root, "ModelVariables");
         let nodes = || list.into_iter().flat_map(|list| list.children());
@@ -189,7 +189,7 @@ impl Reader {
     }
 
     /// When a clock ticks: a fraction where there is one, as that is exact.
-    pub fn timing(&mut self, node: Node<'_, '_>, declared: Option<Node<'_, '_>>) -> Timing {
+    pub fn timing(&mut self, node: Node, declared: Option<Node>) -> Timing {
         let declared = declared.unwrap_or(node);
         let source = |name: &str| {
             if node.has_attribute(name) { node } else { declared }
@@ -244,7 +244,7 @@ fn types<'a>(root: Node<'a, 'a>) -> Types<'a> {
 }
 
 /// The size that a structural parameter stands for, by its value reference.
-fn structural(node: Node<'_, '_>) -> Option<(u32, usize)> {
+fn structural(node: Node) -> Option<(u32, usize)> {
     let number = |name| node.attribute(name).map(str::trim);
     // A constant may be a size, too.
     let is_size =
@@ -254,7 +254,7 @@ fn structural(node: Node<'_, '_>) -> Option<(u32, usize)> {
 }
 
 /// The start values of all elements: a list in an attribute, or elements for texts.
-fn starts(node: Node<'_, '_>) -> Vec<String> {
+fn starts(node: Node) -> Vec<String> {
     if matches!(node.tag_name().name(), "String" | "Binary") {
         return children(node, "Start").filter_map(|start| start.attribute("value")).map(str::to_owned).collect();
     }

@@ -12,8 +12,8 @@ use crate::{
 
 impl Reader {
     /// The variables of FMI 2.0.
-    pub fn variables_of_two(&mut self, root: Node<'_, '_>, into: &mut Description) {
-        let types: Types<'_> = within(root, "TypeDefinitions", "SimpleType")
+    pub fn variables_of_two(&mut self, root: Node, into: &mut Description) {
+        let types: Types = within(root, "TypeDefinitions", "SimpleType")
             .filter_map(|node| Some((node.attribute("name")?, typed(node)?)))
             .collect();
         for node in within(root, "ModelVariables", "ScalarVariable") {
@@ -23,7 +23,7 @@ impl Reader {
         }
     }
 
-    fn variable_of_two(&mut self, node: Node<'_, '_>, types: &Types) -> Option<Variable> {
+    fn variable_of_two(&mut self, node: Node, types: &Types) -> Option<Variable> {
         let name = self.name(node)?;
         let value_reference = self.reference(node, &name)?;
         let Some(element) = typed(node) else {
@@ -55,7 +55,7 @@ impl Reader {
     }
 
     /// The declarations of Model Exchange beside its capabilities.
-    pub fn exchange_of_two(&mut self, root: Node<'_, '_>, node: Node<'_, '_>) -> ExchangeSizes {
+    pub fn exchange_of_two(&mut self, root: Node, node: Node) -> ExchangeSizes {
         let structure = child(root, "ModelStructure");
         let listed = structure
             .and_then(|structure| child(structure, "Derivatives"))
@@ -81,7 +81,7 @@ impl Reader {
 }
 
 /// How many variables are derivatives; aliases share a reference and count once.
-fn rates(root: Node<'_, '_>) -> usize {
+fn rates(root: Node) -> usize {
     let references: HashSet<_> = within(root, "ModelVariables", "ScalarVariable")
         .filter(|node| child(*node, "Real").is_some_and(|real| real.has_attribute("derivative")))
         .map(|node| node.attribute("valueReference"))

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::{collector::Collector, steps::Together};
+use super::{collector::Collector, together::Together};
 use crate::task::Task;
 use fmu_import::{Called, Instance};
 

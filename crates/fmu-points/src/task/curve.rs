@@ -16,10 +16,8 @@ pub struct MeasuredCurve {
     /// The half width of the corridor at these times; empty for other metrics.
     pub band: Vec<f64>,
     /// The errors of the values; none where no uncertainty is stated.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub errors: Option<CurveErrors>,
     /// The true curves that its uncertainty allows, and when the model conforms to one; none where that is not asked.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub resampling: Option<Resampling>,
     /// By what a normalised metric divides.
     pub normaliser: f64,

@@ -20,7 +20,6 @@ pub struct Slot {
     /// Whether the value is that of another case, and this simulation leaves the variable as it is.
     pub idle: bool,
     /// What the value says of the sensor that recorded this input, where it is no value of the variable.
-    #[serde(skip_serializing_if = "Option::is_none")]
     pub error: Option<SensorError>,
 }
 

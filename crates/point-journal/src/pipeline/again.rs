@@ -6,7 +6,7 @@
 //! where there is one.
 
 use std::{
-    collections::BTreeMap,
+    collections::{BTreeMap, BTreeSet},
     ops::ControlFlow,
     sync::atomic::Ordering,
     time::{Duration, Instant},
@@ -15,7 +15,7 @@ use std::{
 use rand::{RngExt, SeedableRng, rngs::StdRng, seq::SliceRandom};
 
 use crate::{Outcome, Result, pipeline::Model};
-use fmu_points::{Conduct, Event, Job, Post, crew::Crew, stop, task::Case};
+use fmu_points::{Conduct, Event, Job, Post, Simulated, Worker, crew::Crew, failure::Failure, stop, task::Case};
 
 /// A point of an index that is known.
 pub type Known<'a> = &'a dyn Fn(u64) -> Job;
@@ -126,84 +126,26 @@ impl Again {
         drawn.values_mut().for_each(|draw| draw.points.shuffle(&mut self.random));
         let drawn = in_turn(drawn);
         let is_first = std::iter::repeat_n(true, first.len()).chain(std::iter::repeat(false));
-        let (mut count, mut differences, mut latest) = (0_usize, Vec::new(), Some(Duration::MAX));
-        let mut others: BTreeMap<String, u64> = BTreeMap::new();
+        let mut tally = Tally::default();
         let mut workers = BTreeMap::new();
         for (point, is_first) in first.into_iter().chain(drawn).zip(is_first) {
-            let spent = begun.elapsed();
-            let room = if is_first || count < FEWEST {
-                LITTLE.max(whole / PART)
-            } else {
-                LITTLE_OF_DRAWN.min(whole / PART_OF_SHORT).max(whole / PART_OF_DRAWN)
-            };
-            if stopped() || count > 0 && spent > room || count >= self.most {
+            let is_late = tally.count > 0 && begun.elapsed() > time_for(whole, is_first || tally.count < FEWEST);
+            if stopped() || is_late || tally.count >= self.most {
                 break;
             }
-            let Recorded { job, outcome, when, host } = point;
-            if !workers.contains_key(&host) {
-                let Some(worker) = crew.again(&self.cases, host.as_deref()) else { return Ok(()) };
-                workers.insert(host.clone(), worker);
+            if !workers.contains_key(&point.host) {
+                let Some(worker) = crew.again(&self.cases, point.host.as_deref()) else { return Ok(()) };
+                workers.insert(point.host.clone(), worker);
             }
-            let worker = workers.get_mut(&host).expect("it was just put there");
-            let later = when.map(|when| when.elapsed());
-            let mut answer = None;
-            let mut take = |event| {
-                if let Event::Answer(_, result) = event {
-                    answer = Some(result);
-                }
-                ControlFlow::Continue(())
-            };
-            worker.run(std::slice::from_ref(&job), &mut Post::new(&mut take, &stopped))?;
-            let Some(answer) = answer else { break };
-            let there = crew.take_host(job.index);
-            let now = model.outcome(answer.map(|result| result.values));
-            count += 1;
-            latest = later.zip(latest).map(|(later, latest)| later.min(latest));
-            if let Some(text) = difference(&outcome, &now) {
-                let hosts = match (&host, &there) {
-                    (Some(here), Some(there)) if here != there => format!(" ({here}, then {there})"),
-                    (Some(here), _) => format!(" ({here})"),
-                    _ => String::new(),
-                };
-                [host, there]
-                    .into_iter()
-                    .flatten()
-                    .collect::<std::collections::BTreeSet<_>>()
-                    .into_iter()
-                    .for_each(|host| *others.entry(host).or_default() += 1);
-                differences.push(format!("point {}{hosts}: {text}", job.index + 1));
-            }
+            let worker = workers.get_mut(&point.host).expect("it was just put there");
+            let later = point.when.map(|when| when.elapsed());
+            let Some(result) = run_one(worker.as_mut(), &point.job, &stopped)? else { break };
+            let now = model.outcome(result.map(|result| result.values));
+            tally.add(&point, later, crew.take_host(point.job.index), &now);
         }
-        if count == 0 {
-            return Ok(());
+        if tally.count > 0 {
+            self.found = Some(tally.verdict(self.earlier > 0));
         }
-        let which = match self.earlier {
-            0 if count == 1 => "1 point".to_owned(),
-            0 => format!("{count} points"),
-            _ => format!("{count} points of this run and of an earlier one"),
-        };
-        let later = match latest {
-            Some(least) if least < Duration::from_secs(1) => format!("at least {} ms later", least.as_millis()),
-            Some(least) => format!("at least {:.0} s later", least.as_secs_f64()),
-            None => "after an earlier run".to_owned(),
-        };
-        self.found = Some(match differences.first() {
-            None => (true, format!("{which} ran again, {later}, in new processes: identical to the last bit")),
-            Some(first) => {
-                let all = differences.len() as u64;
-                let mut hosts = others.iter().filter(|(_, count)| **count == all).map(|(host, _)| host.as_str());
-                let cause = match (hosts.next(), hosts.next()) {
-                    (Some(host), None) if all > 1 => format!("all differences involve {host}: leave that host out"),
-                    _ => "they depend on something beside the parameters: the clock, unwritten memory, random numbers, the \
-                          path, the host, files or ports outside of the FMU"
-                        .to_owned(),
-                };
-                let text = format!(
-                    "not reproducible: {which} ran again, {later}, and {all} gave other results ({first}); {cause}"
-                );
-                (false, text)
-            }
-        });
         Ok(())
     }
 
@@ -213,6 +155,90 @@ impl Again {
             None => conduct,
             Some((same, text)) => Conduct { reproducible: Some(*same), reproducibility: text.clone(), ..conduct },
         }
+    }
+}
+
+/// How long points may run again together in a run that has taken so long.
+fn time_for(whole: Duration, is_needed: bool) -> Duration {
+    if is_needed {
+        LITTLE.max(whole / PART)
+    } else {
+        LITTLE_OF_DRAWN.min(whole / PART_OF_SHORT).max(whole / PART_OF_DRAWN)
+    }
+}
+
+/// What came of a point; none where it was stopped.
+fn run_one(
+    worker: &mut dyn Worker,
+    job: &Job,
+    stopped: &dyn Fn() -> bool,
+) -> Result<Option<std::result::Result<Simulated, Failure>>> {
+    let mut answer = None;
+    let mut take = |event| {
+        if let Event::Answer(_, result) = event {
+            answer = Some(result);
+        }
+        ControlFlow::Continue(())
+    };
+    worker.run(std::slice::from_ref(job), &mut Post::new(&mut take, stopped))?;
+    Ok(answer)
+}
+
+/// What came of the points that ran again.
+#[derive(Default)]
+struct Tally {
+    count: usize,
+    differences: Vec<String>,
+    /// How much later each ran again; none for one of an earlier run.
+    later: Vec<Option<Duration>>,
+    /// How many of the differences involve each host.
+    hosts: BTreeMap<String, u64>,
+}
+
+impl Tally {
+    /// Adds a point that gave this now, so much later, on this host.
+    fn add(&mut self, point: &Recorded, later: Option<Duration>, there: Option<String>, now: &Outcome) {
+        self.count += 1;
+        self.later.push(later);
+        let Some(text) = difference(&point.outcome, now) else { return };
+        let hosts = match (&point.host, &there) {
+            (Some(here), Some(there)) if here != there => format!(" ({here}, then {there})"),
+            (Some(here), _) => format!(" ({here})"),
+            _ => String::new(),
+        };
+        let involved: BTreeSet<String> = point.host.clone().into_iter().chain(there).collect();
+        involved.into_iter().for_each(|host| *self.hosts.entry(host).or_default() += 1);
+        self.differences.push(format!("point {}{hosts}: {text}", point.job.index + 1));
+    }
+
+    /// Whether all points gave the same again, and a sentence on it.
+    fn verdict(&self, has_earlier: bool) -> (bool, String) {
+        let count = self.count;
+        let which = match has_earlier {
+            true => format!("{count} points of this run and of an earlier one"),
+            false if count == 1 => "1 point".to_owned(),
+            false => format!("{count} points"),
+        };
+        // That of an earlier run is none, which is less than any.
+        let later = match self.later.iter().min().copied().flatten() {
+            Some(least) if least < Duration::from_secs(1) => format!("at least {} ms later", least.as_millis()),
+            Some(least) => format!("at least {:.0} s later", least.as_secs_f64()),
+            None => "after an earlier run".to_owned(),
+        };
+        let Some(first) = self.differences.first() else {
+            return (true, format!("{which} ran again, {later}, in new processes: identical to the last bit"));
+        };
+        let all = self.differences.len() as u64;
+        let mut hosts = self.hosts.iter().filter(|(_, count)| **count == all).map(|(host, _)| host.as_str());
+        let cause = match (hosts.next(), hosts.next()) {
+            (Some(host), None) if all > 1 => format!("all differences involve {host}: leave that host out"),
+            _ => "they depend on something beside the parameters: the clock, unwritten memory, random numbers, the \
+                  path, the host, files or ports outside of the FMU"
+                .to_owned(),
+        };
+        let text =
+            format!("not reproducible: {which} ran again, {later}, and {all} gave other results ({first}); {cause}");
+        (false, text)
     }
 }
 

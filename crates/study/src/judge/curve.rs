@@ -1,6 +1,6 @@
 //! Criteria on whole curves, as far as they need neither the FMU nor the measured curve.
 
-use super::Criterion;
+use super::criterion::Criterion;
 use crate::{CriterionText, Name, ReferenceText, Result, Study, first_wrong, limit::limit};
 use conformity::measured::Limits;
 use curves::{Kind, Metric};

@@ -1,6 +1,6 @@
 //! Whether a derived value is what it says: the product of its factors, in units that fit.
 
-use super::Criterion;
+use super::criterion::Criterion;
 use crate::{CriterionText, DerivedText, Setting, Study, values::value_of};
 use fmu_import::{
     Description,

@@ -9,7 +9,7 @@ use std::collections::HashMap;
 
 use toml::Spanned;
 
-use super::{Criterion, Judge};
+use super::{Judge, criterion::Criterion};
 use conformity::{
     decision::Rule,
     measured::{Limits, Measurement},

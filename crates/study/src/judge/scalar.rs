@@ -3,7 +3,7 @@
 use crate::{BOTH_SIDES, CriterionText, Name, Result, Study, ToleranceText, first_wrong, limit::gain};
 use toml::Spanned;
 
-use super::{Criterion, curve};
+use super::{criterion::Criterion, curve};
 use conformity::{
     measured::Limits,
     uncertainty::{Distribution, Uncertainty},
@@ -144,53 +144,51 @@ fn stated(tolerance: &ToleranceText, nominal: &Quantity, scale: &Scale) -> Strin
     if is_elsewhere && of_nominal { format!("{tolerance} of {nominal}") } else { tolerance.to_string() }
 }
 
-/// A tolerance in the study's unit. Percents are of the nominal value as written: 0.75 % of 82 degC is 0.615 degC.
+/// A tolerance in the study's unit.
 fn tolerance(quantity: &Quantity, nominal: &Quantity, scale: &Scale) -> Result<f64, String> {
-    let tolerance = match quantity.unit.as_deref() {
+    amount_of("the tolerance", quantity, nominal, scale)
+}
+
+/// A tolerance, or what is given like one, in the study's unit. Percents are of the nominal value as written: 0.75 % of 82 degC is
+/// 0.615 degC.
+fn amount_of(what: &str, quantity: &Quantity, nominal: &Quantity, scale: &Scale) -> Result<f64, String> {
+    let amount = match quantity.unit.as_deref() {
         // "+0.5/-1", "-1 .. 0.5"
         Some(rest) if rest.starts_with(['/', '+', '-', '.', ',']) => {
-            return Err(format!("the tolerance `{quantity}` cannot be used: {BOTH_SIDES}"));
+            return Err(format!("{what} `{quantity}` cannot be used: {BOTH_SIDES}"));
         }
         Some("%") => scale.part(quantity.number / 100.0, nominal)?,
         _ => scale.number(quantity, Sense::Difference)?,
     };
-    if tolerance > 0.0 && tolerance.is_finite() {
-        Ok(tolerance)
+    if amount > 0.0 && amount.is_finite() {
+        Ok(amount)
     } else if nominal.number == 0.0 && quantity.number > 0.0 && quantity.number.is_finite() {
-        Err(format!("the tolerance {quantity} of the nominal value 0 is nothing; give it without %"))
+        Err(format!("{what} {quantity} of the nominal value 0 is nothing; give it without %"))
     } else {
-        Err(format!("the tolerance {quantity} must be a positive, finite number"))
+        Err(format!("{what} {quantity} must be a positive, finite number"))
     }
 }
 
-/// The uncertainty of a criterion's measured value, in the criterion's unit.
-fn uncertainty(
-    study: &Study,
-    name: &Name,
-    text: &CriterionText,
-    nominal: &Quantity,
-    scale: &Scale,
-) -> Result<Option<Uncertainty>> {
-    let at = |place: &Spanned<Quantity>, what: &str, message: String| {
-        let message = message.replace("the tolerance", what);
-        study.error_at(place, format!("{}: {message}", name.as_ref()))
-    };
-    let is_rectangular = text.uncertainty_distribution == Some(Distribution::Rectangular);
-    if let Some(coverage) = &text.coverage {
-        let useless = text.uncertainty.is_none() && text.gain_uncertainty.is_none();
-        let message = match () {
-            () if useless => {
-                Some("coverage says how many standard uncertainties `uncertainty` is; add `uncertainty` or remove it")
-            }
-            () if is_rectangular => Some(
-                "a rectangular uncertainty is the half-width of its limits, which no coverage factor expands; remove `coverage`",
-            ),
-            () => None,
-        };
-        if let Some(message) = message {
-            return Err(study.error_at(coverage, message));
-        }
-    }
+fn is_rectangular(text: &CriterionText) -> bool {
+    text.uncertainty_distribution == Some(Distribution::Rectangular)
+}
+
+fn check_coverage(study: &Study, text: &CriterionText) -> Result {
+    let Some(coverage) = &text.coverage else { return Ok(()) };
+    first_wrong(&[
+        (
+            text.uncertainty.is_none() && text.gain_uncertainty.is_none(),
+            "coverage says how many standard uncertainties `uncertainty` is; add `uncertainty` or remove it",
+        ),
+        (
+            is_rectangular(text),
+            "a rectangular uncertainty is the half-width of its limits, which no coverage factor expands; remove `coverage`",
+        ),
+    ])
+    .map_err(|message| study.error_at(coverage, message))
+}
+
+fn check_repeats(text: &CriterionText) -> Result<(), String> {
     first_wrong(&[
         (
             text.uncertainty_distribution.is_some() && text.uncertainty.is_none(),
@@ -207,11 +205,24 @@ fn uncertainty(
              measured value is one reading, and `noise` is known",
         ),
     ])
-    .map_err(|message| study.error_of(name, message))?;
+}
+
+/// The uncertainty of a criterion's measured value, in the criterion's unit.
+fn uncertainty(
+    study: &Study,
+    name: &Name,
+    text: &CriterionText,
+    nominal: &Quantity,
+    scale: &Scale,
+) -> Result<Option<Uncertainty>> {
+    check_coverage(study, text)?;
+    check_repeats(text).map_err(|message| study.error_of(name, message))?;
+    let named =
+        |place: &Spanned<Quantity>, message: String| study.error_at(place, format!("{}: {message}", name.as_ref()));
     let amount = |stated: &Option<Spanned<Quantity>>, what: &str| {
         let stated = stated.as_ref();
         stated
-            .map(|stated| tolerance(stated.as_ref(), nominal, scale).map_err(|message| at(stated, what, message)))
+            .map(|stated| amount_of(what, stated.as_ref(), nominal, scale).map_err(|message| named(stated, message)))
             .transpose()
     };
     let coverage = text.coverage.as_ref().map_or(Uncertainty::USUAL, |k| *k.as_ref());
@@ -222,7 +233,7 @@ fn uncertainty(
     let gain = text.gain_uncertainty.as_ref().map(|stated| {
         let part = gain(stated.as_ref()).map_err(|message| study.error_at(stated, message))?;
         // Where it is not clear of which number it is a part, this says so.
-        scale.part(part, nominal).map_err(|message| at(stated, "the gain uncertainty", message))?;
+        scale.part(part, nominal).map_err(|message| named(stated, message))?;
         Ok(part)
     });
     let gain = gain.transpose()?;
@@ -231,7 +242,8 @@ fn uncertainty(
         return Ok(None);
     }
     let offset = offset.unwrap_or(0.0);
-    let offset = if is_rectangular { Uncertainty::rectangular(offset) } else { Uncertainty::normal(offset, coverage) };
+    let offset =
+        if is_rectangular(text) { Uncertainty::rectangular(offset) } else { Uncertainty::normal(offset, coverage) };
     let uncertainty = Uncertainty {
         gain: gain.unwrap_or(0.0) / coverage,
         noise: noise.unwrap_or(0.0),

@@ -1,4 +1,4 @@
-//! Start of a child: a program of its own, which takes its [`Place`] from its standard streams.
+//! Start of a child: a program of its own, which takes its [`ChildEnd`] from its standard streams.
 
 use std::{
     fs::File,
@@ -22,7 +22,7 @@ use crate::isolation::{
 };
 
 impl Keeper {
-    /// Starts a program as a child: it has to begin with [`Place::take`].
+    /// Starts a program as a child: it has to begin with [`ChildEnd::take`].
     ///
     /// # Errors
     /// When the system has no room for a further process.
@@ -46,13 +46,13 @@ impl Keeper {
 
 /// A child's own end of the pipes to its keeper.
 #[derive(Debug)]
-pub struct Place {
+pub struct ChildEnd {
     ticket: u64,
     orders: Inbox<File>,
     answers: File,
 }
 
-impl Place {
+impl ChildEnd {
     /// Takes standard input and output for the keeper alone: reading gives the FMU nothing, and what it prints goes to
     /// standard error, where the keeper hears it.
     ///

@@ -52,7 +52,7 @@ pub fn resident(pid: u32) -> u64 {
 /// The memory of this machine, bytes; `None` where that is not known.
 pub fn memory_of_machine() -> Option<u64> {
     let mut status = MEMORYSTATUSEX { dwLength: size_of::<MEMORYSTATUSEX>() as u32, ..MEMORYSTATUSEX::default() };
-    // SAFETY: a struct that tells its own size.
+    // SAFETY: `status` may be written to, and `dwLength` is its size, as the function demands.
     let told = unsafe { GlobalMemoryStatusEx(&raw mut status) };
     (told != 0).then_some(status.ullTotalPhys)
 }
