@@ -9,7 +9,7 @@ use std::{
 
 use crate::error::{Error, Result};
 use clap::Args;
-use fmu_points::{Isolation, Launcher, Limits, crew::Place, system};
+use fmu_points::{Isolation, Launcher, PointLimits, crew::WorkerSite, system};
 use point_journal::pipeline::{Shard, folder::Earlier};
 
 /// Resuming.
@@ -164,28 +164,28 @@ impl Means {
     ///
     /// # Errors
     /// When a limit cannot be used.
-    pub fn place(&self, jobs: usize) -> Result<Place> {
+    pub fn place(&self, jobs: usize) -> Result<WorkerSite> {
         let limits = self.limits(jobs)?;
         let launcher = self.afar.launcher(jobs)?;
         if self.isolation == Isolation::None {
             return match launcher {
-                None => Ok(Place::Here),
+                None => Ok(WorkerSite::Here),
                 Some(_) => Err(Error::option(
                     "isolation",
                     "`none` is this process, and a launcher starts others: leave one out",
                 )),
             };
         }
-        let Some(mut launcher) = launcher else { return Ok(Place::Processes(limits, self.isolation)) };
+        let Some(mut launcher) = launcher else { return Ok(WorkerSite::Processes(limits, self.isolation)) };
         launcher.memory = self.memory_limit.as_ref().map(|_| limits.memory);
-        Ok(Place::Elsewhere(limits, self.isolation, launcher))
+        Ok(WorkerSite::Elsewhere(limits, self.isolation, launcher))
     }
 
     /// The limits for one of `jobs` workers.
     ///
     /// # Errors
     /// When a limit cannot be used.
-    pub fn limits(&self, jobs: usize) -> Result<Limits> {
+    pub fn limits(&self, jobs: usize) -> Result<PointLimits> {
         let time = time("point-timeout", self.point_timeout)?;
         let memory = match &self.memory_limit {
             Some(text) => size(text).ok_or_else(|| {
@@ -193,7 +193,7 @@ impl Means {
             })?,
             None => system::share_of_memory(jobs),
         };
-        Ok(Limits { time, memory })
+        Ok(PointLimits { time, memory })
     }
 }
 

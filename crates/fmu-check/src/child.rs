@@ -3,13 +3,13 @@
 use std::{io, path::Path, time::Duration};
 
 use fmu_points::{
-    Limits,
+    PointLimits,
     failure::Failure,
     single::{Recorder, bytes, read},
     stop,
 };
 
-use crate::probe::{Report, Setup, Told};
+use crate::probe::{ProbeNews, ProbeTask, Report};
 
 /// The most memory that a probe may use, bytes.
 const MEMORY: u64 = 8 << 30;
@@ -28,19 +28,19 @@ pub struct Outcome {
 }
 
 /// Runs a probe. `fill` is what fresh and freed memory is filled with.
-pub fn run(setup: &Setup, scratch: &Path, patience: Duration, fill: Option<u8>) -> io::Result<Outcome> {
+pub fn run(setup: &ProbeTask, scratch: &Path, patience: Duration, fill: Option<u8>) -> io::Result<Outcome> {
     let recorder = Recorder {
         fmu: &setup.fmu,
         name: &setup.fmu,
         scratch,
         here: setup.here,
-        limits: Limits { time: patience, memory: MEMORY },
+        limits: PointLimits { time: patience, memory: MEMORY },
         echo: false,
     };
     let mut outcome = Outcome::default();
     let failure = recorder.send(bytes(setup), fill, |told| match read(told) {
-        Some(Told::Stage(stage)) => outcome.stage = stage,
-        Some(Told::Report(report)) => outcome.report = Some(report),
+        Some(ProbeNews::Stage(stage)) => outcome.stage = stage,
+        Some(ProbeNews::Report(report)) => outcome.report = Some(report),
         // Frames have a checksum, so what arrives is what was told.
         None => {}
     });

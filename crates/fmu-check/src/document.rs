@@ -20,13 +20,13 @@ pub struct Document<'a> {
     pub types: HashMap<&'a str, Node<'a, 'a>>,
     pub read: &'a Description,
     /// The first names of the variables, by what names of one variable share.
-    pub aliases: HashMap<Place<'a>, Firsts>,
+    pub aliases: HashMap<TypedReference<'a>, Firsts>,
     /// Where each line begins, bytes.
     lines: Vec<usize>,
 }
 
 /// The place of a value in the binary: the type of the calls that reach it, and its reference.
-pub type Place<'a> = (&'a str, &'a str);
+pub type TypedReference<'a> = (&'a str, &'a str);
 
 /// What is looked for among the names of a variable.
 pub enum Sort {
@@ -72,7 +72,7 @@ impl<'a> Document<'a> {
         let types = types.filter_map(|node| Some((node.attribute("name")?, typed(node)?))).collect();
         let lines = starts_of_lines(root.document().input_text());
         let mut document = Self { root, scalars, types, read, aliases: HashMap::new(), lines };
-        let mut aliases: HashMap<Place<'a>, Firsts> = HashMap::new();
+        let mut aliases: HashMap<TypedReference<'a>, Firsts> = HashMap::new();
         for scalar in document.known() {
             if let Some(place) = scalar.place() {
                 note(aliases.entry(place).or_default(), document.variable(scalar));
@@ -234,7 +234,7 @@ impl<'a> Scalar<'a> {
     }
 
     /// Where its value is; enumerations are integers to calls.
-    pub fn place(&self) -> Option<Place<'a>> {
+    pub fn place(&self) -> Option<TypedReference<'a>> {
         let base = match self.kind() {
             "Enumeration" => "Integer",
             kind => kind,

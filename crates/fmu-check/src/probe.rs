@@ -35,7 +35,7 @@ pub enum Life {
 
 /// The task.
 #[derive(Clone, Serialize, Deserialize)]
-pub struct Setup {
+pub struct ProbeTask {
     pub fmu: PathBuf,
     /// Whether it keeps the user's working directory.
     pub here: bool,
@@ -48,12 +48,12 @@ pub struct Setup {
     /// One row is kept of so many steps.
     pub every: u64,
     /// Where a simulation ends early, with what is kept of it.
-    pub end: End,
+    pub end: StopAfter,
 }
 
 /// An end of a simulation before its stop time, which is no failure.
 #[derive(Clone, Default, Serialize, Deserialize)]
-pub struct End {
+pub struct StopAfter {
     /// After so many steps.
     pub steps: Option<u64>,
     /// After so long.
@@ -62,7 +62,7 @@ pub struct End {
 
 /// What a probe tells.
 #[derive(Serialize, Deserialize)]
-pub enum Told {
+pub enum ProbeNews {
     /// What comes next.
     Stage(String),
     /// What has been seen so far.
@@ -101,7 +101,7 @@ pub struct Run {
 
 /// Runs the probe that a text describes.
 pub fn serve(package: &mut Package, setup: &[u8], tell: &mut dyn FnMut(Vec<u8>)) {
-    let setup: Setup = read(setup).expect("this program has written it");
+    let setup: ProbeTask = read(setup).expect("this program has written it");
     let mut probe = Probe {
         report: Report::default(),
         setup: &setup,
@@ -120,7 +120,7 @@ pub fn serve(package: &mut Package, setup: &[u8], tell: &mut dyn FnMut(Vec<u8>))
 
 struct Probe<'a> {
     report: Report,
-    setup: &'a Setup,
+    setup: &'a ProbeTask,
     schedule: Schedule,
     /// By which the functions are called that its notes name.
     version: Version,
@@ -137,12 +137,12 @@ struct Live {
 impl Probe<'_> {
     /// Tells what comes next.
     fn at(&mut self, stage: &str) {
-        (self.tell)(bytes(&Told::Stage(stage.replace(Version::Two.prefix(), self.version.prefix()))));
+        (self.tell)(bytes(&ProbeNews::Stage(stage.replace(Version::Two.prefix(), self.version.prefix()))));
     }
 
     /// Tells what has been seen so far.
     fn save(&mut self) {
-        (self.tell)(bytes(&Told::Report(self.report.clone())));
+        (self.tell)(bytes(&ProbeNews::Report(self.report.clone())));
     }
 
     fn live(&mut self, library: &Arc<Library>) {
@@ -246,7 +246,7 @@ impl Probe<'_> {
     /// Takes all steps, of several instances in turn.
     fn steps(&mut self, lives: &mut [&mut Live]) {
         let points = self.schedule.points();
-        let Setup { every, end, .. } = self.setup;
+        let ProbeTask { every, end, .. } = self.setup;
         let (count, begun) = (end.steps.unwrap_or(u64::MAX).min(points.steps), Instant::now());
         for index in 0..count {
             let (time, next) = (points.at(index), points.at(index + 1));
@@ -300,7 +300,7 @@ impl Probe<'_> {
 }
 
 /// Adds a row.
-fn note(instance: &mut Instance, setup: &Setup, time: f64, run: &mut Run) -> Called {
+fn note(instance: &mut Instance, setup: &ProbeTask, time: f64, run: &mut Run) -> Called {
     let folder = setup.fmu.to_string_lossy();
     let row = setup.columns.iter().map(|column| {
         Ok(match instance.value(*column)? {

@@ -14,7 +14,7 @@ use crate::{
     conditions::Conditions,
     experiment,
     hit::{Breach, breach},
-    probe::{End, Life, Run, Setup},
+    probe::{Life, ProbeTask, Run, StopAfter},
     simulated,
 };
 use fmu_import::{Description, Package, Variable, isolation::watch::Snapshot};
@@ -28,7 +28,7 @@ const FILLS: [u8; 2] = [0x55, 0xaa];
 pub struct Probes<'a> {
     fmu: &'a Description,
     columns: Vec<&'a Variable>,
-    setup: Setup,
+    setup: ProbeTask,
     patience: Duration,
     /// The FMU as the user gave it, and its unpacked files as they were at first.
     original: &'a Path,
@@ -43,7 +43,7 @@ impl<'a> Probes<'a> {
     pub fn new(package: &'a Package, unpacked: &Path, scratch: &'a Path, conditions: &Conditions) -> io::Result<Self> {
         let fmu = package.description();
         let columns = experiment::columns(fmu);
-        let setup = Setup {
+        let setup = ProbeTask {
             fmu: std::path::absolute(unpacked)?,
             here: working_directory::is_kept(fmu, []) || working_directory::is_named_among(&conditions.set),
             life: Life::Alone,
@@ -52,7 +52,7 @@ impl<'a> Probes<'a> {
             set: conditions.set.clone(),
             changed: experiment::changed(fmu),
             every: 1,
-            end: End::default(),
+            end: StopAfter::default(),
         };
         Ok(Self {
             fmu,
@@ -69,7 +69,7 @@ impl<'a> Probes<'a> {
     fn run(&mut self, life: Life, fill: Option<u8>, patience: Duration) -> io::Result<Outcome> {
         let fresh = self.fresh_folder()?;
         let fmu = fresh.as_ref().map_or(&*self.setup.fmu, TempDir::path);
-        let setup = Setup { life, fmu: fmu.to_owned(), ..self.setup.clone() };
+        let setup = ProbeTask { life, fmu: fmu.to_owned(), ..self.setup.clone() };
         child::run(&setup, self.scratch, patience, fill)
     }
 
@@ -227,14 +227,14 @@ impl<'a> Probes<'a> {
 
     /// Whether the values depend on the second at which they are computed, on the path, or now and then on chance: those of another
     /// copy of the FMU in another working directory, again and again until more than a second has passed.
-    fn late(&mut self, whole: &Run, since: Instant, first: Setup) -> io::Result<Option<Breach>> {
+    fn late(&mut self, whole: &Run, since: Instant, first: ProbeTask) -> io::Result<Option<Breach>> {
         const LATER: Duration = Duration::from_millis(1100);
         // One that leaves something in its folder finds it there.
         if self.changed_file().is_some() {
             sleep(LATER.saturating_sub(since.elapsed()));
         }
         let copy = self.another_folder()?;
-        let setup = Setup { fmu: copy.path().to_owned(), ..first };
+        let setup = ProbeTask { fmu: copy.path().to_owned(), ..first };
         let room = tempfile::tempdir_in(self.scratch)?;
         loop {
             let is_last = since.elapsed() >= LATER;
@@ -335,7 +335,7 @@ impl<'a> Probes<'a> {
         let taken = if reached < stop { self.setup.every * (coarse.rows.len() as u64 - 1) } else { steps };
         self.setup.schedule.step /= 2.0;
         self.setup.every *= 2;
-        self.setup.end = End { steps: Some(2 * taken), time: None };
+        self.setup.end = StopAfter { steps: Some(2 * taken), time: None };
         let finer = self.later(Life::Alone, None)?;
         let finer = match sound(&finer, 1) {
             Err(text) => {

@@ -21,8 +21,8 @@ pub(crate) use events::check_end;
 pub use events::{Events, Until, events, indicators};
 pub use faults::faults;
 pub use variable::{
-    Access, Base, DisplayUnit, Enumeration, Item, Kind, Quantity, Role, Unit, Variable, check_fixed, check_ranges,
-    elements,
+    Access, BaseExponents, DisplayUnit, Enumeration, Item, Kind, Quantity, Role, Unit, Variable, check_fixed,
+    check_ranges, elements,
 };
 pub(crate) use variable::{inside, named};
 

@@ -3,11 +3,11 @@
 //! A unit that is missing here is made in the same way:
 //!
 //! ```
-//! use fmu_export::model::{Base, DisplayUnit, Unit};
+//! use fmu_export::model::{BaseExponents, DisplayUnit, Unit};
 //!
 //! const VOLT: Unit = Unit {
 //!     name: "V",
-//!     base: Base { kg: 1, m: 2, s: -3, a: -1, ..Base::ONE },
+//!     base: BaseExponents { kg: 1, m: 2, s: -3, a: -1, ..BaseExponents::ONE },
 //!     display: &[DisplayUnit { name: "mV", factor: 1e3, offset: 0.0 }],
 //!     relative: false,
 //! };
@@ -15,7 +15,7 @@
 
 use std::f64::consts::PI;
 
-use crate::model::{Base, DisplayUnit, Unit};
+use crate::model::{BaseExponents, DisplayUnit, Unit};
 
 const fn scaled(name: &'static str, factor: f64) -> DisplayUnit {
     DisplayUnit { name, factor, offset: 0.0 }
@@ -26,7 +26,7 @@ macro_rules! units {
         $($(#[$doc])* pub const $id: Unit = Unit {
             name: $name,
             #[allow(clippy::needless_update)]
-            base: Base { $($base: $exponent,)* ..Base::ONE },
+            base: BaseExponents { $($base: $exponent,)* ..BaseExponents::ONE },
             display: &[$($display),*],
             relative: false,
         };)*

@@ -3,7 +3,9 @@
 
 use fmu_export::declare::{input, output, parameter, tunable, variable};
 use fmu_export::description::{Interface, Version, fingerprint, token, xml};
-use fmu_export::model::{Base, Events, Experiment, Fault, Info, Kind, Log, Model, Role, Unit, Variable, faults};
+use fmu_export::model::{
+    BaseExponents, Events, Experiment, Fault, Info, Kind, Log, Model, Role, Unit, Variable, faults,
+};
 use fmu_export::{field, text, units};
 use lag::Lag;
 use serde::{Deserialize, Serialize};
@@ -25,8 +27,12 @@ fn a_guid_has_the_usual_form() {
     assert_eq!(token(1), "{00000000-0000-0000-0000-000000000001}");
 }
 
-const HENRY: Unit =
-    Unit { name: "H", base: Base { kg: 1, m: 2, s: -2, a: -2, ..Base::ONE }, display: &[], relative: false };
+const HENRY: Unit = Unit {
+    name: "H",
+    base: BaseExponents { kg: 1, m: 2, s: -2, a: -2, ..BaseExponents::ONE },
+    display: &[],
+    relative: false,
+};
 
 /// A model whose description says something of everything.
 #[derive(Clone, Default, Serialize, Deserialize)]
@@ -134,7 +140,7 @@ impl Default for Odd {
     }
 }
 
-const ODD_SECOND: Unit = Unit { base: Base::ONE, ..units::SECOND };
+const ODD_SECOND: Unit = Unit { base: BaseExponents::ONE, ..units::SECOND };
 
 static ODD: [Variable<Odd>; 5] = [
     parameter("value", &units::SECOND, field!(Odd: value), "Out of range").within(0.0, 1.0),

@@ -63,12 +63,12 @@ pub struct Call {
     /// Where the FMU has ended the simulation by itself, which the standard allows: in FMI 2.0 it has refused the step
     /// (`fmi2Discard`) and said that it wants no further one (`fmi2Terminated`), in FMI 3.0 it has said
     /// `terminateSimulation`.
-    pub ended: Option<End>,
+    pub ended: Option<EarlyEnd>,
 }
 
 /// How far an FMU got that ended the simulation by itself.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct End {
+pub struct EarlyEnd {
     /// When its last step began, s.
     pub from: f64,
     /// The time that it reached, s.

@@ -10,7 +10,7 @@ use crate::{
 
 /// The functions that have the same signature in every version.
 #[derive(Clone, Copy, Debug)]
-pub struct Common {
+pub struct CommonFunctions {
     pub get_version: Function<Text>,
     free_instance: Function<unsafe extern "C" fn(Component)>,
     exit_initialization_mode: Function<Plain>,
@@ -18,7 +18,7 @@ pub struct Common {
     reset: Function<Plain>,
 }
 
-impl Common {
+impl CommonFunctions {
     /// Finds them in a loaded binary.
     pub fn find(symbols: &Symbols) -> Result<Self, LibraryError> {
         Ok(Self {
@@ -33,13 +33,13 @@ impl Common {
 
 /// A component, with the functions that every version has and the importer's side of its calls.
 #[derive(Debug)]
-pub struct Base {
+pub struct ComponentBase {
     pub component: Component,
-    pub common: Common,
+    pub common: CommonFunctions,
     pub caller: Caller,
 }
 
-impl Base {
+impl ComponentBase {
     /// Lets the FMU tell its errors and warnings, where it has categories for them. What it answers does not matter:
     /// without it there are fewer messages. `log` gets the number of categories and their names.
     pub fn hear<F: Copy>(

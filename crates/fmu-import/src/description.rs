@@ -219,7 +219,7 @@ pub struct Variable {
     pub value_reference: u32,
     /// Its place in FMI 3.0.
     #[serde(flatten)]
-    pub place: Option<Place>,
+    pub place: Option<StoragePlace>,
     /// One sentence on its meaning.
     pub description: Option<String>,
     /// Its part.
@@ -236,7 +236,7 @@ pub struct Variable {
 
 /// The place of a number, text or flag in a binary of FMI 3.0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-pub struct Place {
+pub struct StoragePlace {
     /// The type under which it is stored.
     pub storage: Storage,
     /// Its number among the elements of all variables; names for the same element share it.

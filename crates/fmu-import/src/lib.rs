@@ -27,8 +27,8 @@ mod version;
 pub mod xml;
 
 pub use archive::ArchiveError;
-pub use call::{Call, Called, End, Status, Warnings};
-pub use description::{Causality, Description, Interface, Kind, Place, Remark, Variability, Variable};
+pub use call::{Call, Called, EarlyEnd, Status, Warnings};
+pub use description::{Causality, Description, Interface, Kind, Remark, StoragePlace, Variability, Variable};
 pub use instance::Instance;
 pub use library::{Library, LibraryError, percent_encoded};
 pub use package::{FmuError, FmuFault, Package, digest, sha256};

@@ -13,7 +13,7 @@ use crate::{
     archive,
     call::Called,
     caller::Caller,
-    component::Common,
+    component::CommonFunctions,
     description::{Causality, Description, ExchangeSizes, Interface, Kind, Variability, Variable},
     exchange::{self, Clocks, Exchange},
     floating_point::{Mode, within},
@@ -38,7 +38,7 @@ enum Functions {
 #[derive(Debug)]
 pub struct Library {
     functions: Functions,
-    common: Common,
+    common: CommonFunctions,
     /// Those of Model Exchange or of event mode, and what the description says of it.
     exchange: Option<(exchange::Functions, ExchangeSizes)>,
     clocks: Clocks,
@@ -90,7 +90,7 @@ impl Library {
                     Functions::Three(Arc::new(fmi3::Functions::find(&symbols, interface)?), Element::all(description))
                 }
             },
-            common: Common::find(&symbols)?,
+            common: CommonFunctions::find(&symbols)?,
             exchange: match interface {
                 Interface::CoSimulation if !description.capabilities.has_event_mode => None,
                 Interface::CoSimulation => exchange::Functions::find(&symbols, interface).ok(),

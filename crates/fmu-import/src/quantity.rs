@@ -71,12 +71,12 @@ pub struct Scale<'a> {
     is_stated: bool,
     /// From the study's unit to the variable's.
     pub conversion: Conversion,
-    base: Base<'a>,
+    base: ScaleTarget<'a>,
 }
 
 /// That to which a scale converts.
 #[derive(Clone, Copy, Debug)]
-enum Base<'a> {
+enum ScaleTarget<'a> {
     /// A variable's unit.
     Variable(&'a Description, &'a Variable),
     /// Seconds or hertz.
@@ -119,7 +119,7 @@ impl<'a> Scale<'a> {
             unit: unit.or(variable.unit()).map(str::to_owned),
             is_stated: unit.is_some(),
             conversion,
-            base: Base::Variable(fmu, variable),
+            base: ScaleTarget::Variable(fmu, variable),
         })
     }
 
@@ -132,7 +132,7 @@ impl<'a> Scale<'a> {
             unit: Some(unit.unwrap_or(si_unit).to_owned()),
             is_stated: unit.is_some(),
             conversion: unit.map_or(Ok(Conversion::IDENTITY), |unit| to_own(unit, si_unit))?,
-            base: Base::Own(si_unit),
+            base: ScaleTarget::Own(si_unit),
         })
     }
 
@@ -142,7 +142,7 @@ impl<'a> Scale<'a> {
             unit: unit.map(str::to_owned),
             is_stated: unit.is_some(),
             conversion: Conversion::IDENTITY,
-            base: Base::Unknown,
+            base: ScaleTarget::Unknown,
         }
     }
 
@@ -193,9 +193,11 @@ impl<'a> Scale<'a> {
             return Ok(Conversion::IDENTITY);
         }
         let to_base = match self.base {
-            Base::Variable(fmu, variable) => fmu.conversion(unit, variable).map_err(|error| error.to_string())?,
-            Base::Own(si_unit) => to_own(unit, si_unit)?,
-            Base::Unknown => {
+            ScaleTarget::Variable(fmu, variable) => {
+                fmu.conversion(unit, variable).map_err(|error| error.to_string())?
+            }
+            ScaleTarget::Own(si_unit) => to_own(unit, si_unit)?,
+            ScaleTarget::Unknown => {
                 let target = self.unit.as_deref().unwrap_or("no unit");
                 return Err(format!("unit `{unit}` cannot be converted to {target} without the FMU, which is missing"));
             }

@@ -5,7 +5,7 @@ use std::{fmt::Debug, path::PathBuf};
 use crate::{
     call::{Call, Called},
     caller::Caller,
-    component::{Base, Common},
+    component::{CommonFunctions, ComponentBase},
     description::Interface,
     symbols::Component,
     value::{Handle, Value},
@@ -39,12 +39,18 @@ pub struct Birth {
 
 impl Birth {
     /// What `function` has created. Where that is nothing, the FMU says why, or else the likely cause.
-    pub fn base(&self, component: Component, common: Common, caller: Caller, function: &'static str) -> Called<Base> {
+    pub fn base(
+        &self,
+        component: Component,
+        common: CommonFunctions,
+        caller: Caller,
+        function: &'static str,
+    ) -> Called<ComponentBase> {
         if component.0.is_null() {
             let why = caller.log.last().unwrap_or_else(|| self.likely_cause());
             return Err(Call::impossible(function, why));
         }
-        Ok(Base { component, common, caller })
+        Ok(ComponentBase { component, common, caller })
     }
 
     fn likely_cause(&self) -> String {
@@ -126,9 +132,9 @@ pub trait Simulation: Debug + Send {
         (batch.times.len(), Ok(()))
     }
     /// The component with what every version can do.
-    fn base(&self) -> &Base;
+    fn base(&self) -> &ComponentBase;
     /// The same, for calls.
-    fn base_mut(&mut self) -> &mut Base;
+    fn base_mut(&mut self) -> &mut ComponentBase;
     /// Goes back to the state after the creation.
     fn reset(&mut self) -> Called {
         self.base_mut().reset()

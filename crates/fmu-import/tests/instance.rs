@@ -8,7 +8,7 @@ use std::process::Command;
 use std::sync::Arc;
 
 use fmu_import::archive::PLATFORM;
-use fmu_import::{Call, Content, End, Handle, Instance, Library, Package, Status, Value};
+use fmu_import::{Call, Content, EarlyEnd, Handle, Instance, Library, Package, Status, Value};
 use tempfile::TempDir;
 
 const DESCRIPTION: &str = r#"<fmiModelDescription fmiVersion="2.0" modelName="Counter" guid="c">
@@ -100,7 +100,7 @@ fn an_fmu_may_end_the_simulation() {
         let (mut instance, step) = whimsical(whim);
         let call = step.unwrap_err();
         assert_eq!(call.status, Status::Discard);
-        assert_eq!(call.ended, Some(End { from: 0.0, at }), "{whim}");
+        assert_eq!(call.ended, Some(EarlyEnd { from: 0.0, at }), "{whim}");
         instance.terminate().unwrap();
     }
     // A step that is only refused is no end.

@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use fmu_import::{Causality, Package};
 use fmu_points::task::{Probe, Schedule, Slot, Statistic, Task};
-use fmu_points::{Crew, Isolation, Limits, Place, stop};
+use fmu_points::{Crew, Isolation, PointLimits, WorkerSite, stop};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     // The processes in which the FMU runs are this program once more.
@@ -31,7 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let points: Vec<_> = (0..100).map(|k| vec![start * (0.9 + 0.002 * f64::from(k))]).collect();
     let (time, memory) = (Duration::from_secs(60), 2 << 30);
-    let place = Place::Processes(Limits { time, memory }, Isolation::Fresh);
+    let place = WorkerSite::Processes(PointLimits { time, memory }, Isolation::Fresh);
     let scratch = stop::scratch()?;
     let crew = Crew::new(&mut package, place, scratch.path(), 2)?;
     for (point, answer) in points.iter().zip(crew.answers(&task, &points)?) {

@@ -10,11 +10,11 @@ use std::{
 use crate::{
     conduct::Conduct,
     ground::Ground,
-    isolated::{Common, Isolated},
+    isolated::{CrewState, Isolated},
     isolation::Isolation,
     launcher::Launcher,
     local::Local,
-    points::{Answer, Event, Job, Limits, RunError, Worker},
+    points::{Event, Job, PointLimits, PointResult, RunError, Worker},
     pool,
     remote::Remote,
     task::{Case, Task},
@@ -25,31 +25,31 @@ use fmu_import::{FmuError, Library, Package};
 
 /// Where points are run.
 #[derive(Clone, Debug)]
-pub enum Place {
+pub enum WorkerSite {
     /// In this process.
     Here,
     /// In processes of their own, within limits.
-    Processes(Limits, Isolation),
+    Processes(PointLimits, Isolation),
     /// The same on other machines.
-    Elsewhere(Limits, Isolation, Launcher),
+    Elsewhere(PointLimits, Isolation, Launcher),
 }
 
 /// Starts workers for one FMU.
 #[derive(Debug)]
 pub struct Crew {
-    way: Way,
+    way: WorkerSource,
     size: usize,
     isolation: Isolation,
 }
 
 #[derive(Debug)]
-enum Way {
+enum WorkerSource {
     Here(Arc<Library>),
     Processes {
-        common: Arc<Common>,
+        common: Arc<CrewState>,
         /// Whether a start value names a file in the working directory, so that points need that directory.
         here: bool,
-        limits: Limits,
+        limits: PointLimits,
     },
     Elsewhere(Arc<Team>),
 }
@@ -59,24 +59,24 @@ impl Crew {
     ///
     /// # Errors
     /// When the FMU cannot be unpacked or loaded.
-    pub fn new(package: &mut Package, place: Place, scratch: &Path, jobs: usize) -> Result<Self, FmuError> {
+    pub fn new(package: &mut Package, place: WorkerSite, scratch: &Path, jobs: usize) -> Result<Self, FmuError> {
         let capabilities = package.description().capabilities;
         let (tool, company) = (capabilities.needs_execution_tool, jobs > 1);
         let once = capabilities.can_be_instantiated_only_once_per_process;
         let (way, size, isolation) = match place {
-            Place::Here => {
+            WorkerSite::Here => {
                 let size = if once { 1 } else { jobs };
-                (Way::Here(package.load()?), size, Isolation::None)
+                (WorkerSource::Here(package.load()?), size, Isolation::None)
             }
-            Place::Elsewhere(limits, isolation, launcher) => {
+            WorkerSite::Elsewhere(limits, isolation, launcher) => {
                 let size = launcher.slots();
-                (Way::Elsewhere(Arc::new(Team::new(package, launcher, limits, isolation)?)), size, isolation)
+                (WorkerSource::Elsewhere(Arc::new(Team::new(package, launcher, limits, isolation)?)), size, isolation)
             }
-            Place::Processes(limits, isolation) => {
+            WorkerSite::Processes(limits, isolation) => {
                 let unpacked = package.unpack(scratch)?;
                 let ground = Ground::new(unpacked, package.path(), scratch);
-                let way = Way::Processes {
-                    common: Arc::new(Common::new(ground, isolation == Isolation::Shared, tool, company)),
+                let way = WorkerSource::Processes {
+                    common: Arc::new(CrewState::new(ground, isolation == Isolation::Shared, tool, company)),
                     here: working_directory::named_by(package.description()),
                     limits,
                 };
@@ -93,7 +93,7 @@ impl Crew {
     ///
     /// # Panics
     /// When a point has not as many values as the task has varied variables.
-    pub fn answers(&self, task: &Task, points: &[Vec<f64>]) -> Result<Vec<Answer>, RunError> {
+    pub fn answers(&self, task: &Task, points: &[Vec<f64>]) -> Result<Vec<PointResult>, RunError> {
         let mut answers = vec![None; points.len()];
         let job = |index: u64| Job { index, values: points[index as usize].clone() };
         let mut workers = self.workers(&[Case::only(task.clone())]);
@@ -114,9 +114,9 @@ impl Crew {
     /// How its points are computed, as far as that is known without running any again.
     pub fn conduct(&self) -> Conduct {
         let changed_file = match &self.way {
-            Way::Here(_) => None,
-            Way::Processes { common, .. } => common.ground.changed(),
-            Way::Elsewhere(team) => team.changed(),
+            WorkerSource::Here(_) => None,
+            WorkerSource::Processes { common, .. } => common.ground.changed(),
+            WorkerSource::Elsewhere(team) => team.changed(),
         };
         Conduct { isolation: self.isolation, changed_file, ..Conduct::default() }
     }
@@ -124,16 +124,16 @@ impl Crew {
     /// Gives each point an unpacked FMU of its own from the beginning, since it was found that the FMU changes this file.
     pub fn part(&self, changed: &str) {
         match &self.way {
-            Way::Here(_) => {}
-            Way::Processes { common, .. } => common.ground.know(changed),
-            Way::Elsewhere(team) => team.know(changed),
+            WorkerSource::Here(_) => {}
+            WorkerSource::Processes { common, .. } => common.ground.know(changed),
+            WorkerSource::Elsewhere(team) => team.know(changed),
         }
     }
 
     /// How many points each host has answered, where there are several.
     pub fn answered(&self) -> BTreeMap<String, u64> {
         match &self.way {
-            Way::Elsewhere(team) => team.answered(),
+            WorkerSource::Elsewhere(team) => team.answered(),
             _ => BTreeMap::new(),
         }
     }
@@ -141,7 +141,7 @@ impl Crew {
     /// The host that answered a point last, where there are several; it is asked for once.
     pub fn take_host(&self, index: u64) -> Option<String> {
         match &self.way {
-            Way::Elsewhere(team) => team.take_host(index),
+            WorkerSource::Elsewhere(team) => team.take_host(index),
             _ => None,
         }
     }
@@ -151,23 +151,23 @@ impl Crew {
     /// process.
     pub fn again(&self, cases: &[Case], but: Option<&str>) -> Option<Box<dyn Worker>> {
         match &self.way {
-            Way::Here(_) => None,
-            Way::Elsewhere(team) => Some(Box::new(Remote::again(team, cases, but))),
-            Way::Processes { .. } => Some(self.isolated(cases, true)),
+            WorkerSource::Here(_) => None,
+            WorkerSource::Elsewhere(team) => Some(Box::new(Remote::again(team, cases, but))),
+            WorkerSource::Processes { .. } => Some(self.isolated(cases, true)),
         }
     }
 
     /// One worker.
     pub fn worker(&self, cases: &[Case]) -> Box<dyn Worker> {
         match &self.way {
-            Way::Here(library) => Box::new(Local::new(library, cases)),
-            Way::Elsewhere(team) => Box::new(Remote::new(team, None, cases)),
-            Way::Processes { .. } => self.isolated(cases, false),
+            WorkerSource::Here(library) => Box::new(Local::new(library, cases)),
+            WorkerSource::Elsewhere(team) => Box::new(Remote::new(team, None, cases)),
+            WorkerSource::Processes { .. } => self.isolated(cases, false),
         }
     }
 
     fn isolated(&self, cases: &[Case], again: bool) -> Box<dyn Worker> {
-        let Way::Processes { common, here, limits } = &self.way else {
+        let WorkerSource::Processes { common, here, limits } = &self.way else {
             unreachable!("only asked where points run in processes here");
         };
         let here = *here || cases.iter().any(|case| working_directory::is_named_in(&case.task));
@@ -178,7 +178,7 @@ impl Crew {
     pub fn workers(&self, cases: &[Case]) -> Vec<Box<dyn Worker>> {
         (0..self.size)
             .map(|number| match &self.way {
-                Way::Elsewhere(team) => Box::new(Remote::new(team, Some(number), cases)),
+                WorkerSource::Elsewhere(team) => Box::new(Remote::new(team, Some(number), cases)),
                 _ => self.worker(cases),
             })
             .collect()

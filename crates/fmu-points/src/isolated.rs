@@ -21,7 +21,7 @@ use crate::{
     ground::Ground,
     licences::{Licences, Wait},
     locked::locked,
-    points::{Event, Job, Limits, Post, RunError, Worker, is_same},
+    points::{Event, Job, PointLimits, Post, RunError, Worker, is_same},
     process::{Gone, Process},
     quiet::Quiet,
     room::Room,
@@ -39,7 +39,7 @@ const PAUSES: [Duration; 3] = [Duration::from_millis(50), Duration::from_millis(
 
 /// What the workers of a run share.
 #[derive(Debug)]
-pub struct Common {
+pub struct CrewState {
     pub ground: Ground,
     /// Whether the user wants points to share processes.
     pub shared: bool,
@@ -65,7 +65,7 @@ enum Start {
     New,
 }
 
-impl Common {
+impl CrewState {
     pub fn new(ground: Ground, shared: bool, tool: bool, company: bool) -> Self {
         Self {
             ground,
@@ -82,7 +82,7 @@ impl Common {
 /// A worker with processes of its own.
 #[derive(Debug)]
 pub struct Isolated {
-    common: Arc<Common>,
+    common: Arc<CrewState>,
     /// Where points find nothing but themselves; none until the first one comes.
     room: Option<Arc<Room>>,
     /// Whether points keep the user's working directory.
@@ -103,7 +103,7 @@ pub struct Isolated {
 impl Isolated {
     /// A worker; with `again`, its points run in new processes whose unwritten memory holds other bytes, from another
     /// copy of the unpacked FMU.
-    pub fn new(common: &Arc<Common>, here: bool, cases: &[Case], limits: Limits, again: bool) -> Self {
+    pub fn new(common: &Arc<CrewState>, here: bool, cases: &[Case], limits: PointLimits, again: bool) -> Self {
         let ground = &common.ground;
         let worker = |lasting| {
             let mut worker = Process::new(&ground.shared, &ground.name, cases, limits);
@@ -124,7 +124,7 @@ impl Isolated {
         }
     }
 
-    fn limits(&self) -> Limits {
+    fn limits(&self) -> PointLimits {
         self.loading.setup.limits
     }
 

@@ -29,7 +29,7 @@ pub fn case_of(index: u64, cases: usize) -> usize {
 
 /// The part of a case in the results of a point.
 #[derive(Clone, Debug)]
-pub struct Part {
+pub struct CasePart {
     /// The case's name.
     name: String,
     /// How many results it has.
@@ -37,17 +37,17 @@ pub struct Part {
 }
 
 /// The parts of all cases.
-pub fn parts(cases: &[Case]) -> Vec<Part> {
+pub fn parts(cases: &[Case]) -> Vec<CasePart> {
     cases
         .iter()
-        .map(|case| Part { name: case.name.clone().unwrap_or_default(), results: case.task.observed.len() })
+        .map(|case| CasePart { name: case.name.clone().unwrap_or_default(), results: case.task.observed.len() })
         .collect()
 }
 
 /// The simulations of points that are not complete yet.
 #[derive(Debug)]
 pub struct Join {
-    cases: Vec<Part>,
+    cases: Vec<CasePart>,
     open: BTreeMap<u64, Vec<Option<Reply>>>,
 }
 
@@ -77,7 +77,7 @@ impl Join {
 
 /// The outcome of a point: that of its only case; or else the results of all cases, or the failure of the first one of the
 /// gravest kind.
-pub fn joined(cases: &[Part], mut outcomes: Vec<Outcome>) -> Outcome {
+pub fn joined(cases: &[CasePart], mut outcomes: Vec<Outcome>) -> Outcome {
     if outcomes.len() == 1 {
         return outcomes.remove(0);
     }

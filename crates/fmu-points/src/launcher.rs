@@ -88,26 +88,26 @@ impl Launcher {
     }
 
     /// The places of all workers: of each host one first, so that few points are spread over many.
-    pub(crate) fn places(&self) -> Vec<Place> {
+    pub(crate) fn places(&self) -> Vec<RemoteAddress> {
         let most = self.hosts.iter().map(|host| host.slots).max().unwrap_or(0);
         (0..most)
             .flat_map(|round| self.hosts.iter().filter(move |host| host.slots > round).map(|host| self.place(host)))
             .collect()
     }
 
-    fn place(&self, host: &Host) -> Place {
+    fn place(&self, host: &Host) -> RemoteAddress {
         let name = host.name.clone();
         let words = self.words.iter().map(|word| match &name {
             Some(name) => word.replace(HOST, name),
             None => word.clone(),
         });
-        Place { words: words.collect(), name, slots: host.slots }
+        RemoteAddress { words: words.collect(), name, slots: host.slots }
     }
 }
 
 /// Where one worker is started.
 #[derive(Clone, Debug)]
-pub struct Place {
+pub struct RemoteAddress {
     words: Vec<String>,
     /// The host's name, where the user gave it.
     pub name: Option<String>,
@@ -115,7 +115,7 @@ pub struct Place {
     pub slots: usize,
 }
 
-impl Place {
+impl RemoteAddress {
     /// The command that starts `program` with this argument there.
     pub fn command(&self, launcher: &Launcher, argument: &str) -> Command {
         let mut command = Command::new(&self.words[0]);

@@ -6,7 +6,7 @@
 //!
 //! use fmu_import::Package;
 //! use fmu_points::task::{Probe, Schedule, Slot, Statistic, Task};
-//! use fmu_points::{Crew, Isolation, Limits, Place, stop};
+//! use fmu_points::{Crew, Isolation, PointLimits, WorkerSite, stop};
 //!
 //! fn main() -> Result<(), Box<dyn std::error::Error>> {
 //!     // The processes in which the FMU runs are this program once more.
@@ -18,8 +18,8 @@
 //!         observed: Probe::of(&fmu.variables["angle"], Statistic::Max).into_iter().collect(),
 //!         ..Task::new(Schedule::suggested(fmu))
 //!     };
-//!     let limits = Limits { time: Duration::from_secs(60), memory: 1 << 30 };
-//!     let place = Place::Processes(limits, Isolation::Fresh);
+//!     let limits = PointLimits { time: Duration::from_secs(60), memory: 1 << 30 };
+//!     let place = WorkerSite::Processes(limits, Isolation::Fresh);
 //!     let folder = stop::scratch()?;
 //!     let crew = Crew::new(&mut package, place, folder.path(), 4)?;
 //!     for answer in crew.answers(&task, &[vec![0.5], vec![1.0]])? {
@@ -91,10 +91,10 @@ pub mod working_directory;
 use std::ffi::OsString;
 
 pub use conduct::Conduct;
-pub use crew::{Crew, Place};
+pub use crew::{Crew, WorkerSite};
 pub use isolation::Isolation;
 pub use launcher::Launcher;
-pub use points::{Answer, Event, Job, Limits, Post, RunError, Simulated, Worker};
+pub use points::{Event, Job, PointLimits, PointResult, Post, RunError, Simulated, Worker};
 pub use pool::run;
 
 /// Makes this process a worker, or a worker's child, where a supervisor has started it as such, and does not return then.

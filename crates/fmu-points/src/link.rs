@@ -16,7 +16,7 @@ use fmu_import::isolation::frame::{self, Inbox};
 
 use crate::{
     dispatch::{Greeting, MAGIC, Order, Report, beat},
-    launcher::{Launcher, Place},
+    launcher::{Launcher, RemoteAddress},
     locked::locked,
     process, system,
     wire::{bytes, read},
@@ -60,7 +60,7 @@ pub struct Link {
     child: Child,
     /// Frames on their way; gone when the worker is to end.
     orders: Option<Sender<Frame>>,
-    reports: Inbox<system::Source>,
+    reports: Inbox<system::ReplyPipe>,
     ticket: u64,
     words: Words,
     patience: Duration,
@@ -69,7 +69,7 @@ pub struct Link {
 
 impl Link {
     /// Starts a worker. It has not answered yet.
-    pub fn start(place: &Place, launcher: &Launcher) -> Result<Self, String> {
+    pub fn start(place: &RemoteAddress, launcher: &Launcher) -> Result<Self, String> {
         let mut command = place.command(launcher, REMOTE);
         let mut child = system::set_apart(&mut command)
             .stdin(Stdio::piped())

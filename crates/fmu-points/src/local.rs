@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::{
-    join::{Part, joined, parts},
+    join::{CasePart, joined, parts},
     points::{Event, Job, Post, RunError, Simulated, Worker},
     runner::Runner,
     task::Case,
@@ -16,7 +16,7 @@ use fmu_import::Library;
 pub struct Local {
     /// None where there is no case.
     runner: Option<Box<Runner>>,
-    cases: Vec<Part>,
+    cases: Vec<CasePart>,
 }
 
 impl Local {

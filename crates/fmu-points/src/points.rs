@@ -26,14 +26,14 @@ pub enum RunError {
 
 /// Limits on a point's time and memory.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Limits {
+pub struct PointLimits {
     /// The longest time that a point may take.
     pub time: Duration,
     /// The most memory that its process may occupy, bytes.
     pub memory: u64,
 }
 
-impl Limits {
+impl PointLimits {
     /// No limits: for a single point, while a person is watching.
     pub const NONE: Self = Self { time: Duration::MAX, memory: u64::MAX };
 }
@@ -48,7 +48,7 @@ pub struct Job {
 }
 
 /// The results of a point in the FMU's units, or why there are none.
-pub type Answer = Result<Vec<f64>, Failure>;
+pub type PointResult = Result<Vec<f64>, Failure>;
 
 /// Whether two outcomes are results that are the same to the last bit.
 pub fn is_same<E>(one: &Result<Simulated, E>, other: &Result<Simulated, E>) -> bool {

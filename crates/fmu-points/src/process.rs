@@ -16,7 +16,7 @@ use crate::{
     failure::Failure,
     join::{Join, split},
     locked::locked,
-    points::{Job, Limits, RunError},
+    points::{Job, PointLimits, RunError},
     room::Room,
     system,
     task::Case,
@@ -92,7 +92,7 @@ pub struct Process {
 struct Running {
     child: Child,
     orders: Option<ChildStdin>,
-    replies: Inbox<system::Source>,
+    replies: Inbox<system::ReplyPipe>,
     ticket: u64,
     /// Whether it has ever answered.
     answered: bool,
@@ -100,7 +100,7 @@ struct Running {
 
 impl Process {
     /// A worker for the FMU unpacked in `fmu`, which the user calls `name`.
-    pub fn new(fmu: &Path, name: &Path, cases: &[Case], limits: Limits) -> Self {
+    pub fn new(fmu: &Path, name: &Path, cases: &[Case], limits: PointLimits) -> Self {
         let setup = Setup {
             fmu: std::path::absolute(fmu).unwrap_or_else(|_| fmu.to_owned()),
             name: name.to_owned(),
@@ -234,7 +234,7 @@ impl Running {
     }
 
     /// Waits for what is said next, or until the worker is given up.
-    fn wait(&mut self, limits: Limits, stopped: &dyn Fn() -> bool) -> Result<Said, Gone> {
+    fn wait(&mut self, limits: PointLimits, stopped: &dyn Fn() -> bool) -> Result<Said, Gone> {
         let begun = Instant::now();
         loop {
             match self.replies.arrived() {

@@ -12,7 +12,7 @@ use crate::{
     dispatch::{Order, Series},
     points::{Job, Post, RunError, Worker},
     task::Case,
-    team::{End, Lane, Team},
+    team::{Lane, OrderEnd, Team},
     working_directory,
 };
 
@@ -76,16 +76,16 @@ impl Remote {
         let order = Order::Run(jobs.to_vec(), team.changed());
         let (end, open) = team.order(&mut lane, &order, jobs, self.results(), post);
         match end {
-            End::Done(took) => {
+            OrderEnd::Done(took) => {
                 self.overhead = begun.elapsed().saturating_sub(Duration::try_from_secs_f64(took).unwrap_or_default());
                 Ok(open.into_values().collect())
             }
-            End::Stopped => {
+            OrderEnd::Stopped => {
                 // It may be at the points still.
                 team.leave(&mut lane);
                 Ok(open.into_values().collect())
             }
-            End::Lost(fault) => {
+            OrderEnd::Lost(fault) => {
                 team.fail(&mut lane, &fault)?;
                 let cost = jobs.len() == 1 && !fault.lasting;
                 let how = format!("{}: {}", lane.host, fault.how);

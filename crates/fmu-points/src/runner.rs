@@ -19,7 +19,7 @@ use crate::{
     system,
     task::{Case, Probe},
 };
-use fmu_import::{Call, Called, End, Instance, Library, Warnings};
+use fmu_import::{Call, Called, EarlyEnd, Instance, Library, Warnings};
 use gauge::Gauge;
 use scene::Scene;
 
@@ -327,7 +327,7 @@ impl Runner {
 
 /// Statistics over a window cannot be taken where the FMU ends the simulation before it.
 fn before_the_window(mut call: Call) -> Call {
-    if let Some(End { at, .. }) = call.ended {
+    if let Some(EarlyEnd { at, .. }) = call.ended {
         let message = format!("the FMU ended the simulation at {at} s, before the window of the statistics");
         call.message = Some(message);
     }

@@ -10,7 +10,7 @@ use std::{
 pub use crate::wire::{bytes, read};
 use crate::{
     failure::Failure,
-    points::{Answer, Job, Limits, RunError},
+    points::{Job, PointLimits, PointResult, RunError},
     process::{Gone, Process},
     room::Room,
     task::{Case, Task},
@@ -40,7 +40,7 @@ pub struct Recorder<'a> {
     /// Whether it has this process's working directory.
     pub here: bool,
     /// Limits of the point; the time limit is for each wait between two messages of the process.
-    pub limits: Limits,
+    pub limits: PointLimits,
     /// Whether what the FMU prints is shown on standard error.
     pub echo: bool,
 }
@@ -58,7 +58,7 @@ impl Recorder<'_> {
     ///
     /// # Errors
     /// When no process can be started, or the FMU cannot be loaded.
-    pub fn run(&self, cases: &[Case], job: &Job) -> Result<Answer, RunError> {
+    pub fn run(&self, cases: &[Case], job: &Job) -> Result<PointResult, RunError> {
         let first = self.answer(cases, job)?;
         match first {
             Ok(_) => Ok(first),
@@ -66,7 +66,7 @@ impl Recorder<'_> {
         }
     }
 
-    fn answer(&self, cases: &[Case], job: &Job) -> Result<Answer, RunError> {
+    fn answer(&self, cases: &[Case], job: &Job) -> Result<PointResult, RunError> {
         let mut answer = None;
         let mut process = self.process(cases)?;
         let run = process.run(Order::New, std::slice::from_ref(job), &|| false, &|| true, &mut |reply| {

@@ -24,11 +24,11 @@ use fmu_import::{
 };
 
 use crate::{
-    crew::{Crew, Place},
+    crew::{Crew, WorkerSite},
     dispatch::{Fault, Greeting, MAGIC, News, Order, Report, Series, Terms, beat},
     launcher::Launcher,
     locked::locked,
-    points::{Job, Limits, Post, RunError, Worker},
+    points::{Job, PointLimits, Post, RunError, Worker},
     process, scratch, stop, system,
     wire::{bytes, read},
 };
@@ -199,10 +199,10 @@ struct Station {
 }
 
 /// Gives a part of the FMU.
-type Source<'a> = &'a mut dyn FnMut() -> io::Result<Vec<u8>>;
+type FmuParts<'a> = &'a mut dyn FnMut() -> io::Result<Vec<u8>>;
 
 impl Station {
-    fn new(terms: &Terms, output: &Arc<Mutex<Output>>, source: Source) -> Result<Self, Fault> {
+    fn new(terms: &Terms, output: &Arc<Mutex<Output>>, source: FmuParts) -> Result<Self, Fault> {
         let nowhere = std::env::set_current_dir(&terms.folder)
             .err()
             .map(|error| format!("the study names a file relative to {}: {error}", terms.folder.display()));
@@ -213,8 +213,8 @@ impl Station {
         let path =
             if terms.ship { receive(scratch.path(), source).map_err(Fault::passing)? } else { terms.fmu.clone() };
         let mut package = open(&path, terms)?;
-        let place = Place::Processes(
-            Limits {
+        let place = WorkerSite::Processes(
+            PointLimits {
                 time: terms.time,
                 memory: terms.memory.unwrap_or_else(|| {
                     system::share_of_memory(
@@ -283,7 +283,7 @@ impl Station {
 }
 
 /// Writes an FMU that comes in parts, the last one empty, into a folder.
-fn receive(folder: &Path, source: Source) -> io::Result<PathBuf> {
+fn receive(folder: &Path, source: FmuParts) -> io::Result<PathBuf> {
     let path = folder.join("shipped.fmu");
     let at = |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", path.display()));
     let mut file = File::create(&path).map_err(at)?;

@@ -31,7 +31,7 @@ pub struct Task {
     /// Start values that stay as they are, by value reference.
     pub fixed: Vec<(u32, Value)>,
     /// Of an FMU made of several: when they exchange values. No communication step from outside changes that.
-    pub exchange: Option<Exchange>,
+    pub exchange: Option<InnerExchange>,
     /// The variables that take a point's values, in the order of those values.
     pub varied: Vec<Slot>,
     /// The inputs that change over time.
@@ -57,7 +57,7 @@ impl Task {
     /// Halves the communication step so many times, and with it the time between the exchanges of values inside of the FMU.
     pub fn halve_steps(&mut self, times: u32) {
         self.schedule.step *= 0.5_f64.powi(i32::try_from(times).unwrap_or(i32::MAX));
-        let Some(Exchange { reference, start }) = self.exchange else { return };
+        let Some(InnerExchange { reference, start }) = self.exchange else { return };
         let set = self.fixed.iter().find_map(|(fixed, value)| match value {
             Value::Integer(steps) if *fixed == reference => Some(*steps),
             _ => None,
@@ -73,7 +73,7 @@ impl Task {
 /// The variable of an FMU made of several that says how many of its finest steps lie between two exchanges of values inside of it.
 /// Its value is that in [`Task::fixed`], or where that has none, the FMU's own.
 #[derive(Clone, Copy, Debug, Serialize, Deserialize)]
-pub struct Exchange {
+pub struct InnerExchange {
     /// Its value reference.
     pub reference: u32,
     /// The value that it has in the FMU, where that states one.
@@ -248,7 +248,7 @@ mod exchange_tests {
     fn steps_inside_are_halved_with_those_outside() {
         let schedule = Schedule { start: 0.0, stop: 8.0, step: 0.8, window_start: 0.0, leap: false, tolerance: None };
         let other = (8, Value::Real(1.0));
-        let exchange = |start| Some(Exchange { reference: 7, start });
+        let exchange = |start| Some(InnerExchange { reference: 7, start });
         let set = vec![(7, Value::Integer(4)), other.clone()];
         for (exchange, fixed) in [(exchange(Some(9)), set), (exchange(Some(4)), vec![other.clone()])] {
             for (times, steps) in [(1, 2), (2, 1), (40, 1), (200, 1)] {

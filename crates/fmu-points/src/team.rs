@@ -19,10 +19,10 @@ use crate::{
     dispatch::{Fault, Greeting, Order, Report, Terms},
     failure::Failure,
     isolation::Isolation,
-    launcher::{Launcher, Place},
+    launcher::{Launcher, RemoteAddress},
     link::{Cut, Link},
     locked::locked,
-    points::{Event, Job, Limits, Post, RunError},
+    points::{Event, Job, PointLimits, Post, RunError},
     working_directory,
 };
 
@@ -71,7 +71,7 @@ struct State {
 /// The place of one worker, which is started there again when it is lost.
 #[derive(Debug)]
 pub struct Lane {
-    place: Place,
+    place: RemoteAddress,
     pub link: Option<Link>,
     /// The host as the user knows it.
     pub host: String,
@@ -85,7 +85,7 @@ pub struct Lane {
 }
 
 /// How an order ended.
-pub enum End {
+pub enum OrderEnd {
     /// All is done; how long the worker took for it, s.
     Done(f64),
     Stopped,
@@ -94,7 +94,12 @@ pub enum End {
 
 impl Team {
     /// Workers for an FMU; none is started yet.
-    pub fn new(package: &Package, launcher: Launcher, limits: Limits, isolation: Isolation) -> Result<Self, FmuError> {
+    pub fn new(
+        package: &Package,
+        launcher: Launcher,
+        limits: PointLimits,
+        isolation: Isolation,
+    ) -> Result<Self, FmuError> {
         let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         let places = launcher.places();
         let terms = Terms {
@@ -320,9 +325,9 @@ impl Team {
         jobs: &[Job],
         results: usize,
         post: &mut Post,
-    ) -> (End, BTreeMap<u64, Job>) {
+    ) -> (OrderEnd, BTreeMap<u64, Job>) {
         let mut open: BTreeMap<u64, Job> = jobs.iter().map(|job| (job.index, job.clone())).collect();
-        let Some(link) = &mut lane.link else { return (End::Stopped, open) };
+        let Some(link) = &mut lane.link else { return (OrderEnd::Stopped, open) };
         link.order(order);
         let end = loop {
             let news = match link.wait(post.stopped) {
@@ -330,16 +335,16 @@ impl Team {
                 Ok(Report::Done(changed, took)) => {
                     changed.iter().for_each(|changed| self.know(changed));
                     break match open.len() {
-                        0 => End::Done(took),
-                        left => End::Lost(Fault::lasting(format!("it left {left} points without an answer"))),
+                        0 => OrderEnd::Done(took),
+                        left => OrderEnd::Lost(Fault::lasting(format!("it left {left} points without an answer"))),
                     };
                 }
-                Ok(Report::Unable(fault)) => break End::Lost(fault),
+                Ok(Report::Unable(fault)) => break OrderEnd::Lost(fault),
                 Ok(_) => {
-                    break End::Lost(Fault::passing("it answers what was not asked"));
+                    break OrderEnd::Lost(Fault::passing("it answers what was not asked"));
                 }
-                Err(Cut::Stopped) => break End::Stopped,
-                Err(Cut::Lost(how)) => break End::Lost(Fault::passing(how)),
+                Err(Cut::Stopped) => break OrderEnd::Stopped,
+                Err(Cut::Lost(how)) => break OrderEnd::Lost(Fault::passing(how)),
             };
             let mut wrong = None;
             for news in news {
@@ -360,7 +365,7 @@ impl Team {
                 post.send(event);
             }
             if let Some(how) = wrong {
-                break End::Lost(Fault::lasting(how));
+                break OrderEnd::Lost(Fault::lasting(how));
             }
         };
         let answered = jobs.len() - open.len();

@@ -12,7 +12,7 @@ use crate::{
     as_json,
     failure::Failure,
     notices::Notices,
-    points::{Job, Limits, Simulated},
+    points::{Job, PointLimits, Simulated},
     task::Case,
 };
 
@@ -32,7 +32,7 @@ pub struct Setup {
     /// The simulations of a point. Those of several cases are ordered one by one: see [`join`](crate::join).
     pub cases: Vec<Case>,
     /// How long a point may take, and how much memory.
-    pub limits: Limits,
+    pub limits: PointLimits,
     /// The number that marks all further frames.
     pub ticket: u64,
     /// The byte that fills memory which the FMU has not written; none for memory as it comes.

@@ -15,7 +15,7 @@ use crate::{
     birth,
     child::{self, Estate},
     failure::Failure,
-    points::{Job, Limits},
+    points::{Job, PointLimits},
     room,
     runner::Runner,
     system::{self, Streams},
@@ -400,7 +400,7 @@ fn lacks_licence(text: &str) -> bool {
 }
 
 fn bounds(setup: &Setup) -> Bounds {
-    let Limits { time, memory } = setup.limits;
+    let PointLimits { time, memory } = setup.limits;
     Bounds { time, memory }
 }
 

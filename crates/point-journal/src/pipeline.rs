@@ -18,12 +18,12 @@ use std::{
 };
 
 use crate::{Error, Finished, Journal, Note, Outcome, Result};
-use again::{Again, Known};
-use fmu_points::{Answer, Conduct, Event, Isolation, Job, Worker, crew::Crew, notices::Notices, stop, task::Case};
+use again::{Again, JobOfIndex};
+use fmu_points::{Conduct, Event, Isolation, Job, PointResult, Worker, crew::Crew, notices::Notices, stop, task::Case};
 use progress::Progress;
 
 pub use again::difference;
-pub use shard::{Part, Shard};
+pub use shard::{Shard, ShardPart};
 
 /// Points of one model in the units of the study.
 pub trait Model {
@@ -31,7 +31,7 @@ pub trait Model {
     fn values(&self, point: &[f64]) -> Vec<f64>;
 
     /// An answer of the FMU in the study's units.
-    fn outcome(&self, answer: Answer) -> Outcome;
+    fn outcome(&self, answer: PointResult) -> Outcome;
 
     /// Whether the outcome meets all criteria.
     fn is_verified(&self, outcome: &Outcome) -> bool;
@@ -70,7 +70,7 @@ impl<'a> Pipeline<'a> {
         (crew, cases): (&'a Crew, &[Case]),
         journal: Journal,
         finished: Option<Finished>,
-        part: Part,
+        part: ShardPart,
     ) -> Self {
         let expected = part.count();
         let before =
@@ -176,7 +176,7 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Chooses some of the first points `of` these that an earlier part of the run has recorded: they run again at the end.
-    fn recall(&mut self, of: Range<u64>, job: Known) -> Result {
+    fn recall(&mut self, of: Range<u64>, job: JobOfIndex) -> Result {
         let Some(finished) = self.finished.clone() else { return Ok(()) };
         let mut outcomes = finished.outcomes()?;
         for index in finished.points().filter(|index| of.contains(index)).take(again::EARLIER) {
@@ -188,7 +188,7 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Notes an event in the journal; the point that is done, if one is.
-    fn take(&mut self, event: Event, job: Known) -> Result<Option<(u64, Outcome)>> {
+    fn take(&mut self, event: Event, job: JobOfIndex) -> Result<Option<(u64, Outcome)>> {
         Ok(match event {
             Event::Answer(index, mut answer) => {
                 let result = answer.as_mut().ok();

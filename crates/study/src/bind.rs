@@ -16,7 +16,7 @@ use super::{
     values::{find, size_of, slot_of, value_of},
 };
 use fmu_import::{Content, Description, Handle, Value, Variable, quantity::Scale, units::Conversion};
-use fmu_points::task::{Exchange, Measure, MeasuredCurve, Probe, Product, Schedule, ScheduleError, Slot, Task};
+use fmu_points::task::{InnerExchange, Measure, MeasuredCurve, Probe, Product, Schedule, ScheduleError, Slot, Task};
 use sampling::{design::Joint, statistics::Statistic};
 
 /// Finds variables and checks values for one FMU.
@@ -282,13 +282,13 @@ impl Binder<'_> {
     }
 
     /// The variable by which a container of FMUs, as fmu-manipulation-toolbox makes them, multiplies its step.
-    fn exchange(&self) -> Option<Exchange> {
+    fn exchange(&self) -> Option<InnerExchange> {
         let variable = self.fmu.variables.get("container.ts_multiplier")?;
         let start = match variable.kind.start_value() {
             Some(Value::Integer(steps)) => Some(steps),
             _ => None,
         };
-        Some(Exchange { reference: variable.handle().reference, start })
+        Some(InnerExchange { reference: variable.handle().reference, start })
     }
 
     fn fixed(&self) -> Result<Vec<(u32, Value)>> {

@@ -28,7 +28,7 @@ use toml::Spanned;
 const MOST_DRAWN: f64 = 1000.0;
 
 /// The rows of a recording that count.
-struct Recorded {
+struct RecordedRows {
     curve: Curve,
     /// The expanded uncertainty of each.
     expanded: Option<Vec<f64>>,
@@ -54,7 +54,7 @@ impl Binder<'_> {
     /// Reads the measured curve.
     pub fn bind(&self) -> Result<MeasuredCurve> {
         let named = |message| self.study.error_of(self.name, message);
-        let Recorded { curve, expanded, first } = self.read()?;
+        let RecordedRows { curve, expanded, first } = self.read()?;
         let delay = self.text.delay.as_ref().map_or(Ok(0.0), seconds).map_err(named)?;
         let band = self.band(&curve, expanded.as_deref()).map_err(named)?;
         let errors = self.errors(&curve, expanded.as_deref())?;
@@ -186,7 +186,7 @@ impl Binder<'_> {
     }
 
     /// The rows that count, and the expanded uncertainty of each, in the criterion's unit.
-    fn read(&self) -> Result<Recorded> {
+    fn read(&self) -> Result<RecordedRows> {
         let reference = self.reference;
         let named = |message| self.study.error_of(self.name, message);
         let at_file = |message| self.study.error_at(&reference.file, message);
@@ -224,13 +224,13 @@ impl Binder<'_> {
     }
 
     /// The rows inside the window that the study states.
-    fn cut(&self, curve: Curve, expanded: Option<Vec<f64>>) -> Result<Recorded> {
+    fn cut(&self, curve: Curve, expanded: Option<Vec<f64>>) -> Result<RecordedRows> {
         let is_width = |width: &f64| *width >= 0.0 && width.is_finite();
         let wrong = expanded.iter().flatten().position(|width| !is_width(width));
         if let Some(row) = wrong {
             return Err(self.error_in_file(format!("row {}: the uncertainty must be 0 or more", row + 1)));
         }
-        let Some([from, to]) = self.window else { return Ok(Recorded { curve, expanded, first: 0 }) };
+        let Some([from, to]) = self.window else { return Ok(RecordedRows { curve, expanded, first: 0 }) };
         let rounding = 1e-9 * (from.abs() + to.abs());
         let window = [from - rounding, to + rounding];
         let rows = curve.rows(window);
@@ -242,7 +242,11 @@ impl Binder<'_> {
                 rows.len()
             ))
         })?;
-        Ok(Recorded { curve: cut, first: rows.start as u64, expanded: expanded.map(|widths| widths[rows].to_vec()) })
+        Ok(RecordedRows {
+            curve: cut,
+            first: rows.start as u64,
+            expanded: expanded.map(|widths| widths[rows].to_vec()),
+        })
     }
 
     /// A width at each value: a constant, or a part of the value.

@@ -2,7 +2,7 @@
 
 use super::Setting;
 use fmu_import::{
-    Causality, Description, Kind, Place, Value, Variability, Variable, bytes_of,
+    Causality, Description, Kind, StoragePlace, Value, Variability, Variable, bytes_of,
     description::Storage,
     quantity::{Quantity, Scale, Sense},
 };
@@ -115,7 +115,7 @@ fn value(fmu: &Description, variable: &Variable, setting: &Setting) -> Result<Va
             _ => Err(format!("`{text}` is neither true nor false")),
         },
         Kind::String { .. } => match variable.place {
-            Some(Place { storage: Storage::Binary, .. }) if bytes_of(&text).is_none() => {
+            Some(StoragePlace { storage: Storage::Binary, .. }) if bytes_of(&text).is_none() => {
                 Err(format!("`{text}` is not bytes as hexadecimal digits"))
             }
             _ => Ok(Value::String(text)),

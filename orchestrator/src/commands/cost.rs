@@ -8,8 +8,8 @@ use crate::{
     session::Verification,
 };
 use fmu_points::{
-    Event, Job, Limits, Post,
-    crew::{Crew, Place},
+    Event, Job, PointLimits, Post,
+    crew::{Crew, WorkerSite},
     stop,
 };
 use std::{
@@ -28,9 +28,9 @@ const ENOUGH: Duration = Duration::from_secs(3);
 pub fn of(verification: &mut Verification, means: &Means, jobs: usize) -> Result<String> {
     let scratch = stop::scratch().map_err(Error::from)?;
     let place = match means.place(jobs)? {
-        Place::Processes(limits, isolation) => {
+        WorkerSite::Processes(limits, isolation) => {
             let time = limits.time.min(PATIENCE);
-            Place::Processes(Limits { time, ..limits }, isolation)
+            WorkerSite::Processes(PointLimits { time, ..limits }, isolation)
         }
         other => other,
     };

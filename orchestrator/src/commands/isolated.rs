@@ -13,7 +13,7 @@ use crate::{
 };
 use fmu_import::{Causality, Description, Handle, Package, Value, Variable};
 use fmu_points::{
-    Answer, Job, Limits, RunError,
+    Job, PointLimits, PointResult, RunError,
     scratch::Scratch,
     single::Recorder,
     stop,
@@ -116,7 +116,7 @@ impl Isolated {
             name: &self.name,
             scratch: &self.rooms,
             here: self.named || tasks.any(working_directory::is_named_in),
-            limits: Limits::NONE,
+            limits: PointLimits::NONE,
             echo: true,
         }
     }
@@ -163,7 +163,7 @@ impl Isolated {
     }
 
     /// Simulates a point as `verify` does.
-    pub fn run(&self, cases: &[Case], job: &Job) -> Result<Answer, RunError> {
+    pub fn run(&self, cases: &[Case], job: &Job) -> Result<PointResult, RunError> {
         let silent = Recorder { echo: false, ..self.recorder(cases.iter().map(|case| &case.task)) };
         silent.run(cases, job)
     }

@@ -16,7 +16,7 @@ use crate::{
     results::{MOST_EXTRA_RUNS, summary::Run},
     session::{Request, Verification},
 };
-use fmu_points::Limits;
+use fmu_points::PointLimits;
 use point_journal::{Header, journal, lines, pipeline::folder::Earlier};
 
 pub fn run(options: &Merge) -> Result<ExitCode> {
@@ -66,7 +66,7 @@ pub fn run(options: &Merge) -> Result<ExitCode> {
         most: MOST_EXTRA_RUNS,
         dear: false,
         validation: false,
-        limits: Limits { time: Duration::from_secs(3600), memory: 16 << 30 },
+        limits: PointLimits { time: Duration::from_secs(3600), memory: 16 << 30 },
         jobs,
     };
     verify::conclude(&mut verification, output, summary, &wish, (&options.gate, options.verbose))

@@ -6,7 +6,7 @@ use super::bind::Bound;
 use crate::error::Error;
 use calibration::problem::{NoPrediction, Prediction, Query, Simulate};
 use fmu_points::{
-    Answer,
+    PointResult,
     task::{Slot, Task},
 };
 use point_journal::{
@@ -20,7 +20,7 @@ impl Model for Bound {
         point.to_vec()
     }
 
-    fn outcome(&self, answer: Answer) -> Outcome {
+    fn outcome(&self, answer: PointResult) -> Outcome {
         answer.map(|results| {
             results.iter().zip(&self.outputs).map(|(&value, conversion)| conversion.value(value)).collect()
         })

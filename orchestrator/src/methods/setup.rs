@@ -10,7 +10,7 @@ use fmu_points::{crew::Crew, task::Case};
 use point_journal::{
     Header, Lock, lines,
     pipeline::{
-        Model, Part, Pipeline,
+        Model, Pipeline, ShardPart,
         folder::{Earlier, Kept, RunFolder},
     },
 };
@@ -133,7 +133,7 @@ pub fn run<S: Source, T>(
         let crew = Crew::new(source.package(), work.means.place(work.jobs)?, kept.scratch.path(), work.jobs)?;
         let source = &*source;
         let parts = source.parts();
-        let part = Part::of(parts.request.shard, header);
+        let part = ShardPart::of(parts.request.shard, header);
         let mut pipeline = Pipeline::new(parts.model, (&crew, parts.cases), journal, finished, part);
         let told = ask(source, &mut pipeline);
         if told.is_ok() && work.ends {

@@ -20,7 +20,7 @@ use crate::{error::Error, results::Summary, session::Verification};
 use budget::Budget;
 use fmu_import::{Content, Handle, Package, Value};
 use fmu_points::{
-    Answer, Limits, RunError,
+    PointLimits, PointResult, RunError,
     failure::Failure,
     scratch::Scratch,
     single::Recorder,
@@ -41,7 +41,7 @@ pub struct Wish {
     /// Whether a run is dear, so that each kind takes one at the most.
     pub dear: bool,
     /// Limits of each run.
-    pub limits: Limits,
+    pub limits: PointLimits,
     /// How many runs at a time.
     pub jobs: usize,
 }
@@ -193,7 +193,7 @@ impl<'a> Reruns<'a> {
     }
 
     /// Runs a point as the study does.
-    fn answer(&self, cases: &[Case], values: Vec<f64>) -> Result<Answer, Halt> {
+    fn answer(&self, cases: &[Case], values: Vec<f64>) -> Result<PointResult, Halt> {
         let job = fmu_points::Job { index: 0, values };
         self.with_fmu(|fmu| Ok(self.recorder(fmu).run(cases, &job)?))
     }

@@ -10,7 +10,7 @@ mod verification;
 
 use crate::error::Result;
 use fmu_import::Package;
-use fmu_points::Answer;
+use fmu_points::PointResult;
 use point_journal::{Header, Outcome, pipeline::Model};
 use study::{Study, judge::Judge, plan::Plan, points};
 
@@ -92,7 +92,7 @@ impl Model for Session {
         values
     }
 
-    fn outcome(&self, answer: Answer) -> Outcome {
+    fn outcome(&self, answer: PointResult) -> Outcome {
         match answer {
             Ok(mut values) => {
                 self.plan.to_study(&mut values);

@@ -13,7 +13,7 @@ use fmu_points::Job;
 use number_tables::files;
 use point_journal::{
     Header, lines,
-    pipeline::{Model, Part},
+    pipeline::{Model, ShardPart},
 };
 use sampling::design::Sampling;
 
@@ -76,8 +76,8 @@ impl Verification {
     }
 
     /// The part of the points that is to be run: all, or those of the shard.
-    pub fn part(&self) -> Part {
-        Part::of(self.session.request.shard, &self.header)
+    pub fn part(&self) -> ShardPart {
+        ShardPart::of(self.session.request.shard, &self.header)
     }
 
     /// The indexes of the points to be run.

@@ -19,7 +19,7 @@ const RELATIVE_STEP: f64 = 6.055e-6;
 const TIME_STEP: f64 = 1e-3;
 
 /// A known of a directional derivative: a real variable that the host may set.
-struct Known<M: 'static> {
+struct KnownVariable<M: 'static> {
     set: fn(&mut M, &f64),
     value: f64,
     direction: f64,
@@ -173,7 +173,7 @@ impl<M: Model> Instance<M> {
         bounded(values)
     }
 
-    fn known(&self, variable: &'static Variable<M>, direction: f64) -> Outcome<Known<M>> {
+    fn known(&self, variable: &'static Variable<M>, direction: f64) -> Outcome<KnownVariable<M>> {
         // A known must be settable: in initialization as now, otherwise as at a communication point, also after the end.
         let phase = match self.run.phase {
             Phase::Initialization => Phase::Initialization,
@@ -199,7 +199,7 @@ impl<M: Model> Instance<M> {
             (0.0, None) => 1.0,
             (value, None) => value,
         };
-        Ok(Known { set, value, direction, magnitude, min: real.min, max: real.max })
+        Ok(KnownVariable { set, value, direction, magnitude, min: real.min, max: real.max })
     }
 }
 
@@ -211,7 +211,7 @@ fn bounded(values: &[Real]) -> Outcome {
     Err(Refusal::Unsupported("a derivative overflows"))
 }
 
-impl<M> Known<M> {
+impl<M> KnownVariable<M> {
     fn at(&self, distance: f64) -> f64 {
         self.value + distance * self.direction
     }
@@ -219,7 +219,7 @@ impl<M> Known<M> {
 
 /// Offsets, in steps, with their weights: a central difference if all knowns stay within their bounds, else one ahead or
 /// back.
-fn stencil<M>(knowns: &[Known<M>], step: f64) -> &'static [(f64, f64)] {
+fn stencil<M>(knowns: &[KnownVariable<M>], step: f64) -> &'static [(f64, f64)] {
     let fits = |offset: f64| knowns.iter().all(|known| inside(known.at(offset * step), known.min, known.max));
     match (fits(-1.0), fits(1.0)) {
         (false, true) if fits(2.0) => &[(0.0, -1.5), (1.0, 2.0), (2.0, -0.5)],

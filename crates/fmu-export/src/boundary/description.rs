@@ -348,7 +348,7 @@ fn first_state(version: Version, listed: usize) -> usize {
 /// all that is known.
 fn structure<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
     type Unknowns = Vec<(usize, Option<String>)>;
-    type Known<M> = fn(&[Variable<M>], &[Variable<M>]) -> bool;
+    type MayDepend<M> = fn(&[Variable<M>], &[Variable<M>]) -> bool;
     let listed = listed::<M>(version, interface);
     let numbered = (listed.iter().enumerate()).map(|(place, (reference, variable))| match version {
         Version::Two => (place + 1, *variable),
@@ -361,7 +361,7 @@ fn structure<M: Model>(xml: &mut Xml, version: Version, interface: Interface) {
         Version::Two => states.end..states.end + count,
         Version::Three => RATE as usize..RATE as usize + count,
     };
-    let outputs = |known: Known<M>, states: Range<usize>| -> Unknowns {
+    let outputs = |known: MayDepend<M>, states: Range<usize>| -> Unknowns {
         (numbered.clone())
             .filter(|(_, one)| one[0].role == Role::Output)
             .map(|(number, output)| {

@@ -107,7 +107,7 @@ pub unsafe fn ours<'a, T>(pointer: *mut c_void, magic: u64, name: &'static str) 
 }
 
 /// What is known of an instance that a host asks for.
-pub struct Known<M> {
+pub struct InstanceRequest<M> {
     /// A hash of the description.
     pub fingerprint: u128,
     /// How the host looks into communication steps.
@@ -116,7 +116,7 @@ pub struct Known<M> {
     pub event_mode: Option<bool>,
 }
 
-impl<M: Model> Known<M> {
+impl<M: Model> InstanceRequest<M> {
     /// That of this description, for a host that wants no more.
     pub fn of(version: Version, interface: Interface) -> Self {
         Self { fingerprint: fingerprint::<M>(version, interface), watch: None, event_mode: None }
@@ -132,7 +132,7 @@ pub unsafe fn instantiate_by<M: Model>(
     (version, exchange): (Version, bool),
     texts: [Text; 3],
     logger: impl FnOnce(&str) -> Option<Logger>,
-    check: impl FnOnce() -> Outcome<Known<M>>,
+    check: impl FnOnce() -> Outcome<InstanceRequest<M>>,
 ) -> Component {
     let make = || {
         // SAFETY: as the caller promises. Some hosts write names and paths in their system's code page, not in UTF-8.
@@ -155,9 +155,9 @@ pub unsafe fn instantiate_by<M: Model>(
 }
 
 /// Resets the busy flag when the call ends, even by a panic.
-struct Turn<'a>(&'a AtomicBool);
+struct BusyCall<'a>(&'a AtomicBool);
 
-impl Drop for Turn<'_> {
+impl Drop for BusyCall<'_> {
     fn drop(&mut self) {
         self.0.store(false, Ordering::Release);
     }
@@ -178,7 +178,7 @@ pub unsafe fn enter<M: Model>(
         // A call from a second thread, or from within the logger.
         return Status::Error;
     }
-    let _turn = Turn(&handle.busy);
+    let _busy = BusyCall(&handle.busy);
     // SAFETY: the busy flag was clear, so this is the only reference.
     let instance = unsafe { &mut *handle.instance.get() };
     match catch_unwind(AssertUnwindSafe(|| checked(instance, function, body))) {

@@ -11,7 +11,7 @@ use super::{
     refusal::{Outcome, Refusal},
     run::Run,
     types::ValueReference,
-    watch::{Answer, Underway, Update, check_intermediate_access},
+    watch::{StepEnd, Underway, Update, check_intermediate_access},
 };
 use crate::model::Model;
 
@@ -31,7 +31,7 @@ impl<M: Model> Instance<M> {
     }
 
     /// Goes on with a step after the host has answered, and returns the call that is due then.
-    pub fn go_on(&mut self, answer: Answer) -> Outcome<Option<Update>> {
+    pub fn go_on(&mut self, answer: StepEnd) -> Outcome<Option<Update>> {
         let time = self.run.time;
         self.run.phase = Phase::StepComplete;
         if let Some(underway) = self.underway()

@@ -128,11 +128,11 @@ pub struct Update {
 }
 
 /// Whether and when the host wants a step to end.
-pub type Answer = Option<f64>;
+pub type StepEnd = Option<f64>;
 
 impl Update {
     /// Calls the host. An answer counts only if it was allowed.
-    pub fn ask(self) -> Answer {
+    pub fn ask(self) -> StepEnd {
         let (mut requested, mut at) = (0, self.time);
         let (more, early) = (self.more, self.early);
         // SAFETY: the host vouches for its callback when it instantiates; the places live until it returns.

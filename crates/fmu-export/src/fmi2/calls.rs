@@ -13,7 +13,7 @@ use crate::{
     boundary::{
         calls::{answer, c_functions, nothing},
         description::Interface,
-        guard::{Handle, Known, enter, instantiate_by},
+        guard::{Handle, InstanceRequest, enter, instantiate_by},
         instance::Instance,
         logger::{Callback, Logger, c_string},
         phase::{
@@ -172,8 +172,8 @@ unsafe fn make<M: Model>(
         Some(Logger::new(callback, callbacks.component_environment, logging))
     };
     let check = || match (kind, offered::<M>()) {
-        (CO_SIMULATION, _) => Ok(Known::of(Version::Two, Interface::CoSimulation)),
-        (MODEL_EXCHANGE, Some(_)) => Ok(Known::of(Version::Two, Interface::ModelExchange)),
+        (CO_SIMULATION, _) => Ok(InstanceRequest::of(Version::Two, Interface::CoSimulation)),
+        (MODEL_EXCHANGE, Some(_)) => Ok(InstanceRequest::of(Version::Two, Interface::ModelExchange)),
         (_, offered) => Err(Refusal::Argument {
             name: "fmuType",
             value: kind.to_string(),

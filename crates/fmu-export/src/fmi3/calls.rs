@@ -21,7 +21,7 @@ use crate::{
     boundary::{
         calls::{answer, c_functions, nothing},
         description::Interface,
-        guard::{Handle, Known, enter, instantiate_by},
+        guard::{Handle, InstanceRequest, enter, instantiate_by},
         instance::Instance,
         logger::{Callback, Logger},
         lookup::{all_elements, size},
@@ -102,7 +102,7 @@ with_types! {
         fmi3InstantiateModelExchange(name: Text, token: Text, resources: Text, visible: Boolean,
             logging: Boolean, environment: ComponentEnvironment, log: Option<LogMessageCallback>) -> Component => {
                 let check = || match offered::<M>() {
-                    Some(_) => Ok(Known::of(Version::Three, Interface::ModelExchange)),
+                    Some(_) => Ok(InstanceRequest::of(Version::Three, Interface::ModelExchange)),
                     None => Err(Refusal::Absent("this FMU supports Co-Simulation only")),
                 };
                 let logger = Logger::new(log.map(Callback::Three), environment, logging != FALSE);
@@ -116,7 +116,7 @@ with_types! {
             n_intermediate: usize, environment: ComponentEnvironment, log: Option<LogMessageCallback>,
             update: Option<IntermediateUpdateCallback>) -> Component => {
                 let check = || {
-                    let mut known = Known::of(Version::Three, Interface::CoSimulation);
+                    let mut known = InstanceRequest::of(Version::Three, Interface::CoSimulation);
                     if event_mode != FALSE {
                         known.event_mode = events::<M>().map(|_| early_return != FALSE);
                         return known.event_mode.map(|_| known).ok_or(Refusal::Argument {

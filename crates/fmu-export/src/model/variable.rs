@@ -30,7 +30,7 @@ pub struct DisplayUnit {
 
 /// Exponents of the SI base units and the radian, in the order of FMI.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Base {
+pub struct BaseExponents {
     /// Kilogram.
     pub kg: i32,
     /// Metre.
@@ -49,7 +49,7 @@ pub struct Base {
     pub rad: i32,
 }
 
-impl Base {
+impl BaseExponents {
     /// All exponents zero: a ratio or a count.
     pub const ONE: Self = Self { kg: 0, m: 0, s: 0, a: 0, k: 0, mol: 0, cd: 0, rad: 0 };
 
@@ -75,7 +75,7 @@ pub struct Unit {
     /// The name, as users write it.
     pub name: &'static str,
     /// The exponents of the base units.
-    pub base: Base,
+    pub base: BaseExponents,
     /// The display units.
     pub display: &'static [DisplayUnit],
     /// Values are differences, as of temperatures: offsets of display units do not count.

@@ -19,7 +19,7 @@ pub type Columns = Vec<Vec<(usize, f64)>>;
 
 /// Where it is computed: the rates at a time, s, and states, and what is small for each state.
 #[derive(Clone, Copy)]
-pub struct Place<'a> {
+pub struct LinearisationPoint<'a> {
     pub time: f64,
     pub states: &'a [f64],
     pub rates: &'a [f64],
@@ -48,7 +48,7 @@ impl Jacobian {
 
     /// Computes the slopes. `None` where there are no rates a little beside the place; else whether rates depend on more
     /// than was known.
-    pub fn compute(&mut self, f: &mut Rates, place: Place) -> Called<Option<bool>> {
+    pub fn compute(&mut self, f: &mut Rates, place: LinearisationPoint) -> Called<Option<bool>> {
         self.at.copy_from_slice(place.states);
         let is_sparse = self.groups.len() < self.columns.len();
         if is_sparse && self.by_groups(f, place)? && self.explains(f, place)? {
@@ -61,7 +61,7 @@ impl Jacobian {
     fn change(
         &mut self,
         f: &mut Rates,
-        place: Place,
+        place: LinearisationPoint,
         states: impl Iterator<Item = usize> + Clone,
         part: impl Fn(usize) -> f64,
     ) -> Called<bool> {
@@ -76,12 +76,12 @@ impl Jacobian {
     }
 
     /// The same ahead, or where the FMU refuses that, back.
-    fn change_either_way(&mut self, f: &mut Rates, place: Place, states: &[usize]) -> Called<bool> {
+    fn change_either_way(&mut self, f: &mut Rates, place: LinearisationPoint, states: &[usize]) -> Called<bool> {
         let states = states.iter().copied();
         Ok(self.change(f, place, states.clone(), |_| 1.0)? || self.change(f, place, states, |_| -1.0)?)
     }
 
-    fn by_groups(&mut self, f: &mut Rates, place: Place) -> Called<bool> {
+    fn by_groups(&mut self, f: &mut Rates, place: LinearisationPoint) -> Called<bool> {
         let groups = std::mem::take(&mut self.groups);
         let mut outcome = Ok(true);
         for group in &groups {
@@ -103,7 +103,7 @@ impl Jacobian {
     }
 
     /// Whether the known dependencies explain what a change of all states does.
-    fn explains(&mut self, f: &mut Rates, place: Place) -> Called<bool> {
+    fn explains(&mut self, f: &mut Rates, place: LinearisationPoint) -> Called<bool> {
         // No two states in the same proportion, so that no two effects cancel by a model's symmetry.
         if !self.change(f, place, 0..place.states.len(), |state| {
             let size = 0.5 + 0.5 * (state as f64 * 0.618_033_988_749_894_9).fract();
@@ -127,7 +127,7 @@ impl Jacobian {
     }
 
     /// Changes each state alone.
-    fn by_states(&mut self, f: &mut Rates, place: Place) -> Called<Option<bool>> {
+    fn by_states(&mut self, f: &mut Rates, place: LinearisationPoint) -> Called<Option<bool>> {
         let mut more = false;
         for state in 0..place.states.len() {
             if !self.change_either_way(f, place, &[state])? {

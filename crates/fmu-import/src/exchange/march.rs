@@ -9,7 +9,7 @@ use super::{
     rounding::are_near,
 };
 use crate::{
-    call::{Call, Called, End, Status},
+    call::{Call, Called, EarlyEnd, Status},
     description::ExchangeSizes,
     simulation::{Experiment, Simulation},
     value::{Handle, Value},
@@ -167,7 +167,7 @@ impl Exchange {
                 function: self.plant.step(),
                 status: Status::Discard,
                 message: Some("the FMU wants no further step".to_owned()),
-                ended: Some(End { from, at }),
+                ended: Some(EarlyEnd { from, at }),
             });
         }
         Ok(())

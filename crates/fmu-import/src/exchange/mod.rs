@@ -16,7 +16,7 @@ mod sparse;
 
 use crate::{
     call::Called,
-    component::Base,
+    component::ComponentBase,
     simulation::{Experiment, Simulation, Within},
     value::{Content, Handle, Value},
 };
@@ -27,11 +27,11 @@ pub use march::Exchange;
 use march::{March, Mode};
 
 impl Simulation for Exchange {
-    fn base(&self) -> &Base {
+    fn base(&self) -> &ComponentBase {
         self.plant.model.base()
     }
 
-    fn base_mut(&mut self) -> &mut Base {
+    fn base_mut(&mut self) -> &mut ComponentBase {
         self.plant.model.base_mut()
     }
 

@@ -5,7 +5,7 @@
 //! so that none of them is ever old.
 
 use super::{
-    jacobian::{Jacobian, Place, Rates},
+    jacobian::{Jacobian, LinearisationPoint, Rates},
     sparse::Triangles,
 };
 use crate::call::Called;
@@ -79,7 +79,9 @@ impl Rosenbrock {
         let root = f64::EPSILON.sqrt();
         let sizes: Vec<f64> =
             states.iter().zip(nominals).map(|(state, nominal)| root * state.abs().max(*nominal)).collect();
-        let Some(more) = self.jacobian.compute(f, Place { time, states, rates: &self.first, sizes: &sizes })? else {
+        let Some(more) =
+            self.jacobian.compute(f, LinearisationPoint { time, states, rates: &self.first, sizes: &sizes })?
+        else {
             return Ok(false);
         };
         if more || !self.matrix.is_for(states.len()) {

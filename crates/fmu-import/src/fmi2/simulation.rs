@@ -10,7 +10,7 @@ use super::functions::{Access, Functions};
 use crate::{
     call::{Call, Called},
     caller::Caller,
-    component::{Base, Common, c_string},
+    component::{CommonFunctions, ComponentBase, c_string},
     description::Interface,
     simulation::{Batch, Birth, Experiment, Simulation, Within},
     value::{Content, Handle, Value},
@@ -19,7 +19,7 @@ use crate::{
 /// A component for Co-Simulation; the equations of one for Model Exchange stand on it.
 #[derive(Debug)]
 pub struct Model {
-    pub base: Base,
+    pub base: ComponentBase,
     pub functions: Arc<Functions>,
 }
 
@@ -27,7 +27,7 @@ impl Model {
     /// Creates a component.
     pub fn new(
         functions: Arc<Functions>,
-        common: Common,
+        common: CommonFunctions,
         birth: &Birth,
         mut caller: Caller,
         name: &str,
@@ -78,11 +78,11 @@ impl Simulation for Model {
         self.base.hear(categories, function, |log, of, count, texts| unsafe { log(of, 1, count, texts) });
     }
 
-    fn base(&self) -> &Base {
+    fn base(&self) -> &ComponentBase {
         &self.base
     }
 
-    fn base_mut(&mut self) -> &mut Base {
+    fn base_mut(&mut self) -> &mut ComponentBase {
         &mut self.base
     }
 

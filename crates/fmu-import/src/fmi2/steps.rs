@@ -4,7 +4,7 @@ use std::{ffi::c_int, time::Duration};
 
 use super::{functions::GetStatus, simulation::Model};
 use crate::{
-    call::{Call, Called, End, Status},
+    call::{Call, Called, EarlyEnd, Status},
     simulation::{Batch, Simulation},
     symbols::Function,
 };
@@ -87,7 +87,7 @@ impl Model {
                 let at = self.told(self.functions.get_real_status, LAST_SUCCESSFUL_TIME, time);
                 // Its beginning where the FMU says nothing sensible.
                 let at = at.filter(|at| (time..=time + step).contains(at));
-                call.ended = Some(End { from: time, at: at.unwrap_or(time) });
+                call.ended = Some(EarlyEnd { from: time, at: at.unwrap_or(time) });
             }
             call
         })

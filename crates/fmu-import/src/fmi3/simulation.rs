@@ -10,9 +10,9 @@ use super::{
     functions::{Functions, Instantiates, LogMessage},
 };
 use crate::{
-    call::{Call, Called, End, Status},
+    call::{Call, Called, EarlyEnd, Status},
     caller::Caller,
-    component::{Base, Common, c_string},
+    component::{CommonFunctions, ComponentBase, c_string},
     description::Storage,
     logger::fmu_import_log,
     simulation::{Birth, Experiment, Simulation, Within},
@@ -27,7 +27,7 @@ type Written = HashMap<u32, Vec<Value>>;
 /// A component for Co-Simulation; the equations of one for Model Exchange stand on it.
 #[derive(Debug)]
 pub struct Model {
-    pub base: Base,
+    pub base: ComponentBase,
     pub functions: Arc<Functions>,
     pub elements: Arc<[Element]>,
     /// The values of the arrays that were written before the initialisation, by their references; none after it.
@@ -44,7 +44,7 @@ impl Model {
     /// Creates a component; `events` lets its caller handle the events of Co-Simulation.
     pub fn new(
         functions: Arc<Functions>,
-        common: Common,
+        common: CommonFunctions,
         elements: Arc<[Element]>,
         birth: &Birth,
         events: bool,
@@ -128,7 +128,7 @@ impl Simulation for Model {
             function: DO_STEP,
             status: Status::Discard,
             message: Some("the FMU wants no further step".to_owned()),
-            ended: Some(End { from: time, at: if known { reached } else { otherwise } }),
+            ended: Some(EarlyEnd { from: time, at: if known { reached } else { otherwise } }),
         };
         match done {
             Err(call) if ended && call.status == Status::Discard => Err(end(time)),
@@ -158,11 +158,11 @@ impl Simulation for Model {
         self.base.hear(categories, function, |log, of, count, texts| unsafe { log(of, true, count, texts) });
     }
 
-    fn base(&self) -> &Base {
+    fn base(&self) -> &ComponentBase {
         &self.base
     }
 
-    fn base_mut(&mut self) -> &mut Base {
+    fn base_mut(&mut self) -> &mut ComponentBase {
         &mut self.base
     }
 

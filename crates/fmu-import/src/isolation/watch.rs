@@ -95,14 +95,14 @@ impl Watch {
         let seen = match &self.events {
             Some(events) => events.read(),
             // Without events, compare the files themselves.
-            None => Seen::Opened,
+            None => FileNews::Opened,
         };
-        if seen == Seen::Nothing {
+        if seen == FileNews::Nothing {
             return None;
         }
         let place = self.before.difference(&Snapshot::of(&self.folder));
         match (place.map(|place| place.strip_prefix(&self.folder).map(Path::to_owned).unwrap_or_default()), seen) {
-            (None, Seen::Changed) => Some(PathBuf::new()),
+            (None, FileNews::Changed) => Some(PathBuf::new()),
             (place, _) => place,
         }
     }
@@ -110,7 +110,7 @@ impl Watch {
 
 /// The news in events.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Seen {
+enum FileNews {
     Nothing,
     /// A file was open for writing, which tells nothing yet: Fortran opens so what it only reads. What is written
     /// to a file mapped into memory shows in no other event.
@@ -133,8 +133,8 @@ impl Events {
         None
     }
 
-    fn read(&self) -> Seen {
-        Seen::Opened
+    fn read(&self) -> FileNews {
+        FileNews::Opened
     }
 }
 
@@ -147,7 +147,7 @@ mod linux {
         io::Errno,
     };
 
-    use super::{Seen, Snapshot};
+    use super::{FileNews, Snapshot};
 
     /// The kernel's queue of events.
     #[derive(Debug)]
@@ -174,17 +174,17 @@ mod linux {
         }
 
         /// The gravest of the events so far, which are taken from the queue up to a change.
-        pub fn read(&self) -> Seen {
-            let mut seen = Seen::Nothing;
+        pub fn read(&self) -> FileNews {
+            let mut seen = FileNews::Nothing;
             let mut buffer = [MaybeUninit::uninit(); 4096];
             let mut events = Reader::new(&self.0, &mut buffer);
             loop {
                 match events.next().map(|event| event.events()) {
-                    Ok(ReadFlags::CLOSE_WRITE) => seen = Seen::Opened,
+                    Ok(ReadFlags::CLOSE_WRITE) => seen = FileNews::Opened,
                     Err(Errno::INTR) => {}
                     Err(Errno::AGAIN) => return seen,
                     // A queue that cannot be read may hide anything.
-                    _ => return Seen::Changed,
+                    _ => return FileNews::Changed,
                 }
             }
         }

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 use roxmltree::Node;
 
 use crate::{
-    description::{About, Description, Interface, Kind, Place, Storage, Timing, Variability, Variable},
+    description::{About, Description, Interface, Kind, Storage, StoragePlace, Timing, Variability, Variable},
     parse::{Reader, Types, item, text, truth},
     value::bytes_of,
     xml::{child, children, elements},
@@ -148,7 +148,7 @@ impl Reader {
                     _ => None,
                 };
                 let mut element = variable.clone();
-                element.place = Some(Place {
+                element.place = Some(StoragePlace {
                     storage: written.storage,
                     // A variable has no more elements than there are numbers.
                     number: written.first + index as u32,

@@ -8,7 +8,7 @@ use crate::{
     notices::Notices,
     task::{Measure, Probe, Product, SensorError, Slot, Task, place},
 };
-use fmu_import::{Called, Content, End, Instance};
+use fmu_import::{Called, Content, EarlyEnd, Instance};
 use sampling::{
     random::{Purpose, Random},
     statistics::Direction,
@@ -169,7 +169,7 @@ impl Scene {
             }
             instance.step(time, next - time).map_err(|mut call| {
                 // What was read last is that of the communication point.
-                call.ended = call.ended.map(|ended| End { from: begin, ..ended });
+                call.ended = call.ended.map(|ended| EarlyEnd { from: begin, ..ended });
                 call
             })?;
             time = next;

@@ -52,15 +52,15 @@ pub fn program() -> io::Result<PathBuf> {
 }
 
 /// Where a worker's replies come from.
-pub type Source = File;
+pub type ReplyPipe = File;
 
 /// The same, from its standard output.
-pub fn source(pipe: ChildStdout) -> Source {
+pub fn source(pipe: ChildStdout) -> ReplyPipe {
     File::from(OwnedFd::from(pipe))
 }
 
 /// Waits until there is something to read, or the end of it; `false` when the time is over.
-pub fn is_ready(replies: &mut Inbox<Source>, time: Duration) -> bool {
+pub fn is_ready(replies: &mut Inbox<ReplyPipe>, time: Duration) -> bool {
     let mut replies = [PollFd::new(replies.source(), PollFlags::IN)];
     let time = Timespec::try_from(time).ok();
     poll(&mut replies, time.as_ref()).is_ok_and(|ready| ready > 0)

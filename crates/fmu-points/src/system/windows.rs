@@ -41,15 +41,15 @@ pub fn held() -> Option<String> {
 }
 
 /// Where a worker's replies come from.
-pub type Source = Arrivals;
+pub type ReplyPipe = Arrivals;
 
 /// The same, from its standard output.
-pub fn source(pipe: ChildStdout) -> Source {
+pub fn source(pipe: ChildStdout) -> ReplyPipe {
     Arrivals::of(pipe)
 }
 
 /// Waits until there is something to read, or the end of it; `false` when the time is over.
-pub fn is_ready(replies: &mut Inbox<Source>, time: Duration) -> bool {
+pub fn is_ready(replies: &mut Inbox<ReplyPipe>, time: Duration) -> bool {
     replies.source_mut().wait(time)
 }
 

@@ -18,7 +18,7 @@ use crate::{Outcome, Result, pipeline::Model};
 use fmu_points::{Conduct, Event, Job, Post, Simulated, Worker, crew::Crew, failure::Failure, stop, task::Case};
 
 /// A point of an index that is known.
-pub type Known<'a> = &'a dyn Fn(u64) -> Job;
+pub type JobOfIndex<'a> = &'a dyn Fn(u64) -> Job;
 
 /// So many of the first points run again, of an earlier part of the run and of this one.
 pub const EARLIER: usize = 3;
@@ -37,7 +37,7 @@ const PART_OF_DRAWN: u32 = 20;
 
 /// A point with what is recorded of it.
 #[derive(Debug)]
-struct Recorded {
+struct RecordedPoint {
     job: Job,
     outcome: Outcome,
     /// When this run recorded it; none where an earlier one did.
@@ -50,7 +50,7 @@ struct Recorded {
 #[derive(Debug, Default)]
 struct Draw {
     answered: u64,
-    points: Vec<Recorded>,
+    points: Vec<RecordedPoint>,
 }
 
 /// Points that will run again, and what came of those that did.
@@ -58,7 +58,7 @@ struct Draw {
 pub struct Again {
     cases: Vec<Case>,
     begun: Instant,
-    points: Vec<Recorded>,
+    points: Vec<RecordedPoint>,
     /// How many came from an earlier part of the run.
     earlier: usize,
     drawn: BTreeMap<Option<String>, Draw>,
@@ -86,18 +86,18 @@ impl Again {
     pub fn recall(&mut self, job: Job, outcome: Outcome) {
         if self.earlier < EARLIER && outcome.is_ok() && self.points.iter().all(|point| point.job.index != job.index) {
             self.earlier += 1;
-            self.points.push(Recorded { job, outcome, when: None, host: None });
+            self.points.push(RecordedPoint { job, outcome, when: None, host: None });
         }
     }
 
     /// Takes a point that was just recorded, if it is one of the first, or drawn.
-    pub fn note(&mut self, crew: &Crew, index: u64, outcome: &Outcome, job: Known) {
+    pub fn note(&mut self, crew: &Crew, index: u64, outcome: &Outcome, job: JobOfIndex) {
         let host = crew.take_host(index);
         if outcome.is_err() {
             return;
         }
         let when = Some(Instant::now());
-        let recorded = |host| Recorded { job: job(index), outcome: outcome.clone(), when, host };
+        let recorded = |host| RecordedPoint { job: job(index), outcome: outcome.clone(), when, host };
         if self.points.len() - self.earlier < FIRST {
             self.points.push(recorded(host));
             return;
@@ -197,7 +197,7 @@ struct Tally {
 
 impl Tally {
     /// Adds a point that gave this now, so much later, on this host.
-    fn add(&mut self, point: &Recorded, later: Option<Duration>, there: Option<String>, now: &Outcome) {
+    fn add(&mut self, point: &RecordedPoint, later: Option<Duration>, there: Option<String>, now: &Outcome) {
         self.count += 1;
         self.later.push(later);
         let Some(text) = difference(&point.outcome, now) else { return };
@@ -243,8 +243,8 @@ impl Tally {
 }
 
 /// The points of all hosts, one of each in turn, so that the first ones are of all.
-fn in_turn(drawn: BTreeMap<Option<String>, Draw>) -> impl Iterator<Item = Recorded> {
-    let mut all: Vec<(usize, Recorded)> =
+fn in_turn(drawn: BTreeMap<Option<String>, Draw>) -> impl Iterator<Item = RecordedPoint> {
+    let mut all: Vec<(usize, RecordedPoint)> =
         drawn.into_values().flat_map(|draw| draw.points.into_iter().enumerate()).collect();
     all.sort_by_key(|(place, _)| *place);
     all.into_iter().map(|(_, point)| point)

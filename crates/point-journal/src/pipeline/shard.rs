@@ -24,7 +24,7 @@ pub struct Shard {
 /// neighbours are alike, from falling into step. What is left after whole rounds is dealt out point by point: the parts
 /// differ by one point at most.
 #[derive(Clone, Copy, Debug)]
-pub struct Part {
+pub struct ShardPart {
     shard: Shard,
     seed: u64,
     points: Option<u64>,
@@ -33,7 +33,7 @@ pub struct Part {
 /// Points of a run.
 const RUN: u64 = 32;
 
-impl Part {
+impl ShardPart {
     /// The points of a run that a shard has of it; all of them where it has no shards.
     pub fn of(shard: Option<Shard>, header: &Header) -> Self {
         Self { shard: shard.unwrap_or(Shard { number: 1, of: 1 }), seed: header.seed, points: header.points }
@@ -102,8 +102,8 @@ mod tests {
         }
     }
 
-    fn part(number: u64, of: u64, points: Option<u64>) -> Part {
-        Part { shard: Shard { number, of }, seed: 3, points }
+    fn part(number: u64, of: u64, points: Option<u64>) -> ShardPart {
+        ShardPart { shard: Shard { number, of }, seed: 3, points }
     }
 
     #[test]
@@ -111,13 +111,13 @@ mod tests {
         for (points, of) in (0..200).map(|points| (points, 3)).chain([(1000, 7), (5, 8)]) {
             let parts = (1..=of).map(|number| part(number, of, Some(points)));
             let counted: Vec<u64> = parts.clone().filter_map(|part| part.count()).collect();
-            let held = |part: Part| (0..points).filter(|&index| part.has(index)).count() as u64;
+            let held = |part: ShardPart| (0..points).filter(|&index| part.has(index)).count() as u64;
             assert_eq!(counted, parts.map(held).collect::<Vec<_>>());
             assert_eq!(counted.iter().sum::<u64>(), points);
             assert!(counted.iter().max() <= counted.iter().min().map(|least| least + 1).as_ref());
         }
         // Where nobody knows how many there will be, too.
-        let parts: Vec<Part> = (1..=3).map(|number| part(number, 3, None)).collect();
+        let parts: Vec<ShardPart> = (1..=3).map(|number| part(number, 3, None)).collect();
         let holders = |index| parts.iter().filter(|part| part.has(index)).count();
         assert!((0..1000).all(|index| holders(index) == 1));
         assert!(part(1, 1, None).has(7));
@@ -128,7 +128,7 @@ mod tests {
     fn unevenness(is_dear: impl Fn(u64) -> bool) -> f64 {
         const POINTS: u64 = 4096;
         let mut costs = [0.0; 8];
-        let parts: Vec<Part> = (1..=8).map(|number| part(number, 8, Some(POINTS))).collect();
+        let parts: Vec<ShardPart> = (1..=8).map(|number| part(number, 8, Some(POINTS))).collect();
         for index in 0..POINTS {
             let holder = parts.iter().position(|part| part.has(index)).unwrap();
             costs[holder] += if is_dear(index) { 100.0 } else { 1.0 };

@@ -6,7 +6,7 @@ const LARGEST: f64 = 0.2;
 /// The shift of the model, in samples, that gives the largest correlation with the reference on their overlap; positive
 /// where the model is late. Of equal correlations the smallest shift counts, and of a pair of these the late one.
 pub fn shift(reference: &[f64], model: &[f64]) -> isize {
-    let sums = [Sums::of(reference), Sums::of(model)];
+    let sums = [RunningSums::of(reference), RunningSums::of(model)];
     let correlate = |shift: isize| {
         let (reference_part, model_part) = overlap(reference, model, shift);
         let begins = [shift.min(0).unsigned_abs(), shift.max(0).unsigned_abs()];
@@ -53,12 +53,12 @@ fn correlation([a, b]: [&[f64]; 2], [mean_a, mean_b]: [f64; 2]) -> f64 {
 }
 
 /// Running sums of a curve about its first value: means of its parts.
-struct Sums {
+struct RunningSums {
     first: f64,
     sums: Vec<f64>,
 }
 
-impl Sums {
+impl RunningSums {
     fn of(values: &[f64]) -> Self {
         let first = values.first().copied().unwrap_or(0.0);
         let mut sum = 0.0;
