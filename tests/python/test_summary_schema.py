@@ -1,6 +1,7 @@
 """`summary.json` keeps to its schema, and has no key that the schema does not name."""
 
 import json
+import re
 
 import jsonschema
 import pytest
@@ -31,6 +32,14 @@ def check(folder):
     summary = json.loads((folder / "summary.json").read_text())
     jsonschema.Draft202012Validator(STRICT).validate(summary)
     return summary
+
+
+def test_the_schema_has_each_code_as_the_program_describes_it():
+    source = (ROOT / "crates" / "study" / "src" / "concern.rs").read_text()
+    variants = source.partition("pub enum Code {")[2].partition("\n}\n")[0]
+    codes = {re.sub("(?<!^)(?=[A-Z])", "-", name).lower(): text for text, name in re.findall(r"/// (.*)\n    (\w+),", variants)}
+    assert len(codes) > 20 and "other" not in codes
+    assert {code["const"]: code["description"] for code in SCHEMA["$defs"]["code"]["oneOf"]} == codes
 
 
 @pytest.mark.parametrize("study", ["paper-table1", "paper-table3", "rig"])
