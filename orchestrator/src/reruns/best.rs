@@ -7,6 +7,7 @@ use crate::{report::history, results::Summary};
 use fmu_points::task::Task;
 use number_tables::csv_file;
 use point_journal::files::write_atomically;
+use result_document::format;
 
 /// So many numbers a file holds at the most, more or less: of more communication points some are left out.
 const MOST_NUMBERS: u64 = 1_000_000;
@@ -54,8 +55,8 @@ pub fn write(reruns: &Reruns, folder: &Path, summary: &Summary) -> Vec<String> {
             Ok(kept) => {
                 left_out.extend(why.map(|why| {
                     let why = match why {
-                        Halt::Late => format!("with finer ones {}", Halt::Late),
                         Halt::Failed(reason) => format!("the FMU fails in finer ones: {reason}"),
+                        cut => format!("with finer ones {cut}"),
                     };
                     format!("{file} holds the study's own steps: {why}")
                 }));
@@ -90,7 +91,9 @@ fn write_case(
         table.write_record(head.iter().map(|name| name.as_bytes()))?;
         let mut number = zmij::Buffer::new();
         let mut place = 0;
+        let mut until = task.schedule.start;
         let ended = reruns.record(task, values, &signals, budget, &mut |time, row| {
+            until = time;
             let kept = place % every == 0 || place == steps;
             place += 1;
             if !kept {
@@ -107,7 +110,10 @@ fn write_case(
             }
             table.write_record(None::<&[u8]>).map_err(csv)
         });
-        if let Err(why) = ended {
+        // With the study's own steps the point may have ended early, too.
+        let is_early = budget.is_some() && until < task.schedule.stop * (1.0 - 1e-9);
+        let early = is_early.then(|| Halt::Failed(format!("it ends at {} s", format::number(until, 4))));
+        if let Some(why) = ended.err().or(early) {
             halt = Some(why);
             return Err(std::io::Error::other("the run has no end"));
         }

@@ -69,6 +69,9 @@ enum Halt {
     /// The time is up.
     #[error("it would take longer than the study's points did")]
     Late,
+    /// The user has ended the program.
+    #[error("it was interrupted")]
+    Interrupted,
     #[error("{0}")]
     Failed(String),
 }
@@ -222,19 +225,19 @@ impl<'a> Reruns<'a> {
     ) -> Result<(), Halt> {
         let left = budget.map_or(Duration::MAX, Budget::left);
         let until = Instant::now().checked_add(left.min(self.wish.limits.time));
-        let is_late = || {
-            let late = until.is_some_and(|until| Instant::now() >= until);
-            late || stop::flag().load(Ordering::Relaxed)
+        let in_time = || match stop::flag().load(Ordering::Relaxed) {
+            true => Err(Halt::Interrupted),
+            false if until.is_some_and(|until| Instant::now() >= until) => Err(Halt::Late),
+            false => Ok(()),
         };
+        in_time()?;
         // A finer or longer run takes no less than one of the study.
-        if is_late() || self.usual > left {
+        if self.usual > left {
             return Err(Halt::Late);
         }
         let mut numbers = Vec::with_capacity(signals.handles.len());
         let mut row = |time: f64, cells: &[Value]| {
-            if is_late() {
-                return Err(Halt::Late);
-            }
+            in_time()?;
             numbers.clear();
             numbers.extend(cells.iter().map(|cell| match cell {
                 Value::Real(value) => *value,
@@ -245,6 +248,6 @@ impl<'a> Reruns<'a> {
         let handles = &signals.handles;
         let ended = self.with_fmu(|fmu| self.recorder(fmu).of(task)?.record(values, handles, until, &mut row));
         // A point that has failed because its time was up has not failed.
-        ended.map_err(|halt| if is_late() { Halt::Late } else { halt })
+        ended.map_err(|halt| in_time().err().unwrap_or(halt))
     }
 }

@@ -51,7 +51,7 @@ pub fn observe(reruns: &Reruns, folder: &Path, summary: &mut Summary) -> Option<
         }
         Err(halt) => {
             let text = "the best point was not re-run longer and finer";
-            left_out = matches!(halt, Halt::Late).then(|| format!("{text}: {halt}"));
+            left_out = (!matches!(halt, Halt::Failed(_))).then(|| format!("{text}: {halt}"));
             summary.concerns.push(Concern::new(
                 Code::NotReRun,
                 format!("{text}, so whether results swing or had settled is not known: {halt}"),
@@ -59,9 +59,10 @@ pub fn observe(reruns: &Reruns, folder: &Path, summary: &mut Summary) -> Option<
             moves = recorded(reruns.plan(), folder, summary);
         }
     }
-    for (k, count) in summary.criteria.values().enumerate() {
-        let motion = moves.iter().find(|(criterion, _)| *criterion == k).map(|(_, motion)| *motion);
-        let moved = Moved::new(motion.unwrap_or_default());
+    moves.sort_by_key(|(k, _)| *k);
+    for (k, motion) in moves {
+        let count = &summary.criteria[k];
+        let moved = Moved::new(motion);
         summary.concerns.extend(concerns(&count.criterion, &moved, settled.until.is_none()));
         settled.criteria.insert(count.criterion.name.clone(), moved);
     }
@@ -88,7 +89,7 @@ fn again(reruns: &Reruns, point: u64, case: usize) -> Result<Again, Halt> {
         .ok_or_else(|| failed("the study's communication steps are too many to be made finer"))?;
     // After the end of a recording its last value would hold for ever.
     let ends = if task.inputs.is_empty() { vec![longer(&finer), finer] } else { vec![finer] };
-    let mut failure = Halt::Late;
+    let mut failure = String::new();
     for schedule in ends {
         let task = Task { schedule, ..task.clone() };
         let mut time = Vec::new();
@@ -100,11 +101,15 @@ fn again(reruns: &Reruns, point: u64, case: usize) -> Result<Again, Halt> {
             }
             Ok(())
         });
-        let until = time.last().copied().unwrap_or(f64::NEG_INFINITY);
-        // Further than the study is enough where the FMU goes no further. A run that the clock cuts counts as none: it would
-        // tell another drift each time.
-        let is_late = matches!(ended, Err(Halt::Late));
-        if ended.is_ok() || (!is_late && until >= finer.stop * (1.0 - 1e-9)) {
+        let until = time.last().copied().unwrap_or(task.schedule.start);
+        let end = match ended {
+            Ok(()) => format!("ends at {} s", number(until, 4)),
+            Err(Halt::Failed(reason)) => format!("fails: {reason}"),
+            // It would tell another drift each time.
+            Err(cut) => return Err(cut),
+        };
+        // Further than the study is enough where the FMU goes no further.
+        if until >= finer.stop * (1.0 - 1e-9) {
             let moves = signals
                 .criteria
                 .iter()
@@ -112,17 +117,9 @@ fn again(reruns: &Reruns, point: u64, case: usize) -> Result<Again, Halt> {
                 .filter_map(|(&k, values)| Some((k, moves_of(plan, k, &time, values)?)));
             return Ok(Again { step: finer.step, until, moves: moves.collect() });
         }
-        failure = match ended {
-            Err(Halt::Failed(reason)) => {
-                Halt::Failed(format!("with steps of {:.4} s the FMU fails: {reason}", finer.step))
-            }
-            _ => Halt::Late,
-        };
-        if let Halt::Late = failure {
-            break;
-        }
+        failure = format!("with steps of {:.4} s the FMU {end}", finer.step);
     }
-    Err(failure)
+    Err(Halt::Failed(failure))
 }
 
 /// How far the best point's signals move as its trajectories show it, where these were recorded.

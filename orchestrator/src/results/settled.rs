@@ -19,7 +19,7 @@ pub struct Settled {
     /// Its end, s: later than that of the study, where the FMU allowed it.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub until: Option<f64>,
-    /// The motion of each criterion's value.
+    /// The motion of each criterion's value, where it is known.
     pub criteria: IndexMap<String, Moved>,
 }
 

@@ -186,7 +186,7 @@ fn a_slow_drift_is_measured_after_the_end() {
     assert_eq!(summary["rest"]["criteria"]["Y"]["drift"], 0.0);
 }
 
-/// An FMU that ends where the study ends is looked at up to there; one that takes no finer steps is not.
+/// An FMU that ends where the study ends is looked at up to there; one that takes no finer steps, or ends after so many, is not.
 #[test]
 fn what_the_fmu_does_not_allow_is_not_claimed() {
     let (_, summary) = of_the_lag(&["LIMITED=2"], &[]);
@@ -201,6 +201,17 @@ fn what_the_fmu_does_not_allow_is_not_claimed() {
             .iter()
             .any(|c| c.contains("the best point was not re-run longer and finer") && c.contains("the FMU fails")),
         "{found:?}"
+    );
+    let (bench, summary) = of_the_lag(&["ENDS=10"], &[("step = 0.01", "step = 0.4")]);
+    let rest = &summary["rest"];
+    assert!(rest["until"].is_null() && rest["criteria"].as_object().unwrap().is_empty(), "{rest}");
+    let found = concerns(&summary);
+    let told = |c: &String| c.contains("not known: with steps of 0.0008 s the FMU ends at 0.00");
+    assert!(found.iter().any(told), "{found:?}");
+    assert_eq!(bench.read("out/best-point.csv").lines().count(), 1 + 6, "the study's own steps");
+    assert!(
+        summary["left_out"].as_str().unwrap().contains("the FMU fails in finer ones: it ends at 0.0018 s"),
+        "{summary}"
     );
 }
 
