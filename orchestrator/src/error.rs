@@ -8,6 +8,7 @@ use std::{
 use fmu_import::FmuError;
 use fmu_points::{RunError, failure::Failure, scratch::ScratchError};
 use number_tables::files::FileError;
+use point_journal::going_on;
 use study::{OpenError, unusable};
 
 /// What is done, or why it cannot be.
@@ -42,7 +43,7 @@ pub enum Error {
         points: u64,
     },
     /// The points cannot be run.
-    #[error(transparent)]
+    #[error("{0}{way}", way = going_on(.0))]
     Engine(#[from] RunError),
     /// A single simulation failed.
     #[error("the simulation failed: {0}")]

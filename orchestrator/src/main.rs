@@ -8,6 +8,7 @@ fn main() -> ExitCode {
     fmu_check::serve_if_probe();
     fmu_points::system::give_back_memory();
     fmu_points::system::survive_large_files();
+    let _ = fmu_points::stop::WAY_ON.set("; --resume goes on");
     let said = cli::parse().map(commands::run);
     let error = match said {
         Ok(Ok(code)) => return code,

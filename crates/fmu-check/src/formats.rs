@@ -52,7 +52,7 @@ impl Findings {
                 let (severity, more) = (rule.severity.word(), count - MANY);
                 let source = rule.source_in(self.version);
                 text += &format!(
-                    "  {severity}: {more} more of this kind: {} (--format json lists them) [{source}]\n",
+                    "  {severity}: {more} more of this kind: {} (the format `json` lists them) [{source}]\n",
                     rule.wants
                 );
             }

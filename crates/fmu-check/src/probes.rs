@@ -124,12 +124,12 @@ impl<'a> Probes<'a> {
             Ok(runs) => &runs[0],
             Err(mut text) => {
                 if text.ends_with(child::TIMEOUT) {
-                    text += &format!(" after {} s (--patience)", self.patience.as_secs_f64());
+                    text += &format!(" after {} s (`patience`)", self.patience.as_secs_f64());
                 }
                 if text.contains("DoStep") && self.fmu.default_experiment.step.is_none() {
-                    text += "; the FMU suggests no step: try another (--step)";
+                    text += "; the FMU suggests no step: set a `step`";
                 } else if text.contains("InitializationMode") {
-                    text += "; try other start values (--set)";
+                    text += "; `set` other start values";
                 }
                 let rule = match &alone.report {
                     Some(report) if report.unloadable.is_some() => "binary-loads",

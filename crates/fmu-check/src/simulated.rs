@@ -46,7 +46,10 @@ pub fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach> {
         );
     }
     if let Some(held) = &report.held {
-        tell("held", format!("it holds a {held}, where points that run at the same time meet: run them with --jobs 1"));
+        tell(
+            "held",
+            format!("it holds a {held}, where points that run at the same time meet: run them one after the other"),
+        );
     }
     for run in &report.runs {
         if run.warnings > 0 {

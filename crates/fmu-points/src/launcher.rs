@@ -60,7 +60,7 @@ impl Launcher {
     /// The line that cannot be understood, and why.
     pub fn on(self, hosts: &str) -> Result<Self, String> {
         if !self.wants_hosts() {
-            return Err(format!("the command of --launcher says nowhere {HOST}, which becomes the host's name"));
+            return Err(format!("the launcher's command says nowhere {HOST}, which becomes the host's name"));
         }
         let mut all = Vec::new();
         for (number, line) in (1..).zip(hosts.lines()) {

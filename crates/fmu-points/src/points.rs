@@ -20,7 +20,7 @@ pub enum RunError {
     #[error("a worker was lost: {0}")]
     Lost(String),
     /// Workers on other machines are lost, and cannot be replaced.
-    #[error("no worker is left: {0}; --resume goes on")]
+    #[error("no worker is left: {0}")]
     NoWorker(String),
 }
 

@@ -47,8 +47,9 @@ pub fn run<E: From<RunError>>(
                 }
             });
             if let Err(error) = spawned {
-                let _ = send
-                    .send(Err(RunError::Lost(format!("the system has no thread left: {error}; ask for fewer --jobs"))));
+                let _ = send.send(Err(RunError::Lost(format!(
+                    "the system has no thread left: {error}; run fewer points at a time"
+                ))));
             }
         }
         drop(send);

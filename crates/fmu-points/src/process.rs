@@ -270,7 +270,7 @@ impl Running {
             Some(Loss::Exit(code)) if !self.answered => {
                 return Failure::Crashed(format!(
                     "the process that watches the FMU ended before its first answer, with exit code {code}; where every point \
-                     says so, the program cannot start itself here: try --isolation none"
+                     says so, the program cannot start itself here: try isolation `none`"
                 ));
             }
             Some(Loss::Exit(code)) => format!("exit code {code}"),

@@ -2,7 +2,7 @@
 
 use std::{
     sync::{
-        Once,
+        Once, OnceLock,
         atomic::{AtomicBool, Ordering},
         mpsc::sync_channel,
     },
@@ -29,6 +29,9 @@ const FAREWELL_AT_ONCE: Duration = Duration::from_millis(900);
 static STOP: AtomicBool = AtomicBool::new(false);
 /// Whether there is a run that looks at that, and can go on later.
 static RUNS: AtomicBool = AtomicBool::new(false);
+
+/// How an interrupted run goes on, in the words of the program behind "interrupted".
+pub static WAY_ON: OnceLock<&'static str> = OnceLock::new();
 
 /// Set by Ctrl-C: points under way are given up, no further ones are begun. The process ends within a second,
 /// whatever its threads do; the journal is sound at any time.
@@ -90,11 +93,8 @@ fn leave(farewell: Duration) {
         let _ = done.send(());
     });
     let _ = wait.recv_timeout(farewell);
-    if RUNS.load(Ordering::Relaxed) {
-        crate::tell::line!("interrupted; --resume goes on");
-    } else {
-        crate::tell::line!("interrupted");
-    }
+    let way = WAY_ON.get().filter(|_| RUNS.load(Ordering::Relaxed)).copied().unwrap_or_default();
+    crate::tell::line!("interrupted{way}");
     // An FMU in this process may hang in its own destructors.
     system::leave(INTERRUPTED.into())
 }

@@ -367,10 +367,10 @@ impl Service {
     fn loading(&self, loss: &Loss, failure: &Failure) -> String {
         let reason = match loss {
             Loss::Memory => format!(
-                "it takes more memory than the {:.0} MB that a worker may; raise --memory-limit or use fewer --jobs",
+                "it takes more memory than the {:.0} MB that a worker may; allow more, or run fewer points at a time",
                 self.setup.limits.memory as f64 / f64::from(1 << 20)
             ),
-            Loss::Timeout => "it takes a longer time than --point-timeout".to_owned(),
+            Loss::Timeout => "it takes longer than a point may".to_owned(),
             _ => failure.to_string(),
         };
         format!("loading the FMU: {reason}")

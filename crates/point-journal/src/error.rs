@@ -33,7 +33,7 @@ pub enum Error {
     #[error("{0}")]
     Refused(String),
     /// The points cannot be run.
-    #[error(transparent)]
+    #[error("{0}{way}", way = going_on(.0))]
     Run(#[from] RunError),
     /// Ctrl-C.
     #[error("interrupted: {} done; --resume goes on", share(*.done, *.of))]
@@ -55,6 +55,11 @@ impl Error {
     pub(crate) fn io(path: &Path) -> impl FnOnce(io::Error) -> Self {
         move |source| FileError::system(path, source).into()
     }
+}
+
+/// How to go on after an error of the workers.
+pub fn going_on(error: &RunError) -> &'static str {
+    if matches!(error, RunError::NoWorker(_)) { "; --resume goes on" } else { "" }
 }
 
 fn share(done: u64, of: Option<u64>) -> String {

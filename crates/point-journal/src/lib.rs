@@ -10,7 +10,7 @@ mod lock;
 mod note;
 pub mod pipeline;
 
-pub use error::{Error, Result};
+pub use error::{Error, Result, going_on};
 pub use finished::Finished;
 pub use header::{Form, Header};
 pub use journal::Journal;
