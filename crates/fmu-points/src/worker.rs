@@ -370,7 +370,7 @@ impl Service {
                 "it takes more memory than the {:.0} MB that a worker may; allow more, or run fewer points at a time",
                 self.setup.limits.memory as f64 / f64::from(1 << 20)
             ),
-            Loss::Timeout => "it takes longer than a point may".to_owned(),
+            Loss::Timeout => "it takes more time than a point may".to_owned(),
             _ => failure.to_string(),
         };
         format!("loading the FMU: {reason}")
