@@ -12,7 +12,8 @@ pub fn rounded(number: f64, significant: i32) -> String {
         number => number.abs().log10().floor() as i32,
     };
     if !(-5..6).contains(&magnitude) {
-        return format!("{number:.5e}");
+        let decimals = (significant - 1).max(0) as usize;
+        return format!("{number:.decimals$e}");
     }
     let places = (significant - 1 - magnitude).max(0) as usize;
     let text = format!("{number:.places$}");
@@ -38,4 +39,14 @@ pub fn cleared(number: f64, matters: f64) -> f64 {
 /// A unit as it stands behind a number: nothing for a number without one.
 pub(crate) fn shown(unit: &Option<String>) -> &str {
     unit.as_deref().filter(|unit| *unit != "1").unwrap_or("")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn small_and_large_numbers_have_the_digits_asked_for() {
+        assert_eq!([rounded(1e-7, 2), rounded(1.2345e9, 3)], ["1.0e-7", "1.23e9"]);
+    }
 }

@@ -2,7 +2,7 @@
 
 use conformity::conclusion::grouped;
 
-/// A number, rounded to significant digits, without needless zeros: `0.02`, `1.5e-7`, `843.84`.
+/// A number, rounded to significant digits, without needless zeros: `0.02`, `1.5e−7`, `843.84`.
 /// Numbers that are none are written as a dash.
 pub fn number(value: f64, digits: usize) -> String {
     if value.is_nan() {
@@ -32,17 +32,18 @@ fn trim(text: &str) -> &str {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }
 
-/// A fraction as per cent with one decimal, more where it would else read as 0 or 100.
+/// A fraction as per cent with one decimal. One that would else read as 0 or 100 has as many as tell it from them, 12 at most.
 pub fn percent(fraction: f64) -> String {
     let p = fraction * 100.0;
     if p == 0.0 || p == 100.0 {
         format!("{p:.0}")
     } else if (0.1..=99.9).contains(&p) {
         format!("{p:.1}")
-    } else if p < 50.0 {
+    } else if p < 50.0 || p.is_nan() {
         number(p, 1)
     } else {
-        format!("{p:.3}")
+        let decimals = ((0.5 / (100.0 - p).abs()).log10().floor() + 1.0).clamp(3.0, 12.0) as usize;
+        format!("{p:.decimals$}")
     }
 }
 
@@ -98,6 +99,9 @@ mod tests {
         assert_eq!(percent(0.0), "0");
         assert_eq!(percent(0.000_02), "0.002");
         assert_eq!(percent(0.99999), "99.999");
+        assert_eq!(percent(0.999_999_6), "99.99996");
+        assert_eq!(percent(0.999_999_999_7), "99.99999997");
+        assert_eq!(percent(f64::NAN), "–");
     }
 
     #[test]

@@ -27,7 +27,7 @@ impl Registered for Nets {
     const REPLICATES: bool = true;
 
     fn new(sampling: &Sampling, inputs: &Inputs) -> Result<Self, String> {
-        Self::of(sampling, inputs.dimensions())
+        Self::in_dimensions(sampling, inputs.dimensions())
     }
 }
 
@@ -37,26 +37,32 @@ impl Rule for Nets {
         let digits = scramble(plain(place, &self.directions[dimension as usize]), self.key(replicate, dimension));
         // The digits beyond the net's are random, as scrambling to infinity makes them.
         let rest = random::bits(self.seed, Purpose::Jitter, index, dimension);
-        random::to_unit(u64::from(digits) << BITS | rest >> BITS)
+        random::to_unit((u64::from(digits) << BITS) | (rest >> BITS))
     }
 }
 
 impl Nets {
-    pub fn of(sampling: &Sampling, dimensions: usize) -> Result<Self, String> {
-        if sampling.points / sampling.replicates > 1 << BITS {
-            return Err(format!("a Sobol net has at most 2^{BITS} points"));
+    /// Nets in the unit cube of so many dimensions, which need not have inputs.
+    ///
+    /// # Errors
+    /// When a net has too many points or dimensions.
+    pub fn in_dimensions(sampling: &Sampling, dimensions: usize) -> Result<Self, String> {
+        const REMEDY: &str = "or use method = \"monte-carlo\"";
+        if sampling.points.div_ceil(sampling.replicates) > 1 << BITS {
+            return Err(format!("a Sobol net has at most 2^{BITS} points; draw fewer, {REMEDY}"));
         }
         let parameters = JoeKuoD6::minimal();
         if dimensions > parameters.max_dims {
             let most = parameters.max_dims;
-            return Err(format!("a Sobol net has at most {most} inputs, not {dimensions}"));
+            return Err(format!("a Sobol net has at most {most} inputs, not {dimensions}; vary fewer, {REMEDY}"));
         }
         let others = parameters.dim_params.iter().map(|dimension| directions(dimension.a, &dimension.m));
         let directions = std::iter::once(van_der_corput()).chain(others).take(dimensions).collect();
         Ok(Self { seed: sampling.seed, replicates: sampling.replicates, directions })
     }
 
-    /// Where the scrambling hash of an input starts.
+    /// Where the scrambling hash of an input starts. The replicates count down from the largest number: a Latin hypercube and
+    /// a Halton sequence permute by the same purpose and count up from 0, and must not meet them.
     fn key(&self, replicate: u64, dimension: u32) -> u64 {
         random::bits(self.seed, Purpose::Permutation, u64::MAX - replicate, dimension)
     }
@@ -76,9 +82,9 @@ fn directions(coefficients: u32, initial: &[u32]) -> [u32; BITS as usize] {
         v[k] = if k < degree {
             initial[k] << (v.len() - 1 - k)
         } else {
-            let mut next = v[k - degree] ^ v[k - degree] >> degree;
+            let mut next = v[k - degree] ^ (v[k - degree] >> degree);
             for j in 1..degree {
-                let coefficient = coefficients >> (degree - 1 - j) & 1;
+                let coefficient = (coefficients >> (degree - 1 - j)) & 1;
                 next ^= coefficient * v[k - j];
             }
             next
@@ -92,7 +98,7 @@ fn plain(index: u64, directions: &[u32; BITS as usize]) -> u32 {
     directions
         .iter()
         .enumerate()
-        .filter(|(bit, _)| index >> bit & 1 == 1)
+        .filter(|(bit, _)| (index >> bit) & 1 == 1)
         .fold(0, |digits, (_, direction)| digits ^ direction)
 }
 
@@ -100,8 +106,8 @@ fn plain(index: u64, directions: &[u32; BITS as usize]) -> u32 {
 fn scramble(digits: u32, key: u64) -> u32 {
     let flips = (0..BITS).fold(0, |flips, bit| {
         // A leading 1 tells prefixes of different length apart.
-        let prefix = 1 << bit | u64::from(digits) >> (BITS - bit);
-        flips << 1 | u32::from(mix(prefix ^ key) >> 63 == 1)
+        let prefix = (1 << bit) | (u64::from(digits) >> (BITS - bit));
+        (flips << 1) | u32::from(mix(prefix ^ key) >> 63 == 1)
     });
     digits ^ flips
 }
@@ -145,7 +151,7 @@ mod tests {
 
     fn nets(points: u64, replicates: u64, dimensions: usize) -> Result<Nets, String> {
         let sampling = Sampling { points, seed: 11, replicates, ..Sampling::default() };
-        Nets::of(&sampling, dimensions)
+        Nets::in_dimensions(&sampling, dimensions)
     }
 
     #[test]
@@ -159,7 +165,7 @@ mod tests {
                 for index in (replicate..replicates << 8).step_by(replicates as usize) {
                     let x = (net.uniform(index, 0) * f64::from(1 << a)) as usize;
                     let y = (net.uniform(index, 1) * f64::from(1 << (8 - a))) as usize;
-                    let place = x << (8 - a) | y;
+                    let place = (x << (8 - a)) | y;
                     assert!(!seen[place]);
                     seen[place] = true;
                 }
@@ -186,7 +192,9 @@ mod tests {
     #[test]
     fn too_many_points_are_refused() {
         assert!(nets(1 << 32, 1, 1).is_ok() && nets(3 << 32, 3, 1).is_ok());
-        let error = nets((1 << 32) + 1, 1, 1).unwrap_err();
-        assert!(error.contains("2^32 points"), "{error}");
+        for (points, replicates) in [((1 << 32) + 1, 1), ((3 << 32) + 1, 3)] {
+            let error = nets(points, replicates, 1).unwrap_err();
+            assert!(error.contains("2^32 points; draw fewer"), "{error}");
+        }
     }
 }
