@@ -1,11 +1,9 @@
 //! Places at which runs failed: nothing is known of them, so neither a search nor a sample can tell what lies there.
 
+use result_document::format::{shown, significant};
 use serde::Serialize;
 
-use super::{
-    digits::{rounded, shown},
-    problem::Problem,
-};
+use super::problem::Problem;
 
 /// The places that were asked for, and those of them at which a run failed.
 #[derive(Clone, Debug, Default)]
@@ -100,7 +98,7 @@ pub fn words(within: &[Range]) -> String {
     within
         .iter()
         .map(|side| {
-            let [low, high] = side.range.map(|end| rounded(end, 4));
+            let [low, high] = side.range.map(|end| significant(end, 4));
             format!("{} {low} .. {high} {}", side.name, shown(&side.unit)).trim_end().to_owned()
         })
         .collect::<Vec<_>>()

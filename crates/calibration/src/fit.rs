@@ -1,9 +1,9 @@
 //! Whether a fit speaks for the model: by the size of the misfits, and by their order along each measured curve.
 
+use result_document::format::significant;
 use serde::Serialize;
 
 use super::{
-    digits::rounded,
     influence::{Farthest, Group},
     order::Order,
     outcome::IdentificationOutcome,
@@ -123,7 +123,7 @@ impl IdentificationOutcome {
         };
         let orders = self.orders.iter().filter(|order| order.is_doubtful(self.level()));
         let (names, correlations): (Vec<&str>, Vec<String>) =
-            orders.map(|order| (&*order.name, rounded(order.correlation, 2))).unzip();
+            orders.map(|order| (&*order.name, significant(order.correlation, 2))).unzip();
         let orders = (!names.is_empty()).then(|| {
             format!(
                 "The residuals of {} are no noise: each is like the one before (correlation {}). The model, or the stated noise, \
@@ -139,8 +139,8 @@ impl IdentificationOutcome {
             format!(
                 "The measured value of {quantity}{of_case} is {} of its own standard deviations off (leverage {}); by chance the largest \
                  of all is so large in fewer than {} records. Look at it: nothing was left out.",
-                rounded(studentised.abs(), 3),
-                rounded(*leverage, 2),
+                significant(studentised.abs(), 3),
+                significant(*leverage, 2),
                 times(*probability)
             )
         });

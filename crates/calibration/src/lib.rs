@@ -1,7 +1,6 @@
 #![doc = include_str!("../README.md")]
 
 pub mod capped;
-pub mod digits;
 mod errors;
 mod expected;
 pub mod failures;

@@ -3,14 +3,10 @@
 //! derivatives from which the intervals come.
 
 use nalgebra::DVector;
+use result_document::format::{shown, significant};
 use serde::Serialize;
 
-use super::{
-    digits::{rounded, shown},
-    objective::Misfit,
-    optima::Optimum,
-    problem::Problem,
-};
+use super::{objective::Misfit, optima::Optimum, problem::Problem};
 
 /// A larger part of half an interval, or of two standard uncertainties of a value, is notable.
 const PART: f64 = 1.0 / 3.0;
@@ -116,7 +112,7 @@ impl NumericalError {
 
 impl Moved {
     fn words(&self) -> String {
-        let [by, half] = [self.higher.abs(), self.half_interval].map(|v| rounded(v, 2));
+        let [by, half] = [self.higher.abs(), self.half_interval].map(|v| significant(v, 2));
         let side = if self.higher < 0.0 { "lower" } else { "higher" };
         let unit = shown(&self.unit);
         let number = format!("{by} {unit}");
@@ -126,7 +122,7 @@ impl Moved {
 
 impl Changed {
     fn words(&self) -> String {
-        let [from, to] = [self.predicted, self.finer].map(|v| rounded(v, 4));
+        let [from, to] = [self.predicted, self.finer].map(|v| significant(v, 4));
         let case = self.case.as_ref();
         let case = case.map(|case| format!(" of case {case}")).unwrap_or_default();
         format!("{}{case} from {from} to {to} {}", self.quantity, shown(&self.unit)).trim_end().to_owned()

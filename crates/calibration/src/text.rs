@@ -1,8 +1,6 @@
 //! The result of an identification in sentences, and as parameters for the next study.
 
-pub use super::digits::digits;
 use super::{
-    digits::{rounded, shown},
     failures::words,
     fit::Fit,
     influence::Influence,
@@ -12,6 +10,12 @@ use super::{
     problem::{SharedKind, Spacing},
     shared::SharedOutcome,
 };
+use result_document::format::{shown, significant};
+
+/// A number with six significant digits.
+pub fn digits(number: f64) -> String {
+    significant(number, 6)
+}
 
 /// The free parameters as the section `[fixed]` of a study, but for those that are no parameters of the model.
 pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome, others: &[String]) -> String {
@@ -210,7 +214,7 @@ fn of_channel(error: &SharedOutcome, interval: &str) -> String {
         SharedKind::Gain => (100.0, "%"),
         SharedKind::Scaled => (1.0, "of the stated uncertainties"),
     };
-    let number = |value: f64| rounded(factor * value, 3);
+    let number = |value: f64| significant(factor * value, 3);
     let limit = format!("{} {unit}", number(error.limit));
     let limit = limit.trim_end();
     if error.left > NOTHING {
@@ -237,7 +241,7 @@ fn of_channel(error: &SharedOutcome, interval: &str) -> String {
         if (error.coverage.powi(2) - 3.0).abs() < 1e-6 {
             format!("its limits of error are +-{limit}")
         } else {
-            format!("its data sheet allows +-{limit} (k = {})", rounded(error.coverage, 3))
+            format!("its data sheet allows +-{limit} (k = {})", significant(error.coverage, 3))
         }
     )
 }
@@ -285,7 +289,7 @@ pub fn largest(outcome: &IdentificationOutcome) -> Option<String> {
     let worst = all.max_by(|a, b| missed(a).total_cmp(&missed(b)))?;
     Some(format!(
         "The largest misfit is {} standard uncertainties{}, of {}.",
-        rounded(missed(worst), 3),
+        significant(missed(worst), 3),
         if outcome.shared.is_empty() { "" } else { ", shared errors taken out" },
         worst.quantity
     ))

@@ -160,12 +160,12 @@ fn undecided(
         Unfit::Risk { limit, least } => format!(
             "whatever the guard band, at best {:.1} % of the accepted points would conform, {} % are required",
             100.0 * (1.0 - least),
-            percent(1.0 - limit)
+            in_percent(1.0 - limit)
         ),
         Unfit::Point { limit } => {
             format!(
                 "no value conforms with the required {} %, as the uncertainties are too large",
-                percent(1.0 - limit)
+                in_percent(1.0 - limit)
             )
         }
         Unfit::Guard => "the guard band is as wide as a tolerance and leaves nothing of it".to_owned(),
@@ -223,7 +223,7 @@ fn method(way: Way, samples: usize) -> String {
 /// The verdict by a share in words; `of_which` says more of what was found.
 pub fn by_share(verdict: Decision, required: &Requirement, of_which: &str) -> String {
     let [low, high] = required.interval.unwrap_or([0.0, 1.0]).map(|limit| 100.0 * limit);
-    let [share, confidence] = [required.rule.share, required.rule.confidence].map(percent);
+    let [share, confidence] = [required.rule.share, required.rule.confidence].map(in_percent);
     format!(
         "{verdict}: required are {share} % of the sampled space, found {low:.2} .. {high:.2} %{of_which} at a \
          confidence of {confidence} %"
@@ -231,7 +231,7 @@ pub fn by_share(verdict: Decision, required: &Requirement, of_which: &str) -> St
 }
 
 /// A share in percent without the digits that only rounding brings.
-pub fn percent(share: f64) -> f64 {
+pub fn in_percent(share: f64) -> f64 {
     (1e10 * share).round() / 1e8
 }
 

@@ -9,7 +9,7 @@ use point_journal::files::{make_output, write_json};
 use result_document::{
     Document, Figure, Key, Table,
     bins::axis_range,
-    format::{count, dash, number, with_unit},
+    format::{DASH, number, with_unit},
     numbers,
     svg::{Frame, area, circle, path},
     words,
@@ -55,7 +55,7 @@ impl Comparison {
     fn counts(&self) -> Table {
         let sides = [&self.old, &self.new];
         let row = |name: &str, cells: [String; 2]| [[name.to_owned()].to_vec(), cells.to_vec()].concat();
-        let text = |value: &Option<String>| value.clone().unwrap_or_else(dash);
+        let text = |value: &Option<String>| value.clone().unwrap_or(DASH.into());
         let short = |digest: &Option<String>| text(digest).chars().take(12).collect::<String>();
         let new_fmu = if self.as_packed { "as packed".to_owned() } else { short(&self.new.from.fmu_sha256) };
         let rows = vec![
@@ -63,7 +63,7 @@ impl Comparison {
             row("points", sides.map(|side| grouped(side.points))),
             row("without a result", sides.map(|side| grouped(side.failed))),
             row("within all tolerances", sides.map(|side| grouped(side.verified))),
-            row("accepted", sides.map(|side| side.accepted.map_or_else(dash, grouped))),
+            row("accepted", sides.map(|side| side.accepted.map_or(DASH.into(), grouped))),
             row("model version", sides.map(|side| text(&side.from.fmu_version))),
             row("FMU, SHA-256", [short(&self.old.from.fmu_sha256), new_fmu]),
             row("study, SHA-256", sides.map(|side| short(&Some(side.from.study_sha256.clone())))),
@@ -74,7 +74,7 @@ impl Comparison {
 
     fn changes(&self) -> Table {
         let row = |(name, change): (&String, &Change)| {
-            let share = |of: Option<f64>| of.map_or_else(dash, |of| number(100.0 * of, 3));
+            let share = |of: Option<f64>| of.map_or(DASH.into(), |of| number(100.0 * of, 3));
             let largest = change.largest;
             vec![
                 with_unit(name, change.unit.as_deref().unwrap_or_default()),
@@ -82,9 +82,9 @@ impl Comparison {
                 grouped(change.beyond),
                 change.numerical_uncertainty.map_or_else(|| "not stated".to_owned(), |u| number(u, 3)),
                 number(change.mean, 3),
-                largest.map_or_else(dash, |largest| number(largest.new - largest.old, 3)),
+                largest.map_or(DASH.into(), |largest| number(largest.new - largest.old, 3)),
                 share(largest.map(|largest| largest.of_tolerance)),
-                largest.map_or_else(dash, |largest| largest.point.to_string()),
+                largest.map_or(DASH.into(), |largest| largest.point.to_string()),
                 grouped(change.flipped.count),
                 grouped(change.flipped_within.count),
             ]
@@ -161,7 +161,7 @@ pub fn scatter(
         _ => format!("One point of {every} is drawn, and all that changed sides. "),
     };
     if outside > 0 {
-        note += &format!("{} points lie outside the picture.", count(outside));
+        note += &format!("{} points lie outside the picture.", grouped(outside as u64));
     }
     Figure {
         caption: name.to_owned(),

@@ -2,13 +2,13 @@
 
 use super::late::{Read, Reading, late};
 use calibration::{
-    digits::rounded,
     problem::{Estimate, Measured},
 };
 use fmu_points::{
     names::behind,
     task::{MeasuredCurve, Probe, Schedule},
 };
+use result_document::format::significant;
 use rig_signals::scatter;
 use study::{CriterionText, EstimateText, Name};
 
@@ -83,7 +83,7 @@ impl FittedCurve<'_> {
     /// The independent error that is assumed.
     fn assumed(&self, scatter: Option<f64>, own: &[f64]) -> String {
         let mean = (own.iter().map(|own| own * own).sum::<f64>() / own.len() as f64).sqrt();
-        let number = format!("{}{}", rounded(mean, 3), behind(self.unit.as_deref()));
+        let number = format!("{}{}", significant(mean, 3), behind(self.unit.as_deref()));
         let from = match scatter {
             Some(_) => "as the scatter of its rows",
             None => "as large as the uncertainty, since its rows are too few to show their scatter",

@@ -2,7 +2,7 @@
 
 use super::payload::PlotColumn;
 use parameter_regions::table::{PointTable, Ranked};
-use result_document::format::{number, percent};
+use result_document::format::{number, percent_text};
 use serde::Serialize;
 
 /// Number of best points in the table.
@@ -65,7 +65,7 @@ pub fn best_rows(
                 distance: number(distance, 3),
                 deviation: number(binding.deviation, 2),
                 binding: table.criteria[binding.criterion].name.clone(),
-                conforms: conformance.map(|p| percent(p[i])),
+                conforms: conformance.map(|p| percent_text(p[i])),
                 cells: parameters.chain(criteria).collect(),
             }
         })

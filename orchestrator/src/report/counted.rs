@@ -12,7 +12,7 @@ use conformity::{
 };
 use result_document::{
     Block, Column, Table,
-    format::{dash, number, percent},
+    format::{DASH, number, percent_text},
     numbers, words,
 };
 use study::cases::SEPARATOR;
@@ -22,12 +22,12 @@ fn heading(title: &str) -> Block {
 }
 
 fn range([low, high]: [f64; 2]) -> String {
-    format!("{} .. {}", percent(low), percent(high))
+    format!("{} .. {}", percent_text(low), percent_text(high))
 }
 
 /// A share and its interval; where no point has one, the column is left out.
 fn share(count: &Count, with_interval: bool) -> Vec<String> {
-    let share = percent(count.fraction);
+    let share = percent_text(count.fraction);
     let interval = count.interval.map(range).unwrap_or_default();
     if with_interval { vec![share, interval] } else { vec![share] }
 }
@@ -116,12 +116,12 @@ fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> 
 
 /// Per cent, with their intervals: the consumer's risk, the producer's, and that of an accepted point.
 fn shares(risk: Option<&Risk>) -> [String; 3] {
-    let Some(risk) = risk else { return [dash(), dash(), dash()] };
+    let Some(risk) = risk else { return [DASH; 3].map(str::to_owned) };
     let intervals = risk.intervals.as_ref();
     let given = risk.not_conforming_given_accepted;
     let cell = |value: Option<f64>, interval: Option<[f64; 2]>| {
         let interval = interval.map(|ends| format!(" ({})", range(ends)));
-        value.map_or_else(dash, |value| format!("{}{}", percent(value), interval.unwrap_or_default()))
+        value.map_or(DASH.into(), |value| format!("{}{}", percent_text(value), interval.unwrap_or_default()))
     };
     [
         cell(Some(risk.consumer), intervals.map(|of| of.consumer)),
@@ -148,7 +148,7 @@ pub fn cases(summary: &Summary) -> Vec<Block> {
         let criterion = |criterion: &&str| {
             let full = format!("{name}{SEPARATOR}{criterion}");
             let entry = summary.criteria.get(&full);
-            entry.map_or_else(dash, |entry| percent(entry.count.fraction))
+            entry.map_or(DASH.into(), |entry| percent_text(entry.count.fraction))
         };
         let mut cells = vec![format!("{name}{held_out}")];
         cells.extend(criteria.iter().map(criterion));

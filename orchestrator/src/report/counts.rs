@@ -5,7 +5,7 @@ use crate::results::{Summary, summary::Count};
 use conformity::conclusion::grouped;
 use curves::{Kind, Metric};
 use parameter_regions::table::{CriterionColumn, PointTable};
-use result_document::format::{dash, number};
+use result_document::format::{DASH, number};
 use sampling::statistics::moments::sorted;
 use serde::Serialize;
 
@@ -69,7 +69,7 @@ pub fn count_rows(table: &PointTable, summary: &Summary, judgement: &Judgement) 
                 None if v.criterion.nominal_from.is_some() => "none yet".to_owned(),
                 None => {
                     let value = v.criterion.measured().value;
-                    value.map_or_else(dash, |value| quantity(value, &c.unit))
+                    value.map_or(DASH.into(), |value| quantity(value, &c.unit))
                 }
             },
             accepted: match v.criterion.metric.map(Metric::kind) {
@@ -82,7 +82,7 @@ pub fn count_rows(table: &PointTable, summary: &Summary, judgement: &Judgement) 
                 .map(|[low, high]| if low <= high { interval([low, high], &c.unit) } else { "nothing".to_owned() }),
             binds: grouped(v.binds),
             only: grouped(v.only_failure),
-            miss: median_miss(c).map_or_else(dash, |m| format!("{} ×", number(m, 3))),
+            miss: median_miss(c).map_or(DASH.into(), |m| format!("{} ×", number(m, 3))),
             ..row(&c.name, "criterion", v.count)
         }
     };

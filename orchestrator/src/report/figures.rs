@@ -2,10 +2,11 @@
 //! written beside it as files.
 
 use super::{overlay::Measured, payload::PlotColumn};
+use conformity::conclusion::grouped;
 use parameter_regions::table::PointTable;
 use result_document::{
     bins::{axis_range, bins_for, histogram},
-    format::{count, number, with_unit},
+    format::{number, with_unit},
     svg::{Axis, Frame, area, circle, path, text, ticks},
 };
 use std::fmt::Write as _;
@@ -26,11 +27,15 @@ pub fn plane(
     out.push_str(&marks(table, &frame, x, y, &points));
     let inside = (0..table.len()).filter(|&i| within(x, i) && within(y, i)).count();
     let in_box = match x.is_criterion || y.is_criterion {
-        true if table.len() == total => format!(", {} in the box", count(inside)),
+        true if table.len() == total => format!(", {} in the box", grouped(inside as u64)),
         _ => String::new(),
     };
-    let drawn = if points.len() < total { format!(", {} drawn", count(points.len())) } else { String::new() };
-    out.push_str(&frame.caption(&format!("{} points{in_box}, {} accepted{drawn}", count(total), count(accepted))));
+    let drawn = if points.len() < total { format!(", {} drawn", grouped(points.len() as u64)) } else { String::new() };
+    out.push_str(&frame.caption(&format!(
+        "{} points{in_box}, {} accepted{drawn}",
+        grouped(total as u64),
+        grouped(accepted as u64)
+    )));
     let title =
         format!("{} against {}: {inside} of {} points lie in the box of the tolerances", y.name, x.name, table.len());
     frame.wrap(&title, &out)
@@ -134,7 +139,7 @@ pub fn distribution(table: &PointTable, c: &PlotColumn, [total, accepted]: [usiz
         out += &path("bar in", bars(&counts, &frame, range, false));
         out.push_str(&heights(&counts, &frame, true));
     }
-    out.push_str(&frame.caption(&format!("{} points, {} accepted", count(total), count(accepted))));
+    out.push_str(&frame.caption(&format!("{} points, {} accepted", grouped(total as u64), grouped(accepted as u64))));
     let title = format!(
         "Distribution of {} over all {} points and over the {} accepted points",
         c.name,

@@ -11,8 +11,9 @@ use crate::{
         words::capitalised,
     },
 };
+use conformity::conclusion::grouped;
 use conformity::decision::Decision;
-use result_document::{Block, Document, format::count};
+use result_document::{Block, Document};
 use std::path::Path;
 use study::Study;
 
@@ -89,8 +90,8 @@ pub fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
         format!(
             "all counts, shares and best points are those of all {} points; distributions, planes and median misses \
              are drawn from {} of them: one of every {} by chance, and the best",
-            count(summary.points as usize),
-            count(shown),
+            grouped(summary.points),
+            grouped(shown as u64),
             summary.points.div_ceil(choice::MOST)
         )
     });
@@ -99,7 +100,7 @@ pub fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
         format!(
             "pictures and the table of best points show the {pictured} criteria that the fewest points meet, of {}; points.csv \
              has them all, and What if is left out",
-            count(criteria)
+            grouped(criteria as u64)
         )
     });
     thinned

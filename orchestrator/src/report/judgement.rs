@@ -4,7 +4,7 @@ use std::borrow::Cow;
 
 use crate::results::Summary;
 use conformity::{
-    conclusion::{Conclusion, Requirement, percent},
+    conclusion::{Conclusion, Requirement, in_percent},
     measured::{Assessed, Measurement},
     risk::Guard,
 };
@@ -52,7 +52,7 @@ impl Judgement {
     /// What decides on the acceptance of points within all tolerances, where anything does.
     pub(super) fn rule_of_acceptance(&self) -> Option<String> {
         match (self.point_risk(), self.guard) {
-            (Some(risk), _) => Some(format!("each conforms with {} % or more", percent(1.0 - risk))),
+            (Some(risk), _) => Some(format!("each conforms with {} % or more", in_percent(1.0 - risk))),
             (None, Some(band)) if band.is_finite() => {
                 Some(format!("each tolerance drawn in by {} expanded uncertainties (guard band)", number(band, 3)))
             }

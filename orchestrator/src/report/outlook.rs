@@ -4,7 +4,7 @@ use crate::results::Summary;
 use conformity::validation::Comparison;
 use result_document::{
     Document, Table,
-    format::{dash, number},
+    format::{DASH, number},
     numbers, words,
 };
 
@@ -86,7 +86,7 @@ fn compared(comparison: &Comparison) -> [String; 9] {
             None => number(comparison.coverage, 3),
         },
         format!("{least}{low} .. {high}"),
-        comparison.e_n.map_or_else(dash, |e_n| number(e_n, 2)),
+        comparison.e_n.map_or(DASH.into(), |e_n| number(e_n, 2)),
         comparison.dominant.clone(),
     ]
 }

@@ -21,7 +21,7 @@ use minijinja::{Environment, Value, context, value::Serde};
 use parameter_regions::table::PointTable;
 use result_document::{
     Document,
-    format::{count, number, percent, with_unit},
+    format::{number, percent_text, with_unit},
     marked,
 };
 use sampling::statistics::moments::{deviation, mean};
@@ -67,7 +67,7 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
     let mut environment = Environment::new();
     environment.add_filter("marked", |text: &str| Value::from_safe_string(marked(text)));
     environment.add_filter("count", grouped);
-    environment.add_filter("percent", percent);
+    environment.add_filter("percent", percent_text);
     environment.add_template("report.html", include_str!("assets/report.html"))?;
     let (parameters, criteria) = columns.split_at(table.parameters.len());
     let page = context! {
@@ -104,10 +104,10 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
         answer => Serde(answer),
         word => if judgement.is_guarded() { "accepted" } else { summary.met() },
         guarded => judgement.is_guarded(),
-        n => count(total),
+        n => grouped(total as u64),
         headline => Serde(Headline::new(judgement)),
         failed => summary.failed,
-        drawn => count(points.len()),
+        drawn => grouped(points.len() as u64),
         sampled => points.len() < total,
         rows => Serde(count_rows(table, summary, judgement)),
         counted => result_document::html(&[risks(summary), cases(summary)].concat()),
@@ -259,7 +259,7 @@ fn risk(summary: &Summary, name: &str) -> Option<String> {
     match (entry.risk.as_ref().and_then(given), &entry.risk_not_stated) {
         (Some(share), _) => Some(format!(
             "Of the points that meet it {} % are expected to be outside of the tolerance of the true curve.",
-            percent(share)
+            percent_text(share)
         )),
         (None, Some(reason)) => Some(format!("Its risk is not known: {reason}.")),
         (None, None) => Some("No point meets it, so there is no risk of accepting one.".to_owned()),

@@ -6,7 +6,7 @@ use point_journal::files::{make_folder, write_text};
 use result_document::{
     Document, Figure, Key, Table,
     bins::axis_range,
-    format::{dash, number},
+    format::{DASH, number},
     numbers,
     svg::{Frame, area, path},
 };
@@ -125,8 +125,8 @@ fn row(finding: &DerivedCriterion) -> Vec<String> {
         format!("± {} {unit}", number(m.expanded(), 2)),
         number(m.scatter, 2),
         number(m.sensor, 2),
-        finding.noise.as_ref().map_or_else(dash, |noise| number(noise.stated(), 2)),
-        finding.stationarity.as_ref().map_or_else(dash, change),
+        finding.noise.as_ref().map_or(DASH.into(), |noise| number(noise.stated(), 2)),
+        finding.stationarity.as_ref().map_or(DASH.into(), change),
         steady,
     ]
 }

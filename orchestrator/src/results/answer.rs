@@ -16,7 +16,7 @@ use super::{
     words::{accepted, beyond_validity, capitalised, few, guard, looked, unknown},
 };
 use conformity::{
-    conclusion::{Conclusion, Requirement, grouped, percent},
+    conclusion::{Conclusion, Requirement, grouped, in_percent},
     decision::Decision,
 };
 use fmu_points::Conduct;
@@ -215,7 +215,7 @@ fn asked(summary: &Summary) -> String {
     let criteria = criteria(summary);
     let guarded = match &summary.conclusion {
         Some(Conclusion { point_risk: Some(risk), .. }) => {
-            format!(", with a conformance probability of {} % or more,", percent(1.0 - risk))
+            format!(", with a conformance probability of {} % or more,", in_percent(1.0 - risk))
         }
         Some(Conclusion { guard_band: Some(0.0), .. }) | None => String::new(),
         Some(_) => ", less the guard bands,".to_owned(),
@@ -223,7 +223,7 @@ fn asked(summary: &Summary) -> String {
     match required(summary) {
         Some(Requirement { rule, .. }) => format!(
             "Does the model meet {criteria}{guarded} in {} % of the sampled space or more?",
-            percent(rule.share)
+            in_percent(rule.share)
         ),
         None => format!("Does the model meet {criteria} at one sampled point or more?"),
     }
@@ -268,7 +268,7 @@ fn answer(summary: &Summary, decision: Decision) -> String {
         let found = format!(
             "{way}, it does in {} of the space at a confidence of {} %",
             range(interval),
-            percent(requirement.rule.confidence)
+            in_percent(requirement.rule.confidence)
         );
         return match decision {
             Decision::Verified => format!("Yes: {found}."),
@@ -281,7 +281,7 @@ fn answer(summary: &Summary, decision: Decision) -> String {
         "{} of {points}, which is {} of the space at a confidence of {} %",
         grouped(accepted),
         range(interval),
-        percent(requirement.rule.confidence)
+        in_percent(requirement.rule.confidence)
     );
     match decision {
         Decision::Verified => format!("Yes: at {found}."),
@@ -460,7 +460,7 @@ fn undecided(conclusion: &Conclusion, summary: &Summary) -> Option<String> {
     let Requirement { rule, interval, .. } = conclusion.required.as_ref()?;
     let more = if summary.surrogate.is_some() { "runs" } else { "points" };
     interval.as_ref()?;
-    Some(format!("The required {} % lie inside that range: more {more} narrow it.", percent(rule.share)))
+    Some(format!("The required {} % lie inside that range: more {more} narrow it.", in_percent(rule.share)))
 }
 
 /// How many points decide.

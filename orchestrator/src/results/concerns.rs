@@ -3,6 +3,7 @@
 use std::f64::consts::{PI, TAU};
 
 use fmu_import::units::{Conversion, known};
+use result_document::format::significant;
 use study::{
     concern::{Code, Concern},
     judge::Criterion,
@@ -60,8 +61,8 @@ pub fn out_of_reach(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -
     let text = format!(
         "{}: no point reaches the measured value {nominal}{unit}; the points lie between {} and {}{unit}{hint}",
         criterion.name,
-        short(low),
-        short(high)
+        significant(low, 5),
+        significant(high, 5)
     );
     Some(Concern::new(Code::OutOfReach, text).remedied(remedy))
 }
@@ -113,7 +114,7 @@ pub fn unmoved(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Opt
         let text = format!(
             "{}: the values of all {points} points lie within {}{unit}, less than a hundredth of the tolerance, which can refuse none",
             criterion.name,
-            short(high - low)
+            significant(high - low, 5)
         );
         let remedy = "Check each `tolerance` that is so wide, and the ranges of the parameters.";
         return Some(Concern::new(Code::WideTolerance, text).remedied(remedy));
@@ -121,7 +122,7 @@ pub fn unmoved(criterion: &Criterion, [low, high]: [f64; 2], points: u64) -> Opt
     let text = format!(
         "{}: the value is {}{unit} at all {points} points, so it does not depend on the parameters that vary",
         criterion.name,
-        short(low)
+        significant(low, 5)
     );
     let remedy =
         "Check the `variable` of each criterion that does not move, vary a parameter that it depends on, or remove it.";
@@ -178,16 +179,6 @@ fn mistaken_unit(unit: Option<&str>, nominal: f64, tolerance: f64, [low, high]: 
     best.map(|(_, units)| units)
 }
 
-/// Five significant digits.
-fn short(value: f64) -> String {
-    let digits = if value == 0.0 { 0 } else { 4 - value.abs().log10().floor() as i32 };
-    match usize::try_from(digits) {
-        Ok(decimals) if decimals <= 8 => format!("{value:.decimals$}"),
-        Ok(_) => format!("{value:.4e}"),
-        Err(_) => format!("{value:.0}"),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -210,7 +201,7 @@ mod tests {
         assert_eq!(out_of_reach(&t, [81.0, 83.0], 100), None);
         assert_eq!(out_of_reach(&t, [80.0, 81.5], 9), None);
         let far = out_of_reach(&t, [80.0, 81.5], 10).unwrap().to_string();
-        assert!(far.starts_with("T: no point reaches the measured value 82; the points lie between 80.000 and 81.500"));
+        assert!(far.starts_with("T: no point reaches the measured value 82; the points lie between 80 and 81.5"));
         assert!(far.contains(". Find out"), "{far}");
         assert_eq!(out_of_reach(&t, [f64::INFINITY, f64::NEG_INFINITY], 10), None);
     }
@@ -247,7 +238,7 @@ mod tests {
     fn a_value_that_is_the_same_at_all_points_is_warned_of() {
         let t = criterion(82.0, 0.6);
         let warning = unmoved(&t, [81.8, 81.8], 10).unwrap().text;
-        assert!(warning.starts_with("T: the value is 81.800 at all 10 points"));
+        assert!(warning.starts_with("T: the value is 81.8 at all 10 points"));
         assert!(unmoved(&t, [0.0, 0.0], 10).is_some());
         assert_eq!(unmoved(&t, [81.8, 81.8], 9), None);
         // Of a tolerance of half the value the points try less than a hundredth; a steady value with a sound one is none of these.

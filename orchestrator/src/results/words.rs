@@ -2,10 +2,11 @@
 
 use super::Summary;
 use conformity::{
-    conclusion::{Conclusion, grouped, percent},
+    conclusion::{Conclusion, grouped, in_percent},
     decision::Decision,
     risk::Risk,
 };
+use result_document::format::significant;
 
 /// How many of the points on which the verdict rests went beyond what the model is valid for.
 pub(super) fn beyond_validity(summary: &Summary) -> Option<String> {
@@ -63,7 +64,7 @@ pub(super) fn guard(conclusion: &Conclusion) -> Option<String> {
     if let Some(risk) = conclusion.point_risk {
         return Some(format!(
             "A point is accepted where it conforms with a probability of {} % or more; {} points are accepted.",
-            percent(1.0 - risk),
+            in_percent(1.0 - risk),
             grouped(conclusion.accepted)
         ));
     }
@@ -167,16 +168,7 @@ pub fn counted(points: f64) -> String {
 
 /// Two significant digits, or all of the whole number.
 fn short(value: f64) -> String {
-    let decimals = match value.abs() {
-        0.0 => 0,
-        v if v < 5e-5 => return "under 0.0001".to_owned(),
-        v if v < 0.01 => 4,
-        v if v < 0.1 => 3,
-        v if v < 1.0 => 2,
-        v if v < 10.0 => 1,
-        _ => 0,
-    };
-    format!("{value:.decimals$}")
+    if value != 0.0 && value.abs() < 5e-5 { "under 0.0001".to_owned() } else { significant(value, 2) }
 }
 
 /// The same with a capital first letter.

@@ -1,13 +1,11 @@
 //! A sample of the posterior as text and as a table.
 
 use super::{
-    super::{
-        digits::{digits, rounded, shown},
-        problem::Problem,
-    },
+    super::{problem::Problem, text::digits},
     GROUPS, Sample,
     outcome::{Evidence, Marginal, PosteriorOutcome, Ratio},
 };
+use result_document::format::{shown, significant};
 
 /// Intervals that are named one by one.
 const NAMED: usize = 8;
@@ -23,7 +21,7 @@ pub fn sentences(outcome: &PosteriorOutcome, of_data: &Evidence) -> Vec<String> 
     let mut said = vec![format!("posterior sample: {particles} particles ({judged}), from {evaluated} evaluations")];
     said.push(format!(
         "{} % of the particles are different",
-        rounded(100.0 * outcome.distinct as f64 / *particles as f64, 3),
+        significant(100.0 * outcome.distinct as f64 / *particles as f64, 3),
     ));
     said.push(of_data.words());
     said.extend(outcome.notes.iter().cloned());
@@ -59,7 +57,7 @@ pub fn marginals(outcome: &PosteriorOutcome) -> Vec<Vec<String>> {
             vec![
                 marginal.name,
                 digits(marginal.mean),
-                rounded(marginal.deviation, 3),
+                significant(marginal.deviation, 3),
                 digits(marginal.median),
                 intervals.trim_end().to_owned(),
             ]
@@ -85,8 +83,9 @@ impl Evidence {
             return format!("ln evidence {own}{more}");
         };
         // Factors beyond a million are told by their logarithm.
-        let factor =
-            |log: f64| if log.abs() < 14.0 { rounded(log.exp(), 3) } else { format!("exp({})", rounded(log, 4)) };
+        let factor = |log: f64| {
+            if log.abs() < 14.0 { significant(log.exp(), 3) } else { format!("exp({})", significant(log, 4)) }
+        };
         let which = if *log > 0.0 { "this" } else { "the other" };
         let how = match interval {
             [low, high] if low * high > 0.0 => {

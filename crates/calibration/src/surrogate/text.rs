@@ -1,7 +1,8 @@
 //! The surrogates in words.
 
-use super::super::{digits::rounded, failures::words};
+use super::super::failures::words;
 use super::outcome::SurrogateOutcome;
+use result_document::format::significant;
 
 /// An error counted that is larger than this part of the accuracy widens intervals by 12 %.
 const LARGE: f64 = 0.5;
@@ -16,7 +17,7 @@ pub fn sentences(told: &SurrogateOutcome) -> Vec<String> {
         known => format!(", {known} of them the study's points, which were not run again"),
     };
     let runs = format!("{} places ({} failed{known})", told.runs, told.failed);
-    let [counted, accuracy] = [told.worst.counted, told.worst.accuracy].map(|error| rounded(error, 2));
+    let [counted, accuracy] = [told.worst.counted, told.worst.accuracy].map(|error| significant(error, 2));
     let worst = format!(
         "its error is largest in {}: {counted} beside the accuracy of {accuracy} ({:.0} %)",
         told.worst.quantity,
@@ -35,7 +36,7 @@ pub fn sentences(told: &SurrogateOutcome) -> Vec<String> {
         said.push(format!(
             "at the last {} runs, which it did not know, its sum of squares was off by {} in the middle",
             told.checked,
-            rounded(apart, 2)
+            significant(apart, 2)
         ));
     }
     if told.worst.part() > LARGE {
@@ -56,8 +57,8 @@ pub fn sentences(told: &SurrogateOutcome) -> Vec<String> {
         said.push(match optimum.model {
             Some(model) => format!(
                 "{name} run in the model: sum of squares {}, by the surrogate {}{}",
-                rounded(model, 4),
-                rounded(optimum.surrogate, 4),
+                significant(model, 4),
+                significant(optimum.surrogate, 4),
                 if (model - optimum.surrogate).abs() > DIFFERENT {
                     "; the surrogate is too rough to tell its place"
                 } else {

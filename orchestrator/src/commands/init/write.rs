@@ -10,6 +10,7 @@ use crate::{error::Error, results::points::number};
 use curves::Metric;
 use fmu_import::{Description, Kind, Variable, units::Conversion};
 use fmu_points::{task::Schedule, tell::one_line};
+use result_document::format::significant;
 use sampling::{
     design::Method,
     statistics::moments::{deviation, mean},
@@ -70,7 +71,7 @@ impl<'a> View<'a> {
 
 /// Six digits are enough for a first guess.
 fn rounded(value: f64) -> f64 {
-    format!("{value:.5e}").parse().unwrap_or(value)
+    significant(value, 6).parse().unwrap_or(value)
 }
 
 /// A parameter's range in the unit in which people read it.

@@ -3,7 +3,6 @@
 use std::{ops::Range, path::Path};
 
 use calibration::{
-    digits::{cleared, enough},
     fit::Fit,
     influence::Group,
     local::End,
@@ -12,11 +11,12 @@ use calibration::{
     surrogate::text::sentences,
     text,
 };
+use conformity::conclusion::grouped;
 
 use crate::{error::Result, identify::bind::Bound, plain};
 use result_document::{
     Block, Document, Figure, Key, Table,
-    format::{count, number},
+    format::{cleared, digits_between, number, shown},
     numbers,
     svg::{Frame, area},
     words,
@@ -100,7 +100,7 @@ impl Page<'_> {
     /// Whether all is well, what came of it, and how well it fits.
     fn headline(&self) -> (bool, String, Vec<String>) {
         let outcome = self.outcome;
-        let values = count(self.bound.problem.values());
+        let values = grouped(self.bound.problem.values() as u64);
         let fit = outcome.fit();
         let headline = match (outcome.end, outcome.has_several(), fit) {
             (End::Converged, true, _) => text::several(outcome).unwrap_or_default(),
@@ -155,7 +155,7 @@ impl Page<'_> {
             let figures = curves.by_ref().take(MOST_CURVES).filter_map(|curve| {
                 let rows = curve.quantities.clone();
                 let rows: Vec<&Residual> = rows.map(|k| self.residual(0, k)).collect();
-                fitted(&curve.name, unit(&curve.unit), &curve.times, &rows)
+                fitted(&curve.name, shown(&curve.unit), &curve.times, &rows)
             });
             told.show("planes", figures);
             let left = self.bound.curves.len().saturating_sub(MOST_CURVES);
@@ -188,7 +188,7 @@ impl Page<'_> {
     /// The rows of the table of a quantity, a row a case.
     fn rows(&self, quantity: usize) -> Vec<Vec<String>> {
         let cases = &self.outcome.cases;
-        let unit = unit(&self.bound.problem.quantities[quantity].unit);
+        let unit = shown(&self.bound.problem.quantities[quantity].unit);
         let row = |case: usize| {
             let value = self.residual(case, quantity);
             let name = match cases.len() {
@@ -299,13 +299,8 @@ fn range(all: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
 /// Value and interval of a parameter, with digits that tell them apart.
 fn told(free: &FreeOutcome) -> [String; 3] {
     let [low, high] = free.interval;
-    let digits = enough(free.interval).max(6) as usize - 1;
+    let digits = digits_between(free.interval) - 1;
     [free.value, low, high].map(|v| number(cleared(v, high - low), digits))
-}
-
-/// A unit for people: nothing of a number without one.
-fn unit(unit: &Option<String>) -> &str {
-    unit.as_deref().filter(|unit| *unit != "1").unwrap_or("")
 }
 
 /// The table of measured values.
@@ -356,7 +351,7 @@ fn fitted(name: &str, unit: &str, times: &[f64], rows: &[&Residual]) -> Option<F
         svg: top + &bottom,
         note: format!(
             "{} rows; root mean square of the residuals {} standard deviations{taken}",
-            count(rows.len()),
+            grouped(rows.len() as u64),
             number((squares / rows.len() as f64).sqrt(), 3)
         ),
         ..Figure::default()
@@ -364,5 +359,5 @@ fn fitted(name: &str, unit: &str, times: &[f64], rows: &[&Residual]) -> Option<F
 }
 
 fn with_unit(text: String, free: &FreeOutcome) -> String {
-    format!("{text} {}", unit(&free.unit)).trim_end().to_owned()
+    format!("{text} {}", shown(&free.unit)).trim_end().to_owned()
 }

@@ -1,9 +1,10 @@
 //! The document of trade-offs: the best compromise, and the front, pair by pair of criteria.
 
+use conformity::conclusion::grouped;
 use parameter_regions::pareto::study::{Member, Pareto};
 use result_document::{
     Column, Document, Figure, Key, Table,
-    format::{count, number},
+    format::number,
     numbers,
     svg::{Frame, area, circle, path},
     words,
@@ -25,9 +26,9 @@ pub fn document(result: &Pareto) -> Document {
     };
     told.say(format!(
         "For {} of the study's {} points no other one is as near in every criterion and nearer in one; {} of these meet all criteria.",
-        count(result.unbeaten),
-        count(result.points),
-        count(result.unbeaten_verified)
+        grouped(result.unbeaten as u64),
+        grouped(result.points as u64),
+        grouped(result.unbeaten_verified as u64)
     ));
     told.table(members(result, best));
     told.hint(
@@ -108,7 +109,7 @@ fn plot(result: &Pareto, a: usize, b: usize) -> Figure {
     let outside = result.front.iter().filter(|m| place(m).is_none()).count();
     let mut note = String::new();
     if result.front.len() < result.unbeaten {
-        let shown = count(result.front.len());
+        let shown = grouped(result.front.len() as u64);
         note += &format!("{shown} points of the front are shown. ");
     }
     if outside > 0 {

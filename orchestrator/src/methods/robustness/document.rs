@@ -12,7 +12,7 @@ use parameter_regions::robustness::{
 };
 use result_document::{
     Block, Document, Figure, Key, Table,
-    format::{dash, number, percent, with_unit},
+    format::{DASH, number, percent_text, with_unit},
     numbers,
     svg::{Frame, path},
     words,
@@ -48,8 +48,8 @@ fn margins(result: &Robustness) -> Table {
     };
     let row = |(k, name): (usize, &String)| {
         let margin = result.margins.iter().find(|m| m.parameter == *name);
-        let of_margin = |of: &dyn Fn(&Margin) -> String| margin.map_or_else(dash, of);
-        let of_box = |side: usize| result.region.as_ref().map_or_else(dash, |r| number(r.limits[k][side], 5));
+        let of_margin = |of: &dyn Fn(&Margin) -> String| margin.map_or(DASH.into(), of);
+        let of_box = |side: usize| result.region.as_ref().map_or(DASH.into(), |r| number(r.limits[k][side], 5));
         vec![
             with_unit(name, &result.units[k]),
             of_margin(&|m| end(&m.low)),
@@ -72,19 +72,19 @@ fn margins(result: &Robustness) -> Table {
 
 /// The statement on the box, whether it comes to the level, and how the study's points and fresh runs compare with it.
 fn evidence(level: f64, of: &Region) -> String {
-    let [low, high] = of.interval.map(percent);
+    let [low, high] = of.interval.map(percent_text);
     let shown = if of.interval[0] >= level { "" } else { "not " };
     let told = format!(
         "Largest box found: {} % of the sampled space. Of it {} % are verified (95 % interval {low} .. {high} %), {shown}shown to be {} % \
          or more by the surrogates and the study's own points, of which {} lie inside, {} of them verified.",
-        percent(of.share),
-        percent(of.probability),
-        percent(level),
+        percent_text(of.share),
+        percent_text(of.probability),
+        percent_text(level),
         of.confirmed.points,
         of.confirmed.verified
     );
     let Some(fresh) = of.fresh else { return told };
-    let [low, high] = fresh.interval.map(percent);
+    let [low, high] = fresh.interval.map(percent_text);
     format!(
         "{told} Of {} fresh runs inside {} are verified (95 % interval {low} .. {high} %): {}.",
         fresh.points,
@@ -95,7 +95,7 @@ fn evidence(level: f64, of: &Region) -> String {
 
 fn surrogates(result: &Robustness) -> Table {
     let row = |(name, q): &(String, Quality)| {
-        vec![name.clone(), q.points.to_string(), number(q.error, 2), percent(q.predicted.max(0.0))]
+        vec![name.clone(), q.points.to_string(), number(q.error, 2), percent_text(q.predicted.max(0.0))]
     };
     let columns = [words("Criterion"), numbers("Points"), numbers("Error"), numbers("Variance predicted %")];
     Table::new("Surrogates", columns, result.criteria.iter().map(row).collect())

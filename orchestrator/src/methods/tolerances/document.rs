@@ -22,7 +22,7 @@ pub fn document(result: &Tolerances) -> Document {
             .unwrap_or_default();
         told.say(format!(
             "At the widest tolerances it is {} % by {} weighted points, an effective sample size of {}{by}.",
-            percent(widest.share),
+            number(100.0 * widest.share, 4),
             result.points,
             number(widest.effective_points, 3)
         ));
@@ -63,32 +63,28 @@ fn table(result: &Tolerances) -> Table {
     }
 }
 
-fn percent(share: f64) -> String {
-    number(100.0 * share, 4)
-}
-
 fn wanted(result: &Tolerances) -> String {
     let what = match result.wanted {
         Wanted::Accepted => "of all points accepted",
         Wanted::Conforming => "conformance probability",
     };
-    format!("Wanted: {} % {what}, at a confidence of {} %.", percent(result.share), percent(result.confidence))
+    let [share, confidence] = [result.share, result.confidence].map(|part| number(100.0 * part, 4));
+    format!("Wanted: {share} % {what}, at a confidence of {confidence} %.")
 }
 
 /// The result of the fresh runs; nothing where there are none.
 fn confirmed(result: &Tolerances) -> String {
     let (Some(stated), Some(confirmed)) = (result.stated, result.confirmed) else { return String::new() };
-    let [low, high] = confirmed.interval.map(percent);
-    let [least, most] = stated.interval.map(percent);
+    let ([low, high], [least, most]) = (confirmed.interval, stated.interval);
+    let [low, high, least, most, came] = [low, high, least, most, confirmed.share].map(|part| number(100.0 * part, 4));
     let judged = match confirmed.decision {
         Decision::Verified => "confirmed",
         Decision::NotVerified => "not confirmed",
         Decision::Inconclusive => "not decided; more runs decide (`--confirm`, or a larger `--budget`)",
     };
     format!(
-        "At the stated tolerances {least} to {most} % were expected of {} fresh runs, and {} % came (interval {low} to \
+        "At the stated tolerances {least} to {most} % were expected of {} fresh runs, and {came} % came (interval {low} to \
          {high} %): {judged}.",
-        confirmed.runs,
-        percent(confirmed.share)
+        confirmed.runs
     )
 }

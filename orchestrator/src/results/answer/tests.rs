@@ -96,7 +96,7 @@ fn a_verdict_that_is_open_tells_how_many_points_decide() {
 fn guard_bands_are_named() {
     let with = |key: &str| said(&format!("{STUDY}[verdict]\nshare = \"1 %\"\n{key}\n"), 50, 50);
     let text = with("guard-band = 0.5");
-    assert!(text.contains("a guard band of 0.50 expanded uncertainties; 50 points"), "{text}");
+    assert!(text.contains("a guard band of 0.5 expanded uncertainties; 50 points"), "{text}");
     assert!(!with("guard-band = 0").contains("guard band"));
     let text = with("risk = \"1 %\"");
     assert!(text.contains("nothing is accepted: measure better"), "{text}");
