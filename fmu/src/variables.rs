@@ -1,5 +1,5 @@
 //! The stand's variables. `variables/table.txt` has a row for each with all that hosts and people know of it, where people will
-//! look for it; `way` tells how it is read and set. Start values are those of `Stand::default()`.
+//! look for it; `access_of` tells how it is read and set. Start values are those of `Stand::default()`.
 //!
 //! A new variable takes the next value reference. Tools store references, so that a variable keeps its own for good.
 
@@ -49,7 +49,7 @@ fn variable(row: &'static str) -> (usize, V) {
         panic!("a row has ten cells: {row}");
     };
     let number = |cell: &str| (!cell.is_empty()).then(|| cell.parse().expect("it is a number"));
-    let mut kind = way(name).unwrap_or_else(|| panic!("{name} cannot be accessed"));
+    let mut kind = access_of(name).unwrap_or_else(|| panic!("{name} cannot be accessed"));
     if let Kind::Real(real) = &mut kind {
         real.unit = match unit {
             "K diff" => &KELVIN_DIFFERENCE,
@@ -128,7 +128,7 @@ fn film_model() -> Access<Stand, i32, i32> {
 }
 
 /// How the variable with this name is read and set, if there is one.
-fn way(name: &str) -> Option<Kind<Stand>> {
+fn access_of(name: &str) -> Option<Kind<Stand>> {
     Some(match name {
         "drive.speed" => input!(speed),
         "bearing.bushSpeed" => input!(bush_speed),

@@ -35,6 +35,7 @@ pub fn cdf(z: f64) -> f64 {
     let ([a, slope_a], [b, slope_b]) = (table[index], table[index + 1]);
     let t = place - index as f64;
     let rest = 1.0 - t;
+    // Hermite's cubic: what the slopes at both ends add to the straight line between them.
     let bend = t * rest * ((slope_a - (b - a)) * rest + ((b - a) - slope_b) * t);
     a + t * (b - a) + bend
 }

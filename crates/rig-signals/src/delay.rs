@@ -39,7 +39,7 @@ pub struct Delay {
 }
 
 impl Delay {
-    /// The shift that aligns the torque, s: none where the signals are not related.
+    /// The shift that aligns the torque, s; 0 where the signals are not related.
     pub fn shift(&self) -> f64 {
         self.delay.map_or(0.0, |delay| delay.value)
     }
@@ -83,7 +83,7 @@ const FREEDOM: f64 = 8.0;
 const CHANCE: f64 = 0.005;
 /// The least deviation of the kernel in samples: the noise that it leaves depends on the shift by less than 1e-9.
 const LEAST_WIDTH: f64 = 1.5;
-/// Kernels of a turn's length over this number pass its first ten harmonics.
+/// A kernel whose deviation is the duration of a turn divided by this passes the turn's first ten harmonics.
 const WIDTHS_A_TURN: f64 = 80.0;
 /// A shaft's speed may droop by this part to either side.
 const USUAL_SPREAD: f64 = 0.005;

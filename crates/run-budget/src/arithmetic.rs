@@ -2,26 +2,32 @@
 
 use std::f64::consts::{LN_2, TAU};
 
-/// Added and taken away, it leaves the nearest whole number, which the sum's last bits hold.
+/// 1.5 * 2^52: numbers near it are spaced by 1, so adding and subtracting it rounds to the nearest whole number.
 const TO_WHOLE: f64 = 6_755_399_441_055_744.0;
 
-/// Terms of a series in pairs: each is that before it times the factor over its number, or over those of the sine.
-const fn terms<const PAIRS: usize>(mut term: f64, factor: f64, of_sine: bool) -> [[f64; 2]; PAIRS] {
-    let mut terms = [[0.0; 2]; PAIRS];
-    let mut k = 0;
-    while k < 2 * PAIRS {
+/// The terms of sin(tau x) / x in squares of x, in pairs: term k is the one before times -tau^2 / (2k (2k+1)).
+const SINE: [[f64; 2]; 5] = {
+    let (mut terms, mut term, mut k) = ([[0.0; 2]; 5], TAU, 0);
+    while k < 10 {
         terms[k / 2][k % 2] = term;
         k += 1;
-        term *= factor / (if of_sine { 2 * k * (2 * k + 1) } else { k }) as f64;
+        term *= -TAU * TAU / (2 * k * (2 * k + 1)) as f64;
     }
     terms
-}
+};
 
-/// Of sin(2 pi x) / x in squares of x, and of 2 to the power of x.
-const SINE: [[f64; 2]; 5] = terms(TAU, -TAU * TAU, true);
-const POWER: [[f64; 2]; 6] = terms(1.0, LN_2, false);
+/// The terms of 2 to the power of x, in pairs: term k is the one before times ln 2 / k.
+const POWER: [[f64; 2]; 6] = {
+    let (mut terms, mut term, mut k) = ([[0.0; 2]; 6], 1.0, 0);
+    while k < 12 {
+        terms[k / 2][k % 2] = term;
+        k += 1;
+        term *= LN_2 / k as f64;
+    }
+    terms
+};
 
-/// The sum of a series, of which even and odd terms do not wait for each other.
+/// The sum of a series in `x`; even and odd terms are summed apart, so that the processor does both at once.
 fn series(terms: &[[f64; 2]], x: f64) -> f64 {
     let square = x * x;
     let next = |[even, odd]: [f64; 2], [a, b]: &[f64; 2]| [even * square + a, odd * square + b];
@@ -35,10 +41,11 @@ pub fn cosine(turns: f64) -> f64 {
     part * series(&SINE, part * part)
 }
 
-/// 2 to the power of a number between -1000 and 1000, to 1e-14 of it: nuggets, which are 1e-9 or more, hide that.
+/// 2 to the power of a number between -1000 and 1000, to 1e-14 of it.
 pub fn power_of_2(x: f64) -> f64 {
+    debug_assert!(x.abs() <= 1000.0, "2^{x}");
     let shifted = x + TO_WHOLE;
-    // The whole number becomes an exponent's bits.
+    // The sum's last bits are the whole number; moved into the exponent, it is that power of 2.
     let whole = f64::from_bits((shifted.to_bits() << 52).wrapping_add(1_f64.to_bits()));
     whole * series(&POWER, x - (shifted - TO_WHOLE))
 }

@@ -124,6 +124,7 @@ impl Kernel {
             // One of the products is exp(-a), and the other its inverse.
             let (above, below) = (up * d, down * u);
             let nearest = if above < below { above } else { below };
+            // The power is exact to 1e-14 of it; nuggets, which are 1e-9 or more, hide that.
             let e = if ALWAYS { power_of_2((-0.5 * LOG2_E * (a * a)).max(-FARTHEST)) } else { nearest };
             let m = (1.0 + f * a + g * a * a) * e;
             let factor = 1.0 - varies + varies * m;

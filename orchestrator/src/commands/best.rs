@@ -1,4 +1,4 @@
-//! The best point as a parameter set of SSP.
+//! Writes the best point as an SSP parameter set.
 
 use crate::{error::Result, results::Summary};
 use fmu_import::{Description, Value, Variable};

@@ -42,7 +42,7 @@ pub fn sensitivity(mut options: sensitivity::Options, runs: u64) -> Result<Deliv
     verify.work = options.work;
     verify.work.resuming.resume |= !verify.work.resuming.force && then.is_some();
     verify.seed = options.seed;
-    // What is there already may be more than is asked for now.
+    // An earlier run may have had a larger budget; it is kept, else its surplus points would be lost.
     let runs = then.map_or(runs, |then| then.runs.max(runs));
     let verification = open(&verify, runs, &folder)?;
     answered(&verify, verification, &folder)?;

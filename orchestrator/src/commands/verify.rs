@@ -143,7 +143,7 @@ fn extend(verification: &Verification, folder: &Path) -> Result {
     let header = &verification.header;
     let then = match lines::header(folder) {
         Ok(then) if header.extends(&then) => then,
-        // Whatever else there is, or is not, is found when the folder is taken.
+        // A folder without a journal, or with that of another study, is dealt with where the run takes it.
         _ => return Ok(()),
     };
     if verification.is_extensible() {

@@ -282,7 +282,7 @@ struct File {
 }
 
 impl File {
-    /// Its path below the study's folder, and its digest.
+    /// Its path within the packed study's folder, and the digest of its content.
     fn tie(&self) -> (String, String) {
         let below = self.name.strip_prefix(FOLDER).and_then(|path| path.split_once('/'));
         let (_, below) = below.expect("it lies in the study's folder");

@@ -40,9 +40,10 @@ pub fn largest(a: &[f64]) -> f64 {
     most.into_iter().fold(f64::NEG_INFINITY, f64::max)
 }
 
-/// The values of each lane that go beyond all others and `start`.
+/// The value of each lane that goes beyond `start` and all others of the lane, in an array of whole lanes.
 #[inline(always)]
 fn extremes(a: &[f64], start: f64, beyond: impl Fn(f64, f64) -> bool) -> [f64; LANES] {
+    debug_assert!(a.len().is_multiple_of(LANES), "{} values fill no whole lanes", a.len());
     let mut most = [start; LANES];
     for a in a.as_chunks::<LANES>().0 {
         for q in 0..LANES {

@@ -2,7 +2,7 @@
 
 /// The pressure flow factor of isotropic Gaussian surfaces at a film ratio `H`, 1: `1 - 0.90 exp(-0.56 H)` (Patir & Cheng
 /// 1978, J. Lubr. Technol. 100, 12-17, table of coefficients, for `H > 0.5`). It multiplies the flow through a gap of the
-/// mean planes' distance.
+/// mean planes' distance. Below 0.5 the formula is extrapolated.
 pub fn pressure_flow_factor(ratio: f64) -> f64 {
     1.0 - 0.90 * (-0.56 * ratio).exp()
 }

@@ -27,7 +27,7 @@ impl Correlation {
         let factor = matrix
             .cholesky()
             .ok_or_else(|| {
-                "the correlations contradict each other: their matrix is not positive definite; \
+                "no random numbers have these correlations: their matrix is not positive definite; \
              bring the coefficients nearer to 0"
                     .to_owned()
             })?
@@ -78,6 +78,7 @@ impl Correlation {
     }
 }
 
+/// The weighted sum of as many scores as there are; a row's own weight is left out where its score is missing.
 fn mixed(row: &[f64], scores: &[f64]) -> f64 {
     row.iter().zip(scores).map(|(weight, score)| weight * score).sum()
 }
@@ -89,8 +90,10 @@ mod tests {
     #[test]
     fn contradictions_are_refused() {
         let pairs = [(0, 1, 0.9), (1, 2, 0.9), (0, 2, -0.9)];
-        let error = Correlation::new(3, &pairs).unwrap_err();
-        assert!(error.contains("contradict"), "{error}");
+        for (inputs, pairs) in [(3, &pairs[..]), (2, &[(0, 1, 1.0)])] {
+            let error = Correlation::new(inputs, pairs).unwrap_err();
+            assert!(error.starts_with("no random numbers have these correlations"), "{error}");
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector2;
 
-use super::{balance::Balance, cells::Cells, stage::Stage, state::Field};
+use super::{balance::Balance, cells::Cells, stage::FilmStage, state::Field};
 use crate::reynolds::lanes::largest;
 
 /// Moves cells into and out of the set of full cells, and counts how often each has moved.
@@ -36,7 +36,7 @@ impl ActiveSet {
 
     /// After the unknowns have changed: ruptures full cells under tension and fills cells with more oil than gap. Returns the
     /// number of cells that moved.
-    pub fn exchange(&mut self, cells: &Cells, field: &mut Field, stage: &Stage) -> usize {
+    pub fn exchange(&mut self, cells: &Cells, field: &mut Field, stage: &FilmStage) -> usize {
         self.held = false;
         let conserving = cells.conserves_mass();
         let tension = if conserving {
@@ -83,7 +83,7 @@ impl ActiveSet {
 
     /// Without conserved mass: fills empty cells whose inflow exceeds the growth of their gap. Returns the number of cells
     /// that moved.
-    pub fn refill(&mut self, cells: &Cells, field: &mut Field, balance: &Balance, stage: &Stage) -> usize {
+    pub fn refill(&mut self, cells: &Cells, field: &mut Field, balance: &Balance, stage: &FilmStage) -> usize {
         if cells.conserves_mass() {
             return 0;
         }

@@ -21,7 +21,7 @@ use super::{
     cells::Cells,
     gap::Gap,
     liquid::Liquid,
-    stage::Stage,
+    stage::FilmStage,
     state::Field,
     sweeps::{add_difference, change, fill},
     upwind,
@@ -78,7 +78,7 @@ impl Balance {
     }
 
     /// Computes everything at the present gap, oil and field.
-    pub fn update(&mut self, cells: &Cells, gap: &Gap, liquid: &Liquid, field: &Field, stage: &Stage) {
+    pub fn update(&mut self, cells: &Cells, gap: &Gap, liquid: &Liquid, field: &Field, stage: &FilmStage) {
         self.weigh(gap, liquid, field);
         self.flow_around(cells, gap, liquid, field, stage);
         if liquid.compressible {
@@ -96,7 +96,7 @@ impl Balance {
     }
 
     /// Computes conductances `rho H^3 / mu` and fluxes between columns.
-    fn flow_around(&mut self, cells: &Cells, gap: &Gap, liquid: &Liquid, field: &Field, stage: &Stage) {
+    fn flow_around(&mut self, cells: &Cells, gap: &Gap, liquid: &Liquid, field: &Field, stage: &FilmStage) {
         let [_, flows] = gap.flow();
         for (behind, before) in cells.neighbours() {
             let (h, share) = (&gap.edge[behind.clone()], &cells.share[behind.clone()]);
@@ -117,7 +117,7 @@ impl Balance {
             }
             let around = &mut self.around[behind.clone()];
             let p = [before.clone(), behind.clone()].map(|of| &field.pressure[of]);
-            fill(around, [along, p[0], p[1]], driven);
+            fill(around, [along, p[0], p[1]], |[g, a, b]| driven(g, a, b));
             // The oil comes from the cell upstream.
             let upstream = [carried, &self.fill[before], &self.fill[behind]];
             change(around, upstream, |flux, [carried, before, behind]| {
@@ -127,7 +127,7 @@ impl Balance {
     }
 
     /// Computes conductances and fluxes between rows and through the open ends.
-    fn flow_over(&mut self, cells: &Cells, gap: &Gap, liquid: &Liquid, field: &Field, stage: &Stage) {
+    fn flow_over(&mut self, cells: &Cells, gap: &Gap, liquid: &Liquid, field: &Field, stage: &FilmStage) {
         let n = self.mass.len();
         let ([h, _], p, ease) = (gap.flow(), &field.pressure[..], &liquid.ease[..]);
         let (below, above) = (..n - 1, 1..n);
@@ -139,7 +139,7 @@ impl Balance {
             change(across, [&ease[below], &ease[above.clone()]], eased);
             change(&mut self.open, [ease; 2], eased);
         }
-        fill(&mut self.over[1..n], [across, &p[below], &p[above]], driven);
+        fill(&mut self.over[1..n], [across, &p[below], &p[above]], |[g, a, b]| driven(g, a, b));
         fill(&mut self.out, [&self.open, p], |[conductance, p]| conductance * (p - stage.side));
         self.fed.resize(cells.feed.len(), 0.0);
         if !self.fed.is_empty() {
@@ -148,7 +148,7 @@ impl Balance {
     }
 
     /// Adds up the residuals.
-    fn add_up(&mut self, cells: &Cells, stage: &Stage) {
+    fn add_up(&mut self, cells: &Cells, stage: &FilmStage) {
         let rate = 1.0 / stage.duration;
         for (after, here) in cells.neighbours() {
             let residual = &mut self.residual[here.clone()];
@@ -214,8 +214,8 @@ fn eased(conductance: f64, [before, behind]: [f64; 2]) -> f64 {
     conductance * (0.5 * (before + behind))
 }
 
-/// The flux that the pressures of both sides drive.
-fn driven([conductance, before, behind]: [f64; 3]) -> f64 {
+/// The flux from the cell before an edge to the one behind it, by their difference in pressure.
+fn driven(conductance: f64, before: f64, behind: f64) -> f64 {
     conductance * (before - behind)
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix2;
 
-use super::{film::ReynoldsFilm, forces::Forces, stage::Task, step::stage};
+use super::{film::ReynoldsFilm, forces::Forces, stage::JournalStage, step::stage};
 use crate::reynolds::{Coefficients, Drive};
 
 /// The slowest motion of the three that tell the damping, as a part of the mean rotation.
@@ -22,7 +22,7 @@ impl ReynoldsFilm {
         let eps = work.state.eps;
         let mass = work.balance.mass.clone();
         let scale = work.geometry.settings.force_scale(drive.viscosity);
-        let task = Task { start: eps, guess: eps, load: drive.load_after, force_scale: scale, drive, contact };
+        let task = JournalStage { start: eps, guess: eps, load: drive.load_after, force_scale: scale, drive, contact };
         let slow = SLOW * drive.rotation().abs();
         let mut slope = |rate: f64| -> Matrix2<f64> {
             let stage = stage(&work, 1.0 / rate, &mass, drive);

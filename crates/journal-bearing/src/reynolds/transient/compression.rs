@@ -10,7 +10,7 @@
 //! Multiplied by the pressure and summed over the cells, the middle term is the work of the surfaces less the viscous
 //! dissipation. The other terms are stored, or lost where oil fills an emptier gap.
 
-use super::{stage::Stage, upwind::edges, workspace::Workspace};
+use super::{stage::FilmStage, upwind::edges, workspace::Workspace};
 
 /// The powers of a film, dimensionless.
 #[derive(Clone, Copy, Debug, Default)]
@@ -27,7 +27,7 @@ pub struct Powers {
 const LACK: f64 = 1e-9;
 
 /// The powers at the end of a stage. `squeeze` computes how fast the surfaces approach in a column.
-pub fn powers(work: &Workspace, stage: &Stage, squeeze: impl Fn(usize) -> f64) -> Powers {
+pub fn powers(work: &Workspace, stage: &FilmStage, squeeze: impl Fn(usize) -> f64) -> Powers {
     let mut powers = Powers::default();
     let cells = &work.geometry.cells;
     for (before, behind) in edges(cells) {
@@ -71,7 +71,7 @@ impl Powers {
     }
 
     /// Adds the change of a cell's mass.
-    fn hold(&mut self, work: &Workspace, stage: &Stage, cell: usize, squeeze: f64) {
+    fn hold(&mut self, work: &Workspace, stage: &FilmStage, cell: usize, squeeze: f64) {
         let (p, area) = (work.state.field.pressure[cell], work.geometry.cells.area[cell]);
         let start = work.geometry.gap.cell[cell] + squeeze * work.geometry.gap.cell_apart[cell] * stage.duration;
         let mass = stage.mass[cell];
@@ -84,7 +84,7 @@ impl Powers {
     }
 
     /// Adds the flow out of the open ends.
-    fn leave(&mut self, work: &Workspace, stage: &Stage, cell: usize) {
+    fn leave(&mut self, work: &Workspace, stage: &FilmStage, cell: usize) {
         let over = work.state.field.pressure[cell] - stage.side;
         let flow = work.balance.open[cell] * over / work.liquid.density[cell];
         self.loss += flow * over;

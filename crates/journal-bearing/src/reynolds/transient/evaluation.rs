@@ -5,7 +5,7 @@ use std::ops::Range;
 use nalgebra::Vector2;
 
 use super::{
-    asperities, compression, diagnostics::Diagnostics, geometry::Geometry, stage::Stage, workspace::Workspace,
+    asperities, compression, diagnostics::Diagnostics, geometry::Geometry, stage::FilmStage, workspace::Workspace,
 };
 use crate::{
     reynolds::{
@@ -37,7 +37,7 @@ struct Sums {
 }
 
 /// Evaluates a step whose last implicit stage was `stage`.
-pub fn diagnose(work: &Workspace, stage: &Stage, drive: &Drive) -> Diagnostics {
+pub fn diagnose(work: &Workspace, stage: &FilmStage, drive: &Drive) -> Diagnostics {
     let settings = &work.geometry.settings;
     let radius = 0.5 * settings.diameter;
     let psi = settings.clearance / radius;
@@ -86,7 +86,7 @@ pub fn diagnose(work: &Workspace, stage: &Stage, drive: &Drive) -> Diagnostics {
 }
 
 /// Sums the contributions of cells and edges.
-fn sum(work: &Workspace, stage: &Stage, drive: &Drive) -> Sums {
+fn sum(work: &Workspace, stage: &FilmStage, drive: &Drive) -> Sums {
     let (cells, gap, balance) = (&work.geometry.cells, &work.geometry.gap, &work.balance);
     let (settings, field) = (&work.geometry.settings, &work.state.field);
     let roughness = work.geometry.form.roughness;
@@ -139,7 +139,7 @@ fn sum(work: &Workspace, stage: &Stage, drive: &Drive) -> Sums {
 }
 
 /// Power lost on the way from a feed's supply into its cells, and power that its pressure spends.
-fn fed(work: &Workspace, stage: &Stage) -> [f64; 2] {
+fn fed(work: &Workspace, stage: &FilmStage) -> [f64; 2] {
     let cells = work.geometry.cells.feed.iter();
     let of = cells.zip(&work.state.field.pressure).zip(&work.liquid.density);
     of.fold([0.0; 2], |[loss, spent], ((conductance, p), density)| {
@@ -236,7 +236,7 @@ fn lost(conductance: &[f64], p: [&[f64]; 2]) -> f64 {
 
 /// Power lost in a column by oil that enters a full cell from a less full one, or fills it up: it arrives without the
 /// cell's pressure. `squeeze` is how fast the surfaces approach.
-fn filling_loss(work: &Workspace, stage: &Stage, column: usize, squeeze: f64) -> f64 {
+fn filling_loss(work: &Workspace, stage: &FilmStage, column: usize, squeeze: f64) -> f64 {
     let (cells, gap, field) = (&work.geometry.cells, &work.geometry.gap, &work.state.field);
     let carried = &work.balance.carried;
     let w = cells.stride;

@@ -7,7 +7,7 @@ use nalgebra::{Matrix2, Vector2};
 use super::{
     asperities,
     geometry::Geometry,
-    stage::{Stage, Task},
+    stage::{FilmStage, JournalStage},
     workspace::Workspace,
 };
 
@@ -32,7 +32,7 @@ pub struct Forces {
 
 impl Forces {
     /// The forces at the eccentricity ratio `eps`, with the present pressures.
-    pub fn at(eps: Vector2<f64>, work: &Workspace, stage: &Stage, task: &Task) -> Self {
+    pub fn at(eps: Vector2<f64>, work: &Workspace, stage: &FilmStage, task: &JournalStage) -> Self {
         let geometry = &work.geometry;
         let (touch, stiffness) = rubbing(task, touch(eps, geometry, task));
         let (pinch, stiffening) = unresolved(eps, geometry, stage, task);
@@ -56,7 +56,7 @@ impl Forces {
 
 /// A contact's force and stiffness with its friction. In each place friction is a multiple of the pressure and a quarter
 /// turn ahead of it on the load's side, and so are their resultants.
-fn rubbing(task: &Task, (force, stiffness): (Vector2<f64>, Matrix2<f64>)) -> (Vector2<f64>, Matrix2<f64>) {
+fn rubbing(task: &JournalStage, (force, stiffness): (Vector2<f64>, Matrix2<f64>)) -> (Vector2<f64>, Matrix2<f64>) {
     let friction = task.drive.contact_friction;
     if friction == 0.0 {
         return (force, stiffness);
@@ -66,7 +66,7 @@ fn rubbing(task: &Task, (force, stiffness): (Vector2<f64>, Matrix2<f64>)) -> (Ve
 }
 
 /// The contact of the asperities: cell by cell, or from the contact of an aligned journal.
-fn touch(eps: Vector2<f64>, geometry: &Geometry, task: &Task) -> (Vector2<f64>, Matrix2<f64>) {
+fn touch(eps: Vector2<f64>, geometry: &Geometry, task: &JournalStage) -> (Vector2<f64>, Matrix2<f64>) {
     let (scale, contact) = (task.force_scale, task.contact);
     if let Some(surface) = &geometry.settings.asperities {
         let (force, slope) = asperities::push(surface, geometry);
@@ -92,7 +92,12 @@ fn touch(eps: Vector2<f64>, geometry: &Geometry, task: &Task) -> (Vector2<f64>, 
 /// `(g + d)^(-3/2)`; the rest is added here, less its value at `3 d`, beyond which nothing is added. The term therefore
 /// sets in without a jump, at which Newton's method would oscillate. It matters only within a few `d` of the bush (`d` is
 /// 5e-4 of the clearance at 96 columns), and keeps the journal from touching it.
-fn unresolved(eps: Vector2<f64>, geometry: &Geometry, stage: &Stage, task: &Task) -> (Vector2<f64>, Matrix2<f64>) {
+fn unresolved(
+    eps: Vector2<f64>,
+    geometry: &Geometry,
+    stage: &FilmStage,
+    task: &JournalStage,
+) -> (Vector2<f64>, Matrix2<f64>) {
     let (start, duration) = (task.start, stage.duration);
     let e = eps.norm();
     let variation = geometry.cells.resolved_gap();

@@ -18,7 +18,7 @@ use nalgebra::{Matrix2, Vector2};
 use super::{
     forces::Forces,
     newton::is_balanced,
-    stage::{NoSolution, Stage, Task},
+    stage::{FilmStage, JournalStage, NoSolution},
     state::Field,
     way::Way,
     workspace::Workspace,
@@ -69,8 +69,8 @@ impl Landing {
     pub fn solve(
         &mut self,
         work: &mut Workspace,
-        stage: &Stage,
-        task: &Task,
+        stage: &FilmStage,
+        task: &JournalStage,
         start: &Field,
     ) -> Result<Vector2<f64>, NoSolution> {
         work.state.field.copy_from(start);
@@ -93,8 +93,8 @@ impl Landing {
         work: &mut Workspace,
         from: Rest,
         way: Way,
-        stage: &Stage,
-        task: &Task,
+        stage: &FilmStage,
+        task: &JournalStage,
     ) -> Result<Rest, NoSolution> {
         let force = |share: f64, rest: &Rest| rest.forces.missing.dot(&way.heading(share));
         let settled = SETTLED * force(0.0, &from);
@@ -139,8 +139,8 @@ impl Landing {
         &mut self,
         work: &mut Workspace,
         eps: Vector2<f64>,
-        stage: &Stage,
-        task: &Task,
+        stage: &FilmStage,
+        task: &JournalStage,
     ) -> Result<Rest, NoSolution> {
         work.geometry.move_to(eps);
         self.fill_cells(work, stage, task)?;
@@ -149,7 +149,7 @@ impl Landing {
     }
 
     /// Solves the cells' balances at the present gap. The linearisation is then that of the solution.
-    fn fill_cells(&mut self, work: &mut Workspace, stage: &Stage, task: &Task) -> Result<(), NoSolution> {
+    fn fill_cells(&mut self, work: &mut Workspace, stage: &FilmStage, task: &JournalStage) -> Result<(), NoSolution> {
         let mut steady = work.update_balance(stage, task.drive);
         let mut last = f64::INFINITY;
         for _ in 0..PASSES {

@@ -9,7 +9,7 @@ use super::{
     active_set::ActiveSet,
     forces::Forces,
     geometry::Geometry,
-    stage::{NoSolution, Stage, Task},
+    stage::{FilmStage, JournalStage, NoSolution},
     workspace::Workspace,
 };
 
@@ -67,7 +67,7 @@ impl Path {
 }
 
 /// Finds the eccentricity ratio at the end of a stage. Field, gap and balance are then those of its end.
-pub fn solve(work: &mut Workspace, stage: &Stage, task: &Task) -> Result<Vector2<f64>, NoSolution> {
+pub fn solve(work: &mut Workspace, stage: &FilmStage, task: &JournalStage) -> Result<Vector2<f64>, NoSolution> {
     let wanted = task.load / task.force_scale;
     if floats(work, wanted, task) {
         return Ok(float(work, stage, task));
@@ -120,7 +120,7 @@ pub fn solve(work: &mut Workspace, stage: &Stage, task: &Task) -> Result<Vector2
 
 /// Whether the cells' balances hold: their residuals `imbalance` are small enough, or, if they no longer decrease
 /// (`stays`), no more than rounding.
-pub fn is_balanced(work: &Workspace, stage: &Stage, imbalance: f64, stays: bool) -> bool {
+pub fn is_balanced(work: &Workspace, stage: &FilmStage, imbalance: f64, stays: bool) -> bool {
     let flow = work.flow(stage);
     let rounding = LAST_PLACES * f64::EPSILON * work.turnover(stage);
     imbalance <= BALANCED * flow || (stays && imbalance <= rounding.max(ROUNDED * flow))
@@ -132,7 +132,7 @@ fn inverse(work: &Workspace, forces: &Forces) -> Option<Matrix2<f64>> {
 }
 
 /// Whether nothing presses on a film without conserved mass, so that the journal follows the mean rotation.
-fn floats(work: &Workspace, load: Vector2<f64>, task: &Task) -> bool {
+fn floats(work: &Workspace, load: Vector2<f64>, task: &JournalStage) -> bool {
     !work.geometry.cells.conserves_mass()
         && load == Vector2::zeros()
         && work.geometry.settings.asperities.is_none()
@@ -140,7 +140,7 @@ fn floats(work: &Workspace, load: Vector2<f64>, task: &Task) -> bool {
 }
 
 /// Solves a stage without load: an empty film that turns the journal with it.
-fn float(work: &mut Workspace, stage: &Stage, task: &Task) -> Vector2<f64> {
+fn float(work: &mut Workspace, stage: &FilmStage, task: &JournalStage) -> Vector2<f64> {
     let (start, turn) = (task.start, stage.rotation * stage.duration);
     work.state.field.rupture();
     work.linear.discard();

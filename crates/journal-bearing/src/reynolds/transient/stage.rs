@@ -6,7 +6,7 @@ use crate::reynolds::settings::Drive;
 
 /// The stage as the film's balances see it.
 #[derive(Clone, Copy, Debug)]
-pub struct Stage<'a> {
+pub struct FilmStage<'a> {
     /// Duration, s.
     pub duration: f64,
     /// Mass at its start, per cell.
@@ -15,15 +15,15 @@ pub struct Stage<'a> {
     pub rotation: f64,
     /// Flow carried by the sliding of rough surfaces at a shear flow factor of one, 1/s; zero without flow factors.
     pub shear: f64,
-    /// Pressure at the open ends above that of the cavities, 1/s.
+    /// Pressure at the open ends above that of the cavities, in units of the film's dimensionless pressure, 1/s.
     pub side: f64,
-    /// Pressure of the feeds above that of the cavities, 1/s.
+    /// Pressure of the feeds above that of the cavities, in the same units, 1/s.
     pub feed: f64,
 }
 
 /// The stage as the journal's balance of forces sees it.
 #[derive(Clone, Copy)]
-pub struct Task<'a> {
+pub struct JournalStage<'a> {
     /// Eccentricity ratio at the stage's start.
     pub start: Vector2<f64>,
     /// Expected eccentricity ratio at its end.

@@ -6,7 +6,7 @@ use super::{
     evaluation::diagnose,
     landing::Landing,
     newton,
-    stage::{NoSolution, Stage, Task},
+    stage::{FilmStage, JournalStage, NoSolution},
     state::State,
     warmth::{Column, HeatExchange},
     workspace::Workspace,
@@ -86,7 +86,7 @@ impl Stepper {
     ) -> Result<(Diagnostics, f64), NoSolution> {
         let Self { start: mass, launch, kept, landing, columns, failures } = self;
         let lands = work.geometry.cells.conserves_mass() && *failures >= PATIENCE;
-        let mut solve = |work: &mut Workspace, stage: &Stage<'_>, task: &Task<'_>| {
+        let mut solve = |work: &mut Workspace, stage: &FilmStage<'_>, task: &JournalStage<'_>| {
             let solution = newton::solve(work, stage, task);
             match solution {
                 Err(NoSolution) if lands => landing.solve(work, stage, task, &kept.field),
@@ -97,7 +97,7 @@ impl Stepper {
         let start = work.state.eps;
         let first = GAMMA * step.duration;
         mass.copy_from_slice(&work.balance.mass);
-        let mut task = Task {
+        let mut task = JournalStage {
             start,
             guess: start + work.state.velocity * first,
             load: drive.load_at(step.from + GAMMA * step.share),
@@ -154,7 +154,7 @@ impl Stepper {
 }
 
 /// A stage that starts from the masses `mass`.
-pub fn stage<'a>(work: &Workspace, duration: f64, mass: &'a [f64], drive: &Drive) -> Stage<'a> {
+pub fn stage<'a>(work: &Workspace, duration: f64, mass: &'a [f64], drive: &Drive) -> FilmStage<'a> {
     let settings = &work.geometry.settings;
     let [side, feed] = settings.reservoirs(drive);
     // The flow of sliding rough surfaces at a shear flow factor of one (Patir & Cheng 1979).
@@ -162,7 +162,7 @@ pub fn stage<'a>(work: &Workspace, duration: f64, mass: &'a [f64], drive: &Drive
         let (roughness, excess) = (work.geometry.form.roughness, 2.0 * share - 1.0);
         0.5 * (drive.journal_speed - drive.bush_speed) * roughness * excess
     });
-    Stage { duration, mass, rotation: drive.rotation(), shear, side, feed }
+    FilmStage { duration, mass, rotation: drive.rotation(), shear, side, feed }
 }
 
 /// Inflow less outflow less storage over a step that began with the masses `start`, over the flow through the film.

@@ -8,7 +8,7 @@ use super::{
     geometry::Geometry,
     linear::{Base, Linear},
     liquid::Liquid,
-    stage::Stage,
+    stage::FilmStage,
     state::{Field, State},
 };
 use crate::reynolds::{
@@ -130,19 +130,19 @@ impl Workspace {
     }
 
     /// Moves cells into and out of the set by their unknowns; the number that moved.
-    pub fn exchange(&mut self, stage: &Stage) -> usize {
+    pub fn exchange(&mut self, stage: &FilmStage) -> usize {
         let field = &mut self.state.field;
         self.active_set.exchange(&self.geometry.cells, field, stage)
     }
 
     /// Fills empty cells by their balances where mass is not conserved; the number that moved.
-    pub fn refill(&mut self, stage: &Stage) -> usize {
+    pub fn refill(&mut self, stage: &FilmStage) -> usize {
         let field = &mut self.state.field;
         self.active_set.refill(&self.geometry.cells, field, &self.balance, stage)
     }
 
     /// Computes oil and balances at the present gap and field. True when the oil's properties have converged.
-    pub fn update_balance(&mut self, stage: &Stage, drive: &Drive) -> bool {
+    pub fn update_balance(&mut self, stage: &FilmStage, drive: &Drive) -> bool {
         let (field, geometry) = (&self.state.field, &self.geometry);
         let (cells, gap) = (&geometry.cells, &geometry.gap);
         let warm = (&self.state.warm[..], cells.stride);
@@ -152,7 +152,7 @@ impl Workspace {
     }
 
     /// Linearises at the present place and answers to the residuals.
-    pub fn linearise(&mut self, stage: &Stage) {
+    pub fn linearise(&mut self, stage: &FilmStage) {
         self.geometry.gap.differentiate(&self.geometry.form);
         self.linear.renew(&Base {
             cells: &self.geometry.cells,
@@ -182,7 +182,7 @@ impl Workspace {
     }
 
     /// The flow through the film by which a stage's residuals are judged.
-    pub fn flow(&self, stage: &Stage) -> f64 {
+    pub fn flow(&self, stage: &FilmStage) -> f64 {
         self.through(&self.balance.end_flow(), stage.rotation, stage.duration)
     }
 
@@ -195,7 +195,7 @@ impl Workspace {
     }
 
     /// The sum of the absolute contributions to the residuals.
-    pub fn turnover(&self, stage: &Stage) -> f64 {
+    pub fn turnover(&self, stage: &FilmStage) -> f64 {
         let stored = self.balance.held(&self.geometry.cells) / stage.duration;
         stored + self.linear.turnover(&self.state.field)
     }

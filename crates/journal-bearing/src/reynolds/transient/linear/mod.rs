@@ -8,7 +8,7 @@ mod unknowns;
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::{balance::Balance, cells::Cells, gap::Gap, liquid::Liquid, stage::Stage, state::Field};
+use super::{balance::Balance, cells::Cells, gap::Gap, liquid::Liquid, stage::FilmStage, state::Field};
 use crate::reynolds::{lanes::sum_of, ring::Ring};
 use closing::Closing;
 use unknowns::Unknowns;
@@ -21,7 +21,7 @@ pub struct Base<'a> {
     pub liquid: &'a Liquid,
     pub field: &'a Field,
     pub balance: &'a Balance,
-    pub stage: &'a Stage<'a>,
+    pub stage: &'a FilmStage<'a>,
 }
 
 /// A factorised linearisation of the balances over the cells' unknowns and the eccentricity ratio.
