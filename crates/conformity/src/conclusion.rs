@@ -242,7 +242,7 @@ fn of(number: u64, total: u64) -> String {
 }
 
 /// A count with commas between thousands.
-pub fn grouped(number: u64) -> String {
+pub fn grouped<N: ToString>(number: N) -> String {
     let digits = number.to_string();
     let mut text = String::new();
     for (place, digit) in digits.chars().enumerate() {

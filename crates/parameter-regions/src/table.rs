@@ -94,6 +94,11 @@ impl PointTable {
         self.ids.is_empty()
     }
 
+    /// The places of a group's criteria, or of those without one.
+    pub fn members(&self, group: Option<&str>) -> Vec<usize> {
+        (0..self.criteria.len()).filter(|&k| self.criteria[k].group.as_deref() == group).collect()
+    }
+
     /// Some of the points, in the order asked for.
     pub fn subset(&self, points: &[usize]) -> Self {
         let numbers = |values: &[f64]| points.iter().map(|&i| values[i]).collect();

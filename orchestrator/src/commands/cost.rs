@@ -91,7 +91,7 @@ pub fn remark(point: Duration, left: usize, jobs: usize) {
             "note: a point takes {}, so {} of them take about {}; `--budget {RUNS}` takes about {} and tells the share by a \
              surrogate, with an interval, where that holds",
             span(point),
-            grouped(left as u64),
+            grouped(left),
             span(of(left as f64)),
             span(of(RUNS))
         );

@@ -161,7 +161,7 @@ pub fn scatter(
         _ => format!("One point of {every} is drawn, and all that changed sides. "),
     };
     if outside > 0 {
-        note += &format!("{} points lie outside the picture.", grouped(outside as u64));
+        note += &format!("{} points lie outside the picture.", grouped(outside));
     }
     Figure {
         caption: name.to_owned(),

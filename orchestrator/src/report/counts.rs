@@ -88,14 +88,13 @@ pub fn count_rows(table: &PointTable, summary: &Summary, judgement: &Judgement) 
     };
     let mut rows = Vec::new();
     for (group, passes) in &summary.groups {
-        let members: Vec<usize> =
-            (0..table.criteria.len()).filter(|&k| table.criteria[k].group.as_deref() == Some(group)).collect();
+        let members = table.members(Some(group));
         rows.extend(members.iter().map(|&k| criterion(k)));
         if members.len() > 1 {
             rows.push(CountRow { note: format!("group of {}", members.len()), ..row(group, "group", *passes) });
         }
     }
-    rows.extend((0..table.criteria.len()).filter(|&k| table.criteria[k].group.is_none()).map(criterion));
+    rows.extend(table.members(None).into_iter().map(criterion));
     let verified =
         Count { passed: summary.verified, fraction: summary.verified_fraction, interval: summary.verified_interval };
     let Some((note, accepted)) = guarded(judgement, summary.points as usize) else {

@@ -27,15 +27,11 @@ pub fn plane(
     out.push_str(&marks(table, &frame, x, y, &points));
     let inside = (0..table.len()).filter(|&i| within(x, i) && within(y, i)).count();
     let in_box = match x.is_criterion || y.is_criterion {
-        true if table.len() == total => format!(", {} in the box", grouped(inside as u64)),
+        true if table.len() == total => format!(", {} in the box", grouped(inside)),
         _ => String::new(),
     };
-    let drawn = if points.len() < total { format!(", {} drawn", grouped(points.len() as u64)) } else { String::new() };
-    out.push_str(&frame.caption(&format!(
-        "{} points{in_box}, {} accepted{drawn}",
-        grouped(total as u64),
-        grouped(accepted as u64)
-    )));
+    let drawn = if points.len() < total { format!(", {} drawn", grouped(points.len())) } else { String::new() };
+    out.push_str(&frame.caption(&format!("{} points{in_box}, {} accepted{drawn}", grouped(total), grouped(accepted))));
     let title =
         format!("{} against {}: {inside} of {} points lie in the box of the tolerances", y.name, x.name, table.len());
     frame.wrap(&title, &out)
@@ -139,7 +135,7 @@ pub fn distribution(table: &PointTable, c: &PlotColumn, [total, accepted]: [usiz
         out += &path("bar in", bars(&counts, &frame, range, false));
         out.push_str(&heights(&counts, &frame, true));
     }
-    out.push_str(&frame.caption(&format!("{} points, {} accepted", grouped(total as u64), grouped(accepted as u64))));
+    out.push_str(&frame.caption(&format!("{} points, {} accepted", grouped(total), grouped(accepted))));
     let title = format!(
         "Distribution of {} over all {} points and over the {} accepted points",
         c.name,

@@ -91,7 +91,7 @@ pub fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
             "all counts, shares and best points are those of all {} points; distributions, planes and median misses \
              are drawn from {} of them: one of every {} by chance, and the best",
             grouped(summary.points),
-            grouped(shown as u64),
+            grouped(shown),
             summary.points.div_ceil(choice::MOST)
         )
     });
@@ -100,7 +100,7 @@ pub fn remarks(summary: &Summary, shown: usize) -> Vec<String> {
         format!(
             "pictures and the table of best points show the {pictured} criteria that the fewest points meet, of {}; points.csv \
              has them all, and What if is left out",
-            grouped(criteria as u64)
+            grouped(criteria)
         )
     });
     thinned

@@ -66,7 +66,7 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
 
     let mut environment = Environment::new();
     environment.add_filter("marked", |text: &str| Value::from_safe_string(marked(text)));
-    environment.add_filter("count", grouped);
+    environment.add_filter("count", grouped::<u64>);
     environment.add_filter("percent", percent_text);
     environment.add_template("report.html", include_str!("assets/report.html"))?;
     let (parameters, criteria) = columns.split_at(table.parameters.len());
@@ -104,10 +104,10 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
         answer => Serde(answer),
         word => if judgement.is_guarded() { "accepted" } else { summary.met() },
         guarded => judgement.is_guarded(),
-        n => grouped(total as u64),
+        n => grouped(total),
         headline => Serde(Headline::new(judgement)),
         failed => summary.failed,
-        drawn => grouped(points.len() as u64),
+        drawn => grouped(points.len()),
         sampled => points.len() < total,
         rows => Serde(count_rows(table, summary, judgement)),
         counted => result_document::html(&[risks(summary), cases(summary)].concat()),

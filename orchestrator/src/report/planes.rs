@@ -24,8 +24,7 @@ pub fn planes(table: &PointTable, columns: &[PlotColumn], points: &[usize], coun
     let mut pairs: Vec<(usize, usize, String)> = Vec::new();
     let mut left_over = Vec::new();
     for group in table.groups().into_iter().map(Some).chain([None]) {
-        let members: Vec<usize> =
-            (0..table.criteria.len()).filter(|&k| table.criteria[k].group.as_deref() == group).collect();
+        let members = table.members(group);
         match (group, members.as_slice()) {
             (Some(name), [_, _, ..]) => {
                 pairs.extend(members.windows(2).map(|w| (first + w[0], first + w[1], name.to_owned())))

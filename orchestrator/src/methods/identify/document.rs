@@ -100,7 +100,7 @@ impl Page<'_> {
     /// Whether all is well, what came of it, and how well it fits.
     fn headline(&self) -> (bool, String, Vec<String>) {
         let outcome = self.outcome;
-        let values = grouped(self.bound.problem.values() as u64);
+        let values = grouped(self.bound.problem.values());
         let fit = outcome.fit();
         let headline = match (outcome.end, outcome.has_several(), fit) {
             (End::Converged, true, _) => text::several(outcome).unwrap_or_default(),
@@ -351,7 +351,7 @@ fn fitted(name: &str, unit: &str, times: &[f64], rows: &[&Residual]) -> Option<F
         svg: top + &bottom,
         note: format!(
             "{} rows; root mean square of the residuals {} standard deviations{taken}",
-            grouped(rows.len() as u64),
+            grouped(rows.len()),
             number((squares / rows.len() as f64).sqrt(), 3)
         ),
         ..Figure::default()

@@ -26,9 +26,9 @@ pub fn document(result: &Pareto) -> Document {
     };
     told.say(format!(
         "For {} of the study's {} points no other one is as near in every criterion and nearer in one; {} of these meet all criteria.",
-        grouped(result.unbeaten as u64),
-        grouped(result.points as u64),
-        grouped(result.unbeaten_verified as u64)
+        grouped(result.unbeaten),
+        grouped(result.points),
+        grouped(result.unbeaten_verified)
     ));
     told.table(members(result, best));
     told.hint(
@@ -109,7 +109,7 @@ fn plot(result: &Pareto, a: usize, b: usize) -> Figure {
     let outside = result.front.iter().filter(|m| place(m).is_none()).count();
     let mut note = String::new();
     if result.front.len() < result.unbeaten {
-        let shown = grouped(result.front.len() as u64);
+        let shown = grouped(result.front.len());
         note += &format!("{shown} points of the front are shown. ");
     }
     if outside > 0 {

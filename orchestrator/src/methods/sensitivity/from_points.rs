@@ -119,7 +119,7 @@ pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensit
     }
     let of_what = if correlation.is_some() { "Shapley effects" } else { "Sobol indices and Shapley effects" };
     let of_all = match runs.len() < table.len() {
-        true => format!("{} of the {} points", runs.len(), grouped(table.len() as u64)),
+        true => format!("{} of the {} points", runs.len(), grouped(table.len())),
         false => format!("the {} points", runs.len()),
     };
     let inputs = varied.iter().map(|&k| (&plan.inputs[k].name, plan.inputs[k].unit.clone()));
