@@ -29,7 +29,7 @@ mod validity;
 
 use crate::{
     Result,
-    bearing::{Bearing, Drift, Film, Flows, Setup, Situation},
+    bearing::{Bearing, Drift, Film, FilmSetup, Flows, Situation},
     drive::{Command, Drive},
     load::Load,
     multirate::Departure,
@@ -45,7 +45,7 @@ pub use inputs::{Input, Inputs};
 pub use operation::{Operation, Permitted};
 use remembered::Remembered;
 use std::sync::OnceLock;
-use validity::{Passing, Seen};
+use validity::{Passing, SeenByLimits};
 
 /// The parameters of the time integration.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -198,13 +198,20 @@ impl Stand {
         let temperatures = temperatures(y);
         let viscosity = self.fluid.viscosity(temperatures.film);
         let clearance = self.clearance(&temperatures, worn(y));
-        let mut seen = Seen::default();
+        let mut seen = SeenByLimits::default();
         self.instant(tau, [y[0], y[1]], viscosity, clearance, &mut seen);
         seen.at
     }
 
     /// The part of the motion that the time integration needs.
-    fn drift(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64, clearance: f64, seen: &mut Seen) -> Drift {
+    fn drift(
+        &self,
+        tau: f64,
+        eccentricity: [f64; 2],
+        viscosity: f64,
+        clearance: f64,
+        seen: &mut SeenByLimits,
+    ) -> Drift {
         self.instant(tau, eccentricity, viscosity, clearance, seen);
         self.film.drift(&self.bearing, &seen.at, self.feels_side_flow(), &mut seen.press)
     }
@@ -216,8 +223,8 @@ impl Stand {
 
     /// The film's situation `tau` seconds into the step, with its place (1), viscosity (Pa.s) and clearance (m) given.
     #[inline]
-    fn instant(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64, clearance: f64, seen: &mut Seen) {
-        let Seen { tau: before, at, .. } = seen;
+    fn instant(&self, tau: f64, eccentricity: [f64; 2], viscosity: f64, clearance: f64, seen: &mut SeenByLimits) {
+        let SeenByLimits { tau: before, at, .. } = seen;
         // The last two stages of a step are at the same time.
         if before.replace(tau) != Some(tau) {
             (at.speed, at.load) = self.driven(tau);
@@ -278,14 +285,14 @@ impl Stand {
 
     /// Rates of the unknowns, and what the physical stand's sensors read, `tau` seconds into the step.
     #[inline(always)]
-    fn course_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby, seen: &mut Seen) -> (Unknowns, Sensed) {
+    fn course_at(&self, tau: f64, y: &Unknowns, oil: &mut Nearby, seen: &mut SeenByLimits) -> (Unknowns, Sensed) {
         let viscosity = oil.viscosity(&self.fluid, temperatures(y).film);
         self.course_with(tau, y, viscosity, seen)
     }
 
     /// The same with the oil's viscosity, Pa.s, at the film's temperature.
     #[inline(always)]
-    fn course_with(&self, tau: f64, y: &Unknowns, viscosity: f64, seen: &mut Seen) -> (Unknowns, Sensed) {
+    fn course_with(&self, tau: f64, y: &Unknowns, viscosity: f64, seen: &mut SeenByLimits) -> (Unknowns, Sensed) {
         let temperatures = temperatures(y);
         seen.temperatures = temperatures;
         let clearance = self.clearance(&temperatures, worn(y));
@@ -428,7 +435,7 @@ impl Model for Stand {
         self.check_energy()?;
         self.nearby = Nearby::default();
         let temperatures = self.thermal.initial();
-        self.film.start(&Setup {
+        self.film.start(&FilmSetup {
             bearing: &self.bearing,
             clearance: self.clearance(&temperatures, 0.0),
             rheology: self.oil.thickening,

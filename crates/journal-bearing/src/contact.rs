@@ -214,7 +214,7 @@ impl ContactTable {
         if self.nodes.is_empty() || position < 0.0 {
             return None;
         }
-        let place = Place::new(position);
+        let place = TablePlace::new(position);
         let mut quantities = [0.0; QUANTITIES];
         place.add(self.ends(place.cell), 1.0, &mut quantities);
         Some(place.touch(&quantities, eccentricity_ratio, self.start))
@@ -230,7 +230,7 @@ fn tamed(rise: f64) -> f64 {
 }
 
 /// A place in a table.
-struct Place {
+struct TablePlace {
     cell: usize,
     /// The share of the cell before it, above one beyond the last.
     t: f64,
@@ -238,7 +238,7 @@ struct Place {
     weights: [f64; 4],
 }
 
-impl Place {
+impl TablePlace {
     /// The place at a position along the nodes.
     #[inline]
     fn new(position: f64) -> Self {

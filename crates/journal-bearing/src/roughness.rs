@@ -24,7 +24,7 @@ use std::{f64::consts::TAU, sync::LazyLock};
 
 use serde::{Deserialize, Serialize};
 
-use crate::spline::{End, Spline};
+use crate::spline::{Spline, SplineEnd};
 pub use flow::{pressure_flow_factor, shear_flow_factor};
 pub use reach::Reach;
 use stress::sliding_resistance;
@@ -146,7 +146,7 @@ pub fn table() -> &'static Table {
 fn tabulate() -> Box<Table> {
     let ratio = |i: usize| LEAST + i as f64 / PER_UNIT;
     let mut nodes = mean_gaps();
-    let spline = Spline::new(NODES, [End::Free; 2]);
+    let spline = Spline::new(NODES, [SplineEnd::Free; 2]);
     let mut slopes = vec![0.0; NODES];
     let mut splined = |values: Vec<f64>| -> Vec<Width> {
         spline.slopes(&values, &mut slopes);

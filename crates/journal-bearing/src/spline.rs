@@ -2,7 +2,7 @@
 
 /// The condition at an end of a spline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum End {
+pub enum SplineEnd {
     /// The function is even about the end: its slope is zero.
     Even,
     /// The function is odd about the end: its curvature is zero.
@@ -15,14 +15,14 @@ pub enum End {
 /// factorised once.
 #[derive(Clone, Debug)]
 pub struct Spline {
-    ends: [End; 2],
+    ends: [SplineEnd; 2],
     /// Entries above the diagonal, after elimination.
     upper: Vec<f64>,
     /// Reciprocal pivots.
     pivots: Vec<f64>,
 }
 
-impl End {
+impl SplineEnd {
     /// The end's row of the linear system: its diagonal and its neighbour's entry.
     fn row(self) -> [f64; 2] {
         match self {
@@ -43,7 +43,7 @@ impl End {
 
 impl Spline {
     /// Factorises the system for `n >= 4` values.
-    pub fn new(n: usize, ends: [End; 2]) -> Self {
+    pub fn new(n: usize, ends: [SplineEnd; 2]) -> Self {
         // Rows of the tridiagonal system: slope[i-1] + 4 slope[i] + slope[i+1] = 3 (v[i+1] - v[i-1]).
         let (mut upper, mut pivots) = (vec![0.0; n], vec![0.0; n]);
         let [diagonal, right] = ends[0].row();
@@ -68,7 +68,7 @@ impl Spline {
         let n = self.upper.len();
         let (values, slopes) = (&values[..n * many], &mut slopes[..n * many]);
         let node = |i: usize| &values[i * many..(i + 1) * many];
-        let end = |end: End, nodes: [usize; 4], lane: usize| end.right(nodes.map(|i| node(i)[lane]));
+        let end = |end: SplineEnd, nodes: [usize; 4], lane: usize| end.right(nodes.map(|i| node(i)[lane]));
         for (lane, slope) in slopes[..many].iter_mut().enumerate() {
             *slope = self.pivots[0] * end(self.ends[0], [0, 1, 2, 3], lane);
         }
@@ -134,7 +134,7 @@ mod tests {
         let cubic = |x: f64| 1.0 - 2.0 * x + 0.3 * x * x - 0.05 * x * x * x;
         let values: Vec<f64> = (0..9).map(|i| cubic(f64::from(i))).collect();
         let mut slope = [0.0; 9];
-        Spline::new(9, [End::Free; 2]).slopes(&values, &mut slope);
+        Spline::new(9, [SplineEnd::Free; 2]).slopes(&values, &mut slope);
         for position in [0.0_f64, 0.4, 3.7, 8.0] {
             let cell = (position as usize).min(7);
             let [a, b, c, d] = hermite(position - cell as f64);
@@ -147,11 +147,11 @@ mod tests {
     fn symmetric_ends() {
         let values: Vec<f64> = (0..=8).map(|i| (f64::from(i) * 0.125 * std::f64::consts::PI).sin()).collect();
         let mut slope = [0.0; 9];
-        Spline::new(9, [End::Odd; 2]).slopes(&values, &mut slope);
+        Spline::new(9, [SplineEnd::Odd; 2]).slopes(&values, &mut slope);
         let expected = 0.125 * std::f64::consts::PI;
         assert!((slope[0] - expected).abs() < 2e-4 && (slope[8] + expected).abs() < 2e-4);
         let values: Vec<f64> = (0..=8).map(|i| (f64::from(i) * 0.125 * std::f64::consts::PI).cos()).collect();
-        Spline::new(9, [End::Even; 2]).slopes(&values, &mut slope);
+        Spline::new(9, [SplineEnd::Even; 2]).slopes(&values, &mut slope);
         assert_eq!((slope[0], slope[8]), (0.0, 0.0));
         assert!((slope[4] + expected).abs() < 2e-4);
     }

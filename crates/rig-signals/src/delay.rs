@@ -145,7 +145,7 @@ struct Search<'a> {
 
 /// Sums over one block: load by torque, load by load, torque by torque, all from their means.
 #[derive(Clone, Copy, Default)]
-struct Sums {
+struct BlockSums {
     xy: f64,
     xx: f64,
     yy: f64,
@@ -193,7 +193,7 @@ impl<'a> Search<'a> {
     }
 
     /// The sums of all blocks with the torque `lag` samples later; `whole` is the lag by which its bad samples are known.
-    fn sums(&self, torque: &[f64], whole: isize) -> Vec<Sums> {
+    fn sums(&self, torque: &[f64], whole: isize) -> Vec<BlockSums> {
         (0..self.blocks)
             .map(|b| {
                 let samples = b * self.length..(b + 1) * self.length;
@@ -211,14 +211,14 @@ impl<'a> Search<'a> {
     }
 
     /// The sums at each lag that is tried.
-    fn scan(&self) -> Vec<Vec<Sums>> {
+    fn scan(&self) -> Vec<Vec<BlockSums>> {
         let (first, last) = (self.lags[0], self.lags[self.lags.len() - 1]);
         let count = self.blocks * self.length + (last - first) as usize;
         let torque = self.values_of(&self.pair.torque.values, first as f64, count);
         self.lags.iter().map(|&lag| self.sums(&torque[(lag - first) as usize..], lag)).collect()
     }
 
-    fn sums_at(&self, lag: f64) -> Vec<Sums> {
+    fn sums_at(&self, lag: f64) -> Vec<BlockSums> {
         let torque = self.values(&self.pair.torque.values, lag);
         self.sums(&torque, lag.round() as isize)
     }
@@ -268,7 +268,7 @@ impl<'a> Search<'a> {
         });
         let total = total(&here);
         // Each block's part of the logarithm, but for a constant.
-        let part = |s: &Sums| s.xy / total.xy - 0.5 * (s.xx / total.xx + s.yy / total.yy);
+        let part = |s: &BlockSums| s.xy / total.xy - 0.5 * (s.xx / total.xx + s.yy / total.yy);
         let parts = |of: &dyn Fn(f64, f64, f64) -> f64| -> Vec<f64> {
             (0..self.blocks).map(|b| of(part(&before[b]), part(&here[b]), part(&after[b]))).collect()
         };
@@ -282,8 +282,8 @@ impl<'a> Search<'a> {
     }
 }
 
-fn sums(samples: impl Iterator<Item = (f64, f64)>) -> Sums {
-    let (mut n, mut x, mut y, mut sums) = (0.0, 0.0, 0.0, Sums::default());
+fn sums(samples: impl Iterator<Item = (f64, f64)>) -> BlockSums {
+    let (mut n, mut x, mut y, mut sums) = (0.0, 0.0, 0.0, BlockSums::default());
     for (load, torque) in samples {
         // Welford 1962.
         n += 1.0;
@@ -297,12 +297,12 @@ fn sums(samples: impl Iterator<Item = (f64, f64)>) -> Sums {
     sums
 }
 
-fn total(blocks: &[Sums]) -> Sums {
-    blocks.iter().fold(Sums::default(), |t, s| Sums { xy: t.xy + s.xy, xx: t.xx + s.xx, yy: t.yy + s.yy })
+fn total(blocks: &[BlockSums]) -> BlockSums {
+    blocks.iter().fold(BlockSums::default(), |t, s| BlockSums { xy: t.xy + s.xy, xx: t.xx + s.xx, yy: t.yy + s.yy })
 }
 
 /// The correlation over all blocks; none where a signal is constant.
-fn correlation(blocks: &[Sums]) -> f64 {
+fn correlation(blocks: &[BlockSums]) -> f64 {
     let t = total(blocks);
     let scale = (t.xx * t.yy).sqrt();
     if scale > 0.0 { t.xy / scale } else { 0.0 }
@@ -314,9 +314,9 @@ fn greatest(values: &[f64]) -> usize {
 
 /// The chance that unrelated signals correlate as well: every second block chooses the lag, Student's test of the others'
 /// correlations decides; the smaller one of both ways, doubled.
-fn chance(scan: &[Vec<Sums>]) -> f64 {
+fn chance(scan: &[Vec<BlockSums>]) -> f64 {
     let half = |odd: usize| {
-        let of = |sums: &Vec<Sums>, odd| -> Vec<Sums> { sums.iter().skip(odd).step_by(2).copied().collect() };
+        let of = |sums: &Vec<BlockSums>, odd| -> Vec<BlockSums> { sums.iter().skip(odd).step_by(2).copied().collect() };
         let choice: Vec<f64> = scan.iter().map(|s| correlation(&of(s, odd))).collect();
         let each: Vec<f64> = of(&scan[greatest(&choice)], 1 - odd).iter().map(|s| correlation(&[*s])).collect();
         let n = each.len() as f64;

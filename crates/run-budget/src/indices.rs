@@ -86,14 +86,14 @@ pub fn measures(
 ) -> Vec<Result<Vec<Index>, Doubt>> {
     let pairs = design.points.len() / design.width;
     let nearly = runs.iter().find_map(Run::finite).unwrap_or_default();
-    let parts = |count: usize, of: &dyn Fn(&[Vec<f64>]) -> Possible| -> Vec<Vec<Part>> {
+    let parts = |count: usize, of: &dyn Fn(&[Vec<f64>]) -> Possible| -> Vec<Vec<PairSums>> {
         // Consecutive points of a net are spread like the whole, and so is each part.
         let size = count.div_ceil(PARTS);
-        let part = |(number, points): (usize, &[Vec<f64>])| -> Vec<Part> {
+        let part = |(number, points): (usize, &[Vec<f64>])| -> Vec<PairSums> {
             let possible = of(points);
             let good = possible.margins(limits).map(|margin| if margin >= 0.0 { 1.0 } else { 0.0 });
             let values = possible.values.into_iter().chain([good]).zip(nearly.iter().chain([&0.0]));
-            values.map(|(values, nearly)| Part::new(&values.add_scalar(-nearly), number * size, design)).collect()
+            values.map(|(values, nearly)| PairSums::new(&values.add_scalar(-nearly), number * size, design)).collect()
         };
         design.points[..count * design.width].chunks(size * design.width).enumerate().map(part).collect()
     };
@@ -120,7 +120,7 @@ pub fn measures(
 }
 
 /// Sums over some pairs of points, by function that an output may be.
-struct Part {
+struct PairSums {
     pairs: f64,
     /// Of the values at both points, and of their squares.
     moments: Vec<[f64; 2]>,
@@ -128,7 +128,7 @@ struct Part {
     explained: Vec<Vec<[f64; 2]>>,
 }
 
-impl Part {
+impl PairSums {
     /// Of values: a row a point of a design, from the pair `start` on, a column a function.
     fn new(values: &DMatrix<f64>, start: usize, design: &Design) -> Self {
         let functions = values.ncols();
@@ -158,8 +158,8 @@ struct Terms {
 }
 
 /// Each measure in an output.
-fn terms(parts: &[Vec<Part>], output: usize) -> Vec<Terms> {
-    let parts: Vec<&Part> = parts.iter().map(|part| &part[output]).collect();
+fn terms(parts: &[Vec<PairSums>], output: usize) -> Vec<Terms> {
+    let parts: Vec<&PairSums> = parts.iter().map(|part| &part[output]).collect();
     let pairs: f64 = parts.iter().map(|part| part.pairs).sum();
     let functions = parts[0].moments.len();
     let moments = |k: usize| {

@@ -14,7 +14,7 @@ use journal_bearing::reynolds::Coefficients;
 use serde::{Deserialize, Serialize};
 
 use super::{
-    journal::{Drift, JournalFilm, Motion, Press, Setup, Situation, Strain, TransientFilm},
+    journal::{Drift, FilmSetup, JournalFilm, Motion, Press, Situation, Strain, TransientFilm},
     parameters::Bearing,
 };
 
@@ -38,7 +38,7 @@ macro_rules! films {
             /// All film models; the first one is the default.
             pub const ALL: &[Self] = &[$(Self::$model),*];
 
-            fn start(self, setup: &Setup) -> Result<Running> {
+            fn start(self, setup: &FilmSetup) -> Result<Running> {
                 match self {
                     $(Self::$model => <$film as JournalFilm>::new(setup).map(Running::$model),)*
                 }
@@ -130,7 +130,7 @@ impl Film {
     ///
     /// # Errors
     /// When a parameter or a file is not usable.
-    pub fn start(&mut self, setup: &Setup) -> Result {
+    pub fn start(&mut self, setup: &FilmSetup) -> Result {
         self.running = self.model.start(setup)?;
         Ok(())
     }

@@ -144,7 +144,7 @@ pub struct Drift {
 }
 
 /// The parameters and files that a film starts from.
-pub struct Setup<'a> {
+pub struct FilmSetup<'a> {
     /// The bearing.
     pub bearing: &'a Bearing,
     /// Radial clearance at the start, m.
@@ -197,7 +197,7 @@ pub trait JournalFilm {
     ///
     /// # Errors
     /// When a parameter or a file is not usable, or no such film exists.
-    fn new(setup: &Setup) -> Result<Self>
+    fn new(setup: &FilmSetup) -> Result<Self>
     where
         Self: Sized;
 

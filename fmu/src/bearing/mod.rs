@@ -15,7 +15,7 @@ mod wear;
 
 pub use film::{FILM, Film, FilmModel, sommerfeld};
 pub use hot::{Expansion, ThermalClearance};
-pub use journal::{Drift, Flows, Interval, Motion, Passed, Press, Setup, Situation, Strain, TransientFilm};
+pub use journal::{Drift, FilmSetup, Flows, Interval, Motion, Passed, Press, Situation, Strain, TransientFilm};
 pub use parameters::{Bearing, FilmEnergy, Resolution};
 pub use supply::{Feeding, Supply};
 pub use wear::Wear;

@@ -8,7 +8,7 @@ use fmu_export::{
 };
 use nalgebra::{ComplexField, Vector2};
 
-use super::{Stand, temperatures, unknowns, validity::Seen};
+use super::{Stand, temperatures, unknowns, validity::SeenByLimits};
 
 /// A state that hosts see as it is: its name, what it is, its unit and that of its rate, a typical magnitude, and where it stands.
 macro_rules! state {
@@ -116,7 +116,7 @@ impl Continuous for Stand {
         }
         let film = temperatures(&y).film;
         let viscosity = self.oil.viscosity_scale * self.fluid.real(film);
-        let (mut course, _) = self.course_with(0.0, &y, viscosity, &mut Seen::default());
+        let (mut course, _) = self.course_with(0.0, &y, viscosity, &mut SeenByLimits::default());
         let place = Vector2::new(y[0], y[1]);
         let (e, outwards) = (place.norm(), place.try_normalize(0.0).unwrap_or_default());
         let velocity = Vector2::new(course[0], course[1]);

@@ -5,7 +5,7 @@ use super::{
     inputs::INPUTS,
     scout::Turn,
     temperatures, unknowns,
-    validity::{Passing, Seen},
+    validity::{Passing, SeenByLimits},
     worn,
 };
 use crate::{
@@ -54,12 +54,12 @@ const FILM_STEPS_PER_STEP: usize = 50;
 const WARMING_STEPS: usize = 5_000;
 
 /// The unknowns, the inputs' values, the shaft's angle and, where the rates depend on it, the time.
-type Place = (Unknowns, [f64; INPUTS], [f64; 2]);
+type RatesPlace = (Unknowns, [f64; INPUTS], [f64; 2]);
 
 /// The rates where the last step ended: the last stage that it took is the first one of the next step.
 #[derive(Debug)]
 pub struct Arrival {
-    at: Place,
+    at: RatesPlace,
     rates: (Unknowns, Sensed),
 }
 
@@ -90,7 +90,7 @@ impl Stand {
         let known = known.filter(|known| known.at == self.place());
         let mut last = (f64::NAN, <(Unknowns, Sensed)>::default());
         // The last stage of a step that is taken is at its end.
-        let seen = &RefCell::new(Seen::default());
+        let seen = &RefCell::new(SeenByLimits::default());
         let course = |tau: f64, y: &Unknowns, rates: &mut Unknowns, sensed: &mut Sensed| {
             (*rates, *sensed) = match &known {
                 Some(known) if tau == 0.0 => known.rates,
@@ -127,7 +127,7 @@ impl Stand {
     }
 
     /// All that the rates follow from besides the parameters.
-    fn place(&self) -> Place {
+    fn place(&self) -> RatesPlace {
         let State { angle, time, .. } = self.state;
         let time = if self.drive.fluctuates() { time } else { 0.0 };
         let inputs = self.inputs.all().map(|input| input.value);
@@ -139,7 +139,7 @@ impl Stand {
         &'a self,
         means: &'a mut TurnMeans,
         passing: &'a mut Passing,
-    ) -> impl FnMut(&Passage<SENSORS>, &Seen) + 'a {
+    ) -> impl FnMut(&Passage<SENSORS>, &SeenByLimits) + 'a {
         let command = self.command();
         let mut before = 0.0;
         move |passage, seen| {
@@ -242,7 +242,7 @@ impl Stand {
 
     /// The present readings of the physical stand's sensors.
     fn sense(&self, oil: &mut Nearby) -> Sensed {
-        self.course_at(0.0, &unknowns(&self.state), oil, &mut Seen::default()).1
+        self.course_at(0.0, &unknowns(&self.state), oil, &mut SeenByLimits::default()).1
     }
 
     /// The temperatures after `span` seconds under constant flows.
@@ -384,7 +384,7 @@ impl TwoScales for Stand {
 
     fn journal(&self, clearance: f64) -> impl Fn(f64, [f64; 2], f64) -> ([f64; 2], Flows) {
         let drift = self.film.drift_at(&self.bearing, clearance);
-        let (felt, seen) = (self.feels_side_flow(), RefCell::new(Seen::default()));
+        let (felt, seen) = (self.feels_side_flow(), RefCell::new(SeenByLimits::default()));
         move |tau, eccentricity, viscosity| {
             let seen = &mut *seen.borrow_mut();
             self.instant(tau, eccentricity, viscosity, clearance, seen);

@@ -2,7 +2,7 @@
 //!
 //! The standard is for a constant load. Here the worst of the last turn counts, as the stand's own film and heat balance give it.
 
-use super::{Stand, unknowns, validity::Seen};
+use super::{Stand, unknowns, validity::SeenByLimits};
 use crate::{
     bearing::{self, Strain},
     sensors::Worst,
@@ -74,7 +74,7 @@ impl Stand {
     fn check_operation(&self) -> Operation {
         let bearing = &self.bearing;
         let at = self.situation(0.0, &unknowns(&self.state));
-        let seen = Seen { at, temperatures: self.state.temperatures, ..Seen::default() };
+        let seen = SeenByLimits { at, temperatures: self.state.temperatures, ..SeenByLimits::default() };
         let worst = self.state.means.worst().unwrap_or_else(|| self.worst(&seen, self.readings.min_film_thickness));
         let specific_load = worst.load / (bearing.width * bearing.diameter);
         let psi = at.clearance / bearing.radius();
@@ -116,7 +116,7 @@ impl Stand {
     }
 
     /// What of an instant counts, with the smallest gap there, m.
-    pub(super) fn worst(&self, seen: &Seen, gap: f64) -> Worst {
+    pub(super) fn worst(&self, seen: &SeenByLimits, gap: f64) -> Worst {
         let film = self.film.hottest().unwrap_or(seen.temperatures.film);
         Worst { load: seen.at.load_magnitude(), gap, temperature: film.max(seen.temperatures.bush) }
     }

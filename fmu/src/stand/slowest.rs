@@ -5,7 +5,7 @@
 //! averaged over the journal's periodic orbit at each film temperature; for a film that takes steps of its own, the orbit of
 //! the mobility film.
 
-use super::{Stand, inputs::INPUTS, unknowns, validity::Seen};
+use super::{Stand, inputs::INPUTS, unknowns, validity::SeenByLimits};
 use crate::{
     Result,
     bearing::{Film, Flows},
@@ -74,7 +74,7 @@ impl Stand {
         let at = &from.temperatures;
         let viscosity = self.fluid.viscosity(at.film);
         let clearance = self.clearance(at, from.worn);
-        let drift = self.drift(0.0, self.state.eccentricity, viscosity, clearance, &mut Seen::default());
+        let drift = self.drift(0.0, self.state.eccentricity, viscosity, clearance, &mut SeenByLimits::default());
         let drift = multirate::network(self, from, &drift.flows);
         multirate::slowest_time_constant(&drift)
     }

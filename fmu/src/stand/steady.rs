@@ -18,7 +18,7 @@
 
 mod newton;
 
-use super::{EVENTS, Stand, State, Unknowns, unknowns, validity::Seen};
+use super::{EVENTS, Stand, State, Unknowns, unknowns, validity::SeenByLimits};
 use crate::{
     Result,
     drive::MOST_TURNS,
@@ -270,7 +270,7 @@ impl Stand {
         };
         let mut y = *start;
         let mut oil = self.nearby;
-        let mut seen = Seen::default();
+        let mut seen = SeenByLimits::default();
         let course = |tau: f64, y: &Unknowns| self.course_at(tau, y, &mut oil, &mut seen);
         let (_, integrals) = integrator.integrate_along(course, &mut y, [], self.cycle(), step)?;
         Ok((y, integrals.map(|integral| integral / self.cycle())))

@@ -1,7 +1,7 @@
 //! Implicit steps for stiff cases, in which one unknown settles far faster than the others move: a journal on hard, rough
 //! surfaces in thin oil, or a film almost without heat capacity.
 
-use super::{FIRST_STEP, SCALES, Stand, Unknowns, unknowns, validity::Seen};
+use super::{FIRST_STEP, SCALES, Stand, Unknowns, unknowns, validity::SeenByLimits};
 use crate::{
     oil::Nearby,
     sensors::SENSORS,
@@ -30,7 +30,7 @@ impl Stand {
         &self,
         span: f64,
         allowed: &Unknowns,
-        mut observe: impl FnMut(&Passage<SENSORS>, &Seen),
+        mut observe: impl FnMut(&Passage<SENSORS>, &SeenByLimits),
     ) -> Result<Unknowns, Failure> {
         let [ex, ey, film, bush, shaft, bath, worn] = *allowed;
         let integrator = Rodas3 {
@@ -44,7 +44,7 @@ impl Stand {
         let mut x = Extended::zeros();
         x.as_mut_slice()[..7].copy_from_slice(&unknowns(&self.state));
         let (mut oil, mut oil_beside, mut oil_there) = (self.nearby, self.nearby, self.nearby);
-        let (mut before, mut seen) = (None, Seen::default());
+        let (mut before, mut seen) = (None, SeenByLimits::default());
         let mut pass = |x: &Extended| {
             let (_, now) = self.course_at(x[7], &state_of(x), &mut oil_there, &mut seen);
             if let Some((from, sensed)) = before.replace((x[7], now)) {
@@ -64,7 +64,7 @@ impl Stand {
 
     fn extended_rates(&self, x: &Extended, oil: &mut Nearby) -> Extended {
         let mut rates = Extended::repeat(1.0);
-        let (course, _) = self.course_at(x[7], &state_of(x), oil, &mut Seen::default());
+        let (course, _) = self.course_at(x[7], &state_of(x), oil, &mut SeenByLimits::default());
         rates.as_mut_slice()[..7].copy_from_slice(&course);
         rates
     }

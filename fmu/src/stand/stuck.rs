@@ -1,6 +1,6 @@
 //! Reasons why a step failed: which unknown changes too fast, and which parameter makes it so.
 
-use super::{SCALES, Stand, Unknowns, temperatures, validity::Seen, worn};
+use super::{SCALES, Stand, Unknowns, temperatures, validity::SeenByLimits, worn};
 use crate::{oil::Nearby, solver::Failure};
 use fmu_export::model::{Fault, Kind, Model, Quantity};
 use std::ops::Range;
@@ -27,7 +27,7 @@ fn advise(cause: Option<Cause>) -> String {
 }
 
 /// The point at which the step failed: the time into it, s, the unknowns, and the range of unknowns that were integrated.
-struct Place {
+struct FailedPlace {
     tau: f64,
     y: Unknowns,
     among: Range<usize>,
@@ -78,7 +78,7 @@ impl Stand {
         if let Failure::SpanTooLong { .. } = failure {
             return Fault::Failed(failure.to_string());
         }
-        let at = Place { tau: failure.passed(), y: *y, among };
+        let at = FailedPlace { tau: failure.passed(), y: *y, among };
         let fastest = self.fastest(&at);
         let pace = fastest.map_or(f64::INFINITY, |(_, pace)| pace);
         let reason = match fastest {
@@ -91,7 +91,7 @@ impl Stand {
     }
 
     /// The unknown that settles fastest after a small disturbance, and its rate, 1/s; none if that is not finite.
-    fn fastest(&self, at: &Place) -> Option<(&'static str, f64)> {
+    fn fastest(&self, at: &FailedPlace) -> Option<(&'static str, f64)> {
         const NAMES: [&str; 7] = [
             "the journal",
             "the journal",
@@ -102,7 +102,7 @@ impl Stand {
             "the wear depth",
         ];
         const NUDGE: f64 = 1e-7;
-        let (mut oil, mut seen) = (Nearby::default(), Seen::default());
+        let (mut oil, mut seen) = (Nearby::default(), SeenByLimits::default());
         let (here, _) = self.course_at(at.tau, &at.y, &mut oil, &mut seen);
         let mut fastest = ("nothing", 0.0_f64);
         for i in at.among.clone() {
@@ -121,7 +121,7 @@ impl Stand {
     }
 
     /// The parameter or input whose default would slow the fastest unknown down most.
-    fn cause(&self, at: &Place, pace: f64) -> Option<Cause> {
+    fn cause(&self, at: &FailedPlace, pace: f64) -> Option<Cause> {
         let mut slowest = pace / TELLING;
         let mut culprit = None;
         for (cause, set) in self.changed() {

@@ -57,7 +57,7 @@ const WIDER: f64 = 1e-3;
 /// What the limits are about at one instant: that of the latest evaluation of the rates, which writes it in place. After a step that is
 /// taken it is its end.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Seen {
+pub struct SeenByLimits {
     /// Its time within the step, s.
     pub tau: Option<f64>,
     /// The film's situation.
@@ -76,7 +76,7 @@ pub struct Passing {
 }
 
 /// Says how a limit is passed, where it is.
-type Passed = fn(&Stand, &Seen, &Strain) -> Option<String>;
+type Passed = fn(&Stand, &SeenByLimits, &Strain) -> Option<String>;
 
 static LIMITS: [(i32, Passed); 8] = [
     (TURBULENT, Stand::turbulent),
@@ -101,7 +101,7 @@ impl Stand {
     }
 
     /// Looks for limits that are passed at an instant and were not before. Returns what counts in a check of the operation.
-    pub(super) fn look_at(&self, seen: &Seen, time: f64, passing: &mut Passing) -> Worst {
+    pub(super) fn look_at(&self, seen: &SeenByLimits, time: f64, passing: &mut Passing) -> Worst {
         let strain = self.film.strain(&self.bearing, &seen.at, &seen.press);
         let suspects = self.suspects(seen, &strain) & !passing.bits;
         if suspects != 0 {
@@ -118,7 +118,7 @@ impl Stand {
     /// The limits that may be passed at an instant: all that are, and few that are not. Every internal step of the mobility film
     /// asks, so it takes no powers and makes no text.
     #[inline]
-    fn suspects(&self, seen: &Seen, strain: &Strain) -> i32 {
+    fn suspects(&self, seen: &SeenByLimits, strain: &Strain) -> i32 {
         /// Oil of the density's law, `exp(-x (1 + 0.8 x))`, is at most so many times as dense as at 15 degC.
         const DENSEST: f64 = 1.37;
         /// `F_5/2` of asperities whose mean planes have not crossed is at most this.
@@ -126,7 +126,7 @@ impl Stand {
         if self.film.is_transient() {
             return !0;
         }
-        let Seen { at, temperatures, .. } = seen;
+        let SeenByLimits { at, temperatures, .. } = seen;
         let (surface, load) = (&self.bearing.surface, at.load_magnitude());
         let Contact { force, normal } = strain.contact;
         let asperities = if normal > 0.0 { UNCROSSED * surface.pressure_scale() } else { 0.0 };
@@ -154,7 +154,7 @@ impl Stand {
     /// Looks for limits that are passed in the present state. Returns what counts in a check of the operation.
     pub(super) fn look(&mut self) -> Worst {
         let y = super::unknowns(&self.state);
-        let mut seen = Seen::default();
+        let mut seen = SeenByLimits::default();
         self.course_with(0.0, &y, self.fluid.viscosity(self.state.temperatures.film), &mut seen);
         let mut passing = self.passing();
         let worst = self.look_at(&seen, self.state.time, &mut passing);
@@ -199,7 +199,7 @@ impl Stand {
         }
     }
 
-    pub(super) fn turbulent(&self, seen: &Seen, _: &Strain) -> Option<String> {
+    pub(super) fn turbulent(&self, seen: &SeenByLimits, _: &Strain) -> Option<String> {
         let [number, limit] = self.reynolds_number(&seen.at, self.fluid.density(seen.temperatures.film));
         (number > limit).then(|| {
             format!("the film's Reynolds number {number:.0} is beyond {limit:.0}: it is not laminar, and its friction is larger")
@@ -215,7 +215,7 @@ impl Stand {
         [number, REYNOLDS.min(TAYLOR * (radius / clearance).sqrt())]
     }
 
-    fn beyond_the_oil(&self, seen: &Seen, _: &Strain) -> Option<String> {
+    fn beyond_the_oil(&self, seen: &SeenByLimits, _: &Strain) -> Option<String> {
         let supply = &self.bearing.supply;
         let fed = supply.feeds().then_some(supply.temperature);
         let all = seen.temperatures.array().into_iter();
@@ -227,7 +227,7 @@ impl Stand {
 
     /// The asperities press where the film is thinnest, and the film's largest pressure is close to that place: the surfaces bear
     /// both.
-    fn overpressed(&self, _: &Seen, strain: &Strain) -> Option<String> {
+    fn overpressed(&self, _: &SeenByLimits, strain: &Strain) -> Option<String> {
         let (film, limit) = (strain.film_pressure(), self.bearing.pressure_limit);
         let asperities = if strain.contact.normal > 0.0 {
             let surface = &self.bearing.surface;
@@ -244,7 +244,7 @@ impl Stand {
         })
     }
 
-    fn beyond_contact(&self, seen: &Seen, strain: &Strain) -> Option<String> {
+    fn beyond_contact(&self, seen: &SeenByLimits, strain: &Strain) -> Option<String> {
         let reach = strain.contact_reach;
         let roughness = self.bearing.surface.roughness / seen.at.clearance;
         let map = self.film.columns().is_none() && self.touches(seen, strain);
@@ -262,11 +262,11 @@ impl Stand {
     }
 
     /// Whether asperities bear a share of the load that matters.
-    fn touches(&self, seen: &Seen, strain: &Strain) -> bool {
+    fn touches(&self, seen: &SeenByLimits, strain: &Strain) -> bool {
         strain.contact.force > TOUCHING * seen.at.load_magnitude()
     }
 
-    fn coarse(&self, seen: &Seen, strain: &Strain) -> Option<String> {
+    fn coarse(&self, seen: &SeenByLimits, strain: &Strain) -> Option<String> {
         let columns = self.film.columns()?;
         let gap = strain.min_film_thickness;
         let angle = (2.0 * gap / seen.at.clearance).sqrt();
@@ -279,13 +279,13 @@ impl Stand {
         })
     }
 
-    fn lifted(&self, seen: &Seen, _: &Strain) -> Option<String> {
+    fn lifted(&self, seen: &SeenByLimits, _: &Strain) -> Option<String> {
         let force = self.load.least_force(seen.at.speed);
         (force < 0.0).then(|| format!("the lever would have to pull with {:.0} N, so it lifts off once a turn", -force))
     }
 
     /// What lies outside of a film's map, grid or law.
-    fn off_the_table(&self, seen: &Seen, strain: &Strain) -> Option<String> {
+    fn off_the_table(&self, seen: &SeenByLimits, strain: &Strain) -> Option<String> {
         let wide = self.bearing.width / self.bearing.diameter;
         if self.film.model == FilmModel::Mobility {
             return (wide > WIDEST).then(|| {
@@ -313,7 +313,7 @@ impl Stand {
     }
 
     /// Whether the arc over which asperities can touch reaches a feed.
-    fn touches_a_feed(&self, seen: &Seen) -> bool {
+    fn touches_a_feed(&self, seen: &SeenByLimits) -> bool {
         let supply = &self.bearing.supply;
         match supply.feed {
             Feeding::None => return false,
@@ -331,7 +331,7 @@ impl Stand {
         })
     }
 
-    fn touches_all_around(&self, seen: &Seen, strain: &Strain) -> Option<String> {
+    fn touches_all_around(&self, seen: &SeenByLimits, strain: &Strain) -> Option<String> {
         let load = seen.at.load_magnitude();
         let normal = strain.contact.normal;
         if normal > WRAPPED * load {
@@ -378,7 +378,7 @@ mod tests {
                 stand.inputs.external_force.value = draw(1.0, 1e6) - 1.0;
                 let clearance = stand.bearing.radial_clearance * draw(0.5, 2.0);
                 let e = draw(1e-3, 1.5);
-                let mut seen = Seen { temperatures, ..Seen::default() };
+                let mut seen = SeenByLimits { temperatures, ..SeenByLimits::default() };
                 stand.drift(0.0, [0.6 * e, -0.8 * e], viscosity, clearance, &mut seen);
                 let strain = stand.film.strain(&stand.bearing, &seen.at, &seen.press);
                 let suspects = stand.suspects(&seen, &strain);

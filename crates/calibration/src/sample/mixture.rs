@@ -8,7 +8,7 @@ use sampling::{distribution::ln_sum, random::Random};
 
 /// One normal distribution.
 #[derive(Clone, Debug)]
-struct Part {
+struct Component {
     weight: f64,
     mean: Vec<f64>,
     /// Cholesky factor of the covariance, row by row up to the diagonal, and its inverse.
@@ -18,7 +18,7 @@ struct Part {
     peak: f64,
 }
 
-impl Part {
+impl Component {
     fn new(weight: f64, mean: &DVector<f64>, covariance: DMatrix<f64>) -> Option<Self> {
         let factor = Cholesky::new(covariance)?.l();
         let inverse = factor.clone().try_inverse()?;
@@ -67,7 +67,7 @@ fn squared(triangle: &[Vec<f64>], from: &[f64], to: &[f64]) -> f64 {
 /// A mixture of normal distributions.
 #[derive(Clone, Debug)]
 pub struct Mixture {
-    parts: Vec<Part>,
+    parts: Vec<Component>,
 }
 
 /// The largest number of parts that are fitted to particles.
@@ -82,9 +82,9 @@ const OVERLAP: f64 = 1.5;
 impl Mixture {
     /// Normal distributions with weights, means and covariances; those that are no covariances are left out.
     pub fn new(parts: Vec<(f64, DVector<f64>, DMatrix<f64>)>) -> Option<Self> {
-        let mut parts: Vec<Part> = parts
+        let mut parts: Vec<Component> = parts
             .into_iter()
-            .filter_map(|(weight, mean, covariance)| Part::new(weight, &mean, covariance))
+            .filter_map(|(weight, mean, covariance)| Component::new(weight, &mean, covariance))
             .filter(|part| part.weight > 0.0)
             .collect();
         let all: f64 = parts.iter().map(|part| part.weight).sum();
@@ -128,7 +128,7 @@ impl Mixture {
         for part in &mut mixture.parts {
             part.weight *= 0.5;
         }
-        mixture.parts.push(Part::new(0.5, &mean, floored(whole.clone(), &whole))?);
+        mixture.parts.push(Component::new(0.5, &mean, floored(whole.clone(), &whole))?);
         Some(mixture)
     }
 

@@ -21,7 +21,7 @@ const FARTHEST: f64 = 6.0;
 const MOVES: usize = 8;
 
 /// A population in the coordinates of the sample.
-pub struct Common {
+pub struct PopulationPlaces {
     members: Vec<usize>,
     /// The coordinate of the mean; that of the spread is the next one.
     at: usize,
@@ -31,7 +31,7 @@ pub struct Common {
     largest: f64,
 }
 
-impl Common {
+impl PopulationPlaces {
     /// The mean has the prior of a single value. The spread has a half-normal prior with the standard deviation of that.
     pub fn new(problem: &Problem, population: &Population, at: usize) -> Self {
         let prior = problem.free[population.members[0]].prior_place();

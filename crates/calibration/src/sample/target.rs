@@ -9,7 +9,7 @@ use super::{
         problem::NoPrediction,
         stated::Stated,
     },
-    population::{Common, before},
+    population::{PopulationPlaces, before},
 };
 
 /// The posterior that is sampled.
@@ -18,7 +18,7 @@ pub struct Target<'a> {
     /// The prior of each coordinate: uniform from 0 to 1, or normal and cut there. Those of populations depend on each other.
     pub before: Vec<Distribution>,
     /// Parameters that vary from case to case, each with the coordinates of its mean and spread behind all others.
-    populations: Vec<Common>,
+    populations: Vec<PopulationPlaces>,
     /// What is beyond normal errors.
     stated: Stated,
 }
@@ -45,8 +45,8 @@ impl<'a> Target<'a> {
         let free = problem.free.iter().map(|free| before(free.prior_place()));
         let populations = problem.populations.iter().enumerate();
         let first = problem.unknowns();
-        let populations: Vec<Common> =
-            populations.map(|(number, each)| Common::new(problem, each, first + 2 * number)).collect();
+        let populations: Vec<PopulationPlaces> =
+            populations.map(|(number, each)| PopulationPlaces::new(problem, each, first + 2 * number)).collect();
         let others = first - problem.free.len() + 2 * populations.len();
         let before = free.chain(std::iter::repeat_n(before(None), others));
         Self { objective, before: before.collect(), populations, stated: Stated::new(problem, &objective.errors) }

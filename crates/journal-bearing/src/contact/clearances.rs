@@ -1,6 +1,6 @@
 //! The contact of a journal whose clearance changes: tables at several clearances, and polynomials between them.
 
-use super::{Contact, ContactTable, LOGARITHMS, NO_CONTACT, NODES, Node, Place, QUANTITIES, Surface, Touch};
+use super::{Contact, ContactTable, LOGARITHMS, NO_CONTACT, NODES, Node, QUANTITIES, Surface, TablePlace, Touch};
 use crate::{roughness::Reach, spline::below};
 use std::{
     cell::OnceCell,
@@ -106,7 +106,7 @@ impl ContactFamily {
         if position < 0.0 {
             return None;
         }
-        let place = Place::new(position);
+        let place = TablePlace::new(position);
         let mut quantities = [0.0; QUANTITIES];
         for (table, weight) in self.about(clearance) {
             place.add(table.ends(place.cell), weight, &mut quantities);
@@ -189,7 +189,7 @@ impl ContactAt<'_> {
         if position < 0.0 {
             return None;
         }
-        let place = Place::new(position);
+        let place = TablePlace::new(position);
         let nodes = &nodes[place.cell..=place.cell + 1];
         let ends = [0, 1].map(|k| nodes[k].get_or_init(|| self.node(place.cell + k)));
         let mut quantities = [0.0; QUANTITIES];

@@ -3,7 +3,7 @@
 use std::sync::{Arc, OnceLock};
 
 use super::table::{Along, CHANNELS, MOBILITY, Node, Tabulated, VALUE, splines_over_s};
-use crate::spline::{End, Spline};
+use crate::spline::{Spline, SplineEnd};
 
 /// The map's slices and their slopes over `ln(B/D)`: what every blend is made from.
 #[derive(Clone, Debug)]
@@ -31,7 +31,7 @@ impl Sources {
         let lattice = slices[0].lattice;
         Self {
             over_s: splines_over_s(lattice.ss),
-            over_width: Spline::new(slices.len(), [End::Free; 2]),
+            over_width: Spline::new(slices.len(), [SplineEnd::Free; 2]),
             rows: vec![OnceLock::new(); lattice.last_u as usize + 1],
             slices,
         }

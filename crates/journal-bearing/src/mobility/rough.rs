@@ -14,7 +14,7 @@ use super::{
 };
 use crate::{
     roughness::{NO_CONTACT, Reach},
-    spline::{End, Spline, hermite, slope_of_hermite},
+    spline::{Spline, SplineEnd, hermite, slope_of_hermite},
 };
 
 /// Nodes over `ln(B/D)`, roughness, place and direction.
@@ -115,7 +115,7 @@ impl Corrections {
             }
             let mut over_place = vec![0.0; SHEET];
             // Even in the eccentricity ratio at the first place.
-            let spline = Spline::new(SIZE[2], [End::Even, End::Free]);
+            let spline = Spline::new(SIZE[2], [SplineEnd::Even, SplineEnd::Free]);
             spline.slopes_of_many(SIZE[3] * CHANNELS, &values, &mut over_place);
             // In the centre where contact reaches around the bush; else these are zero.
             level(&mut values[..SIZE[3] * CHANNELS]);

@@ -21,12 +21,12 @@ pub struct MobilitySlice {
     lattice: Lattice,
     /// One row per `u`. A journal visits few of them, so each is made on first use.
     rows: Vec<OnceLock<Box<[Node]>>>,
-    source: Source,
+    source: RowSource,
 }
 
 /// What the rows are made from.
 #[derive(Clone, Debug)]
-enum Source {
+enum RowSource {
     /// The map of smooth bearings.
     Smooth(Blend),
     /// A smooth bearing's slice, corrected.
@@ -95,7 +95,7 @@ pub fn ahead(eps: Vector2<f64>, e: f64, direction: Vector2<f64>) -> [f64; 2] {
 
 /// A place in the table: indices of its cell's first node, and the weight of each number stored at its four corners.
 #[derive(Clone, Copy, Debug)]
-struct Place {
+struct SlicePlace {
     near: [usize; 2],
     /// First index: corner; second index: number within a [`Node`].
     weights: [[f64; 4]; 4],
@@ -104,10 +104,10 @@ struct Place {
 impl MobilitySlice {
     /// A slice whose rows `blend` makes.
     pub(super) fn new(lattice: Lattice, blend: Blend) -> Self {
-        Self::with_rows(lattice, Source::Smooth(blend))
+        Self::with_rows(lattice, RowSource::Smooth(blend))
     }
 
-    fn with_rows(lattice: Lattice, source: Source) -> Self {
+    fn with_rows(lattice: Lattice, source: RowSource) -> Self {
         Self { lattice, rows: vec![OnceLock::new(); lattice.last_u as usize + 1], source }
     }
 
@@ -116,7 +116,7 @@ impl MobilitySlice {
         let last = (SIZE[2] - 1) as f64;
         let lattice = Lattice { per_u: last, last_u: last, ..smooth.lattice };
         let source = Box::new((Arc::clone(smooth), correction));
-        Self::with_rows(lattice, Source::Rough(source))
+        Self::with_rows(lattice, RowSource::Rough(source))
     }
 
     /// The nodes of row `i`: one `u`, all `s`.
@@ -128,8 +128,8 @@ impl MobilitySlice {
     #[cold]
     fn make(&self, i: usize) -> Box<[Node]> {
         let (smooth, correction) = match &self.source {
-            Source::Smooth(blend) => return blend.row(i),
-            Source::Rough(source) => (&source.0, &source.1),
+            RowSource::Smooth(blend) => return blend.row(i),
+            RowSource::Rough(source) => (&source.0, &source.1),
         };
         let reach = &correction.reach;
         let e = reach.at(i as f64 / self.lattice.last_u);
@@ -231,7 +231,7 @@ impl MobilitySlice {
     }
 
     #[inline(always)]
-    fn place(&self, point: Point) -> Place {
+    fn place(&self, point: Point) -> SlicePlace {
         let lattice = &self.lattice;
         let across = (point.s * lattice.last_s).clamp(0.0, lattice.last_s);
         let (i, x, excess) = lattice.locate(point.u);
@@ -244,7 +244,7 @@ impl MobilitySlice {
             let (wide_value, wide_slope) = (wide[k >> 1], wide[2 + (k >> 1)]);
             [wide_value * value, wide_value * slope, wide_slope * value, wide_slope * slope]
         };
-        Place { near: [i, j as usize], weights: [corner(0), corner(1), corner(2), corner(3)] }
+        SlicePlace { near: [i, j as usize], weights: [corner(0), corner(1), corner(2), corner(3)] }
     }
 
     /// All quantities at a point and a share of the way from one slice to another of the same lattice.
@@ -266,7 +266,7 @@ impl MobilitySlice {
 
     /// The nodes about a place.
     #[inline(always)]
-    fn corners(&self, place: &Place) -> [&Node; 4] {
+    fn corners(&self, place: &SlicePlace) -> [&Node; 4] {
         let [i, j] = place.near;
         let (near, far) = (&self.row(i)[j..=j + 1], &self.row(i + 1)[j..=j + 1]);
         [&near[0], &far[0], &near[1], &far[1]]
@@ -274,7 +274,7 @@ impl MobilitySlice {
 
     /// Interpolates the quantities.
     #[inline]
-    fn at(&self, place: &Place) -> [f64; CHANNELS] {
+    fn at(&self, place: &SlicePlace) -> [f64; CHANNELS] {
         let mut sums = [0.0; CHANNELS];
         for (node, weights) in self.corners(place).into_iter().zip(&place.weights) {
             for (kind, weight) in node.iter().zip(weights) {

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::coordinates::Point;
-use crate::spline::{End, Spline};
+use crate::spline::{Spline, SplineEnd};
 
 /// Quantities per node: `ln |M|`, the angle by which `M` leads the load (rad), `ln` of the largest pressure over
 /// `F/(B D)`, and `ln` of the side flow over `F c^3 / (3 eta B^2)`.
@@ -71,7 +71,7 @@ impl Tabulated {
     pub fn new(values: Cow<'static, [u8]>, us: usize, ss: usize, last_u: f64) -> Self {
         let mut over_u = vec![0.0; values.len() / NUMBER];
         let all: Vec<f64> = numbers(&values).collect();
-        Spline::new(us, [End::Free; 2]).slopes_of_many(ss * CHANNELS, &all, &mut over_u);
+        Spline::new(us, [SplineEnd::Free; 2]).slopes_of_many(ss * CHANNELS, &all, &mut over_u);
         let last = (us - 1) as f64;
         let lattice = Lattice { ss, last_u: last, last_s: (ss - 1) as f64, per_u: last / last_u };
         Self { lattice, values, over_u }
@@ -125,7 +125,7 @@ pub type Along = [Spline; 2];
 
 /// The splines over `s`, for rows of `ss` nodes.
 pub fn splines_over_s(ss: usize) -> Along {
-    [End::Even, End::Odd].map(|end| Spline::new(ss, [end; 2]))
+    [SplineEnd::Even, SplineEnd::Odd].map(|end| Spline::new(ss, [end; 2]))
 }
 
 /// The nodes of a row from its values and their slopes along the rows, both by `s`, then channel.

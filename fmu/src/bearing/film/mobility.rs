@@ -2,7 +2,7 @@
 
 use crate::bearing::{
     friction::{self, Boundary},
-    journal::{Drift, Flows, JournalFilm, Motion, Press, Setup, Situation, Strain},
+    journal::{Drift, FilmSetup, Flows, JournalFilm, Motion, Press, Situation, Strain},
     parameters::{Bearing, FilmEnergy},
 };
 use fmu_export::model::Fault;
@@ -113,7 +113,7 @@ struct Instant {
 }
 
 impl JournalFilm for MobilityFilm {
-    fn new(setup: &Setup) -> Result<Self, Fault> {
+    fn new(setup: &FilmSetup) -> Result<Self, Fault> {
         setup.bearing.supply.refuse()?;
         if setup.bearing.resolution.energy == FilmEnergy::Circumferential {
             return Err(Fault::Invalid(

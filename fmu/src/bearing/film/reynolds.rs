@@ -5,7 +5,7 @@ use crate::{
     bearing::{
         friction::Boundary,
         journal::{
-            Drift, Flows, Interval, JournalFilm, Motion, Passed, Press, Setup, Situation, Strain, TransientFilm,
+            Drift, FilmSetup, Flows, Interval, JournalFilm, Motion, Passed, Press, Situation, Strain, TransientFilm,
         },
         parameters::{Bearing, FilmEnergy, Resolution},
     },
@@ -60,7 +60,7 @@ impl<T> Clone for Passing<T> {
 }
 
 impl JournalFilm for ReynoldsJournal {
-    fn new(setup: &Setup) -> Result<Self> {
+    fn new(setup: &FilmSetup) -> Result<Self> {
         let (bearing, resolution) = (setup.bearing, &setup.bearing.resolution);
         if resolution.energy == FilmEnergy::Circumferential && !resolution.mass_conserving {
             return Err(Fault::Invalid(

@@ -17,7 +17,7 @@ use crate::{
 
 /// Sums over cells and edges, dimensionless.
 #[derive(Default)]
-struct Sums {
+struct FilmSums {
     load: Vector2<f64>,
     /// Integral of content over viscous gap: the shear of the sliding surfaces.
     shear: f64,
@@ -86,15 +86,15 @@ pub fn diagnose(work: &Workspace, stage: &FilmStage, drive: &Drive) -> Diagnosti
 }
 
 /// Sums the contributions of cells and edges.
-fn sum(work: &Workspace, stage: &FilmStage, drive: &Drive) -> Sums {
+fn sum(work: &Workspace, stage: &FilmStage, drive: &Drive) -> FilmSums {
     let (cells, gap, balance) = (&work.geometry.cells, &work.geometry.gap, &work.balance);
     let (settings, field) = (&work.geometry.settings, &work.state.field);
     let roughness = work.geometry.form.roughness;
-    let mut sums = Sums {
+    let mut sums = FilmSums {
         load: work.pressure_load().force,
         shear: shear(work, drive.rotation()),
         max_pressure: largest(&field.pressure),
-        ..Sums::default()
+        ..FilmSums::default()
     };
     for (i, range) in cells.columns() {
         let opening = opening(work, i);

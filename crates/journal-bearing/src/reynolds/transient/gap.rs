@@ -54,19 +54,19 @@ impl Form {
 
     /// The gaps that the film has at a distance of the mean planes, in clearances.
     #[inline(always)]
-    fn see(&self, table: &Table, distance: f64) -> Seen {
+    fn see(&self, table: &Table, distance: f64) -> FilmGap {
         if !self.feels(distance) {
-            return Seen { content: distance, bears: 1.0, flow: distance };
+            return FilmGap { content: distance, bears: 1.0, flow: distance };
         }
         let ratio = distance / self.roughness;
         let [[content, flow], [bears, _]] = self.rough_film.gaps_in(table, ratio);
-        Seen { content: content * self.roughness, bears, flow: flow * self.roughness }
+        FilmGap { content: content * self.roughness, bears, flow: flow * self.roughness }
     }
 }
 
 /// The gaps of the film at a place, in clearances.
 #[derive(Clone, Copy)]
-struct Seen {
+struct FilmGap {
     content: f64,
     /// The slope of the content over the distance of the mean planes: the share of the area on which the film bears.
     bears: f64,

@@ -20,7 +20,7 @@ use super::{
     newton::is_balanced,
     stage::{FilmStage, JournalStage, NoSolution},
     state::Field,
-    way::Way,
+    way::GapKeepingMove,
     workspace::Workspace,
 };
 
@@ -81,7 +81,7 @@ impl Landing {
                 return Ok(rest.eps);
             }
             work.geometry.move_to(rest.eps);
-            let way = Way::new(&work.geometry, rest.eps, change, 0.25);
+            let way = GapKeepingMove::new(&work.geometry, rest.eps, change, 0.25);
             rest = self.search(work, rest, way, stage, task)?;
         }
         Err(NoSolution)
@@ -92,7 +92,7 @@ impl Landing {
         &mut self,
         work: &mut Workspace,
         from: Rest,
-        way: Way,
+        way: GapKeepingMove,
         stage: &FilmStage,
         task: &JournalStage,
     ) -> Result<Rest, NoSolution> {

@@ -27,12 +27,12 @@ pub struct PeriodicSearch {
     /// Where the present turn began.
     start: State,
     /// The last turns, the latest one last.
-    turns: Vec<Turn>,
+    turns: Vec<MissedTurn>,
 }
 
 /// By how much a turn missed its beginning, and where it ended.
 #[derive(Clone, Debug)]
-struct Turn {
+struct MissedTurn {
     miss: DVector<f64>,
     end: DVector<f64>,
 }
@@ -48,14 +48,14 @@ impl PeriodicSearch {
         let (from, to) = (unknowns(&self.start), unknowns(end));
         let miss = &to - &from;
         let size = miss.norm();
-        let astray = |last: &Turn| size > ASTRAY * last.miss.norm();
+        let astray = |last: &MissedTurn| size > ASTRAY * last.miss.norm();
         if self.turns.last().is_some_and(astray) {
             self.turns.clear();
         }
         if self.turns.len() == DEPTH {
             self.turns.remove(0);
         }
-        self.turns.push(Turn { miss, end: to });
+        self.turns.push(MissedTurn { miss, end: to });
         self.start.copy_from(end);
         if let Some(mixed) = self.mixed() {
             take_over(&mixed, end, &mut self.start);
@@ -70,7 +70,7 @@ impl PeriodicSearch {
         if before.is_empty() {
             return None;
         }
-        let differences = |of: fn(&Turn) -> &DVector<f64>| {
+        let differences = |of: fn(&MissedTurn) -> &DVector<f64>| {
             let steps: Vec<_> = (self.turns.windows(2)).map(|pair| of(&pair[1]) - of(&pair[0])).collect();
             DMatrix::from_columns(&steps)
         };

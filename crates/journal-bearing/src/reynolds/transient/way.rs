@@ -9,7 +9,7 @@ const TURN: f64 = 0.5;
 
 /// A way from a position by a change of the eccentricity ratio. Along a round bush it is curved, which keeps the gap.
 #[derive(Clone, Copy, Debug)]
-pub struct Way {
+pub struct GapKeepingMove {
     from: Vector2<f64>,
     /// The straight part of the change.
     step: Vector2<f64>,
@@ -17,7 +17,7 @@ pub struct Way {
     turn: f64,
 }
 
-impl Way {
+impl GapKeepingMove {
     /// The way that starts with `change` and leaves at least the share `rest` of the gap. `geometry` must be at `from`.
     pub fn new(geometry: &Geometry, from: Vector2<f64>, change: Vector2<f64>, rest: f64) -> Self {
         let e = from.norm();
@@ -51,7 +51,7 @@ mod tests {
 
     #[test]
     fn the_heading_is_the_position_s_derivative() {
-        let way = Way { from: Vector2::new(0.6, -0.7), step: Vector2::new(0.01, 0.02), turn: -0.4 };
+        let way = GapKeepingMove { from: Vector2::new(0.6, -0.7), step: Vector2::new(0.01, 0.02), turn: -0.4 };
         let d = 1e-6;
         for share in [0.0, 0.3, 1.0] {
             let difference = (way.at(share + d) - way.at(share - d)) / (2.0 * d);

@@ -6,7 +6,7 @@ use super::{
     active_set::ActiveSet,
     balance::{Balance, EndFlow},
     geometry::Geometry,
-    linear::{Base, Linear},
+    linear::{Linear, LinearisedFilm},
     liquid::Liquid,
     stage::FilmStage,
     state::{Field, State},
@@ -154,7 +154,7 @@ impl Workspace {
     /// Linearises at the present place and answers to the residuals.
     pub fn linearise(&mut self, stage: &FilmStage) {
         self.geometry.gap.differentiate(&self.geometry.form);
-        self.linear.renew(&Base {
+        self.linear.renew(&LinearisedFilm {
             cells: &self.geometry.cells,
             gap: &self.geometry.gap,
             liquid: &self.liquid,

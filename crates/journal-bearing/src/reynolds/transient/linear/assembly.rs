@@ -1,12 +1,12 @@
 //! The matrix of the linearised balances.
 
 use super::super::sweeps::{change, fill};
-use super::{Base, unknowns::Unknowns};
+use super::{LinearisedFilm, unknowns::Unknowns};
 use crate::reynolds::ring::Ring;
 
 /// Fills the matrix. `held` is scratch space of one value per cell.
-pub fn assemble(ring: &mut Ring, unknowns: &Unknowns, held: &mut [f64], base: &Base) {
-    let Base { cells, gap, balance, stage, .. } = *base;
+pub fn assemble(ring: &mut Ring, unknowns: &Unknowns, held: &mut [f64], base: &LinearisedFilm) {
+    let LinearisedFilm { cells, gap, balance, stage, .. } = *base;
     let (full, empty) = (&unknowns.full, &unknowns.empty);
     let (swell, balanced) = (&unknowns.swell, &unknowns.balanced);
     let rate = 1.0 / stage.duration;

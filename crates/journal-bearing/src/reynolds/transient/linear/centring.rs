@@ -1,11 +1,11 @@
 //! The second-order density of [`upwind`](crate::reynolds::transient::upwind) in the matrix.
 
 use super::super::upwind::{Edge, edges};
-use super::{Base, unknowns::Unknowns};
+use super::{LinearisedFilm, unknowns::Unknowns};
 use crate::reynolds::ring::Ring;
 
 /// Adds the derivatives of the flux corrections to the matrix.
-pub fn centre(ring: &mut Ring, unknowns: &Unknowns, base: &Base) {
+pub fn centre(ring: &mut Ring, unknowns: &Unknowns, base: &LinearisedFilm) {
     let (liquid, field) = (base.liquid, base.field);
     for (before, behind) in edges(base.cells) {
         let edge = Edge::new(before, behind, base.balance.carried[behind]);

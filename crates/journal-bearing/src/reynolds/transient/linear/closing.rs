@@ -1,7 +1,7 @@
 //! Derivatives of the residuals over the eccentricity ratio, as the journal closes or opens the gap.
 
 use super::super::sweeps::{add_difference, change, fill};
-use super::Base;
+use super::LinearisedFilm;
 
 /// The fluxes' derivatives over the gap at the edges, and buffers for them.
 #[derive(Clone, Debug)]
@@ -26,9 +26,9 @@ impl Closing {
     }
 
     /// Computes the derivatives of the balances marked in `balanced` over the components of the eccentricity ratio.
-    pub fn differentiate(&mut self, base: &Base, balanced: &[f64], derivatives: &mut [Vec<f64>; 2]) {
+    pub fn differentiate(&mut self, base: &LinearisedFilm, balanced: &[f64], derivatives: &mut [Vec<f64>; 2]) {
         self.open_edges(base);
-        let Base { cells, gap, field, balance, stage, .. } = *base;
+        let LinearisedFilm { cells, gap, field, balance, stage, .. } = *base;
         let (rate, [flow, _]) = (1.0 / stage.duration, gap.flow());
         for (after, here) in cells.neighbours() {
             // Storage, and the flux out of the open ends, per unit of gap.
@@ -57,7 +57,7 @@ impl Closing {
     }
 
     /// Computes the fluxes' derivatives over the gap at their edges.
-    fn open_edges(&mut self, base: &Base) {
+    fn open_edges(&mut self, base: &LinearisedFilm) {
         let (gap, balance) = (base.gap, base.balance);
         let (pressure, [cell_flow, flow]) = (&base.field.pressure[..], gap.flow());
         for (behind, before) in base.cells.neighbours() {

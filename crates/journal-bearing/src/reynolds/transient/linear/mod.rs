@@ -15,7 +15,7 @@ use unknowns::Unknowns;
 
 /// The film about which the balances are linearised: gap, oil, field and balances at one place of the journal, in one stage.
 #[derive(Clone, Copy)]
-pub struct Base<'a> {
+pub struct LinearisedFilm<'a> {
     pub cells: &'a Cells,
     pub gap: &'a Gap,
     pub liquid: &'a Liquid,
@@ -68,7 +68,7 @@ impl Linear {
     }
 
     /// Linearises about `base` and answers to its residuals.
-    pub fn renew(&mut self, base: &Base) {
+    pub fn renew(&mut self, base: &LinearisedFilm) {
         self.sort(base);
         let (ring, unknowns) = (&mut self.ring, &self.unknowns);
         assembly::assemble(ring, unknowns, self.closing.scratch(), base);
@@ -147,7 +147,7 @@ impl Linear {
     }
 
     /// Sorts the cells by their unknowns; columns without any are left out of the factorisation.
-    fn sort(&mut self, base: &Base) {
+    fn sort(&mut self, base: &LinearisedFilm) {
         let (cells, field) = (base.cells, base.field);
         self.unknowns.sort(cells, base.liquid, field);
         let conserving = cells.conserves_mass();

@@ -4,7 +4,7 @@
 //! linearisation omits this, the iteration oscillates in oil that thickens much (`alpha p` of about one and more).
 
 use super::super::upwind::edges;
-use super::{Base, unknowns::Unknowns};
+use super::{LinearisedFilm, unknowns::Unknowns};
 use crate::reynolds::ring::Ring;
 
 /// Adds the derivatives of the flow over an edge, from its first cell to its second, over the pressures in `ease` of both to the
@@ -15,7 +15,7 @@ fn add(
     ends: [usize; 2],
     conductance: f64,
     unknowns: &Unknowns,
-    Base { liquid, field, .. }: &Base,
+    LinearisedFilm { liquid, field, .. }: &LinearisedFilm,
 ) {
     let [a, b] = ends;
     let flow = conductance * (field.pressure[a] - field.pressure[b]);
@@ -29,8 +29,8 @@ fn add(
 }
 
 /// Adds the derivatives of all flows to the matrix.
-pub fn thicken(ring: &mut Ring, unknowns: &Unknowns, base: &Base) {
-    let Base { cells, liquid, field, balance, stage, .. } = *base;
+pub fn thicken(ring: &mut Ring, unknowns: &Unknowns, base: &LinearisedFilm) {
+    let LinearisedFilm { cells, liquid, field, balance, stage, .. } = *base;
     for (a, b) in edges(cells) {
         let couplings = [&mut ring.after[a], &mut ring.before[b]];
         add(&mut ring.diagonal, couplings, [a, b], balance.along[b], unknowns, base);
