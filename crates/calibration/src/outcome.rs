@@ -13,7 +13,7 @@ use super::{
     order::Order,
     posterior::{Direction, UNDETERMINED},
     problem::{Prior, Problem, Spacing},
-    sample::outcome::{Evidence, PosteriorOutcome},
+    sample::{evidence::Evidence, outcome::PosteriorOutcome},
     search::Progress,
     shared::SharedOutcome,
     surrogate::outcome::SurrogateOutcome,

@@ -9,10 +9,7 @@ use super::{
     optima::Optimum,
     outcome::IdentificationOutcome,
     problem::{Channel, Effect, Measured, NotNormal, Problem, SharedKind, Source, Spacing},
-    sample::{
-        outcome::{Evidence, PosteriorOutcome},
-        sample,
-    },
+    sample::{evidence::Evidence, outcome::PosteriorOutcome, sample},
     search::search,
     testing::{effort, free, problem, settings, starts},
 };

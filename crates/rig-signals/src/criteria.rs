@@ -1,7 +1,7 @@
 //! The criteria as text for a study.
 
 use super::{
-    case::quoted,
+    case::text::quoted,
     recording::{DerivedCriterion, Synchronised},
 };
 

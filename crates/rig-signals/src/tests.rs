@@ -459,3 +459,16 @@ fn times_that_do_not_grow_have_their_own_remedies() {
         assert!(error.contains(expected), "{error}");
     }
 }
+
+#[test]
+fn a_name_is_one_cell_of_csv_whatever_it_holds() {
+    let time: Vec<f64> = (0..6000).map(|k| 0.01 * f64::from(k)).collect();
+    for name in ["a,b", "a\"b", "a\nb", "a\rb"] {
+        let (mut recording, drives) = with_drive(time.clone(), time.clone());
+        recording.others[0].name = name.into();
+        let result = synchronise(&recording).unwrap();
+        let (_, table) = &case::Case::new(&recording, &result, &drives).tables()[0];
+        let mut reader = csv::Reader::from_reader(table.as_bytes());
+        assert_eq!(reader.headers().unwrap(), vec!["time", name]);
+    }
+}

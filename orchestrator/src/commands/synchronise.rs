@@ -6,7 +6,7 @@ use super::output;
 use crate::{
     cli,
     error::Result,
-    recording::{Recorded, Settings},
+    recording::{Settings, columns::Recorded},
     report::recording,
 };
 use number_tables::files::FileError;

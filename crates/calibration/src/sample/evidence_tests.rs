@@ -6,8 +6,8 @@ use super::super::objective::Objective;
 use super::super::problem::{Prediction, Prior, Problem};
 use super::super::search::search;
 use super::super::testing::{effort, one_case, settings, starts};
-use super::outcome::{Evidence, PosteriorOutcome};
 use super::sample;
+use super::{evidence::Evidence, outcome::PosteriorOutcome};
 use sampling::random::{Purpose, Random};
 
 /// A linear model with so many unknowns, each normal (0, 1) before the measurement, and twice as many values.

@@ -16,8 +16,10 @@
 
 #[cfg(test)]
 mod coverage_tests;
+pub mod evidence;
 #[cfg(test)]
 mod evidence_tests;
+pub mod marginals;
 mod mixture;
 mod moves;
 pub mod outcome;
@@ -29,6 +31,7 @@ mod target;
 #[cfg(test)]
 mod tests;
 pub mod text;
+mod weights;
 
 use nalgebra::DVector;
 use sampling::{
@@ -37,9 +40,10 @@ use sampling::{
 };
 
 use super::{failures::Failures, objective::Objective, optima::Optimum, problem::NoPrediction};
-use mixture::{Mixture, chosen};
+use mixture::Mixture;
 use moves::Mover;
 use target::Target;
+use weights::{next_step, resampled, times};
 
 /// The groups that the particles form: pairs, of which each shapes the other's moves. Shaped by the particles that they move,
 /// leaps would know where these stand in the tails, not where else they could stand: tails would be left more easily than
@@ -49,9 +53,6 @@ pub const GROUPS: usize = 8;
 
 /// The smallest number of particles: below it a group's moments say nothing.
 pub const FEWEST: u64 = 200;
-
-/// The next distribution is so far away that this part of the particles remains effective.
-const EFFECTIVE: f64 = 0.5;
 
 /// The prior's part of the particles, where the start is a mixture with the optima.
 const DEFENCE: f64 = 0.5;
@@ -342,7 +343,7 @@ impl<'a> Walk<'a> {
     /// Goes on to the next distribution.
     fn stage(&mut self, observe: &dyn Fn(f64, usize)) -> Result<(), SampleError> {
         let ratios: Vec<f64> = self.particles.iter().map(Particle::log_ratio).collect();
-        let step = step(&ratios, 1.0 - self.exponent);
+        let step = next_step(&ratios, 1.0 - self.exponent);
         let last = step >= 1.0 - self.exponent;
         self.exponent = if last { 1.0 } else { self.exponent + step };
         let logs: Vec<f64> = ratios.iter().map(|ratio| times(step, *ratio)).collect();
@@ -411,7 +412,7 @@ impl<'a> Walk<'a> {
         let part = of_prior as f64 / count as f64;
         let mut weights = Vec::new();
         for round in 0..MOST_ROUNDS {
-            if round > 0 && outcome::effective_draws(&weights) >= outcome::ENOUGH {
+            if round > 0 && evidence::effective_draws(&weights) >= evidence::ENOUGH {
                 break;
             }
             let shift = self.random.unit();
@@ -503,61 +504,4 @@ fn seeds(optima: &[Optimum]) -> Option<Mixture> {
         WIDER.map(|wider| (optimum.weight.max(LEAST), mean.clone(), &optimum.posterior.covariance * wider))
     });
     Mixture::new(parts.collect())
-}
-
-/// The product, with 0 times minus infinity left at minus infinity.
-fn times(step: f64, log: f64) -> f64 {
-    if log.is_finite() { step * log } else { log }
-}
-
-/// The next step of the exponent: the whole rest, or as far as half of the particles that can have descendants remain
-/// effective.
-fn step(ratios: &[f64], rest: f64) -> f64 {
-    let alive: Vec<f64> = ratios.iter().copied().filter(|ratio| ratio.is_finite()).collect();
-    let most = alive.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-    let effective = |step: f64| {
-        let (sum, squares) = alive
-            .iter()
-            .map(|ratio| (step * (ratio - most)).exp())
-            .fold((0.0, 0.0), |(sum, squares), w| (sum + w, squares + w * w));
-        sum * sum / squares
-    };
-    let wanted = EFFECTIVE * alive.len() as f64;
-    if effective(rest) >= wanted {
-        return rest;
-    }
-    let (mut low, mut high) = (0.0, rest);
-    for _ in 0..60 {
-        let middle = 0.5 * (low + high);
-        if effective(middle) >= wanted {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    // The last halving leaves less than one could tell from 0 only where the ratios differ beyond all measure.
-    if low > 0.0 { low } else { high }
-}
-
-/// Particles drawn in proportion to their weights, evenly spread over these (systematic resampling; Kitagawa 1996, Monte
-/// Carlo filter and smoother, J. Computational and Graphical Statistics 5, 1-25).
-fn resampled(particles: &[Particle], weights: &[f64], count: usize, random: &mut Random) -> Vec<Particle> {
-    let all: f64 = weights.iter().sum();
-    if all <= 0.0 {
-        // A group without a living particle has no evidence: its particles wait until the groups are joined.
-        return particles.to_vec();
-    }
-    let first = random.unit();
-    let mut kept = Vec::with_capacity(count);
-    let (mut index, mut sum) = (0, weights[0]);
-    let last = chosen(weights.iter().copied(), f64::INFINITY);
-    for k in 0..count {
-        let level = (k as f64 + first) / count as f64 * all;
-        while sum <= level && index < last {
-            index += 1;
-            sum += weights[index];
-        }
-        kept.push(particles[index].clone());
-    }
-    kept
 }

@@ -1,31 +1,16 @@
 //! Results of a sample of the posterior, and how far it can be trusted: plain data that becomes JSON.
 
-use sampling::{
-    distribution::ln_sum,
-    statistics::moments::{deviation, mean, pearson, sorted},
-};
-use serde::{Deserialize, Serialize};
-use statrs::distribution::{ChiSquared, ContinuousCDF, Normal};
+use sampling::distribution::ln_sum;
+use serde::Serialize;
+use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::{
-    super::{
-        failures,
-        objective::Objective,
-        optima::Optimum,
-        problem::{Problem, Spacing},
-        shared::SharedOutcome,
-    },
+    super::{failures, objective::Objective, optima::Optimum, shared::SharedOutcome},
     FEWEST, GROUPS, Particle, Sample, Stage,
-    region::{quantile, regions},
+    evidence::ENOUGH,
+    marginals::{self, Marginal, PopulationOutcome},
     target::Target,
 };
-
-/// Fewer independent particles say too little of a 95 % interval: with 100 it holds 91 to 99 %.
-pub(super) const ENOUGH: f64 = 100.0;
-
-/// Standard errors of the evidence's logarithm to each side for 95 %: Student's factor with seven degrees of freedom. The
-/// draws are many, but few of them have most of the weight, so their scatter is known about as well as that of so few numbers.
-const REACH: f64 = 2.365;
 
 /// A larger standard error of the evidence's logarithm means that the groups differ.
 const AGREE: f64 = 0.3;
@@ -72,121 +57,6 @@ pub struct PosteriorOutcome {
     pub shared: Vec<SharedOutcome>,
     /// The correlations of the free parameters.
     pub correlations: Vec<Vec<f64>>,
-}
-
-/// The evidence of a model with its prior: the mean likelihood of the measured values over the prior.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Evidence {
-    /// Its logarithm; the evidence is in the inverse units of the measured values.
-    pub log: f64,
-    /// The standard error of the logarithm.
-    pub error: f64,
-    /// The interval that holds the logarithm with 95 % probability.
-    pub interval: [f64; 2],
-    /// Whether the sample can be relied on.
-    pub trusted: bool,
-    /// A digest of the measured values: evidences of other data cannot be compared.
-    pub data: String,
-    /// How much more probable these data are here than in another result, where that was asked for.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub against: Option<Ratio>,
-}
-
-/// The ratio of two evidences: Bayes' factor.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Ratio {
-    /// Its logarithm.
-    pub log: f64,
-    /// The interval that holds the logarithm with 95 % probability.
-    pub interval: [f64; 2],
-}
-
-impl Evidence {
-    /// That of a problem, by a sample that can be relied on or not.
-    pub fn new(problem: &Problem, sample: &Sample, trusted: bool) -> Self {
-        let count = sample.weights.len() as f64;
-        let log = ln_sum(&sample.weights) - count.ln();
-        let error = (effective_draws(&sample.weights).recip() - count.recip()).max(0.0).sqrt();
-        Self {
-            log,
-            error,
-            interval: around(log, error),
-            // With fewer effective draws their scatter is not known well.
-            trusted: trusted && effective_draws(&sample.weights) >= ENOUGH,
-            data: problem.digest(),
-            against: None,
-        }
-    }
-
-    /// Whether it is that of the same measured values.
-    ///
-    /// # Errors
-    /// Says that they are others.
-    pub fn is_of(&self, problem: &Problem) -> Result<(), String> {
-        if self.data == problem.digest() {
-            Ok(())
-        } else {
-            Err(
-                "its evidence is that of other measured values, or of the same in another order or unit, and cannot be compared"
-                    .to_owned(),
-            )
-        }
-    }
-
-    /// Notes the ratio to the evidence of another result on the same data.
-    ///
-    /// # Errors
-    /// When one of the samples cannot be relied on.
-    pub fn compare(&mut self, other: &Self) -> Result<(), String> {
-        if !(self.trusted && other.trusted) {
-            let which = if self.trusted { "its" } else { "this" };
-            return Err(format!("{which} sample of the posterior is not to be relied on; draw more"));
-        }
-        let log = self.log - other.log;
-        self.against = Some(Ratio { log, interval: around(log, self.error.hypot(other.error)) });
-        Ok(())
-    }
-}
-
-/// As many equal weights would tell as much as these, given their logarithms.
-pub(super) fn effective_draws(logs: &[f64]) -> f64 {
-    let all = ln_sum(logs);
-    logs.iter().map(|log| (2.0 * (log - all)).exp()).sum::<f64>().recip()
-}
-
-/// The interval that holds a number of this standard error with 95 % probability.
-fn around(centre: f64, error: f64) -> [f64; 2] {
-    [-1.0, 1.0].map(|side| centre + side * REACH * error)
-}
-
-/// One parameter's distribution.
-#[derive(Clone, Debug, Serialize)]
-pub struct Marginal {
-    /// Its name.
-    pub name: String,
-    /// The unit of its numbers.
-    pub unit: Option<String>,
-    /// The mean.
-    pub mean: f64,
-    /// The standard deviation.
-    pub deviation: f64,
-    /// The median.
-    pub median: f64,
-    /// The intervals that hold it with 95 % probability: several where there is nothing between them.
-    pub intervals: Vec<[f64; 2]>,
-    /// How it was measured out.
-    pub scale: Spacing,
-}
-
-/// A parameter that varies from case to case.
-#[derive(Clone, Debug, Serialize)]
-pub struct PopulationOutcome {
-    /// Its name.
-    pub name: String,
-    /// The mean of all cases there might be; on a logarithmic scale the median.
-    pub mean: Marginal,
-    /// The standard deviation from case to case; on a logarithmic scale the factor that stands for one.
-    pub spread: Marginal,
 }
 
 /// The groups' estimates of one mean, weighted by their evidence.
@@ -238,11 +108,11 @@ impl PosteriorOutcome {
             evaluated: sample.evaluated,
             failed: sample.failed,
             stages: sample.stages.clone(),
-            free: free(problem, sample),
-            populations: populations(problem, sample),
-            latents: latents(problem, sample),
-            shared: shared(problem, sample),
-            correlations: correlations(problem, sample),
+            free: marginals::free(problem, sample),
+            populations: marginals::populations(problem, sample),
+            latents: marginals::latents(problem, sample),
+            shared: marginals::shared(problem, sample),
+            correlations: marginals::correlations(problem, sample),
         };
         outcome.doubts = outcome.doubts(sample).into_iter().chain(missed(optima, sample)).collect();
         outcome.trusted = outcome.doubts.is_empty();
@@ -388,121 +258,4 @@ fn missed(optima: &[Optimum], sample: &Sample) -> Vec<String> {
             )
         })
         .collect()
-}
-
-/// The marginal of one unknown with name, unit and scale, given its places' bounds and how a place becomes a value.
-fn marginal(
-    sample: &Sample,
-    unknown: usize,
-    bounds: [f64; 2],
-    (name, unit, scale): (&str, &Option<String>, Spacing),
-    value: &dyn Fn(f64) -> f64,
-) -> Marginal {
-    let places = sorted(sample.places(unknown).collect());
-    let values: Vec<f64> = places.iter().map(|&place| value(place)).collect();
-    let intervals = regions(&places, bounds).into_iter();
-    Marginal {
-        name: name.to_owned(),
-        unit: unit.clone(),
-        mean: mean(&values),
-        deviation: deviation(&values, 1),
-        median: value(quantile(&places, 0.5)),
-        intervals: intervals.map(|ends| ends.map(value)).collect(),
-        scale,
-    }
-}
-
-/// Mean and spread of each population stand behind all other unknowns.
-fn populations(problem: &Problem, sample: &Sample) -> Vec<PopulationOutcome> {
-    let first = sample.unknowns() - 2 * problem.populations.len();
-    problem
-        .populations
-        .iter()
-        .enumerate()
-        .map(|(number, population)| {
-            let (name, at) = (&population.name, first + 2 * number);
-            let free = &problem.free[population.members[0]];
-            let named = (&name[..], &free.unit, free.scale);
-            let unit = free.unit.clone().filter(|_| free.scale == Spacing::Linear);
-            let of_spread = (&name[..], &unit, Spacing::Linear);
-            PopulationOutcome {
-                name: name.clone(),
-                mean: marginal(sample, at, [0.0, 1.0], named, &|place| free.value(place)),
-                spread: marginal(sample, at + 1, [0.0, f64::INFINITY], of_spread, &|place| free.spread(place)),
-            }
-        })
-        .collect()
-}
-
-fn free(problem: &Problem, sample: &Sample) -> Vec<Marginal> {
-    problem
-        .free
-        .iter()
-        .enumerate()
-        .map(|(unknown, free)| {
-            let named = (&free.name[..], &free.unit, free.scale);
-            marginal(sample, unknown, [0.0, 1.0], named, &|place| free.value(place))
-        })
-        .collect()
-}
-
-fn latents(problem: &Problem, sample: &Sample) -> Vec<Vec<Marginal>> {
-    (0..problem.cases.len())
-        .map(|case| {
-            problem
-                .latents_of(case)
-                .zip(problem.latents.iter().zip(&problem.cases[case].latents))
-                .map(|(unknown, (latent, interval))| {
-                    let named = (&latent.name[..], &latent.unit, Spacing::Linear);
-                    marginal(sample, unknown, [0.0, 1.0], named, &|place| interval.value(place))
-                })
-                .collect()
-        })
-        .collect()
-}
-
-/// The shared errors: each particle has a normal distribution of theirs.
-fn shared(problem: &Problem, sample: &Sample) -> Vec<SharedOutcome> {
-    problem
-        .channels
-        .iter()
-        .enumerate()
-        .map(|(number, channel)| {
-            let parts: Vec<[f64; 2]> = sample.particles.iter().map(|particle| particle.shared[number]).collect();
-            let means: Vec<f64> = parts.iter().map(|[mean, _]| *mean).collect();
-            let squares: Vec<f64> = parts.iter().map(|[_, deviation]| deviation * deviation).collect();
-            let [centre, spread] = [mean(&means), (mean(&squares) + deviation(&means, 1).powi(2)).sqrt()];
-            let mut interval = [0.025, 0.975].map(|part| of_mixture(&parts, part, [centre, spread]));
-            let mut sources = channel.sources.iter();
-            if sources.all(|(source, _)| problem.sources[*source].rectangular) {
-                interval = interval.map(|end| end.clamp(-channel.limit, channel.limit));
-            }
-            SharedOutcome::new(channel, [centre, spread], interval)
-        })
-        .collect()
-}
-
-/// A quantile of a mixture of normal distributions with this mean and standard deviation, by bisection.
-fn of_mixture(parts: &[[f64; 2]], part: f64, [centre, spread]: [f64; 2]) -> f64 {
-    // Chebyshev's inequality: a 2.5 % tail begins within 6.4 standard deviations.
-    const REACH: f64 = 6.4;
-    const HALVINGS: usize = 40;
-    let normal = Normal::standard();
-    let below = |x: f64| -> f64 {
-        let each = parts.iter().map(|[mean, deviation]| normal.cdf((x - mean) / deviation));
-        each.sum::<f64>() / parts.len() as f64
-    };
-    let (mut low, mut high) = (centre - REACH * spread, centre + REACH * spread);
-    for _ in 0..HALVINGS {
-        let middle = 0.5 * (low + high);
-        if below(middle) < part { low = middle } else { high = middle }
-    }
-    0.5 * (low + high)
-}
-
-/// The correlations of the free parameters' values.
-fn correlations(problem: &Problem, sample: &Sample) -> Vec<Vec<f64>> {
-    let rows: Vec<Vec<f64>> = sample.particles.iter().map(|particle| problem.free_values(&particle.places)).collect();
-    let columns: Vec<Vec<f64>> = (0..problem.free.len()).map(|k| rows.iter().map(|row| row[k]).collect()).collect();
-    columns.iter().map(|a| columns.iter().map(|b| pearson(a, b)).collect()).collect()
 }

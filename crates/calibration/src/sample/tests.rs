@@ -8,8 +8,8 @@ use super::super::objective::{Differences, Objective};
 use super::super::optima::{Optima, Optimum};
 use super::super::problem::{Interval, Prediction, Prior, Problem, Simulate};
 use super::super::testing::{limits, named, one_case, settings};
-use super::outcome::{Evidence, PosteriorOutcome};
 use super::{Sample, SampleError, Settings, sample};
+use super::{evidence::Evidence, outcome::PosteriorOutcome};
 
 /// The optima below some starts.
 fn optima(objective: &Objective, starts: &[Vec<f64>]) -> Vec<Optimum> {

@@ -3,7 +3,9 @@
 use super::{
     super::{problem::Problem, text::digits},
     GROUPS, Sample,
-    outcome::{Evidence, Marginal, PosteriorOutcome, Ratio},
+    evidence::{Evidence, Ratio},
+    marginals::Marginal,
+    outcome::PosteriorOutcome,
 };
 use result_document::format::{shown, significant};
 

@@ -43,7 +43,7 @@ use calibration::{
     problem::{NoPrediction, Simulate},
     remembered::Remembered,
     rounds::{self, Searched},
-    sample::{Sample, outcome::Evidence},
+    sample::{Sample, evidence::Evidence},
     search::{self, Progress, SearchError},
     surrogate::{Replaced, outcome::SurrogateOutcome},
 };

@@ -14,11 +14,7 @@ use calibration::{
     optima::Optimum,
     outcome::IdentificationOutcome,
     problem::Problem,
-    sample::{
-        FEWEST, Sample, Settings,
-        outcome::{Evidence, PosteriorOutcome},
-        sample, text,
-    },
+    sample::{FEWEST, Sample, Settings, evidence::Evidence, outcome::PosteriorOutcome, sample, text},
     search::SearchError,
 };
 use number_tables::{csv_file, files};

@@ -5,7 +5,8 @@ use rand_distr::StandardNormal;
 
 use super::super::{
     fit::Fit,
-    problem::{Channel, Measured, Prior},
+    influence::Group,
+    problem::{Channel, Effect, Measured, Prior, SharedKind, Source, Spacing},
     rounds::{Searched, Task, searched},
     testing::{effort, free, problem, starts},
 };
