@@ -50,7 +50,7 @@ HEALTHY = Model("healthy")
 STUDY = """
 fmu = "{fmu}"
 [design]
-method = "halton"
+method = "sobol"
 points = 40
 [parameters.rate]
 distribution = "uniform"

@@ -21,7 +21,7 @@ fmu = "{fmu}"
 stop = 10
 step = 0.001
 [design]
-method = "halton"
+method = "sobol"
 points = {points}
 [parameters."bearing.radialClearance"]
 distribution = "normal"

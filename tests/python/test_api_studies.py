@@ -16,7 +16,7 @@ from fmu_orchestrator._toml import changed, text
 STUDY = {
     "fmu": "dist/PlainBearingStand.fmu",
     "simulation": {"stop": 1, "step": 0.5},
-    "design": {"method": "halton", "points": np.int64(12)},
+    "design": {"method": "sobol", "points": np.int64(12)},
     "parameters": {"bearing.radialClearance": {"distribution": "uniform", "min": np.float64(0.018), "max": 0.022, "unit": "mm"}},
     "criteria": {"P": {"variable": "sensor.frictionPower", "nominal": 14, "tolerance": "50 %", "unit": "W"}},
 }

@@ -51,7 +51,7 @@ def study(tmp_path_factory):
     folder = tmp_path_factory.mktemp("launcher")
     file = folder / "study.toml"
     Workshop(folder).study(file)
-    file.write_text(file.read_text().replace("halton", "monte-carlo").replace("points = 40", f"points = {POINTS}"))
+    file.write_text(file.read_text().replace("sobol", "monte-carlo").replace("points = 40", f"points = {POINTS}"))
     (folder / "identify.toml").write_text(IDENTIFY.format(fmu=folder / "healthy.fmu"))
     return file
 

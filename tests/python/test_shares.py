@@ -136,7 +136,7 @@ CORRELATED = '[[correlations]]\nbetween = ["x4", "x5"]\ncoefficient = 0.5\n'
 
 @pytest.mark.parametrize(
     "method, points, more",
-    [("halton", 64, ""), ("sobol", 64, ""), ("latin-hypercube", 12, ""), ("latin-hypercube", 64, CORRELATED)],
+    [("sobol", 64, ""), ("latin-hypercube", 12, ""), ("latin-hypercube", 64, CORRELATED)],
 )
 def test_dependent_points_have_no_interval(bench, method, points, more):
     folder, _ = bench

@@ -1,9 +1,7 @@
 //! A measured curve whose rows are data.
 
 use super::late::{Read, Reading, late};
-use calibration::{
-    problem::{Estimate, Measured},
-};
+use calibration::problem::{Estimate, Measured};
 use fmu_points::{
     names::behind,
     task::{MeasuredCurve, Probe, Schedule},

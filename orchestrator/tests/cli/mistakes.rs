@@ -254,7 +254,7 @@ fn a_reader_that_has_gone_is_no_error() {
 fn designs_that_cannot_be() {
     let design = |text: &str| verify("points = 8", text);
     design("method = \"full-factorial\"").is_mistake(&["study.toml:8:10", "`full-factorial`"]);
-    design("method = \"halton\"\nreplicates = 2").is_mistake(&["replicates need method = sobol"]);
+    design("method = \"monte-carlo\"\nreplicates = 2").is_mistake(&["replicates need method = sobol"]);
     let correlated = |text: &str| verify("[criteria.Y]", &format!("[[correlations]]\n{text}\n[criteria.Y]"));
     correlated("between = [\"lag.rate\", \"lag.rato\"]\ncoefficient = 0.5")
         .is_mistake(&["study.toml:16:24", "did you mean `lag.rate`?"]);

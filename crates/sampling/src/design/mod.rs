@@ -5,7 +5,6 @@
 //! interrupted runs, but cannot be extended.
 
 pub mod correlation;
-mod halton;
 mod hypercube;
 mod joint;
 #[cfg(test)]
@@ -34,7 +33,6 @@ methods! {
     MonteCarlo = monte_carlo::Independent, "Independent random points.";
     LatinHypercube = hypercube::Hypercube, "One point in each of N equally probable slices of every parameter.";
     Sobol = sobol::Nets, "A scrambled Sobol net.";
-    Halton = halton::Sequence, "A scrambled Halton sequence.";
 }
 
 /// A rule that gives every index its point.
@@ -178,7 +176,7 @@ mod tests {
 
     #[test]
     fn an_extension_keeps_the_points() {
-        for method in [Method::MonteCarlo, Method::Sobol, Method::Halton] {
+        for method in [Method::MonteCarlo, Method::Sobol] {
             let [short, long] = [100, 200].map(|points| design(method, points, 5));
             assert!((0..100).all(|index| short.point(index) == long.point(index)));
         }
@@ -228,7 +226,7 @@ mod tests {
         for (refused, reason) in [
             (sampling(Method::Sobol, 0, 1), "points"),
             (sampling(Method::Sobol, 8, 0), "replicates must"),
-            (sampling(Method::Halton, 8, 2), "replicates need"),
+            (sampling(Method::MonteCarlo, 8, 2), "replicates need"),
         ] {
             let error = Design::new(&refused, vec![unit.clone()]).unwrap_err();
             assert!(error.contains(reason), "{error}");
@@ -257,10 +255,10 @@ mod tests {
     fn methods_are_named_as_in_a_study() {
         assert_eq!(Method::LatinHypercube.name(), "latin-hypercube");
         assert_eq!(Method::named(Method::has_replicates), "sobol");
-        let extensible = [Method::MonteCarlo, Method::Sobol, Method::Halton];
+        let extensible = [Method::MonteCarlo, Method::Sobol];
         assert!(extensible.into_iter().all(Method::is_extensible));
         let named = Method::named(|method| extensible.contains(&method));
-        assert_eq!(named, "monte-carlo, sobol or halton");
+        assert_eq!(named, "monte-carlo or sobol");
         assert_eq!(Method::named(|_| false), "");
     }
 
@@ -277,7 +275,7 @@ mod tests {
     #[test]
     fn random_points_can_be_extended_and_others_cannot() {
         let extensible = |method: Method| method.is_extensible();
-        let random = [Method::MonteCarlo, Method::Sobol, Method::Halton];
+        let random = [Method::MonteCarlo, Method::Sobol];
         assert!(random.into_iter().all(extensible));
         assert!(!extensible(Method::LatinHypercube));
     }

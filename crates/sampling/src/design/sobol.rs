@@ -61,8 +61,8 @@ impl Nets {
         Ok(Self { seed: sampling.seed, replicates: sampling.replicates, directions })
     }
 
-    /// Where the scrambling hash of an input starts. The replicates count down from the largest number: a Latin hypercube and
-    /// a Halton sequence permute by the same purpose and count up from 0, and must not meet them.
+    /// Where the scrambling hash of an input starts. The replicates count down from the largest number: the rounds of a
+    /// Latin hypercube, which permutes by the same purpose, count up from 0 and must not meet them.
     fn key(&self, replicate: u64, dimension: u32) -> u64 {
         random::bits(self.seed, Purpose::Permutation, u64::MAX - replicate, dimension)
     }

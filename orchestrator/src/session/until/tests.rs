@@ -107,7 +107,6 @@ fn points_that_allow_no_early_verdict_are_refused_with_a_remedy() {
         (Some((Method::Sobol, 1)), "monte-carlo"),
         // Each net is one trial, so that more points of it decide nothing.
         (Some((Method::Sobol, 16)), "monte-carlo"),
-        (Some((Method::Halton, 1)), "monte-carlo"),
         (None, "sample them"),
     ] {
         let message = ending("verdict", design).unwrap_err();
