@@ -7,7 +7,7 @@ use crate::distribution::Distribution;
 const UNIT: Distribution = Distribution::Uniform { min: 0.0, max: 1.0 };
 
 /// The points 0, 1 and 19 of 20 with four inputs, seed 7; the second number is that of the replicates.
-const POINTS: [(Method, u64, [[f64; 4]; 3]); 5] = [
+const POINTS: [(Method, u64, [[f64; 4]; 3]); 4] = [
     (
         Method::MonteCarlo,
         1,
