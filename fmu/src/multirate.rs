@@ -206,7 +206,7 @@ impl<'a, M: TwoScales> Averaged<'a, M> {
         let (curves, first) = Curves::new(model, tolerance, across, from)?;
         let mut mean = Self { model, correction, curves: RefCell::new(curves), nudge: NUDGE, worn: from.worn };
         let drift = mean.rates_under(&vector(&from.temperatures), from.worn, &first.flows());
-        // Beside a point means ahead of it, where the orbits are needed anyway.
+        // Differences step along the drift: the orbits there are needed anyway.
         mean.nudge = NUDGE.copysign(drift[0]);
         Ok(mean)
     }

@@ -76,7 +76,7 @@ def launched(study, folder, command, *options, **environment):
 
 
 def test_a_launcher_may_print_lines(study, single, tmp_path):
-    command = "sh -c 'echo Welcome; printf \"loading modules ...\"; exec \"$@\"' --"
+    command = "sh -c 'echo Welcome; echo fmu-points worker on $HOSTNAME; printf \"loading modules ...\"; exec \"$@\"' --"
     assert launched(study, tmp_path / "out", command).stderr == ""
     assert files(tmp_path / "out") == files(single)
     assert sum(json.loads((tmp_path / "out" / "summary.json").read_text())["run"]["hosts"].values()) == POINTS

@@ -32,7 +32,7 @@ pub struct Objective<'a> {
     /// The errors of its measured values.
     pub(crate) errors: Errors,
     simulate: &'a dyn Simulate,
-    /// How far apart simulations stand for a derivative, as a part of the distance between the bounds.
+    /// The step of finite differences, as a part of the distance between the bounds.
     difference: f64,
     failures: RefCell<Failures>,
 }

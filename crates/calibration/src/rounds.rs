@@ -61,7 +61,7 @@ pub fn searched(task: &Task, model: &dyn Simulate, observe: &dyn Fn(&Progress)) 
 /// brings the prediction nearer to the last one by about the size of a gain error.
 fn settled(task: &Task, model: &dyn Simulate, mut minimum: Minimum) -> Result<Problem, SearchError> {
     const ROUNDS: usize = 8;
-    /// A part of what a gain error may do to a value that no result shows.
+    /// A relative change of a prediction that no result shows.
     const SETTLED: f64 = 1e-5;
     let limits = Limits { iterations: task.effort.iterations, decrease: 1e-7 };
     let mut problem = task.problem.clone();

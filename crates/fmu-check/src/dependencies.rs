@@ -56,7 +56,7 @@ pub fn unsorted(document: &Document) -> Vec<Hit> {
     })
 }
 
-/// Only Reals depend on something by a factor.
+/// Of `dependenciesKind`, all but `dependent` is for Reals.
 pub fn factors(document: &Document) -> Vec<Hit> {
     let wrong = every(document, |_, unknown| {
         let scalar = scalar_of(document, unknown.attribute("index")?)?;

@@ -106,7 +106,8 @@ fn other_starts(columns: &[&Variable], run: &Run) -> Option<Breach> {
         .filter(|(variable, _)| variable.causality == Causality::Parameter)
         .filter_map(|(variable, value)| {
             let (start, value) = (variable.kind.start()?, value.number());
-            let differs = (value - start).abs() > ROUNDING * start.abs().max(value.abs());
+            let near = (value - start).abs() <= ROUNDING * start.abs().max(value.abs());
+            let differs = value != start && !(near && value.is_finite());
             let Variable { name, line, .. } = variable;
             differs.then(|| format!("{name} (line {line}): start is {start}, but the binary's is {value}"))
         })
@@ -118,7 +119,7 @@ fn other_starts(columns: &[&Variable], run: &Run) -> Option<Breach> {
 /// A variable that leaves the range that the FMU declares for it.
 fn beyond(variable: &Variable, values: impl Iterator<Item = f64> + Clone) -> Option<Breach> {
     let (min, max) = variable.kind.range();
-    // A range that is none is a finding of its told.
+    // A range with its min above its max is a finding of its own.
     if min.zip(max).is_some_and(|(min, max)| min > max) {
         return None;
     }

@@ -16,7 +16,7 @@ pub struct Mode {
 }
 
 impl Mode {
-    /// The mode in which every process starts: to nearest, with subnormal numbers, without exceptions.
+    /// The mode in which every process starts: rounds to nearest, keeps subnormal numbers, masks exceptions.
     pub const USUAL: Self = if cfg!(target_arch = "x86_64") {
         Self { vector: 0x1f80, extended: 0x037f }
     } else {

@@ -121,7 +121,7 @@ impl Library {
         // The FMU may want its events handled. One that refuses for another reason may do so but once, as for want of a
         // licence: then it must not run in another way.
         if let (Err(call), None, Some(_)) = (&model, exchange, self.exchange)
-            && call.to_string().to_lowercase().contains("event")
+            && names_events(&call.to_string())
         {
             (model, exchange) = (self.component(name, true), self.exchange);
         }
@@ -290,9 +290,20 @@ fn plain(error: &libloading::Error) -> String {
     text
 }
 
+/// Whether a refusal speaks of events.
+fn names_events(refusal: &str) -> bool {
+    refusal.to_lowercase().split(|c: char| !c.is_alphanumeric()).any(|word| word.starts_with("event"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_refusal_that_prevents_speaks_of_no_event() {
+        assert!(names_events("the argument eventModeUsed must be true") && names_events("it needs Event Mode"));
+        assert!(!names_events("instantiation prevented: no licence"));
+    }
 
     #[test]
     fn folders_become_uris() {

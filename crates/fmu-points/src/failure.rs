@@ -81,7 +81,7 @@ impl Failure {
         }
     }
 
-    /// The result of this number, where the run has that one although others are no finite numbers.
+    /// The result at this place, if it is finite although others are not.
     pub fn value(&self, number: usize) -> Option<f64> {
         let values = match self {
             Self::NotFinite(partial) => &partial.values,

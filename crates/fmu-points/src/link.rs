@@ -77,29 +77,28 @@ impl Link {
             .stderr(Stdio::piped())
             .spawn()
             .map_err(|error| format!("{}: {error}", command.get_program().display()))?;
-        process::launchers().insert(child.id());
-        let thread = |work: Box<dyn FnOnce() + Send>| {
-            thread::Builder::new().spawn(work).map_err(|error| format!("no thread for the launcher's output: {error}"))
-        };
         let streams = (child.stdin.take(), child.stdout.take(), child.stderr.take());
-        let (Some(orders), Some(reports), Some(errors)) = streams else {
-            return Err("a pipe to the launcher is missing".to_owned());
-        };
+        let (Some(orders), Some(reports), Some(errors)) = streams else { unreachable!("each is a pipe") };
+        process::launchers().insert(child.id());
         let words = Words::default();
-        let (heard, hear) = (Arc::clone(&words), errors);
-        thread(Box::new(move || listen(hear, &heard)))?;
         let (send, frames) = channel();
-        let beat = beat(launcher.patience);
-        thread(Box::new(move || write(orders, &frames, beat)))?;
-        Ok(Self {
+        // Where a thread cannot be had, what is dropped ends the launcher.
+        let link = Self {
             child,
             orders: Some(send),
             reports: Inbox::new(system::source(reports), 0),
             ticket: 0,
-            words,
+            words: Arc::clone(&words),
             patience: launcher.patience,
             heard: Instant::now(),
-        })
+        };
+        let thread = |work: Box<dyn FnOnce() + Send>| {
+            thread::Builder::new().spawn(work).map_err(|error| format!("no thread for the launcher's output: {error}"))
+        };
+        thread(Box::new(move || listen(errors, &words)))?;
+        let beat = beat(launcher.patience);
+        thread(Box::new(move || write(orders, &frames, beat)))?;
+        Ok(link)
     }
 
     /// Waits for the worker's greeting, whatever the launcher prints before it; none while there is none.
@@ -109,7 +108,8 @@ impl Link {
         }
         let open = self.reports.read().unwrap_or(false);
         let seen = self.reports.seen();
-        let line = find(seen, MAGIC.as_bytes()).and_then(|at| {
+        // The launcher may print the same word.
+        let line = (0..seen.len()).filter(|&at| seen[at..].starts_with(MAGIC.as_bytes())).find_map(|at| {
             let rest = &seen[at + MAGIC.len()..];
             let end = find(rest, b"\n")?;
             Some((at + MAGIC.len() + end + 1, serde_json::from_slice(&rest[..end]).ok()?))

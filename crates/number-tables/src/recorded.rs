@@ -379,6 +379,7 @@ mod tests {
             ("T (min)", Some("min")),
             ("Temp(min)", None),
             ("G(h)", None),
+            ("Force (M1)", None),
             ("V(A)", None),
             ("x[2]", None),
             ("Dev(x)", None),

@@ -85,6 +85,17 @@ fn aligned(lines: &[&Vec<String>], is_number: impl Fn(usize) -> bool) -> String 
 
 /// A name without the marks of its index.
 fn plain(name: &str) -> String {
-    let parts: Vec<&str> = between(name, "_{", "}").into_iter().map(|(part, _)| part).collect();
-    parts.join("_").trim_end_matches('_').to_owned()
+    between(name, "_{", "}").into_iter().flat_map(|(part, is_index)| [if is_index { "_" } else { "" }, part]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_index_stands_behind_a_line_and_a_name_keeps_its_own() {
+        for (name, expected) in [("u_{num} (K)", "u_num (K)"), ("x_{1}", "x_1"), ("k_", "k_"), ("a_{b}_{c}", "a_b_c")] {
+            assert_eq!(plain(name), expected);
+        }
+    }
 }

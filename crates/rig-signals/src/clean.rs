@@ -68,8 +68,8 @@ const PART: f64 = 0.1;
 const USUAL: f64 = 0.9;
 const USUAL_DEVIATIONS: f64 = 1.644_853_627;
 
-/// How many samples on either side of a peak a polynomial follows, and its degree: the more of both, the quicker signals and
-/// the less noise it bears.
+/// How many samples on either side of a peak a polynomial follows, and its degree: from what follows the quickest signals to what
+/// bears the most noise.
 const BETWEEN: [[usize; 2]; 5] = [[3, 5], [4, 5], [4, 3], [5, 4], [6, 4]];
 /// The same of samples on one side.
 const BESIDE: [[usize; 2]; 6] = [[4, 1], [6, 1], [3, 2], [6, 2], [4, 3], [6, 5]];

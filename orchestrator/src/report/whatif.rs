@@ -53,7 +53,7 @@ struct Criterion {
     /// How far down and up from there values are accepted; none where there is no such limit.
     minus: Option<f64>,
     plus: Option<f64>,
-    /// Of a limit that stands alone: in what a distance from it counts.
+    /// Of a limit without a measured value: the scale of distances from it.
     #[serde(skip_serializing_if = "Option::is_none")]
     unit_of_distance: Option<f64>,
     uncertainty: Option<Uncertain>,

@@ -223,7 +223,8 @@ fn faults_of_a_binary_of_fmi_3_are_found() {
     let mut wrong = Vec::new();
     for (fault, found) in [
         ("NO_UINT8", "binary-functions: does not export fmi3GetUInt8"),
-        ("OTHER_START", "start-agrees: start is 1, but the binary's is 2"),
+        ("OTHER_START=2", "start-agrees: start is 1, but the binary's is 2"),
+        ("OTHER_START=INFINITY", "start-agrees: start is 1, but the binary's is inf"),
         ("KEEPS_RATE", "life-reset: after a simulation with changed parameters"),
     ] {
         bench.three("broken.fmu", &[fault], THREE);

@@ -86,7 +86,8 @@ impl Model {
             if call.status == Status::Discard && self.told(stopped, TERMINATED, 0).is_some_and(|is| is != 0) {
                 let at = self.told(self.functions.get_real_status, LAST_SUCCESSFUL_TIME, time);
                 // Its beginning where the FMU says nothing sensible.
-                let at = at.filter(|at| (time..=time + step).contains(at));
+                let end = time + step;
+                let at = at.filter(|at| (time..=end + 1e-9 * end.abs()).contains(at));
                 call.ended = Some(EarlyEnd { from: time, at: at.unwrap_or(time) });
             }
             call

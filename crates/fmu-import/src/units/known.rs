@@ -41,7 +41,9 @@ pub fn usual(name: &str) -> Option<&'static str> {
 /// Whether a name is a known unit, or one in other letters or with another prefix: `KN`, `mW`.
 pub fn is_like(name: &str) -> bool {
     let named = plain(name);
-    let bare = named.strip_prefix(['n', 'u', 'm', 'c', 'k', 'M', 'G']).filter(|bare| !["h", "d", "%"].contains(bare));
+    let bare = named
+        .strip_prefix(['n', 'u', 'm', 'c', 'k', 'M', 'G'])
+        .filter(|bare| !["1", "-", "h", "d", "%"].contains(bare));
     let mut names = KNOWN.iter().flat_map(|(_, (names, _))| names.split(' '));
     [Some(name), bare].into_iter().flatten().any(|name| usual(name).is_some())
         || name.len() > 1 && names.any(|known| named.eq_ignore_ascii_case(known))

@@ -84,7 +84,7 @@ pub fn exact_between(
     Station::between(roughness, width_to_diameter, e, cells).under(angle)
 }
 
-/// Makes the map: solves the film directly at every node, on `threads` threads. `progress` receives the share done, 0..1.
+/// Makes the map: solves the film directly at every node, on `threads` threads. `progress` receives the share that has begun, 0..1.
 ///
 /// # Errors
 /// Returns [`NotConverged`] when a pressure field does not settle.
@@ -133,7 +133,12 @@ fn share<T: Send>(
             let Some((number, row)) = next else {
                 return Ok(());
             };
-            fill(number, row)?;
+            fill(number, row).inspect_err(|_| {
+                // The others need not end what will not be used.
+                if let Ok(mut left) = queue.lock() {
+                    left.clear();
+                }
+            })?;
         }
     };
     std::thread::scope(|scope| {

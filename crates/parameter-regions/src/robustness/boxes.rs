@@ -112,8 +112,8 @@ struct Seed {
     ranks: Vec<f64>,
 }
 
-/// Good points far from each other: those in whose neighbourhood the level is held, if there are any. At the edge of a
-/// good part there is no room for a box.
+/// Where boxes start: good points far from each other, if there are any those whose neighbourhood holds the level, as the edge of a
+/// good part has no room for a box.
 fn seeds(sample: &Sample, scale: &Scale, level: f64) -> Vec<Seed> {
     let good: Vec<usize> = (0..sample.points.len()).filter(|&j| sample.verdicts[j] >= level).collect();
     let step = good.len().div_ceil(CHOICE).max(1);
