@@ -5,7 +5,7 @@ use std::{collections::HashMap, fmt::Display, ops::Deref};
 use roxmltree::Node;
 
 use crate::{combinations, hit::Hit};
-pub(crate) use fmu_import::xml::{children as named, elements};
+pub(crate) use fmu_import::xml::{children as named, elements, tag};
 use fmu_import::{Description, Version, description::About};
 
 /// The name of the file.
@@ -171,11 +171,6 @@ impl<'a> Variable<'a> {
 fn starts_of_lines(text: &str) -> Vec<usize> {
     let ends = text.bytes().enumerate().filter(|(_, byte)| *byte == b'\n');
     std::iter::once(0).chain(ends.map(|(at, _)| at + 1)).collect()
-}
-
-/// The name of an element's kind.
-pub fn tag<'a>(node: Node<'a, '_>) -> &'a str {
-    node.tag_name().name()
 }
 
 /// A finding at an element.

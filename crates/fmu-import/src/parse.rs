@@ -19,7 +19,7 @@ use crate::{
     description::{About, Capabilities, DefaultExperiment, Description, Interface, Kind, Remark, Storage, Variable},
     units::{BaseUnit, Conversion, DisplayUnit, Unit, Units},
     version::Version,
-    xml::{self, XmlError, child, children, within},
+    xml::{self, XmlError, child, children, tag, within},
 };
 
 /// Why a model description cannot be used.
@@ -57,8 +57,8 @@ pub fn description(bytes: &[u8], sizes: &[(u32, u64)]) -> Result<Description, De
     let content = decode(bytes);
     let document = xml::parse(&content)?;
     let root = document.root_element();
-    if root.tag_name().name() != "fmiModelDescription" {
-        return Err(DescriptionError::Root(root.tag_name().name().to_owned()));
+    if tag(root) != "fmiModelDescription" {
+        return Err(DescriptionError::Root(tag(root).to_owned()));
     }
     let version = root.attribute("fmiVersion").unwrap_or("1.0").trim();
     let standard = Version::of(version).ok_or_else(|| DescriptionError::Version(version.to_owned()))?;
@@ -133,7 +133,7 @@ pub fn line(node: Node) -> u32 {
 
 fn required<'a>(node: Node<'a, 'a>, attribute: &'static str) -> Result<&'a str, DescriptionError> {
     node.attribute(attribute).ok_or_else(|| DescriptionError::Missing {
-        element: node.tag_name().name().to_owned(),
+        element: tag(node).to_owned(),
         attribute,
         line: line(node),
     })
@@ -257,8 +257,7 @@ impl Reader {
                 continue;
             };
             let base = child(node, "BaseUnit").map(|base| BaseUnit {
-                exponents: ["kg", "m", "s", "A", "K", "mol", "cd", "rad"]
-                    .map(|name| self.number(base, name).unwrap_or(0)),
+                exponents: BaseUnit::NAMES.map(|name| self.number(base, name).unwrap_or(0)),
                 to_base: self.conversion(base),
             });
             let display = children(node, "DisplayUnit")
@@ -341,7 +340,7 @@ impl Reader {
         };
         let text = |name: &str| text(source(name), name);
         let (min, max) = (source("min"), source("max"));
-        match (node.tag_name().name(), storage) {
+        match (tag(node), storage) {
             ("Real" | "Float32" | "Float64", _) => Kind::Real {
                 unit: text("unit"),
                 relative: self.boolean(source("relativeQuantity"), "relativeQuantity").unwrap_or(false),

@@ -247,6 +247,8 @@ fn with_rad(name: &str, base: BaseUnit) -> BaseUnit {
 }
 
 impl BaseUnit {
+    /// The names of the SI base units, in the order of the exponents.
+    pub const NAMES: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
     /// A number without a unit.
     const NUMBER: Self = Self { exponents: [0; 8], to_base: Conversion::IDENTITY };
 

@@ -62,9 +62,14 @@ pub fn elements<'a>(node: Node<'a, 'a>) -> impl Iterator<Item = Node<'a, 'a>> {
     node.children().filter(|child| child.is_element() && child.tag_name().namespace().is_none())
 }
 
+/// The name of an element's kind.
+pub fn tag<'a>(node: Node<'a, '_>) -> &'a str {
+    node.tag_name().name()
+}
+
 /// The child elements of this name.
 pub fn children<'a>(node: Node<'a, 'a>, name: &str) -> impl Iterator<Item = Node<'a, 'a>> {
-    elements(node).filter(move |child| child.tag_name().name() == name)
+    elements(node).filter(move |child| tag(*child) == name)
 }
 
 /// The first child element of this name.

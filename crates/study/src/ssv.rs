@@ -11,7 +11,10 @@ use super::{
     Setting,
     values::{find, value_of},
 };
-use fmu_import::{Description, Value, xml};
+use fmu_import::{
+    Description, Value,
+    xml::{self, tag},
+};
 use number_tables::files::{self, FileError, Result};
 
 pub use write::write;
@@ -37,7 +40,7 @@ fn parse<T>(path: &Path, text: &str, take: impl Fn(&str, Setting) -> Result<T, S
     let document = xml::parse(text).map_err(|error| FileError::new(path, format!("no SSP parameter set: {error}")))?;
     let at = |node: Node, message| FileError::new(path, message).at_line(document.text_pos_at(node.range().start).row);
     let root = document.root_element();
-    let name = root.tag_name().name();
+    let name = tag(root);
     if name != "ParameterSet" {
         return Err(at(root, format!("`{name}` is no SSP parameter set (`ParameterSet`)")));
     }
@@ -45,7 +48,7 @@ fn parse<T>(path: &Path, text: &str, take: impl Fn(&str, Setting) -> Result<T, S
     let entry = |node: Node| {
         let name = node.attribute("name").ok_or("a parameter without a name")?;
         let mut children = node.children();
-        let typed = children.find(|child| TYPES.contains(&child.tag_name().name()));
+        let typed = children.find(|child| TYPES.contains(&tag(*child)));
         let value = typed.and_then(|typed| typed.attribute("value"));
         let (Some(typed), Some(value)) = (typed, value) else {
             let types = TYPES.join(", ");

@@ -11,7 +11,7 @@ use crate::{
     description::{About, Description, Interface, Kind, Storage, StoragePlace, Timing, Variability, Variable},
     parse::{Reader, Types, item, text, truth},
     value::bytes_of,
-    xml::{child, children, elements},
+    xml::{child, children, elements, tag},
 };
 
 /// More elements than an array can have that is useful by its elements.
@@ -82,8 +82,8 @@ impl Reader {
             into.unusable.insert(name.clone(), why);
             None
         };
-        let Some(storage) = item(node.tag_name().name()) else {
-            return refuse(format!("unknown type `{}`", node.tag_name().name()));
+        let Some(storage) = item(tag(node)) else {
+            return refuse(format!("unknown type `{}`", tag(node)));
         };
         let is_silent = into.interface == Interface::CoSimulation && !into.capabilities.has_event_mode;
         if storage == Storage::Clock && is_silent {
@@ -255,7 +255,7 @@ fn structural(node: Node) -> Option<(u32, usize)> {
 
 /// The start values of all elements: a list in an attribute, or elements for texts.
 fn starts(node: Node) -> Vec<String> {
-    if matches!(node.tag_name().name(), "String" | "Binary") {
+    if matches!(tag(node), "String" | "Binary") {
         return children(node, "Start").filter_map(|start| start.attribute("value")).map(str::to_owned).collect();
     }
     node.attribute("start").unwrap_or_default().split_whitespace().map(str::to_owned).collect()

@@ -10,7 +10,7 @@ use quick_xml::{escape::escape, events::attributes::Attribute};
 
 use fmu_import::{
     Description, Kind, Value, Variable,
-    units::{Conversion, Unit},
+    units::{BaseUnit, Conversion, Unit},
 };
 use fmu_points::tell::is_hidden;
 
@@ -56,10 +56,9 @@ fn parameter(variable: &Variable, value: &Value) -> Cell {
 
 /// The exponents of a unit's base units, its factor and its offset, as far as they say something.
 fn base(unit: &Unit) -> Vec<(&'static str, String)> {
-    const NAMES: [&str; 8] = ["kg", "m", "s", "A", "K", "mol", "cd", "rad"];
     let mut told = Vec::new();
     if let Some(base) = unit.base {
-        let exponents = NAMES.into_iter().zip(base.exponents).filter(|(_, exponent)| *exponent != 0);
+        let exponents = BaseUnit::NAMES.into_iter().zip(base.exponents).filter(|(_, exponent)| *exponent != 0);
         told.extend(exponents.map(|(name, e)| (name, e.to_string())));
         let Conversion { factor, offset } = base.to_base;
         if factor != 1.0 {
