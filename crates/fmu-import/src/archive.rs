@@ -376,8 +376,13 @@ fn platform_of(name: &str, identifier: &str) -> Option<String> {
 }
 
 /// What a folder holds, as far as it can be read.
-pub(crate) fn entries_in(folder: &Path) -> impl Iterator<Item = fs::DirEntry> {
+pub fn entries_in(folder: &Path) -> impl Iterator<Item = fs::DirEntry> {
     fs::read_dir(folder).into_iter().flatten().flatten()
+}
+
+/// The names of that.
+pub fn names_in(folder: &Path) -> impl Iterator<Item = String> {
+    entries_in(folder).map(|entry| entry.file_name().to_string_lossy().into_owned())
 }
 
 /// The files below a folder, by their paths from `root`, with forward slashes.

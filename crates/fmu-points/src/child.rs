@@ -3,6 +3,7 @@
 use std::{
     collections::BTreeSet,
     fs,
+    path::Path,
     time::{Duration, Instant},
 };
 
@@ -16,7 +17,7 @@ use crate::{
     system,
     wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read},
 };
-use fmu_import::{Handle, Package, Value, isolation::ChildEnd};
+use fmu_import::{Handle, Package, Value, archive::names_in, isolation::ChildEnd};
 
 /// Replies of many points are held back for this time at most, when the next point is done.
 const HOLD: Duration = Duration::from_millis(1);
@@ -200,18 +201,15 @@ struct Belongings {
 
 impl Belongings {
     fn now() -> Self {
-        let names = |folder: &str| -> BTreeSet<String> {
-            let entries = fs::read_dir(folder).into_iter().flatten().flatten();
-            entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect()
-        };
+        let names = |folder: &'static str| names_in(Path::new(folder));
         let maps = fs::read_to_string("/proc/self/maps").unwrap_or_default();
         let is_shared = |line: &&str| {
             let access = line.split(' ').nth(1).unwrap_or("");
             access.ends_with('s') || line.contains("/dev/")
         };
         Self {
-            threads: names("/proc/self/task").len(),
-            descriptors: names("/proc/self/fd"),
+            threads: names("/proc/self/task").count(),
+            descriptors: names("/proc/self/fd").collect(),
             shared: maps.lines().filter(is_shared).map(str::to_owned).collect(),
         }
     }

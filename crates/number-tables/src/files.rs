@@ -9,7 +9,7 @@ use std::{
 
 use thiserror::Error;
 
-use fmu_import::{hexadecimal, sha256};
+use fmu_import::{archive::names_in, hexadecimal, sha256};
 use fmu_points::names::{did_you_mean, nearest};
 
 /// What a file says, or why it cannot be used.
@@ -153,7 +153,7 @@ pub fn missing(path: &Path) -> String {
     if lost != full {
         return format!("no such file: there is no folder {}", lost.display());
     }
-    let names = names_in(folder);
+    let names: Vec<String> = names_in(folder).collect();
     let meant = did_you_mean(nearest(&name(&full), names.iter().map(String::as_str)));
     format!("no such file in {}{meant}", folder.display())
 }
@@ -168,15 +168,6 @@ fn first_missing(full: &Path) -> PathBuf {
 /// The name of a file without its folder.
 pub fn name(path: &Path) -> String {
     path.file_name().unwrap_or_default().to_string_lossy().into_owned()
-}
-
-fn names_in(folder: &Path) -> Vec<String> {
-    fs::read_dir(folder)
-        .into_iter()
-        .flatten()
-        .flatten()
-        .map(|entry| entry.file_name().to_string_lossy().into_owned())
-        .collect()
 }
 
 /// A text on one line, with single blanks.

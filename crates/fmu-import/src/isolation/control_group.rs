@@ -14,6 +14,8 @@ use std::{
     time::{Duration, Instant},
 };
 
+use crate::archive::entries_in;
+
 /// The beginning of the names of groups; the number of the process that made a group follows.
 const NAME: &str = "orchestrator-";
 
@@ -97,7 +99,7 @@ fn folder_of(groups: &str, mounts: &str) -> Option<PathBuf> {
 
 /// Removes the groups of processes that were killed before they could. A group with processes is not removable.
 fn remove_forsaken(parent: &Path) {
-    for entry in fs::read_dir(parent).into_iter().flatten().flatten() {
+    for entry in entries_in(parent) {
         let name = entry.file_name();
         let maker = name.to_str().and_then(|name| {
             let (pid, _) = name.strip_prefix(NAME)?.split_once('-')?;
