@@ -31,6 +31,7 @@ pub use call::{Call, Called, EarlyEnd, Status, Warnings};
 pub use description::{Causality, Description, Interface, Kind, Remark, StoragePlace, Variability, Variable};
 pub use instance::Instance;
 pub use library::{Library, LibraryError, percent_encoded};
+pub use logger::locked;
 pub use package::{FmuError, FmuFault, Package, digest, sha256};
 pub use parse::DescriptionError;
 pub use value::{Content, Handle, Value, bytes_of, hexadecimal};

@@ -75,7 +75,7 @@ struct Seats {
 static SEATS: Mutex<Seats> = Mutex::new(Seats { all: Vec::new(), free: VecDeque::new() });
 
 /// Takes a lock even after a thread panicked while it held it: no update of the protected data can be left half done.
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+pub fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 

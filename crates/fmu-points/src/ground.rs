@@ -11,8 +11,7 @@ use std::{
 
 use tempfile::TempDir;
 
-use crate::locked::locked;
-use fmu_import::{FmuError, Package, isolation::watch::Watch};
+use fmu_import::{FmuError, Package, isolation::watch::Watch, locked};
 
 /// The FMU's unpacked files.
 #[derive(Debug)]

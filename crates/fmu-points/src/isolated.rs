@@ -20,7 +20,6 @@ use crate::{
     failure::Failure,
     ground::Ground,
     licences::{Licences, Wait},
-    locked::locked,
     points::{Event, Job, PointLimits, Post, RunError, Worker, is_same},
     process::{Gone, Process},
     quiet::Quiet,
@@ -28,6 +27,7 @@ use crate::{
     task::Case,
     wire::{Order, Origin, Outcome, Reply, Trouble},
 };
+use fmu_import::locked;
 
 /// The byte that fills unwritten memory where a point runs again.
 const FILL: u8 = 0x55;
@@ -53,7 +53,7 @@ pub struct CrewState {
 }
 
 /// How the process of a point begins.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 enum Start {
     /// Nobody knows yet, nor finds out.
     Open,

@@ -47,7 +47,7 @@
 //! let schedule = Schedule { start, stop, step, window_start: start, leap: false, tolerance: None };
 //! assert_eq!(schedule.check(), Ok(()));
 //! // The last step is shorter.
-//! assert_eq!((schedule.steps(), schedule.time(4)), (4, 1.0));
+//! assert_eq!((schedule.steps(), schedule.points().at(4)), (4, 1.0));
 //! ```
 
 mod as_json;
@@ -66,7 +66,6 @@ mod launcher;
 mod licences;
 mod link;
 mod local;
-mod locked;
 pub mod names;
 pub mod notices;
 mod points;

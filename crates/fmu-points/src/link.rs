@@ -12,12 +12,14 @@ use std::{
     time::{Duration, Instant},
 };
 
-use fmu_import::isolation::frame::{self, Inbox};
+use fmu_import::{
+    isolation::frame::{self, Inbox},
+    locked,
+};
 
 use crate::{
     dispatch::{Greeting, MAGIC, Order, Report, beat},
     launcher::{Launcher, RemoteAddress},
-    locked::locked,
     process, system,
     wire::{bytes, read},
 };

@@ -15,7 +15,6 @@ use std::{
 use crate::{
     failure::Failure,
     join::{Join, split},
-    locked::locked,
     points::{Job, PointLimits, RunError},
     room::Room,
     system,
@@ -23,10 +22,13 @@ use crate::{
     wire::{Order, Reply, Said, Setup, bytes, read},
     working_directory,
 };
-use fmu_import::isolation::{
-    ControlGroup, Loss,
-    frame::{self, Inbox},
-    keeper::signal_name,
+use fmu_import::{
+    isolation::{
+        ControlGroup, Loss,
+        frame::{self, Inbox},
+        keeper::signal_name,
+    },
+    locked,
 };
 
 /// The argument that makes this program a worker.
@@ -184,9 +186,7 @@ impl Running {
         let mut family = family();
         system::adopt_orphans();
         let mut command = Command::new(system::program().map_err(start)?);
-        for folder in [&setup.temporary, &setup.place].into_iter().flatten() {
-            crate::room::clear(folder).map_err(start)?;
-        }
+        setup.clear().map_err(start)?;
         if let Some(folder) = &setup.temporary {
             command.envs(["TMPDIR", "TMP", "TEMP"].map(|name| (name, folder)));
         }

@@ -9,7 +9,8 @@ use std::{
     sync::{Mutex, PoisonError, RwLock, RwLockReadGuard, RwLockWriteGuard},
 };
 
-use crate::{failure::Failure, locked::locked};
+use crate::failure::Failure;
+use fmu_import::locked;
 
 /// So many points of a kind that fail again are enough; of those that took too long, one.
 const ENOUGH: u32 = 3;

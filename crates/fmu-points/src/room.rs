@@ -7,7 +7,8 @@ use std::{
     sync::Mutex,
 };
 
-use crate::{locked::locked, scratch::ScratchError};
+use crate::scratch::ScratchError;
+use fmu_import::locked;
 
 /// A working directory and a folder for temporary files, both empty for each point. Their paths are the same in every run.
 #[derive(Debug)]

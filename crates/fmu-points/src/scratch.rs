@@ -16,6 +16,7 @@ use std::{
 use thiserror::Error;
 
 use crate::system;
+use fmu_import::archive::entries_in;
 
 /// Why there is no folder.
 #[derive(Debug, Error)]
@@ -50,7 +51,7 @@ const LOCK: &str = "in-use";
 const PREFIX: &str = "fmu-run-";
 
 fn folders() -> MutexGuard<'static, BTreeSet<PathBuf>> {
-    crate::locked::locked(&FOLDERS)
+    fmu_import::locked(&FOLDERS)
 }
 
 impl Scratch {
@@ -143,9 +144,8 @@ pub fn remove_starting_with(place: &Path, prefixes: &[&str]) {
     starting_with(place, prefixes).for_each(|path| remove(&path));
 }
 
-fn starting_with<'a>(place: &Path, prefixes: &'a [&'a str]) -> impl Iterator<Item = PathBuf> + use<'a> {
-    let entries = fs::read_dir(place).into_iter().flatten().flatten();
-    entries.filter_map(|entry| {
+fn starting_with(place: &Path, prefixes: &[&str]) -> impl Iterator<Item = PathBuf> {
+    entries_in(place).filter_map(|entry| {
         let name = entry.file_name();
         let name = name.to_string_lossy();
         let wanted = prefixes.iter().any(|prefix| name.starts_with(prefix));

@@ -21,13 +21,13 @@ use std::{
 use fmu_import::{
     Package,
     isolation::frame::{self, Inbox},
+    locked,
 };
 
 use crate::{
     crew::{Crew, WorkerSite},
     dispatch::{Fault, Greeting, MAGIC, News, Order, Report, Series, Terms, beat},
     launcher::Launcher,
-    locked::locked,
     points::{Job, PointLimits, Post, RunError, Worker},
     process, scratch, stop, system,
     wire::{bytes, read},

@@ -13,7 +13,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use fmu_import::{FmuError, Package};
+use fmu_import::{FmuError, Package, locked};
 
 use crate::{
     dispatch::{Fault, Greeting, Order, Report, Terms},
@@ -21,7 +21,6 @@ use crate::{
     isolation::Isolation,
     launcher::{Launcher, RemoteAddress},
     link::{Cut, Link},
-    locked::locked,
     points::{Event, Job, PointLimits, Post, RunError},
     working_directory,
 };

@@ -4,7 +4,7 @@
 //! checksum ([`frame`](fmu_import::isolation::frame)). The first frame to a worker is its [`Setup`] as JSON; then come
 //! [orders](Order), and what is [said](Said) to them comes back, many points to a frame.
 
-use std::path::PathBuf;
+use std::{io, path::PathBuf};
 
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
@@ -13,6 +13,7 @@ use crate::{
     failure::Failure,
     notices::Notices,
     points::{Job, PointLimits, Simulated},
+    room,
     task::Case,
 };
 
@@ -42,6 +43,11 @@ pub struct Setup {
 }
 
 impl Setup {
+    /// Empties the folders.
+    pub fn clear(&self) -> io::Result<()> {
+        [&self.temporary, &self.place].into_iter().flatten().try_for_each(|folder| room::clear(folder))
+    }
+
     /// Opens the FMU, with the sizes of the simulations.
     pub fn open(&self) -> Result<Package, FmuError> {
         let mut package = Package::open(&self.fmu)?;
@@ -53,7 +59,7 @@ impl Setup {
 }
 
 /// An order of a supervisor to a worker, and of a worker to a child.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub enum Order {
     /// Points in a child each, which loads the FMU itself.
     New(Vec<Job>),

@@ -16,7 +16,6 @@ use crate::{
     child::{self, Estate},
     failure::Failure,
     points::{Job, PointLimits},
-    room,
     runner::Runner,
     system::{self, Streams},
     wire::{Order, Origin, Reply, Said, Setup, Trouble, bytes, read},
@@ -252,9 +251,7 @@ impl Service {
         if let Err(reason) = self.prepare(order) {
             return Ok(Err(Trouble::unloadable(reason)));
         }
-        for folder in [&self.setup.temporary, &self.setup.place].into_iter().flatten() {
-            room::clear(folder)?;
-        }
+        self.setup.clear()?;
         // A point may have removed the one that this process was in.
         self.setup.place.as_ref().map_or(Ok(()), std::env::set_current_dir)?;
         let mut child = match self.child(order) {
