@@ -92,16 +92,12 @@ impl Notices {
     pub fn add(&mut self, other: &Self, case: &str) {
         let named = |text: &Option<String>| text.as_ref().map(|text| format!("case {case}: {text}"));
         self.warnings += other.warnings;
-        let warning = self.first_warning.take();
-        self.first_warning = warning.or_else(|| named(&other.first_warning));
+        self.first_warning = self.first_warning.take().or_else(|| named(&other.first_warning));
         other.beyond.iter().map(|limit| limit.message.clone()).for_each(|message| self.pass(Some(case), message));
         self.ended = self.ended.or(other.ended);
-        let unfinished = self.unfinished.take();
-        self.unfinished = unfinished.or_else(|| named(&other.unfinished));
-        let held = self.held.take();
-        self.held = held.or_else(|| other.held.clone());
-        let version = self.version.take();
-        self.version = version.or_else(|| other.version.clone());
+        self.unfinished = self.unfinished.take().or_else(|| named(&other.unfinished));
+        self.held = self.held.take().or_else(|| other.held.clone());
+        self.version = self.version.take().or_else(|| other.version.clone());
         self.conforming.extend(other.conforming.iter().cloned());
     }
 

@@ -100,8 +100,8 @@ pub struct Post<'a> {
     /// Whether the run is to end at once.
     pub stopped: &'a dyn Fn() -> bool,
     over: bool,
-    /// Points that others are to run.
-    returned: Vec<Job>,
+    /// Points that are given back, since they could not be run here through no fault of theirs.
+    pub(crate) returned: Vec<Job>,
 }
 
 impl<'a> Post<'a> {
@@ -113,16 +113,6 @@ impl<'a> Post<'a> {
     /// Reports what happened.
     pub fn send(&mut self, event: Event) {
         self.over |= (self.take)(event).is_break();
-    }
-
-    /// Gives points back that could not be run here through no fault of theirs.
-    pub(crate) fn give_back(&mut self, jobs: Vec<Job>) {
-        self.returned.extend(jobs);
-    }
-
-    /// The points that were given back.
-    pub(crate) fn returned(self) -> Vec<Job> {
-        self.returned
     }
 
     /// Whether nothing further is wanted.

@@ -92,7 +92,7 @@ fn work<I: Iterator<Item = Job>>(
         let mut post = Post::new(&mut take, stopped);
         let result = worker.run(&batch, &mut post);
         pace.end(batch.len(), begun.elapsed(), worker.overhead());
-        lock()?.end(post.returned());
+        lock()?.end(post.returned);
         change.notify_all();
         result?;
     }

@@ -128,7 +128,7 @@ impl Worker for Remote {
     fn run(&mut self, jobs: &[Job], post: &mut Post) -> Result<(), RunError> {
         let Some(number) = self.lane else { return self.run_anywhere(jobs, post) };
         let open = self.attempt(number, jobs, post)?;
-        post.give_back(open);
+        post.returned.extend(open);
         Ok(())
     }
 

@@ -20,7 +20,6 @@ use crate::{
     task::{Case, Probe},
 };
 use fmu_import::{Call, Called, EarlyEnd, Instance, Library, Warnings};
-use gauge::Gauge;
 use scene::Scene;
 
 /// Runs points, reusing the instance where the FMU can be reset.
@@ -315,7 +314,7 @@ impl Runner {
             // computed counts, too.
             let Some(end) = call.ended else { return Err(call) };
             scene.watch(instance, [end.from, end.at])?;
-            if !scene.gauges.iter().all(Gauge::has_seen) {
+            if scene.gauges.iter().any(|gauge| gauge.seen.is_none()) {
                 return Err(before_the_window(call));
             }
             notices.ended = Some(end.at);

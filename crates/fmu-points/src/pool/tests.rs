@@ -71,7 +71,7 @@ impl Worker for Leaving {
             return Doubling.run(jobs, post);
         }
         let (first, rest) = jobs.split_at(jobs.len() / 2);
-        post.give_back(rest.to_vec());
+        post.returned.extend(rest.to_vec());
         Doubling.run(first, post)
     }
 }

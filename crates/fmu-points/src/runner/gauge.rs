@@ -15,7 +15,7 @@ pub struct Gauge {
     window: [f64; 2],
     pub collector: Collector,
     /// When it looked first and last, s.
-    seen: Option<[f64; 2]>,
+    pub seen: Option<[f64; 2]>,
 }
 
 impl Gauge {
@@ -55,11 +55,6 @@ impl Gauge {
         }
         self.seen = Some([first, time]);
         Ok(())
-    }
-
-    /// Whether it has looked at all.
-    pub fn has_seen(&self) -> bool {
-        self.seen.is_some()
     }
 
     /// Puts down what came of it; the draws of a measured curve to which it conforms. Without a value there is no result,

@@ -116,11 +116,6 @@ impl Schedule {
         steps.max(1)
     }
 
-    /// The `index`th communication point: a multiple of the step, so that nothing accumulates.
-    pub fn time(&self, index: u64) -> f64 {
-        self.points().at(index)
-    }
-
     /// The communication points, counted once.
     pub fn points(&self) -> CommunicationPoints {
         let (leap, even) = self.even();
@@ -254,7 +249,7 @@ mod tests {
         assert_eq!(schedule(1.0, 0.1).steps(), 10);
         assert_eq!(schedule(150.0, 1.0 / 60.0).steps(), 9000);
         assert_eq!(schedule(1.0, 0.3).steps(), 4);
-        assert_eq!(schedule(1.0, 0.3).time(4), 1.0);
+        assert_eq!(schedule(1.0, 0.3).points().at(4), 1.0);
         assert_eq!(schedule(1.0, 5.0).steps(), 1);
         let points = schedule(1.0, 0.3).points();
         assert_eq!(points.parts(0..4), [0..0, 0..3, 3..4]);
@@ -290,13 +285,13 @@ mod tests {
         let schedule =
             Schedule { start: 0.0, stop: 100.0, step: 0.25, window_start: 99.0, leap: true, tolerance: None };
         assert_eq!(schedule.steps(), 5);
-        let times: Vec<f64> = (0..=5).map(|index| schedule.time(index)).collect();
+        let times: Vec<f64> = (0..=5).map(|index| schedule.points().at(index)).collect();
         assert_eq!(times, [0.0, 99.0, 99.25, 99.5, 99.75, 100.0]);
         let points = schedule.points();
         assert_eq!(points.parts(0..5), [0..1, 1..4, 4..5]);
         let steps = even_steps::<3>(&points, 1);
         assert_eq!(steps, [1, 2, 3].map(|index| step(&points, index)));
         let all = Schedule { window_start: 100.0, ..schedule };
-        assert_eq!((all.steps(), all.time(1)), (1, 100.0));
+        assert_eq!((all.steps(), all.points().at(1)), (1, 100.0));
     }
 }
