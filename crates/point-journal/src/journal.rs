@@ -68,18 +68,10 @@ impl Journal {
     /// # Errors
     /// When the system says no.
     pub fn rewrite(folder: &Path, header: &Header) -> Result {
-        let path = path_in(folder);
         let (draft, mut anew) = Self::draft(folder, header)?;
-        let (mut lines, _) = open(folder)?;
-        loop {
-            match lines.next_line().map_err(Error::io(&path))? {
-                Line::Sound(line) if !line.starts_with('{') => anew.copy_line(line)?,
-                Line::Sound(_) | Line::Damaged => {}
-                Line::End => break,
-            }
-        }
+        anew.copy_lines(folder, |line, _| !line.starts_with('{'))?;
         anew.sync()?;
-        Ok(keep(draft, &path)?)
+        Ok(keep(draft, &path_in(folder))?)
     }
 
     /// A journal with its first line, which is not yet in its place.
@@ -208,9 +200,20 @@ impl Journal {
         if self.buffer.len() > FULL { self.flush() } else { Ok(()) }
     }
 
-    fn copy_line(&mut self, line: &str) -> Result {
-        self.append_line(line);
-        self.flush_when_full()
+    /// Appends the sound lines of a folder's journal that `counts` takes, by their text and their place.
+    fn copy_lines(&mut self, folder: &Path, counts: impl Fn(&str, u64) -> bool) -> Result {
+        let (mut lines, _) = open(folder)?;
+        loop {
+            let place = lines.place();
+            match lines.next_line().map_err(Error::io(&path_in(folder)))? {
+                Line::Sound(line) if counts(line, place) => {
+                    self.append_line(line);
+                    self.flush_when_full()?;
+                }
+                Line::Sound(_) | Line::Damaged => {}
+                Line::End => return Ok(()),
+            }
+        }
     }
 
     fn finish_line(&mut self) {
@@ -256,8 +259,8 @@ fn damage(lines: u64) -> Option<String> {
 /// When either cannot be read or written.
 pub fn copy(folder: &Path, into: &mut Journal) -> Result {
     let finished = Finished::read(folder)?;
-    let path = path_in(folder);
     if let Some(what) = damage(finished.damaged) {
+        let path = path_in(folder);
         let path = path.display();
         fmu_points::tell::line!(
             "note: {what} of {path}: points that stood there are missing; run that part again with --resume"
@@ -268,15 +271,7 @@ pub fn copy(folder: &Path, into: &mut Journal) -> Result {
     for (first, sum) in sets {
         into.append_set(*first, sum)?;
     }
-    let (mut lines, _) = open(folder)?;
-    loop {
-        let place = lines.place();
-        match lines.next_line().map_err(Error::io(&path))? {
-            Line::Sound(line) if finished.counts(line, place) => into.copy_line(line)?,
-            Line::Sound(_) | Line::Damaged => {}
-            Line::End => break,
-        }
-    }
+    into.copy_lines(folder, |line, place| finished.counts(line, place))?;
     // A part may be joined again, such as one that has grown.
     let name = finished.header.shard.clone().unwrap_or_else(|| folder.display().to_string());
     into.note(&Note::Part(name, finished.conduct()))?;

@@ -254,8 +254,7 @@ impl<'a> Pipeline<'a> {
         if !open.is_empty() {
             self.fill(first, points, &open, &mut outcomes)?;
         }
-        let complete: Option<Vec<Outcome>> = outcomes.into_iter().collect();
-        complete.ok_or_else(|| self.interrupted())
+        outcomes.into_iter().collect::<Option<_>>().ok_or_else(|| self.interrupted())
     }
 
     /// The outcomes of points whose simulations are others, each in a new process; the journal does not have them.
@@ -274,8 +273,7 @@ impl<'a> Pipeline<'a> {
             }
             Ok::<_, Error>(ControlFlow::Continue(()))
         })?;
-        let all: Option<Vec<Outcome>> = outcomes.into_iter().collect();
-        all.ok_or_else(|| self.interrupted())
+        outcomes.into_iter().collect::<Option<_>>().ok_or_else(|| self.interrupted())
     }
 
     /// Computes the open points of a set.
