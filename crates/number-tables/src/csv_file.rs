@@ -102,7 +102,7 @@ impl CsvFile {
         let header = self
             .reader
             .headers()
-            .map_err(|error| FileError::new(&self.path, reason(&self.path, &error)))?
+            .map_err(|error| wrong(&self.path, &error))?
             .iter()
             .map(|name| text(name).into_owned())
             .collect();
@@ -113,8 +113,7 @@ impl CsvFile {
     /// Reads the next row, without the blanks around cells; none behind the last one.
     fn row(&mut self, row: &mut StringRecord) -> Result<bool> {
         self.reader.get_mut().set_limit(MOST_ROW_BYTES);
-        let more =
-            self.reader.read_record(row).map_err(|error| FileError::new(&self.path, reason(&self.path, &error)))?;
+        let more = self.reader.read_record(row).map_err(|error| wrong(&self.path, &error))?;
         self.check_row()?;
         if self.separator != b',' {
             self.marks.resize(row.len().max(self.marks.len()), Marks::default());
@@ -343,12 +342,12 @@ fn is_formula(text: &str) -> bool {
 }
 
 /// Why a file cannot be read, for people.
-fn reason(path: &Path, error: &csv::Error) -> String {
+fn wrong(path: &Path, error: &csv::Error) -> FileError {
     let line = |position: &Option<csv::Position>| {
         let line = position.as_ref().map_or(0, csv::Position::line);
         format!("line {}", line.max(1))
     };
-    match error.kind() {
+    let message = match error.kind() {
         csv::ErrorKind::Io(error) => files::reason(path, error),
         csv::ErrorKind::Utf8 { pos, .. } => {
             format!("{} is no text in UTF-8; {}", line(pos), convert(path))
@@ -358,7 +357,8 @@ fn reason(path: &Path, error: &csv::Error) -> String {
             line(pos)
         ),
         _ => error.to_string(),
-    }
+    };
+    FileError::new(path, message)
 }
 
 #[cfg(test)]

@@ -119,7 +119,6 @@ fn number(cell: &Field) -> Option<f64> {
         Field::Double(value) => *value,
         Field::Float(value) => f64::from(*value),
         Field::Bool(value) => f64::from(u8::from(*value)),
-        Field::Long(value) => *value as f64,
         Field::ULong(value) => *value as f64,
         other => integer(other)? as f64,
     })

@@ -107,9 +107,7 @@ impl RecordedTable {
     fn read_those(path: &Path, is_read: fn(&Column) -> bool) -> Result<Self> {
         let mut begin = Vec::new();
         files::open(path)
-            .map_err(|error| FileError::system(path, error))?
-            .take(8)
-            .read_to_end(&mut begin)
+            .and_then(|file| file.take(8).read_to_end(&mut begin))
             .map_err(|error| FileError::system(path, error))?;
         if BINARY.iter().any(|known| begin.starts_with(known)) {
             return Err(FileError::new(path, format!("not a plain table; {}", convert(path))));
