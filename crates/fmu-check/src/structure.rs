@@ -9,9 +9,6 @@ use crate::{
     hit::Hit,
 };
 
-/// The variables in their order, which the lists count.
-type Scalars<'a> = [Option<Scalar<'a>>];
-
 /// The element itself. Without it the schema's rules have said so.
 fn structure<'a>(document: &Document<'a>) -> Option<Node<'a, 'a>> {
     named(document.root, "ModelStructure").next()
@@ -23,11 +20,6 @@ fn is_output(scalar: &Scalar) -> bool {
 
 fn is_guessed(scalar: &Scalar) -> bool {
     ["calculated", "approx"].contains(&scalar.initial)
-}
-
-/// Whether a list of `ModelStructure` is there.
-fn has_list(document: &Document, name: &'static str) -> bool {
-    structure(document).is_some_and(|node| named(node, name).next().is_some())
 }
 
 pub fn outputs(document: &Document) -> Vec<Hit> {
@@ -65,7 +57,7 @@ pub fn derivatives_discrete(document: &Document) -> Vec<Hit> {
 
 /// States are declared, but no state derivatives.
 pub fn derivatives_missing(document: &Document) -> Vec<Hit> {
-    if has_list(document, "Derivatives") {
+    if document.all("ModelStructure", "Derivatives").next().is_some() {
         return Vec::new();
     }
     missing(document, "Derivatives", &|scalar| {
@@ -113,7 +105,7 @@ fn state_of<'d, 'a>(document: &'d Document<'a>, scalar: &Scalar) -> Option<&'d S
 
 /// The variable of an index.
 pub fn scalar_of<'d, 'a>(document: &'d Document<'a>, index: &str) -> Option<&'d Scalar<'a>> {
-    document.scalars[position(index, &document.scalars)?].as_ref()
+    document.scalars[position(document, index)?].as_ref()
 }
 
 /// The variables of one list.
@@ -150,7 +142,18 @@ pub fn initial_unknowns_unsorted(document: &Document) -> Vec<Hit> {
     if !initial_unknowns(document).is_empty() {
         return Vec::new();
     }
-    Vec::from_iter(unsorted(document, "InitialUnknowns"))
+    let mut greatest = 0;
+    // The first one that comes after one of a greater index.
+    let unsorted = listed(document, "InitialUnknowns").find_map(|unknown| {
+        let index = unknown.attribute("index")?.trim().parse::<usize>().ok()?;
+        if index < greatest {
+            let text = format!("InitialUnknowns: index {index} after {greatest}: sort the list by index");
+            return Some(at(unknown, text));
+        }
+        greatest = index;
+        None
+    });
+    Vec::from_iter(unsorted)
 }
 
 /// Nothing is forbidden about it, but a study has to look elsewhere.
@@ -159,31 +162,18 @@ pub fn no_outputs(document: &Document) -> Vec<Hit> {
         return Vec::new();
     }
     let text = "no outputs: simulate records the local variables, and criteria may use them";
-    vec![Hit::of(crate::document::NAME, text.to_owned())]
+    vec![Hit::of(crate::document::NAME, text)]
 }
 
 /// The unknowns of one list, where there is a `ModelStructure`.
 pub fn listed<'a>(document: &Document<'a>, name: &'static str) -> impl Iterator<Item = Node<'a, 'a>> + use<'a> {
-    structure(document).into_iter().flat_map(move |node| named(node, name).flat_map(|list| named(list, "Unknown")))
-}
-
-/// The first unknown of a list that comes after one of a greater index.
-fn unsorted(document: &Document, name: &'static str) -> Option<Hit> {
-    let mut greatest = 0;
-    listed(document, name).find_map(|unknown| {
-        let index = unknown.attribute("index")?.trim().parse::<usize>().ok()?;
-        if index < greatest {
-            return Some(at(unknown, format!("{name}: index {index} after {greatest}: sort the list by index")));
-        }
-        greatest = index;
-        None
-    })
+    document.all("ModelStructure", name).flat_map(|list| named(list, "Unknown"))
 }
 
 /// The position of the variable of an index.
-fn position(index: &str, scalars: &Scalars) -> Option<usize> {
+fn position(document: &Document, index: &str) -> Option<usize> {
     let position = index.trim().parse::<usize>().ok()?.checked_sub(1)?;
-    (position < scalars.len()).then_some(position)
+    (position < document.scalars.len()).then_some(position)
 }
 
 /// The unknowns of one list that cannot be: `unfit` says why a variable cannot be in it.
@@ -193,7 +183,7 @@ fn list(document: &Document, name: &'static str, unfit: &dyn Fn(&Scalar) -> Opti
     listed(document, name)
         .filter_map(|unknown| {
             let index = unknown.attribute("index")?;
-            let wrong = match position(index, scalars) {
+            let wrong = match position(document, index) {
                 None => format!("is none of the {} variables: indexes count them from 1", scalars.len()),
                 Some(position) if !seen.insert(position) => "is listed twice: remove one of them".to_owned(),
                 Some(position) => {
