@@ -316,7 +316,7 @@ impl Binder<'_> {
     fn set(&self) -> Result<Vec<(u32, Value)>> {
         let Some(file) = &self.study.fixed_from else { return Ok(Vec::new()) };
         let path = self.study.path_of(file.as_ref());
-        let named = ssv::read(&path, self.fmu).map_err(|error| self.study.error_at(file, error.to_string()))?;
+        let named = ssv::read(&path, self.fmu).map_err(|error| self.study.error_at(file, error))?;
         let set: HashSet<&str> = self.study.set().map(|(name, _)| &**name.as_ref()).collect();
         Ok(named
             .into_iter()

@@ -33,8 +33,8 @@ impl CaseTable {
         };
         let wanted: Vec<Column> =
             named.iter().map(|(name, column)| number_tables::column(column, name.as_ref())).collect();
-        let table = Table::read_points(&study.path_of(path.as_ref()), &wanted)
-            .map_err(|error| study.error_at(path, error.to_string()))?;
+        let table =
+            Table::read_points(&study.path_of(path.as_ref()), &wanted).map_err(|error| study.error_at(path, error))?;
         let names = named.into_iter().map(|(_, column)| column.clone());
         Ok(Self { names: names.collect(), rows: table.rows, labels: table.labels })
     }

@@ -252,8 +252,8 @@ impl Study {
     }
 
     /// An error at a place in the file.
-    pub fn error_at<T>(&self, at: &Spanned<T>, message: impl Into<String>) -> FileError {
-        self.source().error_at(at.span().start, message.into())
+    pub fn error_at<T>(&self, at: &Spanned<T>, message: impl Display) -> FileError {
+        self.source().error_at(at.span().start, message.to_string())
     }
 
     fn source(&self) -> SourceText<'_> {

@@ -55,21 +55,19 @@ pub(super) fn series(study: &Study, fmu: &Description, schedule: &Schedule) -> R
         let column = recording.column.as_deref().unwrap_or(key);
         let columns = vec![number_tables::column(column, format!("the input {key}"))];
         let mut table = Table::read_over_time(&path, recording.time.as_deref(), columns)
-            .map_err(|error| study.error_at(&recording.file, error.to_string()))?;
+            .map_err(|error| study.error_at(&recording.file, error))?;
         let in_file = |message| named(format!("{}: {message}", path.display()));
         let unit = number_tables::agreed(column, table.units[1].as_deref(), recording.unit.as_deref());
         let scale = Scale::new(unit.map_err(in_file)?, fmu, variable).map_err(named)?;
         let [offset, gain] = known_errors(recording, &slot, &scale).map_err(named)?;
         table.rows.iter_mut().for_each(|row| row[1] = (row[1] - offset) / (1.0 + gain));
-        let mut series = follow(&table, time, slot, scale.conversion)
-            .map_err(|message| named(format!("{}: {message}", path.display())))?;
+        let mut series = follow(&table, time, slot, scale.conversion).map_err(in_file)?;
         series.hold = recording.hold || is_discrete(variable, &series.slot);
         series.ramp = !series.hold && (recording.ramp || is_integrated(variable, fmu));
         series.each_row = takes_any_step(fmu);
         if recording.extrapolate.is_none() {
             let remedy = format!("extrapolate = \"hold\" in [inputs.\"{key}\"]");
-            covers(&series, schedule, ["start = ", "stop = ", &remedy])
-                .map_err(|message| named(format!("{}: {message}", path.display())))?;
+            covers(&series, schedule, ["start = ", "stop = ", &remedy]).map_err(in_file)?;
         }
         concerns.extend(doubts(&series, schedule, &scale));
         errors.extend(InputError::all(name, (recording, [offset, gain]), &series.slot, &scale).map_err(named)?);

@@ -87,11 +87,6 @@ impl Binder<'_> {
         self.study.error_at(file, format!("{}: {message}", file.as_ref().display()))
     }
 
-    /// The column of the values.
-    fn column(&self) -> &String {
-        self.reference.column.as_ref().unwrap_or_else(|| self.text.variable.as_ref())
-    }
-
     /// How the curve is drawn anew within its uncertainty. Criteria on the same column see the same errors, as do those whose
     /// errors are fully correlated.
     fn resampling(&self, errors: Option<CurveErrors>, first: u64) -> Result<Resampling> {
@@ -192,7 +187,7 @@ impl Binder<'_> {
         let at_file = |message| self.study.error_at(&reference.file, message);
         let path = self.study.path_of(reference.file.as_ref());
         let time = reference.time.as_deref().unwrap_or("time");
-        let column = self.column();
+        let column = self.text.recorded_column();
         let mut columns = vec![number_tables::column(column, format!("the criterion {}", self.name.as_ref()))];
         if let Some(column) = &reference.uncertainty_column {
             columns.push(number_tables::column(column, "the uncertainty"));
@@ -387,13 +382,8 @@ impl Study {
         match &tied[..] {
             [_] => {
                 let file = text.reference.as_ref().map(|reference| reference.file.as_ref().display());
-                let column = text
-                    .reference
-                    .as_ref()
-                    .and_then(|reference| reference.column.as_ref())
-                    .unwrap_or_else(|| text.variable.as_ref());
                 let file = file.map(|file| file.to_string()).unwrap_or_default();
-                (format!("{file}\0{column}"), 1.0)
+                (format!("{file}\0{}", text.recorded_column()), 1.0)
             }
             several => {
                 let (first, sign) = several.iter().min_by_key(|(name, _)| *name).expect("one is there");

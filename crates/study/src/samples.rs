@@ -56,7 +56,7 @@ fn together(study: &Study, file: &Spanned<PathBuf>, members: &[Member], inputs: 
         number_tables::column(column, format!("the parameter {name}"))
     };
     let columns: Vec<Column> = members.iter().map(column).collect();
-    let mut table = Table::read_points(&path, &columns).map_err(|error| study.error_at(file, error.to_string()))?;
+    let mut table = Table::read_points(&path, &columns).map_err(|error| study.error_at(file, error))?;
     for (column, member) in members.iter().enumerate() {
         inputs[member.index].round(&mut table, column, &path);
     }

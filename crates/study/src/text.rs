@@ -302,6 +302,12 @@ pub struct CriterionText {
 }
 
 impl CriterionText {
+    /// The column of its measured curve in the recording: that of the variable's name where none is stated.
+    pub fn recorded_column(&self) -> &String {
+        let stated = self.reference.as_ref().and_then(|reference| reference.column.as_ref());
+        stated.unwrap_or_else(|| self.variable.as_ref())
+    }
+
     /// Whether another criterion judges the same number of the same run, in the same unit.
     pub fn judges_as(&self, other: &Self) -> bool {
         let is_curve = self.reference.is_some() || other.reference.is_some();

@@ -121,30 +121,27 @@ impl Judge {
     fn uncertain(&self, study: &Study, name: &Name) -> Result<usize> {
         let number = self.number_of(name).map_err(|m| study.error_at(name, m))?;
         let (criterion, name_text) = (&self.criteria[number], name.as_ref());
-        let message = if criterion.uncertainty.is_none() && criterion.row_correlation.is_none() {
-            format!("{name_text} has no `uncertainty` that could be correlated; add it under [criteria.{name_text}]")
-        } else {
+        if criterion.uncertainty.is_some() || criterion.row_correlation.is_some() {
             return Ok(number);
-        };
-        Err(study.error_at(name, message))
+        }
+        Err(study.error_at(
+            name,
+            format!("{name_text} has no `uncertainty` that could be correlated; add it under [criteria.{name_text}]"),
+        ))
     }
 
     fn guard_band(&mut self, study: &Study, required: &Spanned<Required>) -> Result<Guard> {
         const ONE: &str = "risk, point-risk and guard-band each say which points are accepted; keep one";
         let Required { risk, point_risk, guard_band, .. } = required.as_ref();
+        let allowed = |risk, key| {
+            self.all_uncertain(study, risk, key)?;
+            between_0_and_1(study, risk, "the risk")
+        };
         match (risk, point_risk, guard_band) {
             (Some(_), Some(second), _) => Err(study.error_at(second, ONE)),
             (Some(_), _, Some(second)) | (_, Some(_), Some(second)) => Err(study.error_at(second, ONE)),
-            (Some(risk), None, None) => {
-                self.all_uncertain(study, risk, "risk")?;
-                let risk = between_0_and_1(study, risk, "the risk")?;
-                Ok(Guard::Limiting { risk })
-            }
-            (None, Some(risk), None) => {
-                self.all_uncertain(study, risk, "point-risk")?;
-                let risk = between_0_and_1(study, risk, "the risk")?;
-                Ok(Guard::EachPoint { risk })
-            }
+            (Some(risk), None, None) => Ok(Guard::Limiting { risk: allowed(risk, "risk")? }),
+            (None, Some(risk), None) => Ok(Guard::EachPoint { risk: allowed(risk, "point-risk")? }),
             (None, None, Some(band)) => {
                 self.all_uncertain(study, band, "a guard band")?;
                 let factor = *band.as_ref();
