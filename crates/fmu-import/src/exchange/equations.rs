@@ -96,7 +96,7 @@ impl Functions {
 }
 
 /// The answer of an FMU after its events.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Debug)]
 pub struct Update {
     /// Another round is needed.
     pub again: bool,
@@ -242,21 +242,21 @@ impl Plant {
     pub fn completed(&mut self) -> Called<[bool; 2]> {
         let base = self.model.base_mut();
         match self.functions.special {
+            Special::Steps(_) => Ok([false; 2]),
+            Special::Two { completed, .. } if !completed.is_there() || self.declared.completed_not_needed => {
+                Ok([false; 2])
+            }
             Special::Two { completed, .. } => {
-                if !completed.is_there() || self.declared.completed_not_needed {
-                    return Ok([false; 2]);
-                }
                 let (mut event, mut ends) = (0, 0);
                 // SAFETY: the component is alive, and both places are valid.
                 base.call(completed, |completed, of| unsafe { completed(of, 1, &raw mut event, &raw mut ends) })?;
-                Ok([event, ends].map(|flag| flag != 0))
+                Ok([event != 0, ends != 0])
             }
-            Special::Steps(_) => Ok([false; 2]),
             Special::Three { completed, .. } => {
                 let (mut event, mut ends) = (0, 0);
                 // SAFETY: the component is alive, and both places are valid.
                 base.call(completed, |completed, of| unsafe { completed(of, true, &raw mut event, &raw mut ends) })?;
-                Ok([event, ends].map(|flag| flag != 0))
+                Ok([event != 0, ends != 0])
             }
         }
     }

@@ -117,19 +117,14 @@ fn children_of(parent: u32) -> Vec<u32> {
     processes
         .flatten()
         .filter_map(|entry| number(&entry.file_name()))
-        .filter(|pid| parent_of(*pid) == Some(parent))
+        .filter(|pid| state_and_parent(*pid).is_some_and(|(_, of)| of == parent))
         .collect()
 }
 
-/// The parent of a process.
-fn parent_of(pid: u32) -> Option<u32> {
-    state_and_parent(pid)?.1.parse().ok()
-}
-
 /// State and parent of a process: the fields after its name, which may hold anything (proc(5), `stat`).
-fn state_and_parent(pid: u32) -> Option<(String, String)> {
+fn state_and_parent(pid: u32) -> Option<(String, u32)> {
     let stat = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
     let (_, fields) = stat.rsplit_once(')')?;
-    let mut fields = fields.split_ascii_whitespace().map(str::to_owned);
-    Some((fields.next()?, fields.next()?))
+    let mut fields = fields.split_ascii_whitespace();
+    Some((fields.next()?.to_owned(), fields.next()?.parse().ok()?))
 }
