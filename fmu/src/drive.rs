@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// The drive's parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Drive {
     /// Amplitude of the speed fluctuation relative to the mean speed, 1.
     pub fluctuation_amplitude: f64,

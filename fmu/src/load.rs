@@ -10,7 +10,7 @@
 use serde::{Deserialize, Serialize};
 
 /// The load mechanism's parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Load {
     /// Stiffness C of the elastic element, N/m.
     pub stiffness: f64,

@@ -37,7 +37,7 @@ use std::cell::RefCell;
 use thiserror::Error;
 
 /// Why a leap was not made; the caller resolves the turns instead.
-#[derive(Clone, Debug, Error)]
+#[derive(Debug, Error)]
 pub enum NoLeap {
     /// The journal finds no periodic orbit at a viscosity.
     #[error("no periodic orbit at a film viscosity of {0:?} Pa.s")]

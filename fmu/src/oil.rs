@@ -7,7 +7,7 @@ use journal_bearing::rheology::Rheology;
 use serde::{Deserialize, Serialize};
 
 /// The oil's parameters: two points of its viscosity and one of its density.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Oil {
     /// Kinematic viscosity at 40 °C, m²/s.
     pub kinematic_viscosity_40: f64,
@@ -52,7 +52,7 @@ const D341_LEAST: f64 = 2.0;
 const D341_MOST: f64 = 2e7;
 
 /// Coefficients of the oil's laws over temperature.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Properties {
     /// `ln(nu + 0.7) = d341_factor * T^-d341_exponent`, nu in mm²/s and T in K.
     d341_factor: f64,

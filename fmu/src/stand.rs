@@ -48,7 +48,7 @@ use std::sync::OnceLock;
 use validity::{Passing, SeenByLimits};
 
 /// The parameters of the time integration.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Solver {
     /// Relative tolerance per internal step, 1.
     pub tolerance: f64,
@@ -63,7 +63,7 @@ impl Default for Solver {
 }
 
 /// The stand's state between two steps.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 struct State {
     /// Time, s.
     time: f64,

@@ -18,7 +18,7 @@ pub enum Initialization {
 }
 
 /// The thermal network's parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Thermal {
     /// Heat capacity of the film and of the surface layers that follow its temperature within a turn, J/K.
     pub film_capacity: f64,

@@ -18,7 +18,7 @@ const MEMORY: u64 = 8 << 30;
 pub const TIMEOUT: &str = "timeout";
 
 /// The outcome of a probe.
-#[derive(Clone, Default)]
+#[derive(Default)]
 pub struct Outcome {
     /// Its observations, up to where it came.
     pub report: Option<Report>,

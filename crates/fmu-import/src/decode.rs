@@ -3,7 +3,6 @@
 use std::borrow::Cow;
 
 /// How the bytes of a file are to be read.
-#[derive(Clone, Copy, PartialEq, Eq)]
 enum Encoding {
     Utf8,
     /// In Latin-1 every byte is the code point of its character.

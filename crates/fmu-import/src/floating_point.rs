@@ -6,7 +6,7 @@
 //! FMU gets its own one back at its next call, as it would have found it in an importer that does nothing about it.
 
 /// The control bits of the processor's floating-point units.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mode {
     /// Rounding, subnormal numbers and exception masks of vector instructions, without the exceptions that have
     /// occurred.

@@ -27,7 +27,7 @@ pub fn beat(patience: Duration) -> Duration {
 }
 
 /// Who a worker is.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Greeting {
     /// The version of its program.
     pub version: String,
@@ -90,7 +90,7 @@ pub struct Series {
 }
 
 /// A message to a worker.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Debug, Serialize, Deserialize)]
 pub enum Order {
     /// A part of the FMU's bytes; the last one is empty.
     Bytes(Vec<u8>),

@@ -28,7 +28,7 @@ pub fn case_of(index: u64, cases: usize) -> usize {
 }
 
 /// The part of a case in the results of a point.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct CasePart {
     /// The case's name.
     name: String,

@@ -22,7 +22,7 @@ pub struct Launcher {
 }
 
 /// A machine, or whatever the command starts workers on.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 struct Host {
     /// Its name, where it is known before a worker answers.
     name: Option<String>,
@@ -106,7 +106,7 @@ impl Launcher {
 }
 
 /// Where one worker is started.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct RemoteAddress {
     words: Vec<String>,
     /// The host's name, where the user gave it.

@@ -7,7 +7,7 @@ const LICENCE: Duration = Duration::from_secs(600);
 const FIRST_LICENCE: Duration = Duration::from_secs(60);
 
 /// The reaction to an instance that was refused.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Wait {
     /// It stays refused.
     No,

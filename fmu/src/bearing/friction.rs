@@ -19,7 +19,7 @@ pub fn poiseuille(clearance: f64, load: [f64; 2], eccentricity: [f64; 2]) -> f64
 }
 
 /// The friction of the touching asperities on a journal.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Boundary {
     /// Friction torque on the journal, N.m.
     pub torque: f64,

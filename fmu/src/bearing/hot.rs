@@ -32,7 +32,7 @@ pub enum ThermalClearance {
 }
 
 /// The parts' thermal expansion.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Expansion {
     /// How the clearance changes.
     pub thermal_clearance: ThermalClearance,

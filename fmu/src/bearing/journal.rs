@@ -63,7 +63,7 @@ impl Flows {
 }
 
 /// The journal at one instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Motion {
     /// Eccentricity ratio, 1.
     pub eccentricity_ratio: f64,
@@ -86,7 +86,7 @@ pub struct Motion {
 }
 
 /// How film and asperities press at one instant.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Strain {
     /// Logarithm of the largest film pressure over its unit.
     pub log_peak: f64,
@@ -118,7 +118,7 @@ impl Strain {
 }
 
 /// What of it is at hand in every stage of the time integration; the strain tells the rest.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Press {
     /// Logarithm of the largest film pressure over that of the film's force on the projected area.
     pub log_peak: f64,
@@ -133,7 +133,7 @@ pub struct Press {
 }
 
 /// The rates of the journal and the temperatures at one instant, and the torque.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Drift {
     /// Rate of the eccentricity-ratio vector, 1/s.
     pub velocity: [f64; 2],

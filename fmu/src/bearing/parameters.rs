@@ -5,7 +5,7 @@ use journal_bearing::contact::Surface;
 use serde::{Deserialize, Serialize};
 
 /// The bearing's parameters, apart from the choice of the [film model](super::FilmModel).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Bearing {
     /// Radial clearance as it was measured, m.
     pub radial_clearance: f64,
@@ -40,7 +40,7 @@ pub enum FilmEnergy {
 }
 
 /// How a Reynolds film is solved.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Resolution {
     /// Whether the oil's mass is conserved where the film ruptures. If not, pressures only stay above the bath's.
     pub mass_conserving: bool,

@@ -19,7 +19,7 @@ pub enum Feeding {
 }
 
 /// The feeds in the bush and the oil in them.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Supply {
     /// How oil is fed.
     pub feed: Feeding,

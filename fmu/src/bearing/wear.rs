@@ -8,7 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Wear of both surfaces together.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Wear {
     /// Specific wear rate k: worn volume over normal force and sliding distance, m²/N. Zero switches wear off.
     pub coefficient: f64,

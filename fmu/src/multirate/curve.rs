@@ -64,7 +64,7 @@ const FOR_THE_HEAT: f64 = 100.0;
 const POLYNOMIAL_PLACE: f64 = 1e3;
 
 /// The use of an orbit. It decides how closely a turn must come back to its beginning.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Aim {
     /// For its heat, which feels the place the less the wider the film.
     Heat,

@@ -11,7 +11,7 @@ use super::{Departure, NoLeap, TwoScales, curve::Curve, differences::Differences
 use nalgebra::{SMatrix, SVector, Vector2};
 
 /// The quantity between the clearances.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Across {
     /// Parabolas through differences from the departure's curve, which need few orbits: for temperatures that resolved turns
     /// refine.

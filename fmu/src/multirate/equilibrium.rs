@@ -18,7 +18,7 @@ use nalgebra::{Matrix2, SMatrix, linalg::Schur};
 use thiserror::Error;
 
 /// Why no equilibrium was found.
-#[derive(Clone, Debug, Error)]
+#[derive(Debug, Error)]
 pub enum NoEquilibrium {
     /// No averaged heat at some temperature.
     #[error(transparent)]
@@ -49,7 +49,7 @@ pub enum NoEquilibrium {
 }
 
 /// A stable equilibrium of the averaged heat balance, with what Newton's method needs to refine it on resolved turns.
-#[derive(Clone, Copy, Debug)]
+#[derive(Debug)]
 pub struct Equilibrium {
     /// Eccentricity-ratio vector at the beginning of a turn, 1.
     pub eccentricity: [f64; 2],

@@ -6,7 +6,7 @@ use std::path::Path;
 
 /// One row of the file. Its columns are `temperature_degC`, `kinematic_viscosity_mm2_s` and
 /// `density_kg_m3`, in any order; lines that begin with `#` are comments.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Row {
     /// Temperature, °C.

@@ -17,7 +17,7 @@ const ROUNDING: f64 = 1e-6;
 type Each = SVector<f64, SENSORS>;
 
 /// The worst of some time.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Worst {
     /// The largest load, N.
     pub load: f64,
@@ -28,7 +28,7 @@ pub struct Worst {
 }
 
 /// Integrals and the worst over the present turn, and the means and the worst over the last one.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct TurnMeans {
     /// The angle by which the shaft has turned since the present turn began, rad.
     turned: f64,

@@ -9,7 +9,7 @@ pub use rodas3::Rodas3;
 use thiserror::Error;
 
 /// Why an integration stopped short.
-#[derive(Clone, Debug, Error, PartialEq)]
+#[derive(Debug, Error, PartialEq)]
 pub enum Failure {
     /// The step became smaller than the time's own resolution.
     #[error("after {passed:.1e} s the internal step fell below {step:.1e} s")]
@@ -54,7 +54,7 @@ impl Failure {
 /// limit for all. A solution that stands still in its own time is given up early, however long
 /// the span, and so is one whose span is too long for its steps. What is counted is work: the same call ends
 /// the same way on every machine.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Budget {
     /// Steps before any time has passed.
     pub at_once: usize,
@@ -88,7 +88,7 @@ impl Budget {
 }
 
 /// Work done, for diagnostics.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Work {
     /// Accepted steps.
     pub accepted: usize,

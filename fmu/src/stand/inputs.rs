@@ -5,7 +5,7 @@ use fmu_export::model::{Fault, Kind, Model, Role};
 use serde::{Deserialize, Serialize};
 
 /// An input during a step.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Input {
     /// Value at the start of the step.
     pub value: f64,
@@ -27,7 +27,7 @@ impl Input {
 pub const INPUTS: usize = 6;
 
 /// The inputs, which the host sets.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Inputs {
     /// Mean shaft speed, rad/s.
     pub speed: Input,

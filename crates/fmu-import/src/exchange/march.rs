@@ -25,7 +25,7 @@ const MOST_EVENTS: usize = 100_000;
 const MOST_ROUNDS: usize = 10_000;
 
 /// Where a simulation stands.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Mode {
     /// Before its initialisation.
     New,

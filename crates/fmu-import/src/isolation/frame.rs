@@ -15,7 +15,7 @@ const LONGEST: usize = 1 << 28;
 const TOGETHER: usize = 1 << 16;
 
 /// The bytes are no frame of this exchange.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Broken {
     /// The bytes do not begin with the mark.
     #[error("foreign bytes came instead of an answer: the FMU writes into descriptors that it did not open")]

@@ -5,7 +5,7 @@ use std::time::Duration;
 use super::frame::Broken;
 
 /// Why no answer comes from a child.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Loss {
     /// A signal ended it; on Windows an exception, by its code.
     Signal(i32),

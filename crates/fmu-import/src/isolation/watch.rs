@@ -14,7 +14,7 @@ use std::{
 use crate::archive::entries_in;
 
 /// The files and folders below a folder, each with its size and times.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Snapshot(BTreeMap<PathBuf, State>);
 
 /// Size, time of the last change of the content, and of the entry itself: s and ns each.

@@ -9,7 +9,7 @@ use curves::{Pair, Sampler};
 use sampling::statistics::{Accumulator, MeanOverTurns};
 
 /// Gathers what a probe asks for, value by value.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub enum Collector {
     Statistic(Accumulator),
     /// A time since the first value, and when that was.
@@ -120,7 +120,7 @@ impl Collector {
 }
 
 /// Compares a variable with a measured curve.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Comparison {
     measured: MeasuredCurve,
     /// The variable's values at the measurement's times.

@@ -5,7 +5,7 @@ use curves::{Metric, Pair};
 use sampling::recording::RowErrors;
 
 /// Draws of a measured curve's errors.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct Draws {
     resampling: Resampling,
     drawn: RowErrors,

@@ -17,7 +17,7 @@ const CORE: f64 = 0.3;
 const NARROWEST: f64 = 1e-12;
 
 /// A point of the map: `u = -ln(1 - e)` and `s`, both from 0.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Point {
     pub u: f64,
     pub s: f64,

@@ -52,7 +52,7 @@ pub struct ReynoldsFilm {
 }
 
 /// A film's state apart from the film: all that changes with time. See [`ReynoldsFilm::state`].
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct FilmState(State);
 
 /// A film as it is stored.

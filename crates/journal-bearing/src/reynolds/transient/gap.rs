@@ -9,7 +9,7 @@ use crate::{
 };
 
 /// All that shapes the gap apart from the eccentricity.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default)]
 pub struct Form {
     /// Eccentricity ratio that the journal's tilt adds at `zeta = 1`.
     pub tilt: Vector2<f64>,
@@ -74,7 +74,7 @@ struct FilmGap {
 }
 
 /// The gap in every cell and at every edge between columns, column by column.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Gap {
     /// Content per area of a full film: mean over each cell.
     pub cell: Vec<f64>,

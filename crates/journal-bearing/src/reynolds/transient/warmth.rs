@@ -75,7 +75,7 @@ pub struct Warm {
 }
 
 /// A column during a step: oil in m3 and m3/s, conductances in W/K.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Column {
     /// Oil at the start and at the end.
     pub held: [f64; 2],
