@@ -7,6 +7,8 @@
 //! rectangular prior over the normal one. That is the integral of a normal density with mean `m / (1 - v)` and variance
 //! `v / (1 - v)` between the limits. Sources that the data tell only together with another rectangular one stay normal.
 
+use std::f64::consts::TAU;
+
 use nalgebra::DVector;
 
 use conformity::normal::ln_between;
@@ -57,7 +59,7 @@ impl Stated {
                 let error = problem.cases[case].measured[quantity].value - predicted[case][quantity];
                 let accuracy = errors.accuracy(case, quantity);
                 let normal = -0.5 * (error / accuracy).powi(2) - accuracy.ln();
-                value.law.ln_density(error) - normal + 0.5 * std::f64::consts::TAU.ln()
+                value.law.ln_density(error) - normal + 0.5 * TAU.ln()
             })
             .chain(self.rectangles.iter().map(|rectangle| rectangle.ln_ratio(sources)))
             .sum()
@@ -121,7 +123,7 @@ impl Rectangle {
     fn ln_ratio(&self, sources: &[f64]) -> f64 {
         let Some(([low, high], [mean, _])) = self.cut(sources) else { return 0.0 };
         let taken = 1.0 - self.variance();
-        let priors = 0.5 * std::f64::consts::TAU.ln() - (2.0 * LIMIT).ln();
+        let priors = 0.5 * TAU.ln() - (2.0 * LIMIT).ln();
         priors - 0.5 * taken.ln() + 0.5 * mean * mean * taken + ln_between(low, high)
     }
 
@@ -129,7 +131,7 @@ impl Rectangle {
     fn moments(&self, sources: &[f64]) -> [f64; 2] {
         let Some(([low, high], [mean, deviation])) = self.cut(sources) else { return [0.0, 1.0] };
         let inside = ln_between(low, high);
-        let density = |z: f64| (-0.5 * (z * z + std::f64::consts::TAU.ln()) - inside).exp();
+        let density = |z: f64| (-0.5 * (z * z + TAU.ln()) - inside).exp();
         let shift = density(low) - density(high);
         let variance = 1.0 + low * density(low) - high * density(high) - shift * shift;
         [(mean + deviation * shift).clamp(-LIMIT, LIMIT), deviation.powi(2) * variance.clamp(0.0, 1.0)]

@@ -9,7 +9,7 @@ use super::{
     signal::Even,
 };
 use realfft::{RealFftPlanner, num_complex::Complex};
-use sampling::statistics::moments::sorted;
+use sampling::statistics::moments::{mean, sorted};
 use std::f64::consts::{LN_2, TAU};
 
 /// Cosines of the four-term window of Harris (1978), "On the use of windows for harmonic analysis", Proc. IEEE 66: beyond four
@@ -88,7 +88,7 @@ impl Noise {
 fn transform(values: &[f64]) -> Vec<Complex<f64>> {
     let n = values.len() as f64;
     let place = |k: usize| k as f64 - (n - 1.0) / 2.0;
-    let centre = values.iter().sum::<f64>() / n;
+    let centre = mean(values);
     let pairs = values.iter().enumerate();
     let slope = pairs.map(|(k, v)| place(k) * v).sum::<f64>() / (n * (n * n - 1.0) / 12.0);
     let window = window(values.len());

@@ -3,6 +3,7 @@
 use crate::share::{Doubt, Drawn, LARGEST_ERROR, Limit, Possible, doubt};
 use crate::surrogate::{Run, Surrogate};
 use nalgebra::DMatrix;
+use sampling::statistics::moments::{mean, variance};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
 /// Functions that are drawn from each member of an output's sample.
@@ -188,16 +189,11 @@ fn terms(parts: &[Vec<PairSums>], output: usize) -> Vec<Terms> {
 /// the variance that the surrogate misses when runs are left out. It may belong to any parameter, and a process smooths interactions
 /// first, so it counts as a deviation of each index.
 fn index([drawn, near, all]: [&Terms; 3], unexplained: f64, confidence: f64) -> Index {
-    let spread = |values: &[f64]| {
-        let count = values.len() as f64;
-        let mean = values.iter().sum::<f64>() / count;
-        (mean, values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (count - 1.0))
-    };
-    let (mean, of_surrogate) = spread(&drawn.by_function);
-    let estimate = mean + all.by_function[0] - near.by_function[0];
+    let of_surrogate = variance(&drawn.by_function, 1);
+    let estimate = mean(&drawn.by_function) + all.by_function[0] - near.by_function[0];
     // That of the few pairs, though the estimate's is smaller: it also stands for how little the runs tell of the tails.
     let count = drawn.by_part.len() as f64;
-    let of_points = spread(&drawn.by_part).1 / count;
+    let of_points = variance(&drawn.by_part, 1) / count;
     let student = StudentsT::new(0.0, 1.0, count - 1.0).expect("its freedom is positive");
     let half =
         student.inverse_cdf(0.5 + 0.5 * confidence) * (of_surrogate + of_points + unexplained * unexplained).sqrt();

@@ -5,6 +5,7 @@ use crate::process::{Data, Draws, Process};
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 use sampling::random::{Purpose, Random};
+use sampling::statistics::moments::{mean, sorted, variance};
 
 /// Processes of the sample.
 const MEMBERS: usize = 8;
@@ -45,8 +46,7 @@ impl Output {
     /// Fits points (one a column, standardised) and values. `None` where no process fits.
     pub fn fit(points: DMatrix<f64>, values: &[f64], earlier: Option<&Self>, seed: u64, stream: u32) -> Option<Self> {
         let n = values.len() as f64;
-        let centre = values.iter().sum::<f64>() / n;
-        let spread = (values.iter().map(|v| (v - centre).powi(2)).sum::<f64>() / n).sqrt();
+        let (centre, spread) = (mean(values), variance(values, 0).sqrt());
         let unit = if spread > 0.0 { spread } else { 1.0 };
         let standard = DVector::from_iterator(values.len(), values.iter().map(|v| (v - centre) / unit));
         let data = Data::new(points, standard);
@@ -55,9 +55,8 @@ impl Output {
         let best = members.first()?;
         let left_out = best.left_out();
         let squares: f64 = left_out.iter().map(|[e, _]| e * e).sum();
-        let mut scores: Vec<f64> = left_out.iter().map(|[e, s]| (e / s).abs()).collect();
+        let scores = sorted(left_out.iter().map(|[e, s]| (e / s).abs()).collect());
         let held = scores.iter().filter(|z| **z <= 1.96).count() as f64 / n;
-        scores.sort_by(f64::total_cmp);
         let mean_square = (scores.iter().map(|z| z * z).sum::<f64>() / n).sqrt();
         // Errors with heavy tails (kinks, jumps) are not normal: the band has to reach their 95th percentile.
         let tail = scores[((0.95 * n) as usize).min(scores.len() - 1)] / 1.96;

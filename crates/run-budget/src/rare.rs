@@ -17,6 +17,7 @@ use nalgebra::DMatrix;
 use sampling::design::cube;
 use sampling::distribution::Distribution;
 use sampling::random::{Purpose, Random};
+use sampling::statistics::moments::{length, mean, sorted};
 
 /// Runs before any is chosen.
 const START: usize = 20;
@@ -127,11 +128,10 @@ impl Population {
             let column = self.values.column(k);
             column.iter().zip(&self.weights).filter(|(v, _)| **v < 0.0).map(|(_, w)| w).sum::<f64>() / points
         };
-        let mut shares: Vec<f64> = (0..self.values.ncols()).map(of).collect();
-        shares.sort_by(f64::total_cmp);
+        let shares = sorted((0..self.values.ncols()).map(of).collect());
         let cut = shares.len() / 20;
         let inner = &shares[cut..shares.len() - cut];
-        let estimate = (inner.iter().sum::<f64>() / inner.len() as f64).min(1.0);
+        let estimate = mean(inner).min(1.0);
         // Both are 1.645 deviations off where the shares are normal.
         let open = widening * (inner[inner.len() - 1] - estimate).max(estimate - inner[0]) / 1.645;
         let parts = self.probabilities();
@@ -232,7 +232,7 @@ impl Search<'_> {
             let values = runs.iter().filter_map(Run::finite).map(|values| values[limit.output]);
             let errors = values.zip(surrogate.left_out(limit.output));
             let squares: Vec<f64> = errors.map(|(value, [mean, off])| ((value - mean) / off).powi(2)).collect();
-            let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+            let mean = mean(&squares);
             let fourth = squares.iter().map(|square| square * square).sum::<f64>() / squares.len() as f64;
             [squares.iter().copied().fold(0.0, f64::max), fourth / mean / mean / 3.0].map(f64::sqrt)
         };
@@ -260,7 +260,7 @@ impl Search<'_> {
             radii.extend(order.into_iter().map(|k| reach * (k as f64 + random.unit()) / cycle as f64));
         }
         let scaled = |(mut scores, radius): (Vec<f64>, f64)| {
-            let length = norm(&scores);
+            let length = length(scores.iter().copied());
             scores.iter_mut().for_each(|z| *z *= radius / length);
             scores
         };
@@ -384,10 +384,6 @@ fn normals(units: &[f64]) -> Vec<f64> {
     units.iter().map(|u| normal.quantile(*u)).collect()
 }
 
-fn norm(scores: &[f64]) -> f64 {
-    scores.iter().map(|z| z * z).sum::<f64>().sqrt()
-}
-
 /// A normal distribution around a point, narrower along its radius.
 struct Kernel {
     centre: Vec<f64>,
@@ -397,7 +393,7 @@ struct Kernel {
 
 impl Kernel {
     fn new(centre: Vec<f64>) -> Self {
-        let radius = norm(&centre);
+        let radius = length(centre.iter().copied());
         let along = centre.iter().map(|z| z / radius).collect();
         Self { centre, along, width: (WIDTHS[1] / radius).min(WIDTHS[0]) }
     }

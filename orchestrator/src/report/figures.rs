@@ -9,6 +9,7 @@ use result_document::{
     format::{number, with_unit},
     svg::{Axis, Frame, area, circle, path, text, ticks},
 };
+use sampling::statistics::moments::mean;
 use std::fmt::Write as _;
 
 /// `points` of one column against another, with the accepted box; of very many an even part.
@@ -22,16 +23,16 @@ pub fn plane(
     let mut frame = Frame::new(560.0, 420.0, x.range, y.range);
     frame.y.to = CAPTION;
     let mut out = frame.axes(&with_unit(x.name, x.unit), Some(&with_unit(y.name, y.unit)));
-    out.push_str(&acceptance(&frame, x, y));
+    out += &acceptance(&frame, x, y);
     let points: Vec<usize> = points.iter().copied().step_by(points.len().div_ceil(MOST_MARKS).max(1)).collect();
-    out.push_str(&marks(table, &frame, x, y, &points));
+    out += &marks(table, &frame, x, y, &points);
     let inside = (0..table.len()).filter(|&i| within(x, i) && within(y, i)).count();
     let in_box = match x.is_criterion || y.is_criterion {
         true if table.len() == total => format!(", {} in the box", grouped(inside)),
         _ => String::new(),
     };
     let drawn = if points.len() < total { format!(", {} drawn", grouped(points.len())) } else { String::new() };
-    out.push_str(&frame.caption(&format!("{} points{in_box}, {} accepted{drawn}", grouped(total), grouped(accepted))));
+    out += &frame.caption(&format!("{} points{in_box}, {} accepted{drawn}", grouped(total), grouped(accepted)));
     let title =
         format!("{} against {}: {inside} of {} points lie in the box of the tolerances", y.name, x.name, table.len());
     frame.wrap(&title, &out)
@@ -57,11 +58,11 @@ fn acceptance(frame: &Frame, x: &PlotColumn, y: &PlotColumn) -> String {
     let along = |[low, high]: [f64; 2]| (frame.y.clamped(high), frame.y.clamped(low));
     let ((x0, x1), (y0, y1)) = (across(x.accepted), along(y.accepted));
     let guarded = x.drawn_in.is_some() || y.drawn_in.is_some();
-    out.push_str(&area(if guarded { "tolerance" } else { "accept" }, [x0, x1], [y0, y1]));
+    out += &area(if guarded { "tolerance" } else { "accept" }, [x0, x1], [y0, y1]);
     let inner = [x, y].map(|c| c.drawn_in.unwrap_or(c.accepted));
     if guarded && inner.iter().all(|[low, high]| low <= high) {
         let ((x0, x1), (y0, y1)) = (across(inner[0]), along(inner[1]));
-        out.push_str(&area("accept", [x0, x1], [y0, y1]));
+        out += &area("accept", [x0, x1], [y0, y1]);
     }
     if let Some(v) = x.nominal.map(|v| frame.x.clamped(v)) {
         out += &path("nominal", format_args!("M{v:.1},{y0:.1}V{y1:.1}"));
@@ -117,14 +118,14 @@ pub fn distribution(table: &PointTable, c: &PlotColumn, [total, accepted]: [usiz
         let across = |[low, high]: [f64; 2]| [frame.x.clamped(low), frame.x.clamped(high)];
         let down = [frame.y.to, frame.y.from];
         let outer = if c.drawn_in.is_some() { "tolerance" } else { "accept" };
-        out.push_str(&area(outer, across(c.accepted), down));
+        out += &area(outer, across(c.accepted), down);
         if let Some(inner) = c.drawn_in.filter(|[low, high]| low <= high) {
-            out.push_str(&area("accept", across(inner), down));
+            out += &area("accept", across(inner), down);
         }
     }
     let counts = histogram(c.values.iter(), c.range, bins);
     out += &path("bar all", bars(&counts, &frame, c.range, true));
-    out.push_str(&heights(&counts, &frame, false));
+    out += &heights(&counts, &frame, false);
     if !verified.is_empty() {
         // Few verified points: fewer bins, else the outline is all spikes.
         let coarse = bins_for(verified.len()).min(bins);
@@ -133,9 +134,9 @@ pub fn distribution(table: &PointTable, c: &PlotColumn, [total, accepted]: [usiz
         let range = [low.max(c.range[0]), high.min(c.range[1])];
         let counts = histogram(verified.iter(), range, coarse);
         out += &path("bar in", bars(&counts, &frame, range, false));
-        out.push_str(&heights(&counts, &frame, true));
+        out += &heights(&counts, &frame, true);
     }
-    out.push_str(&frame.caption(&format!("{} points, {} accepted", grouped(total), grouped(accepted))));
+    out += &frame.caption(&format!("{} points, {} accepted", grouped(total), grouped(accepted)));
     let title = format!(
         "Distribution of {} over all {} points and over the {} accepted points",
         c.name,
@@ -217,7 +218,7 @@ impl Series {
         if self.measured.is_some() {
             return None;
         }
-        let mean = self.values.iter().sum::<f64>() / self.values.len().max(1) as f64;
+        let mean = mean(&self.values);
         let rises: Vec<usize> =
             (1..self.values.len()).filter(|&i| self.values[i - 1] < mean && self.values[i] >= mean).collect();
         if rises.len() < TOO_MANY {
@@ -242,10 +243,10 @@ pub fn history(series: &Series) -> Option<String> {
         let [from, to] = series.judged.unwrap_or([start, end]);
         // A single sample still has a band that can be seen.
         let [from, to] = [frame.x.clamped(from) - 4.0, frame.x.clamped(to) + 4.0];
-        out.push_str(&area("accept", [from, to], [bottom, top]));
+        out += &area("accept", [from, to], [bottom, top]);
     }
     if let Some(measured) = &series.measured {
-        out.push_str(&measured.draw(&frame));
+        out += &measured.draw(&frame);
     }
     let class = if series.last_periods().is_some() { "line fast" } else { "line" };
     out += &frame.line(class, &series.time, &series.values);

@@ -66,7 +66,7 @@ impl Measured {
         let y = axis_range(all, f64::NAN, f64::NAN)?;
         let frame = Frame::new(560.0, 150.0, [start, end], y);
         let mut out = frame.axes("time (s)", Some(unit));
-        out.push_str(&around.draw(&frame));
+        out += &around.draw(&frame);
         out += &frame.line("line", &self.time, &deviations);
         Some(frame.wrap(&format!("{name}: model less measurement over time"), &out))
     }

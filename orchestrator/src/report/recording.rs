@@ -238,7 +238,7 @@ fn figure(
     }
     let frame = Frame::new(560.0, 250.0, [start, end], range);
     let mut out = frame.axes(across, Some(up));
-    out.push_str(&marks(&frame));
+    out += &marks(&frame);
     for trace in traces {
         out += &frame.line(trace.class, trace.time, trace.values);
     }

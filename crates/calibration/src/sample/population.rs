@@ -7,7 +7,7 @@
 //! and spread mix badly in these coordinates; so they are also moved with the values as they are, which costs no runs (Yu &
 //! Meng 2011, To center or not to center, J. Computational and Graphical Statistics 20, 531-570).
 
-use sampling::{distribution::Distribution, random::Random};
+use sampling::{distribution::Distribution, random::Random, statistics::moments::variance};
 
 use super::super::problem::{Population, Problem};
 
@@ -125,11 +125,9 @@ impl PopulationPlaces {
     pub fn refresh(&self, coordinates: &mut [f64], random: &mut Random) {
         let places = self.places(coordinates);
         let count = places.len() as f64;
-        let middle = places.iter().sum::<f64>() / count;
-        let squares = places.iter().map(|place| (place - middle).powi(2));
         // Steps hang on the places alone, so each can be undone.
         let far = 1.7 / count.sqrt();
-        let scale = (squares.sum::<f64>() / count).sqrt();
+        let scale = variance(&places, 0).sqrt();
         let log = |mean: f64, spread: f64| {
             let members = self.log_members(mean, self.largest * spread, &places);
             // The spread goes by factors.
