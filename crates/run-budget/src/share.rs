@@ -5,7 +5,6 @@ use crate::refine::{centre, close};
 use crate::surrogate::{Run, Surrogate};
 use conformity::interval::clopper_pearson;
 use nalgebra::DMatrix;
-use sampling::random::{Purpose, Random};
 
 /// Functions that are drawn from each member of an output's sample.
 const EACH: usize = 16;
@@ -471,12 +470,6 @@ impl Answers {
         let (hits, trials) = (good.iter().filter(|good| **good).count() as f64, good.len() as f64);
         let estimate = if trials > 0.0 { hits / trials } else { 0.5 };
         Share { estimate, trials, basis: Basis::Counted(doubt) }
-    }
-}
-
-impl Surrogate {
-    fn random(&self, stream: u32) -> Random {
-        Random::new(self.seed(), Purpose::Surrogate, stream)
     }
 }
 

@@ -3,6 +3,7 @@
 use crate::output::{Check, Functions, Output};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
+use sampling::random::{Purpose, Random};
 use thiserror::Error;
 
 /// Runs without which nothing is fitted.
@@ -149,8 +150,9 @@ impl Surrogate {
         &self.outputs[output].left_out
     }
 
-    pub(crate) fn seed(&self) -> u64 {
-        self.seed
+    /// Random numbers of a stream of its own.
+    pub(crate) fn random(&self, stream: u32) -> Random {
+        Random::new(self.seed, Purpose::Surrogate, stream)
     }
 
     /// Standardised coordinates of the parameters that vary, one point a column.
