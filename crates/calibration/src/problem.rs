@@ -45,6 +45,11 @@ pub struct Free {
 }
 
 impl Free {
+    /// One on a linear scale, of which nothing is known but its bounds.
+    pub fn linear(name: String, unit: Option<String>, [min, max]: [f64; 2]) -> Self {
+        Self { name, unit, scale: Spacing::Linear, min, max, prior: None }
+    }
+
     /// The value at a place between the bounds: 0 is the lower one, 1 the upper one.
     pub fn value(&self, place: f64) -> f64 {
         // The bounds themselves are hit exactly: rounding must not lead out of them.

@@ -148,6 +148,13 @@ impl<'a> Input<'a> {
     }
 }
 
+/// How far the FMU lets a value go, in the study's unit.
+pub(crate) fn reach(slot: &Slot, conversion: Conversion) -> [f64; 2] {
+    let back = conversion.inverse();
+    let end = |limit: Option<f64>, otherwise: f64| limit.map_or(otherwise, |limit| back.value(limit));
+    [end(slot.min, f64::NEG_INFINITY), end(slot.max, f64::INFINITY)]
+}
+
 /// A simulation that takes and gives nothing yet.
 pub(super) fn bare(mut case: Simulation) -> Simulation {
     case.task.varied.clear();

@@ -16,7 +16,7 @@ use super::{
     unknowns::Unknowns,
 };
 use calibration::{
-    problem::{Case, Free, Measured, Mixed, NotNormal, Population, Problem, Quantity, Spacing},
+    problem::{Case, Free, Measured, Mixed, NotNormal, Population, Problem, Quantity},
     text::digits,
 };
 use conformity::uncertainty;
@@ -242,14 +242,7 @@ impl Lags {
             let new = bound.problem.free.len();
             let (number, _) = *self.known.entry(lag.clone()).or_insert_with(|| {
                 bound.lags.push(lag.clone());
-                bound.problem.free.push(Free {
-                    name: lag,
-                    unit: Some("s".to_owned()),
-                    scale: Spacing::Linear,
-                    min: ends[0],
-                    max: ends[1],
-                    prior: None,
-                });
+                bound.problem.free.push(Free::linear(lag, Some("s".to_owned()), ends));
                 (new, ends)
             });
             numbers.push(number);

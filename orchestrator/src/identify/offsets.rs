@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use indexmap::IndexSet;
 
 use super::bind::{Bound, REACH};
-use calibration::problem::{Free, Prior, Spacing};
+use calibration::problem::{Free, Prior};
 use fmu_points::task::Series;
 use study::{Result, Study, plan::Plan};
 
@@ -25,14 +25,9 @@ pub(super) fn add(study: &Study, plan: &Plan, bound: &mut Bound) -> Result {
     }
     for error in unknown {
         bound.offsets.insert(error.name.clone(), error.taken);
-        let free = Free {
-            name: error.name.clone(),
-            unit: error.unit.clone(),
-            scale: Spacing::Linear,
-            min: -REACH * error.spread,
-            max: REACH * error.spread,
-            prior: Some(Prior { centre: 0.0, spread: error.spread }),
-        };
+        let far = REACH * error.spread;
+        let prior = Some(Prior { centre: 0.0, spread: error.spread });
+        let free = Free { prior, ..Free::linear(error.name.clone(), error.unit.clone(), [-far, far]) };
         bound.add_free(study, &error.key, free, error.slot.clone(), error.conversion)?;
         for (case, simulation) in bound.simulations.iter_mut().enumerate() {
             *simulation.task.varied.last_mut().expect("it was added just now") = error.slot_of(case);

@@ -1,7 +1,7 @@
 //! The unknowns of a study whose criteria are the data.
 
-use super::bind::{Bound, Input, REACH};
-use calibration::problem::{Free, Population, Prior, Spacing};
+use super::bind::{Bound, Input, REACH, reach};
+use calibration::problem::{Free, Population, Prior};
 use fmu_import::{Description, units::Conversion};
 use fmu_points::task::Slot;
 use sampling::distribution::Distribution;
@@ -105,13 +105,13 @@ impl Unknowns<'_> {
 
 /// A sampled parameter as an unknown: its distribution is what was known before.
 fn prior(input: &plan::Input, slot: &Slot) -> Result<Free, String> {
-    let reach = |mean: f64, deviation: f64| [-1.0, 1.0].map(|side| mean + side * REACH * deviation);
+    let about = |mean: f64, deviation: f64| [-1.0, 1.0].map(|side| mean + side * REACH * deviation);
     let known = |centre, spread| Some(Prior { centre, spread });
     let ([low, high], prior) = match *input.distribution.continuous() {
         Distribution::Uniform { min, max } => ([min, max], None),
-        Distribution::Normal { mean, deviation } => (reach(mean, deviation), known(mean, deviation)),
+        Distribution::Normal { mean, deviation } => (about(mean, deviation), known(mean, deviation)),
         Distribution::TruncatedNormal { mean, deviation, min, max } => {
-            let [low, high] = reach(mean, deviation);
+            let [low, high] = about(mean, deviation);
             let ends = [min.unwrap_or(low), max.unwrap_or(high)];
             (ends, known(mean, deviation))
         }
@@ -123,17 +123,9 @@ fn prior(input: &plan::Input, slot: &Slot) -> Result<Free, String> {
             );
         }
     };
-    // Within what the FMU allows, in the study's unit.
-    let back = input.conversion.inverse();
-    let allowed = |limit: Option<f64>, otherwise: f64| limit.map_or(otherwise, |x| back.value(x));
-    let free = Free {
-        name: input.name.clone(),
-        unit: input.unit.clone(),
-        scale: Spacing::Linear,
-        min: low.max(allowed(slot.min, f64::NEG_INFINITY)),
-        max: high.min(allowed(slot.max, f64::INFINITY)),
-        prior,
-    };
+    let [least, most] = reach(slot, input.conversion);
+    let bounds = [low.max(least), high.min(most)];
+    let free = Free { prior, ..Free::linear(input.name.clone(), input.unit.clone(), bounds) };
     free.check()?;
     Ok(free)
 }

@@ -23,7 +23,7 @@ use study::cases::SEPARATOR;
 
 use crate::{
     identify::{
-        bind::Bound,
+        bind::{self, Bound},
         model::{Extended, FmuModel},
     },
     results::confusions,
@@ -64,11 +64,7 @@ fn reach(bound: &Bound) -> Vec<[f64; 2]> {
     let free = bound.problem.free.iter().enumerate();
     free.map(|(k, free)| match (slots.get(k), bound.inputs.get(k)) {
         _ if bound.lags.contains(&free.name) => [free.min, free.max],
-        (Some(slot), Some(conversion)) if slot.error.is_none() => {
-            let back = conversion.inverse();
-            let end = |limit: Option<f64>, otherwise: f64| limit.map_or(otherwise, |limit| back.value(limit));
-            [end(slot.min, f64::NEG_INFINITY), end(slot.max, f64::INFINITY)]
-        }
+        (Some(slot), Some(conversion)) if slot.error.is_none() => bind::reach(slot, *conversion),
         _ => [f64::NEG_INFINITY, f64::INFINITY],
     })
     .collect()
@@ -200,14 +196,7 @@ fn of_inputs(bound: &Bound, fmu: &Description) -> Vec<Known> {
         ];
         all.extend(errors.map(|(fault, error, width, unit)| Known {
             slot: Slot { error: Some(error), ..series.slot.clone() },
-            free: Free {
-                name: series.slot.name.clone(),
-                unit,
-                scale: Spacing::Linear,
-                min: -width,
-                max: width,
-                prior: None,
-            },
+            free: Free::linear(series.slot.name.clone(), unit, [-width, width]),
             value: 0.0,
             usual: ODD * if fault == Fault::Gain { 1.0 } else { most },
             fault,
@@ -240,14 +229,9 @@ fn found(bound: &Bound, fmu: &Description) -> Vec<Known> {
             continue;
         }
         let width = if value == 0.0 { 1.0 } else { 0.9 * value.abs() };
-        let free = Free {
-            name: variable.name.clone(),
-            unit: variable.unit().map(str::to_owned),
-            scale: Spacing::Linear,
-            min: slot.min.unwrap_or(f64::NEG_INFINITY).max(value - width),
-            max: slot.max.unwrap_or(f64::INFINITY).min(value + width),
-            prior: None,
-        };
+        let [least, most] = bind::reach(&slot, Conversion::IDENTITY);
+        let bounds = [least.max(value - width), most.min(value + width)];
+        let free = Free::linear(variable.name.clone(), variable.unit().map(str::to_owned), bounds);
         if free.check().is_ok() {
             all.push(Known { slot, free, value, fault: Fault::Constant, usual: ODD * value.abs() });
         }
