@@ -62,6 +62,11 @@ impl Outcome {
         if passed { Self::Passed } else { Self::Failed(why()) }
     }
 
+    /// A doubt, which fails where it is strict and is told else.
+    pub fn doubt(strict: bool, why: String) -> Self {
+        if strict { Self::Failed(why) } else { Self::Skipped(why) }
+    }
+
     fn word(&self) -> &'static str {
         match self {
             Self::Passed => "passed",

@@ -2,7 +2,7 @@
 
 use std::{fs, path::Path, process::ExitCode, time::Instant};
 
-use super::{cost, gate, output, table, verify};
+use super::{cost, gate, output, verify};
 use crate::{
     cli::Verify,
     error::{Error, Result},
@@ -30,8 +30,7 @@ pub fn run(options: &Verify, runs: u64) -> Result<ExitCode> {
         return tried(options, verification, &folder);
     }
     let summary = answered(options, verification, &folder)?;
-    output::print(&table::told(&summary, Some(&folder), options.verbose));
-    gate::verdict(&summary, &options.gate)
+    gate::verdict(&summary, Some(&folder), (&options.gate, options.verbose))
 }
 
 /// Runs `sensitivity --budget N`: the points are those of `verify --budget N`, and what is there of them is not run again.

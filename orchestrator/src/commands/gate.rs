@@ -2,6 +2,7 @@
 
 use std::{path::Path, process::ExitCode};
 
+use super::{output, table};
 use crate::{
     cli::Gate,
     error::Result,
@@ -14,17 +15,16 @@ use conformity::{
     decision::Decision,
 };
 use indexmap::IndexMap;
-use study::concern::{Concern, Severity};
 
-/// The exit code of a verdict. Writes its tests where they are wanted.
-pub fn verdict(summary: &Summary, gate: &Gate) -> Result<ExitCode> {
+/// Prints what came out, and gives the verdict's exit code. Writes its tests where they are wanted.
+pub fn verdict(summary: &Summary, folder: Option<&Path>, (gate, verbose): (&Gate, bool)) -> Result<ExitCode> {
+    output::print(&table::told(summary, folder, verbose));
     if let Some(file) = &gate.junit {
-        let seconds = summary.run.as_ref().map_or(0.0, |run| run.wall_seconds);
-        junit::write(file, &name(summary), &tests(summary, gate.strict), seconds)?;
+        write(file, summary, &tests(summary, gate.strict))?;
     }
     let conclusion = summary.conclusion.as_ref();
     let verdict = conclusion.map(|conclusion| conclusion.verdict);
-    let doubts = warnings(summary).count();
+    let doubts = summary.warnings().count();
     if gate.strict && verdict == Some(Decision::Verified) && doubts > 0 {
         let plural = if doubts == 1 { "" } else { "s" };
         fmu_points::tell::line!(
@@ -47,12 +47,17 @@ fn few(summary: &Summary) -> Option<String> {
     is_few.then(|| format!("fewer than {FEWEST} points show no doubt: run more"))
 }
 
-fn warnings(summary: &Summary) -> impl Iterator<Item = &Concern> {
-    summary.concerns.iter().filter(|concern| concern.severity == Severity::Warning)
+/// Writes tests of a study into a file, as a suite of its name.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write(file: &Path, summary: &Summary, tests: &[Test]) -> Result {
+    let seconds = summary.run.as_ref().map_or(0.0, |run| run.wall_seconds);
+    junit::write(file, &name(summary), tests, seconds)
 }
 
 /// The study's name.
-pub fn name(summary: &Summary) -> String {
+fn name(summary: &Summary) -> String {
     let stem = Path::new(&summary.provenance.study).file_stem();
     stem.map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default()
 }
@@ -61,8 +66,7 @@ pub fn name(summary: &Summary) -> String {
 /// required share, fails: with it the model cannot be verified.
 pub fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
     let study = name(summary);
-    let conclusion = summary.conclusion.as_ref();
-    let whole = conclusion.map_or_else(
+    let whole = summary.conclusion.as_ref().map_or_else(
         || Outcome::Failed("there is no verdict".to_owned()),
         |Conclusion { verdict, verdict_words, .. }| match verdict {
             Decision::Verified => Outcome::Passed,
@@ -70,7 +74,7 @@ pub fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
             Decision::Inconclusive => Outcome::Undecided(verdict_words.clone()),
         },
     );
-    let required = conclusion.and_then(|conclusion| conclusion.required.as_ref());
+    let required = summary.required();
     let counted = |what: &str, count: &Count| {
         let least = required.map_or(0.0, |required| required.rule.share);
         Outcome::of(count.passed > 0 && count.fraction >= least, || {
@@ -95,7 +99,7 @@ pub fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
         Test::new(&format!("{study}.{name}"), "all criteria", counted("all criteria of the case", &case.count))
     });
     let mut named: IndexMap<String, usize> = IndexMap::new();
-    let doubts = warnings(summary).map(|concern| {
+    let doubts = summary.warnings().map(|concern| {
         let text = concern.to_string();
         let count = named.entry(concern.code.name()).or_insert(0);
         *count += 1;

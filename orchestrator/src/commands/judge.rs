@@ -2,7 +2,7 @@
 
 use std::{collections::HashSet, path::Path, process::ExitCode, time::Instant};
 
-use super::{complete, gate, output, table};
+use super::{complete, gate};
 use crate::{
     cli,
     error::Result,
@@ -69,12 +69,11 @@ pub fn run(options: &cli::Judge) -> Result<ExitCode> {
     if let Some(files) = files {
         files.finish(&summary)?;
     }
-    if let Some(folder) = &options.output {
+    if let Some(folder) = folder {
         write_text(&folder.join("study.toml"), study.text())?;
         complete(folder);
     }
-    output::print(&table::told(&summary, options.output.as_deref(), options.verbose));
-    gate::verdict(&summary, &options.gate)
+    gate::verdict(&summary, folder, (&options.gate, options.verbose))
 }
 
 /// Takes the folder for the results. It keeps the request, unless it holds that of a run of the same study.

@@ -7,7 +7,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use super::verify;
+use super::{gate, verify};
 use crate::{
     cli::Merge,
     error::{Error, Result},
@@ -42,7 +42,7 @@ pub fn run(options: &Merge) -> Result<ExitCode> {
     }
     taken.journal.sync()?;
     let run = Run::since(start, 0, 0);
-    let summary = verification.conclude(output, Some(run), None, &mut looked, None).map_err(|error| match error {
+    let mut summary = verification.conclude(output, Some(run), None, &mut looked, None).map_err(|error| match error {
         Error::Incomplete { missing, points, .. } => Error::Refused(format!(
             "{missing} of {points} points are in none of the shards {}; merge all of them, or compute what is missing with \
              `orchestrator verify {} --output {} --resume`",
@@ -69,7 +69,8 @@ pub fn run(options: &Merge) -> Result<ExitCode> {
         limits: PointLimits { time: Duration::from_secs(3600), memory: 16 << 30 },
         jobs,
     };
-    verify::conclude(&mut verification, output, summary, &wish, (&options.gate, options.verbose))
+    verify::finish(&mut verification, output, &mut summary, &wish);
+    gate::verdict(&summary, Some(output), (&options.gate, options.verbose))
 }
 
 /// Refuses folders that are not of one study, before anything is written; names their shards.

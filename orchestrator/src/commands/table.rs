@@ -149,8 +149,7 @@ fn counts(summary: &Summary) -> String {
     let all =
         Count { passed: summary.verified, fraction: summary.verified_fraction, interval: summary.verified_interval };
     // Where a share is required, points within the tolerances need neither be accepted nor verify the model.
-    let conclusion = summary.conclusion.as_ref();
-    let met = match conclusion.and_then(|conclusion| conclusion.required.as_ref()) {
+    let met = match summary.required() {
         Some(_) => "within all tolerances".to_owned(),
         None => format!("all criteria: {}", summary.met()),
     };

@@ -4,9 +4,9 @@ use std::{collections::BTreeMap, fs, ops::ControlFlow, path::Path, process::Exit
 
 use indexmap::{IndexMap, IndexSet};
 
-use super::{best, complete, cost, gate, left_out, output, table};
+use super::{best, complete, cost, gate, left_out, output};
 use crate::{
-    cli::{Gate, Verify},
+    cli::Verify,
     error::{Error, Result},
     methods::{
         asking, identify,
@@ -14,7 +14,7 @@ use crate::{
     },
     options::folder_of,
     reruns::{self, Wish},
-    results::{Looked, Summary, summary::Run},
+    results::{Summary, summary::Run},
     session::{Ending, Front, Request, Session, Verification},
 };
 use conformity::decision::Decision;
@@ -53,7 +53,8 @@ pub fn run(options: &Verify) -> Result<ExitCode> {
         _ => options.work.folder(),
     };
     let mut looked = verification.looked(&folder, &[])?;
-    let ending = check(options, &verification, &looked)?;
+    let ending = options.until.map(|until| verification.ending(until, &looked.history)).transpose();
+    let ending = ending.map_err(|message| Error::option("until", message))?;
     // More workers than points would only take memory from each other.
     let points = usize::try_from(verification.expected()).unwrap_or(usize::MAX);
     let jobs = means.jobs_of(points)?;
@@ -99,8 +100,7 @@ pub fn run(options: &Verify) -> Result<ExitCode> {
         explain(options, &folder, &mut summary);
     }
     complete(&folder);
-    output::print(&table::told(&summary, Some(&folder), options.verbose));
-    gate::verdict(&summary, &options.gate)
+    gate::verdict(&summary, Some(&folder), (&options.gate, options.verbose))
 }
 
 /// Looks for what would explain that the model is not verified, where that does not take long.
@@ -111,8 +111,8 @@ fn explain(options: &Verify, folder: &Path, summary: &mut Summary) {
     const LEAST: f64 = 30.0;
     let Some(run) = summary.run.as_ref().filter(|run| run.computed > 0) else { return };
     let took = RUNS * run.wall_seconds / run.computed as f64;
-    let is_asked = summary.decision() == Decision::NotVerified && summary.failed < summary.points;
-    if !is_asked || summary.has_own_values() || took > run.wall_seconds.max(LEAST) {
+    let is_asked = summary.decision() == Decision::NotVerified && summary.is_compared();
+    if !is_asked || took > run.wall_seconds.max(LEAST) {
         return;
     }
     // A search that was cut short goes on with the study.
@@ -127,15 +127,6 @@ fn explain(options: &Verify, folder: &Path, summary: &mut Summary) {
     }
     write_json(&folder.join("summary.json"), summary)
         .unwrap_or_else(|error| left_out("the causes are in no summary", &error));
-}
-
-/// When the study may end before its last point.
-fn check(options: &Verify, verification: &Verification, looked: &Looked) -> Result<Option<Ending>> {
-    options
-        .until
-        .map(|until| verification.ending(until, &looked.history))
-        .transpose()
-        .map_err(|message| Error::option("until", message))
 }
 
 /// Lets a run with fewer points go on with more, where these are the first ones of the longer run.
@@ -164,19 +155,6 @@ fn extend(verification: &Verification, folder: &Path) -> Result {
          choose another --output, or method = {with}"
         ),
     ))
-}
-
-/// Completes the folder and says what came out. The verdict is known and written: what fails here costs itself alone.
-pub fn conclude(
-    verification: &mut Verification,
-    folder: &Path,
-    mut summary: Summary,
-    wish: &Wish,
-    (gate, verbose): (&Gate, bool),
-) -> Result<ExitCode> {
-    finish(verification, folder, &mut summary, wish);
-    output::print(&table::told(&summary, Some(folder), verbose));
-    gate::verdict(&summary, gate)
 }
 
 /// Completes the folder of a study whose verdict is known and written.
@@ -272,14 +250,12 @@ fn set(session: &Session) -> String {
 
 pub fn request(options: &Verify) -> Result<Request> {
     Ok(Request {
-        study: options.work.study.clone(),
-        fmu: options.work.means.fmu.clone(),
         points: options.points,
         most: options.until.map(|_| MOST_POINTS),
         seed: options.seed,
         points_from: options.points_from.clone(),
         shard: options.shards.chosen()?,
-        ..Request::default()
+        ..asking::request(&options.work.study, &options.work.means)
     })
 }
 

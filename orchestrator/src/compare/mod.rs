@@ -451,16 +451,14 @@ impl Comparison {
             let flipped = change.flipped.count;
             let outcome = match change.told(name) {
                 _ if flipped > 0 => Outcome::Failed(format!("{} changed sides", points(flipped))),
-                Some(text) if strict => Outcome::Failed(text),
-                Some(text) => Outcome::Skipped(text),
+                Some(text) => Outcome::doubt(strict, text),
                 None => Outcome::Passed,
             };
             Test::new(class, name, outcome)
         });
         let told: Vec<String> = self.criteria.iter().filter_map(|(name, change)| change.told(name)).collect();
         let rest: Vec<&str> = self.warnings.iter().filter(|text| !told.contains(text)).map(String::as_str).collect();
-        let rest = (!rest.is_empty())
-            .then(|| if strict { Outcome::Failed(rest.join("; ")) } else { Outcome::Skipped(rest.join("; ")) });
+        let rest = (!rest.is_empty()).then(|| Outcome::doubt(strict, rest.join("; ")));
         let whole = [("verdict", Some(verdict)), ("points", Some(whole)), ("settings", rest)];
         let whole = whole.into_iter().filter_map(|(name, outcome)| Some(Test::new(class, name, outcome?)));
         whole.chain(criteria).collect()

@@ -12,14 +12,13 @@ use super::setup::{self, Place, Source, SourceParts};
 use crate::{
     error::Result,
     options::{Means, Work},
-    results::{origin::Origin, table, validity::Validity},
+    results::{origin::Origin, validity::Validity},
     session::{Request, Session},
 };
 use conformity::decision::Decision;
 use fmu_points::stop;
-use parameter_regions::table::PointTable;
 use point_journal::{
-    Header, Outcome,
+    Header,
     files::{make_output, write_json},
     pipeline::{
         Pipeline,
@@ -152,11 +151,6 @@ pub struct Delivery {
 }
 
 impl Delivery {
-    /// The result of a run.
-    pub(super) fn new(result: AnalysisResult, folder: PathBuf, kept: Kept) -> Self {
-        Self { result, folder, _kept: Some(kept) }
-    }
-
     /// A result without runs; refuses a folder that holds the results of another study file, where these are not to be
     /// replaced.
     pub(super) fn without_runs(
@@ -221,7 +215,7 @@ pub(super) fn open<A: Analysis>(work: &Work, analysis: &A) -> Result<A::Source> 
 }
 
 /// What was asked for.
-pub(super) fn request(study: &Path, means: &Means) -> Request {
+pub(crate) fn request(study: &Path, means: &Means) -> Request {
     Request { study: study.to_owned(), fmu: means.fmu.clone(), ..Request::default() }
 }
 
@@ -280,19 +274,12 @@ pub(super) fn run_by<A: Analysis>(
     let (mut result, kept) = found?;
     noted?;
     result.tell_validity(source.parts(), &state)?;
-    Ok(Delivery::new(result, folder, kept))
+    Ok(Delivery { result, folder, _kept: Some(kept) })
 }
 
 /// Which study and FMU the results of an analysis with runs of its own came from.
 pub(super) fn origin(session: &Session) -> Result<Origin> {
     Ok(Origin { study_sha256: session.study.digest(), fmu_sha256: Some(session.package.digest()?), points: None })
-}
-
-/// The table of runs that an analysis made itself, with all parameters.
-pub(super) fn table(session: &Session, points: &[Vec<f64>], outcomes: Vec<Outcome>) -> PointTable {
-    let Session { plan, judge, .. } = session;
-    let all: Vec<usize> = (0..plan.inputs.len()).collect();
-    table::from_runs(&plan.inputs, &all, judge, points, outcomes)
 }
 
 /// 0 when the model is verified, 1 when it is not, 3 when the points do not tell.

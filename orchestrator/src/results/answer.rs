@@ -21,7 +21,7 @@ use conformity::{
 };
 use fmu_points::Conduct;
 use result_document::{Block, Document, format::number};
-use study::concern::{Concern, Severity};
+use study::concern::Concern;
 
 /// What a reader has to know who reads no further.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
@@ -71,7 +71,7 @@ impl Answer {
     /// The answer of a finished study.
     pub fn new(summary: &Summary) -> Self {
         let decision = summary.decision();
-        let warned = odd(summary).is_some() || warnings(summary).next().is_some();
+        let warned = odd(summary).is_some() || summary.warnings().next().is_some();
         let sign = match decision {
             _ if summary.has_own_values() => Sign::Open,
             Decision::Verified if warned || is_mostly_wrong(summary) => Sign::Doubt,
@@ -172,19 +172,10 @@ fn found(documents: &[Document], summary: &Summary) -> Option<String> {
 const SENSITIVE: &str =
     "`orchestrator sensitivity {study} --from {folder}` tells which parameter decides, without a further run.";
 
-fn required(summary: &Summary) -> Option<&Requirement> {
-    summary.conclusion.as_ref()?.required.as_ref()
-}
-
 fn is_mostly_wrong(summary: &Summary) -> bool {
     const MOST: f64 = 0.5;
     let risk = summary.conclusion.as_ref().and_then(|c| c.risk.as_ref());
     risk.and_then(|risk| risk.not_conforming_given_accepted).is_some_and(|share| share > MOST)
-}
-
-fn warnings(summary: &Summary) -> impl Iterator<Item = &Concern> {
-    let concerns = summary.concerns.iter();
-    concerns.filter(|concern| concern.severity == Severity::Warning)
 }
 
 /// How points ran, where they did not run alone.
@@ -220,7 +211,7 @@ fn asked(summary: &Summary) -> String {
         Some(Conclusion { guard_band: Some(0.0), .. }) | None => String::new(),
         Some(_) => ", less the guard bands,".to_owned(),
     };
-    match required(summary) {
+    match summary.required() {
         Some(Requirement { rule, .. }) => format!(
             "Does the model meet {criteria}{guarded} in {} % of the sampled space or more?",
             in_percent(rule.share)
@@ -246,7 +237,7 @@ fn answer(summary: &Summary, decision: Decision) -> String {
         return format!("{} {}", moves(summary), own());
     }
     let by = surrogate::way(summary);
-    let Some(requirement) = required(summary) else {
+    let Some(requirement) = summary.required() else {
         let interval =
             summary.verified_interval.map_or_else(String::new, |ends| format!(", 95 % interval {}", range(ends)));
         let of = if by.is_empty() { "" } else { " of the space" };
@@ -263,30 +254,20 @@ fn answer(summary: &Summary, decision: Decision) -> String {
     let Some(interval) = requirement.interval else {
         return own();
     };
-    if summary.surrogate.is_some() {
-        let way = by.trim_matches([' ', '(', ')']);
-        let found = format!(
-            "{way}, it does in {} of the space at a confidence of {} %",
-            range(interval),
-            in_percent(requirement.rule.confidence)
-        );
-        return match decision {
-            Decision::Verified => format!("Yes: {found}."),
-            Decision::NotVerified => format!("No: {found}."),
-            Decision::Inconclusive => format!("The runs do not tell: {found}."),
-        };
-    }
+    let space =
+        format!("{} of the space at a confidence of {} %", range(interval), in_percent(requirement.rule.confidence));
     let accepted = summary.conclusion.as_ref().map_or(0, |c| c.accepted);
-    let found = format!(
-        "{} of {points}, which is {} of the space at a confidence of {} %",
-        grouped(accepted),
-        range(interval),
-        in_percent(requirement.rule.confidence)
-    );
+    let (open, found) = match &summary.surrogate {
+        Some(_) => {
+            let way = by.trim_matches([' ', '(', ')']);
+            ("The runs do not tell:", format!("{way}, it does in {space}"))
+        }
+        None => ("The points do not tell: it does", format!("at {} of {points}, which is {space}", grouped(accepted))),
+    };
     match decision {
-        Decision::Verified => format!("Yes: at {found}."),
-        Decision::NotVerified => format!("No: at {found}."),
-        Decision::Inconclusive => format!("The points do not tell: it does at {found}."),
+        Decision::Verified => format!("Yes: {found}."),
+        Decision::NotVerified => format!("No: {found}."),
+        Decision::Inconclusive => format!("{open} {found}."),
     }
 }
 
@@ -307,8 +288,7 @@ fn moves(summary: &Summary) -> String {
 
 fn decides(summary: &Summary) -> Vec<String> {
     let mut list = Vec::new();
-    let compared = summary.failed < summary.points && !summary.has_own_values();
-    let conclusion = summary.conclusion.as_ref().filter(|_| compared);
+    let conclusion = summary.conclusion.as_ref().filter(|_| summary.is_compared());
     list.extend(summary.surrogate.as_ref().map(BySurrogate::sentence));
     list.extend(summary.causes.iter().cloned());
     list.extend(conclusion.filter(|c| c.verdict == Decision::Inconclusive).and_then(|c| undecided(c, summary)));
@@ -345,8 +325,7 @@ pub fn remarks(summary: &Summary) -> Vec<String> {
 
 /// How often one has looked, and what the risks presume.
 fn further(summary: &Summary) -> Vec<String> {
-    let compared = summary.failed < summary.points && !summary.has_own_values();
-    let Some(conclusion) = summary.conclusion.as_ref().filter(|_| compared) else {
+    let Some(conclusion) = summary.conclusion.as_ref().filter(|_| summary.is_compared()) else {
         return Vec::new();
     };
     looked(conclusion).into_iter().chain(presumed(summary)).collect()

@@ -8,11 +8,15 @@ use serde::{Deserialize, Serialize};
 
 use super::{asides::Asides, by_surrogate::BySurrogate, settled::Settled};
 use conformity::{
-    conclusion::Conclusion, decision::Decision, measured::Measurement, risk::Risk, validation::Comparison,
+    conclusion::{Conclusion, Requirement},
+    decision::Decision,
+    measured::Measurement,
+    risk::Risk,
+    validation::Comparison,
 };
 use fmu_points::Conduct;
 use study::{
-    concern::Concern,
+    concern::{Concern, Severity},
     judge::{Criterion, Judge},
 };
 
@@ -147,6 +151,21 @@ impl Summary {
     pub fn has_own_values(&self) -> bool {
         let mut criteria = self.criteria.values();
         criteria.any(|count| count.criterion.nominal_from.is_some())
+    }
+
+    /// Whether a point has a result, and a measured value to be compared with.
+    pub fn is_compared(&self) -> bool {
+        self.failed < self.points && !self.has_own_values()
+    }
+
+    /// The share that the study requires, and how far it is known.
+    pub fn required(&self) -> Option<&Requirement> {
+        self.conclusion.as_ref()?.required.as_ref()
+    }
+
+    /// Doubts that are warnings.
+    pub fn warnings(&self) -> impl Iterator<Item = &Concern> {
+        self.concerns.iter().filter(|concern| concern.severity == Severity::Warning)
     }
 
     /// The verdict; of results that state none, by the one-point rule.

@@ -76,7 +76,7 @@ impl Evidence<'_> {
         } else {
             format!("by surrogate from {} runs, with its own error", told.runs)
         };
-        let compared = summary.failed < summary.points && !summary.has_own_values();
+        let compared = summary.is_compared();
         if let Some(conclusion) = summary.conclusion.as_mut().filter(|_| compared)
             && let Some(required) = &mut conclusion.required
         {
