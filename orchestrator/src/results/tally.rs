@@ -232,11 +232,6 @@ impl<'a> Tally<'a> {
         }
     }
 
-    fn by_criterion(&self) -> IndexMap<String, Count> {
-        let counts = self.stated.criteria.iter().map(|passed| self.count(passed));
-        self.judge.names().cloned().zip(counts).collect()
-    }
-
     fn by_group(&self) -> IndexMap<String, Count> {
         let names = self.judge.groups.iter().map(|(name, _)| name.clone());
         let counts = self.stated.groups.iter().map(|passed| self.count(passed));
@@ -284,10 +279,10 @@ impl<'a> Tally<'a> {
             unmeasured(&mut conclusion, points);
         }
         let all = self.count(&self.stated.verified);
-        let criteria = self.by_criterion().into_iter().enumerate().map(|(k, (name, count))| {
-            let (criterion, risk) = (&judge.criteria[k], &statement.criteria[k]);
+        let criteria = judge.criteria.iter().enumerate().map(|(k, criterion)| {
+            let risk = &statement.criteria[k];
             let count = CriterionCount {
-                count,
+                count: self.count(&self.stated.criteria[k]),
                 binds: self.binds[k],
                 only_failure: self.only_failure[k],
                 reached: None,
@@ -295,7 +290,7 @@ impl<'a> Tally<'a> {
                 risk: risk.clone().filter(|_| compared),
                 criterion: criterion.clone(),
             };
-            (name, count)
+            (criterion.name.clone(), count)
         });
         let mut failures: IndexMap<String, u64> = IndexMap::new();
         for (class, kind) in self.failures.values() {

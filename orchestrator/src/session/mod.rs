@@ -75,11 +75,9 @@ impl Session {
             orchestrator: env!("CARGO_PKG_VERSION").to_owned(),
             study: self.study.digest(),
             fmu: self.package.digest()?,
-            table: None,
             seed,
             points,
             shard: self.request.shard.map(|shard| shard.to_string()),
-            analysis: None,
             ..Header::default()
         })
     }

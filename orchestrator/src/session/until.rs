@@ -59,8 +59,8 @@ impl Ending {
     /// # Errors
     /// When the points allow no such ending; says what to do.
     /// `history` are the verdicts that were drawn from points of this study before.
-    pub fn new(until: Until, judge: &Judge, design: Option<(Method, u64)>, history: &History) -> Result<Self, String> {
-        if design.is_some_and(|(method, _)| !method.is_extensible()) {
+    pub fn new(until: Until, judge: &Judge, design: Option<Method>, history: &History) -> Result<Self, String> {
+        if design.is_some_and(|method| !method.is_extensible()) {
             let with = Method::named(Method::is_extensible);
             return Err(format!("this design needs all its points; use {with}"));
         }
@@ -125,9 +125,9 @@ impl Ending {
 }
 
 /// How points of a design may be looked at while they come in.
-fn way(design: Option<(Method, u64)>) -> Result<Way, String> {
+fn way(design: Option<Method>) -> Result<Way, String> {
     match design {
-        Some((method, _)) if method.is_independent(0, false) => Ok(Way::EveryPoint),
+        Some(method) if method.is_independent(0, false) => Ok(Way::EveryPoint),
         Some(_) => {
             Err("the points of this design depend on each other, and while they come in nothing tells how much; use \
              method = \"monte-carlo\""

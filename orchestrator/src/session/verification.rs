@@ -98,8 +98,8 @@ impl Verification {
     /// `history` are the verdicts that were drawn from its points before.
     pub fn ending(&self, until: Until, history: &History) -> Result<Ending, String> {
         let Session { study, judge, .. } = &self.session;
-        let design = (study.design.method, study.design.replicates);
-        Ending::new(until, judge, self.header.table.is_none().then_some(design), history)
+        let design = self.header.table.is_none().then_some(study.design.method);
+        Ending::new(until, judge, design, history)
     }
 
     /// Whether the first points of a longer run are those of a shorter one: those of a Latin hypercube are not.

@@ -45,8 +45,7 @@ impl Way {
                 .for_each(|index| counts[(index % self.replicates) as usize] += u64::from(is_inside(index)));
             return Looks::default().decide(rule, &counts, self.points);
         }
-        let way = Some((self.method, self.replicates));
-        let ending = Ending::new(Until::Verdict, &judge, way, &History::default()).unwrap();
+        let ending = Ending::new(Until::Verdict, &judge, Some(self.method), &History::default()).unwrap();
         let mut front = Front::new(&ending);
         for index in 0..self.points {
             if front.add(index, seen(is_inside(index))) {

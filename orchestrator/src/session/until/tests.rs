@@ -25,7 +25,7 @@ pub(super) fn judge(text: &str) -> Judge {
     Judge::new(&study, None).unwrap()
 }
 
-fn ending(until: &str, design: Option<(Method, u64)>) -> Result<Ending, String> {
+fn ending(until: &str, design: Option<Method>) -> Result<Ending, String> {
     Ending::new(until.parse().unwrap(), &judge(STUDY), design, &History::default())
 }
 
@@ -46,8 +46,8 @@ fn end(ending: &Ending, order: impl Iterator<Item = u64>, counts: impl Fn(u64) -
 
 #[test]
 fn the_order_in_which_points_finish_does_not_matter() {
-    for (until, design) in [("ci 0.2", (Method::MonteCarlo, 1)), ("verdict", (Method::MonteCarlo, 1))] {
-        let ending = ending(until, Some(design)).unwrap();
+    for until in ["ci 0.2", "verdict"] {
+        let ending = ending(until, Some(Method::MonteCarlo)).unwrap();
         let counts = |index| index % 3 == 0;
         let forward = end(&ending, 0..10_000, counts);
         assert_eq!(forward, end(&ending, (0..10_000).map(|i| i ^ 7), counts));
@@ -57,7 +57,7 @@ fn the_order_in_which_points_finish_does_not_matter() {
 
 #[test]
 fn a_width_is_looked_at_every_hundred_points() {
-    let ending = ending("ci 0.2", Some((Method::MonteCarlo, 1))).unwrap();
+    let ending = ending("ci 0.2", Some(Method::MonteCarlo)).unwrap();
     let points = end(&ending, 0..10_000, |index| index % 3 == 0);
     assert_eq!(points % 100, 0);
     let [low, high] = clopper_pearson(points.div_ceil(3) as f64, points as f64, 0.95);
@@ -67,7 +67,7 @@ fn a_width_is_looked_at_every_hundred_points() {
 
 #[test]
 fn a_verdict_ends_a_study_at_the_first_look_that_decides() {
-    let chance = ending("verdict", Some((Method::MonteCarlo, 1))).unwrap();
+    let chance = ending("verdict", Some(Method::MonteCarlo)).unwrap();
     assert_eq!(chance.looks().unwrap().way, Way::EveryPoint);
     // Of n points without a hit the share 0.2 has the likelihood 0.8^n, the mixture B(1/2, n + 1/2) / pi, which is about
     // 1 / sqrt(pi n): twenty times as much from 24 points on.
@@ -77,7 +77,7 @@ fn a_verdict_ends_a_study_at_the_first_look_that_decides() {
 #[test]
 fn guarded_points_count_for_the_verdict_and_others_for_the_width() {
     let judge = judge(STUDY);
-    let design = Some((Method::MonteCarlo, 1));
+    let design = Some(Method::MonteCarlo);
     let counts = |until, value: f64| ending(until, design).unwrap().counts(&judge, &Ok(vec![value])) == Seen::Counts;
     assert!(counts("verdict", 0.39) && !counts("verdict", 0.41));
     assert!(counts("ci 0.1", 0.5) && !counts("ci 0.1", 0.51));
@@ -89,7 +89,7 @@ fn guarded_points_count_for_the_verdict_and_others_for_the_width() {
 /// Without any result there is no verdict: so the first failures do not end the study, and a hundred do.
 #[test]
 fn failures_alone_end_a_study_late() {
-    let ending = ending("verdict", Some((Method::MonteCarlo, 1))).unwrap();
+    let ending = ending("verdict", Some(Method::MonteCarlo)).unwrap();
     for (failed, end) in [(20, 24), (40, 41), (1000, 100)] {
         let mut front = Front::new(&ending);
         let seen = |index| {
@@ -103,16 +103,14 @@ fn failures_alone_end_a_study_late() {
 #[test]
 fn points_that_allow_no_early_verdict_are_refused_with_a_remedy() {
     for (design, remedy) in [
-        (Some((Method::LatinHypercube, 1)), "needs all its points"),
-        (Some((Method::Sobol, 1)), "monte-carlo"),
-        // Each net is one trial, so that more points of it decide nothing.
-        (Some((Method::Sobol, 16)), "monte-carlo"),
+        (Some(Method::LatinHypercube), "needs all its points"),
+        (Some(Method::Sobol), "monte-carlo"),
         (None, "sample them"),
     ] {
         let message = ending("verdict", design).unwrap_err();
         assert!(message.contains(remedy), "{message}");
     }
-    let chance = Some((Method::MonteCarlo, 1));
+    let chance = Some(Method::MonteCarlo);
     let without = judge(STUDY.split("[verdict]").next().unwrap());
     let message = Ending::new(Until::Verdict, &without, chance, &History::default()).unwrap_err();
     assert!(message.contains("add [verdict]"), "{message}");
