@@ -107,21 +107,29 @@ pub fn changed(then: &IndexMap<String, String>, now: &IndexMap<String, String>) 
 /// # Errors
 /// When one of them cannot be read.
 pub fn altered(package: &mut Package, carried: &Carried) -> Result<Vec<String>> {
-    let prefix = format!("{FOLDER}{}/", carried.name);
     let mut now = IndexMap::new();
-    for entry in package.entries() {
-        let Some(below) = entry.strip_prefix(&prefix).filter(|below| is_file(below)) else {
-            continue;
-        };
-        now.insert(below.to_owned(), digest(&package.bytes_of(&entry)?));
+    for (entry, below) in files_of(package, &carried.name) {
+        now.insert(below, digest(&package.bytes_of(&entry)?));
     }
     now.shift_remove(TIES);
     Ok(if carried.ties.packed.is_empty() { Vec::new() } else { changed(&carried.ties.packed, &now) })
 }
 
-/// Whether a path below a study's folder is that of a file.
-fn is_file(below: &str) -> bool {
-    !below.is_empty() && !below.ends_with('/')
+/// The files of a study that a package carries: each entry, and its path within the study's folder.
+fn files_of(package: &Package, name: &str) -> Vec<(String, String)> {
+    let prefix = format!("{FOLDER}{name}/");
+    let below = |entry: String| {
+        let below = entry.strip_prefix(&prefix)?.to_owned();
+        (!below.is_empty() && !below.ends_with('/')).then_some((entry, below))
+    };
+    package.entries().into_iter().filter_map(below).collect()
+}
+
+/// The manifest of a package, if it has one.
+fn manifest_of(package: &mut Package) -> Result<Option<String>> {
+    let is_there = package.entries().iter().any(|entry| entry == MANIFEST);
+    let bytes = is_there.then(|| package.bytes_of(MANIFEST)).transpose()?;
+    Ok(bytes.map(|bytes| String::from_utf8_lossy(&bytes).into_owned()))
 }
 
 /// The studies that an FMU carries, in the order in which they were packed.
@@ -149,11 +157,7 @@ pub fn studies(package: &mut Package) -> Result<Vec<Carried>> {
         }
         studies.push(Carried { name, ties });
     }
-    let order = if entries.iter().any(|entry| entry == MANIFEST) {
-        String::from_utf8_lossy(&package.bytes_of(MANIFEST)?).into_owned()
-    } else {
-        String::new()
-    };
+    let order = manifest_of(package)?.unwrap_or_default();
     studies.sort_by_key(|study| order.find(&format!("\"{}/{TIES}\"", study.name)));
     Ok(studies)
 }
@@ -250,24 +254,20 @@ pub fn settle<T>(
 /// # Errors
 /// When one of them is damaged or has a path that leads elsewhere, and when the system says no.
 fn unpack(package: &mut Package, name: &str, folder: &Path) -> Result {
-    let prefix = format!("{FOLDER}{name}/");
     let mut total = 0;
-    for entry in package.entries() {
-        let Some(below) = entry.strip_prefix(&prefix).filter(|below| is_file(below)) else {
-            continue;
-        };
-        if !is_within(below) {
+    for (entry, below) in files_of(package, name) {
+        if !is_within(&below) {
             return Err(Error::content(&package.path().join(&entry), "a path that leads out of its folder"));
         }
         let bytes = package.bytes_of(&entry)?;
         total += bytes.len();
         if total > MOST_UNPACKED {
             return Err(Error::content(
-                &package.path().join(&prefix),
+                &package.path().join(format!("{FOLDER}{name}/")),
                 format!("its files have more than {} MB together", MOST_UNPACKED >> 20),
             ));
         }
-        let path = folder.join(below);
+        let path = folder.join(&below);
         make_folder(path.parent().unwrap_or(folder))?;
         write_text(&path, bytes)?;
     }
@@ -349,11 +349,7 @@ pub fn pack(package: &mut Package, study: &Study, results: &Path, summary: &Summ
     let about = "How the study was run, and the digests of the files that it was run with";
     let content = serde_json::to_vec_pretty(&ties)?;
     files.push(entry(TIES, "other", "application/json", about, content));
-    let before = if package.entries().iter().any(|entry| entry == MANIFEST) {
-        Some(String::from_utf8_lossy(&package.bytes_of(MANIFEST)?).into_owned())
-    } else {
-        None
-    };
+    let before = manifest_of(package)?;
     let own = format!("{name}/");
     let related: Vec<&Related> = files.iter().map(|file| &file.related).collect();
     let manifest = manifest::with(before.as_deref(), &own, &related)

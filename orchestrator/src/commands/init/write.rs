@@ -63,10 +63,6 @@ impl<'a> View<'a> {
         // At an offset such as that of degF a zero is rounded.
         if shown.abs() < 1e-12 * zero.abs() { 0.0 } else { shown }
     }
-
-    fn key(&self) -> String {
-        self.unit.map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)))
-    }
 }
 
 /// Six digits are enough for a first guess.
@@ -116,7 +112,7 @@ impl<'a> Shown<'a> {
         format!(
             "{} = {{ distribution = \"uniform\", min = {low}, max = {high}{} }}{}",
             quoted(&variable.name),
-            self.view.key(),
+            unit_key(self.view.unit),
             about(variable)
         )
     }
@@ -233,7 +229,7 @@ fn input(column: &Column, time: &str, path: &Path) -> String {
         file(path),
         quoted(time),
         quoted(&column.header),
-        unit_key(column)
+        unit_key(column.unit.as_deref())
     )
 }
 
@@ -254,18 +250,18 @@ fn operating_point(table: &Measured, row: usize) -> Vec<String> {
         lines.push(format!(
             "criteria.{name} = {{ variable = {name}, nominal = {}, tolerance = {tolerance}{} }}",
             number(measured),
-            unit_key(column)
+            unit_key(column.unit.as_deref())
         ));
     }
     lines
 }
 
-fn unit_key(column: &Column) -> String {
-    column.unit.as_deref().map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)))
+fn unit_key(unit: Option<&str>) -> String {
+    unit.map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)))
 }
 
 fn curve(column: &Column, time: &str, path: &Path) -> Vec<String> {
-    let unit = unit_key(column);
+    let unit = unit_key(column.unit.as_deref());
     let [head, variable] = head(column.variable);
     let metrics = Metric::ALL.iter().map(|metric| metric.name());
     let others: Vec<String> = metrics.filter(|name| name != "nrmse").collect();
@@ -293,7 +289,7 @@ fn reading(column: &Column) -> Vec<String> {
         lines.push(format!("noise = {noise} # the standard deviation of one row"));
         lines.push(format!("repeats = {count}"));
     }
-    lines.push(if value == 0.0 { "tolerance = 0.1".to_owned() } else { "tolerance = \"5 %\"".to_owned() });
+    lines.push(format!("tolerance = {}", if value == 0.0 { "0.1" } else { "\"5 %\"" }));
     let unit = column.unit.as_deref();
     lines.extend(unit.map(|unit| format!("unit = {}", quoted(unit))));
     lines
