@@ -26,7 +26,7 @@ const ENOUGH: Duration = Duration::from_secs(3);
 
 /// The estimate for people, or why there is none.
 pub fn of(verification: &mut Verification, means: &Means, jobs: usize) -> Result<String> {
-    let scratch = stop::scratch().map_err(Error::from)?;
+    let scratch = stop::scratch()?;
     let place = match means.place(jobs)? {
         WorkerSite::Processes(limits, isolation) => {
             let time = limits.time.min(PATIENCE);

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use crate::{
     error::{Error, Result},
-    options::folder_of,
+    options::{absolute, folder_of},
     results::{Summary, answer::Names, origin::Origin, table},
     session::Request,
 };
@@ -17,11 +17,6 @@ use study::Study;
 pub fn from(named: Option<&Path>, output: Option<&Path>, study: &Path) -> PathBuf {
     let output = output.filter(|folder| folder.join("summary.json").exists());
     named.or(output).map_or_else(|| folder_of(study), Path::to_owned)
-}
-
-/// A path that means the same in every folder.
-pub fn absolute(path: &Path) -> PathBuf {
-    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
 /// The points of a finished study, for an analysis of `study`.

@@ -26,13 +26,16 @@ impl Report {
         let (summary, table) = table::read_some(folder, choice::MOST)?;
         let study_text = std::fs::read_to_string(folder.join("study.toml")).unwrap_or_default();
         let study = Study::parse(&folder.join("study.toml"), study_text.clone()).ok();
+        let finished = Finished { folder, summary: &summary };
+        let shown = methods::shown(&finished);
+        let place = "Found as well (below)";
         let mut report = Self {
             command: command(&summary),
             judgement: Judgement::new(&summary)
                 .map_err(|message| Error::content(&folder.join("summary.json"), message))?,
             history: history::read(folder, (&summary, &table), study.as_ref()),
-            answer: answer(folder, &summary),
-            documents: documents(folder, &summary),
+            answer: Answer::new(&summary).beside(&summary, (&finished.names(), &shown), place),
+            documents: documents(&summary, shown),
             study_text,
             table,
             summary,
@@ -46,16 +49,9 @@ impl Report {
     }
 }
 
-/// The first screen, with what the methods found.
-fn answer(folder: &Path, summary: &Summary) -> Answer {
-    let study = Finished { folder, summary };
-    Answer::new(summary).beside(summary, (&study.names(), &methods::shown(&study)), "Found as well (below)")
-}
-
 /// The study's documents beside its verdict.
-fn documents(folder: &Path, summary: &Summary) -> Vec<Document> {
-    let study = Finished { folder, summary };
-    let mut documents: Vec<Document> = comparison(summary).into_iter().chain(methods::shown(&study)).collect();
+fn documents(summary: &Summary, shown: Vec<Document>) -> Vec<Document> {
+    let mut documents: Vec<Document> = comparison(summary).into_iter().chain(shown).collect();
     // What fits best does not change the verdict.
     let decision = summary.decision();
     let is_of_best = |document: &&mut Document| ["identification", "robustness"].contains(&&*document.id);

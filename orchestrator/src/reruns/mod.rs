@@ -116,7 +116,7 @@ struct Signals {
 
 impl<'a> Reruns<'a> {
     fn new(verification: &'a mut Verification, summary: &Summary, wish: &Wish) -> Result<Self, Error> {
-        let scratch = stop::scratch().map_err(Error::from)?;
+        let scratch = stop::scratch()?;
         let fmu = verification.session.package.unpack(scratch.path())?;
         let conduct = summary.conduct.as_ref();
         let verification: &Verification = verification;

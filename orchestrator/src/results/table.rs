@@ -7,7 +7,7 @@ use point_journal::Outcome;
 use std::path::Path;
 use study::{
     judge::{Judge, PointVerdict},
-    plan::Input,
+    plan::Plan,
 };
 
 /// Reads `summary.json` and `points.csv` of a finished study. Points that failed have no values, even of the criteria that
@@ -89,7 +89,7 @@ fn value(outcome: &Outcome, criterion: usize) -> f64 {
 
 /// The table of runs that an analysis made itself: the parameters that vary, and the criteria.
 pub fn from_runs(
-    inputs: &[Input],
+    plan: &Plan,
     varied: &[usize],
     judge: &Judge,
     points: &[Vec<f64>],
@@ -98,8 +98,8 @@ pub fn from_runs(
     assert_eq!(points.len(), outcomes.len(), "each point has an outcome");
     let verdicts: Vec<PointVerdict> = outcomes.iter().map(|o| judge.verdict(o.as_deref().ok())).collect();
     let parameters = varied.iter().map(|&k| ParameterColumn {
-        name: inputs[k].name.clone(),
-        unit: inputs[k].unit.clone().unwrap_or_default(),
+        name: plan.inputs[k].name.clone(),
+        unit: plan.inputs[k].unit.clone().unwrap_or_default(),
         values: points.iter().map(|p| p[k]).collect(),
     });
     let criteria = judge.criteria.iter().enumerate().map(|(j, criterion)| {

@@ -1,8 +1,9 @@
 //! Fresh runs of the model inside the box.
 
-use super::{super::asking, Points, joint};
+use super::{Points, joint};
 use crate::{
     error::{Error, Result},
+    results::table,
     session::Session,
 };
 use parameter_regions::robustness::{Robustness, rows};
@@ -35,7 +36,9 @@ impl Confirmation<'_, '_> {
         if let Some(region) = &mut result.region {
             let points = self.inside(|x| region.contains(&varying(x)))?;
             let outcomes = self.pipeline.ask(&points)?;
-            let runs = asking::table(self.session, &points, outcomes);
+            let Session { plan, judge, .. } = self.session;
+            let all: Vec<usize> = (0..parameters.len()).collect();
+            let runs = table::from_runs(plan, &all, judge, &points, outcomes);
             let inner: Vec<Vec<f64>> = rows(&runs).iter().map(|x| varying(x)).collect();
             region.fresh = Some(region.confirm(&inner, &runs.verified));
             result.answer = result.answer.clone().after(region, result.level);

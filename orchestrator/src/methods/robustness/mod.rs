@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    options::Work,
+    options::{Work, absolute},
     results::origin::Origin,
     session::{Request, Session},
 };
@@ -72,7 +72,7 @@ pub fn run(options: &Options) -> Result<Delivery> {
     let study = Study::read(&work.study)?;
     let said = &study.robustness;
     let mut analysis = Asked {
-        from: known::absolute(&from),
+        from: absolute(&from),
         level: level(options, &study)?,
         confirm: options.confirm.or(said.confirm).unwrap_or(0),
         seed: options.seed.or(said.seed).unwrap_or(1),
@@ -116,12 +116,10 @@ fn level(options: &Options, study: &Study) -> Result<f64> {
     const MESSAGE: &str = "must lie between 0 and 1";
     let inside = |level: f64| level > 0.0 && level < 1.0;
     match (options.level, &study.robustness.level) {
-        (Some(level), _) if !inside(level) => Err(Error::option("level", MESSAGE)),
-        (Some(level), _) => Ok(level),
-        (None, Some(level)) if !inside(*level.as_ref()) => {
-            Err(study.error_at(level, format!("level {MESSAGE}")).into())
-        }
-        (None, Some(level)) => Ok(*level.as_ref()),
+        (Some(level), _) if inside(level) => Ok(level),
+        (Some(_), _) => Err(Error::option("level", MESSAGE)),
+        (None, Some(level)) if inside(*level.as_ref()) => Ok(*level.as_ref()),
+        (None, Some(level)) => Err(study.error_at(level, format!("level {MESSAGE}")).into()),
         (None, None) => Ok(0.9),
     }
 }
@@ -198,19 +196,17 @@ impl Analysis for Asked {
 /// points themselves where the FMU is not there to convert units.
 fn cloud(plan: Option<&Plan>, table: &PointTable, seed: u64) -> Result<Vec<Vec<f64>>> {
     const SIZE: u64 = 65_536;
-    let names = || table.parameters.iter().map(|p| &p.name);
-    match plan {
-        Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(names()) && !plan.is_independent() => {
-            let points = joint(plan, SIZE, seed).map_err(|message| Error::option("seed", message))?;
-            Ok((0..SIZE).map(|index| points.point(index)).collect())
-        }
-        Some(plan) if plan.inputs.iter().map(|i| &i.name).eq(names()) => Ok(cube(plan.varied().len(), SIZE, seed, 1)
-            .map_err(|message| Error::option("seed", message))?
-            .iter()
-            .map(|u| plan.from_cube(u))
-            .collect()),
-        _ => Ok(region::cloud(&rows(table), seed)),
+    let names = table.parameters.iter().map(|p| &p.name);
+    let Some(plan) = plan.filter(|plan| plan.inputs.iter().map(|i| &i.name).eq(names)) else {
+        return Ok(region::cloud(&rows(table), seed));
+    };
+    let wrong = |message| Error::option("seed", message);
+    if plan.is_independent() {
+        let net = cube(plan.varied().len(), SIZE, seed, 1).map_err(wrong)?;
+        return Ok(net.iter().map(|u| plan.from_cube(u)).collect());
     }
+    let points = joint(plan, SIZE, seed).map_err(wrong)?;
+    Ok((0..SIZE).map(|index| points.point(index)).collect())
 }
 
 /// Independent points of the study's joint distribution, correlations included.

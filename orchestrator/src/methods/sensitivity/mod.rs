@@ -66,8 +66,7 @@ pub struct Options {
 
 /// A result in the folder of a finished study, as its page shows it.
 pub(super) fn shown(study: &Finished) -> Option<Document> {
-    let result = study.result(FILE)?;
-    Some(document(&result))
+    study.result(FILE).map(|result| document(&result))
 }
 
 /// Runs the command.
@@ -87,8 +86,8 @@ pub fn run(options: &Options) -> Result<Delivery> {
 /// Indices from the points in a folder.
 fn of_points(options: &Options, from: &Path, seed: u64) -> Result<Delivery> {
     let work = &options.work;
-    let request = Request { study: work.study.clone(), fmu: work.means.fmu.clone(), ..Request::default() };
-    let session = asking::session(request, Takes { correlations: true, samples: false })?;
+    let session =
+        asking::session(asking::request(&work.study, &work.means), Takes { correlations: true, samples: false })?;
     let result = from_points::find(&session, from, seed)?;
     let origin = asking::origin(&session)?;
     let text = document(&result).as_text();
@@ -156,7 +155,10 @@ impl Analysis for Asked {
         let design = method
             .design(session.plan.varied().len(), &self.settled)
             .map_err(|message| Error::option(method.facts().option, message))?;
-        let rows = simulate(session, pipeline, &design)?;
+        let plan = &session.plan;
+        let points: Vec<Vec<f64>> = design.iter().map(|u| plan.from_cube(u)).collect();
+        let outcomes = pipeline.ask(&points)?;
+        let rows = table::from_runs(plan, &plan.varied(), &session.judge, &points, outcomes);
         keep_runs(folder, &rows)?;
         let result = from_runs(method, &design, &rows, &self.settled);
         Ok(AnalysisResult::new(&result, asking::origin(session)?, document(&result).as_text(), FILE))
@@ -166,15 +168,6 @@ impl Analysis for Asked {
 /// One base point or trajectory tells nothing of how sure it is.
 fn enough(size: u64) -> Result<(), String> {
     if size < 2 { Err(format!("{size} is too few; at least 2 are needed")) } else { Ok(()) }
-}
-
-/// Simulates points of the unit cube of the parameters that vary.
-fn simulate(session: &Session, pipeline: &mut Pipeline, cube: &[Vec<f64>]) -> Result<PointTable> {
-    let plan = &session.plan;
-    let points: Vec<Vec<f64>> = cube.iter().map(|u| plan.from_cube(u)).collect();
-    let outcomes = pipeline.ask(&points)?;
-    let (inputs, judge) = (&plan.inputs, &session.judge);
-    Ok(table::from_runs(inputs, &plan.varied(), judge, &points, outcomes))
 }
 
 /// Writes the runs in the order of their design, for other programs to analyse.

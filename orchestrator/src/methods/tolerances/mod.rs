@@ -13,7 +13,7 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    options::Work,
+    options::{Work, absolute},
     results::{summary::ParameterSummary, table},
     session::{Request, Session},
 };
@@ -29,7 +29,7 @@ use parameter_regions::{
 };
 use point_journal::{Outcome, pipeline::Pipeline};
 use result_document::{Document, format::number};
-use sampling::design::Joint;
+use sampling::{design::Joint, statistics::moments::mean};
 use study::{
     Study,
     plan::{Input, Plan},
@@ -78,7 +78,7 @@ pub fn run(options: &Options) -> Result<Delivery> {
     let path = &options.work.study;
     let said = &Study::read(path)?.tolerances;
     let mut analysis = Asked {
-        from: known::absolute(&known::from(options.from.as_deref(), options.work.output.as_deref(), path)),
+        from: absolute(&known::from(options.from.as_deref(), options.work.output.as_deref(), path)),
         points: options.points.or(said.points).unwrap_or(1024).max(16),
         confirm: options.confirm.or(said.confirm).unwrap_or(1000).max(1),
         by_surrogate: options.budget.is_some(),
@@ -144,7 +144,7 @@ impl Analysis for Asked {
         }
         let mut runs = Runs { session, varied: of_points(&session.plan), pipeline, stand };
         let centre = runs.outcomes(&problem.centres())?;
-        let at_centre = goal.goods(&centre).iter().sum::<f64>() / centre.len() as f64;
+        let at_centre = mean(&goal.goods(&centre));
         let mut told = Tolerances {
             wanted: goal.wanted,
             share: problem.target,
@@ -166,21 +166,14 @@ impl Analysis for Asked {
             }
         };
         let mut sample = Sample::new(&problem.distributions, points, goal.goods(&outcomes));
-        let mut goods = |points: Vec<Vec<f64>>| {
-            let outcomes = runs.outcomes(&points)?;
-            Ok::<_, Error>(goal.goods(&outcomes))
-        };
-        let answer = problem.search(&mut sample, &mut goods)?;
+        let answer = problem.search(&mut sample, &mut |points: Vec<Vec<f64>>| runs.goods(&goal, &points))?;
         let stand = runs.stand.take();
         (told.points, told.rounds) = (sample.len() as u64, sample.rounds());
         told.surrogate = stand.and_then(|stand| Some(stand.qualities.first()?.points));
         told.parameters = parameters(&session.plan, &problem, &answer.scales, &answer.safe);
         told.widest = Some(answer.at_scales);
         told.stated = Some(answer.at_safe);
-        told.confirmed = Some(problem.confirm(&answer.safe, |points| {
-            let outcomes = runs.outcomes(&points)?;
-            Ok::<_, Error>(goal.goods(&outcomes))
-        })?);
+        told.confirmed = Some(problem.confirm(&answer.safe, |points| runs.goods(&goal, &points))?);
         result(&told)
     }
 }
@@ -351,6 +344,11 @@ impl Runs<'_, '_> {
         }
         let outcomes: Vec<Outcome> = self.pipeline.ask(&full)?;
         Ok(outcomes.into_iter().map(Result::ok).collect())
+    }
+
+    /// How good the outcomes of points are.
+    fn goods(&mut self, goal: &Goal, points: &[Vec<f64>]) -> Result<Vec<f64>> {
+        Ok(goal.goods(&self.outcomes(points)?))
     }
 
     /// The points of a finished study, with what came of them; more would only cost time.
