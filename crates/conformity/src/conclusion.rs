@@ -44,7 +44,7 @@ pub enum RuleName {
 }
 
 /// The required value of a share, and its interval from the points.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Requirement {
     /// The required share and the confidence.
     #[serde(flatten)]
@@ -175,11 +175,6 @@ fn undecided(
 }
 
 impl Conclusion {
-    /// Whether fewer points may be accepted than lie within all tolerances.
-    pub fn is_guarded(&self) -> bool {
-        self.guard_band != Some(0.0) || self.point_risk.is_some()
-    }
-
     /// Draws it from what is known of so many points; without a rule one point is enough.
     pub fn new(ruling: Option<Ruling>, statement: &Statement, points: u64) -> Self {
         let accepted = statement.accepted;

@@ -180,6 +180,7 @@ impl Looks {
     }
 
     /// Whether so many points of so many samples are a look.
+    #[cfg(test)]
     pub fn is_due(self, samples: usize, points: u64) -> bool {
         match self.way {
             Way::Once => false,

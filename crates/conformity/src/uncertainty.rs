@@ -27,7 +27,7 @@ pub enum Distribution {
 }
 
 /// The uncertainty of a measured value, part by part.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Uncertainty {
     /// Of the offset, in the value's unit: the expanded uncertainty, or the half-width of a rectangle.
     pub expanded: f64,
@@ -101,25 +101,6 @@ impl Uncertainty {
             .into_iter()
             .filter(|(_, part)| *part > 0.0)
             .collect()
-    }
-
-    /// What is stated, in words; `unit` is that of the value, with a blank before it.
-    pub fn words(&self, unit: &str) -> String {
-        let offset = match self.distribution {
-            Distribution::Normal => format!("(k = {})", self.coverage),
-            Distribution::Rectangular => "(half-width of a rectangle)".to_owned(),
-        };
-        let mut words = format!("uncertainty {}{unit} {offset}", self.expanded);
-        if self.gain > 0.0 {
-            words += &format!(", of the gain {} % (k = 1)", 100.0 * self.gain);
-        }
-        if self.noise > 0.0 {
-            words += &format!(", noise {}{unit}", self.noise);
-        }
-        if let Some(repeats) = self.repeats {
-            words += &format!(", mean of {repeats}");
-        }
-        words
     }
 
     /// The distribution of the error of this value: the sum of a normal number, of Student's for the mean of repeats, and of
