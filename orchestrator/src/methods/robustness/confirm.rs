@@ -37,10 +37,8 @@ impl Confirmation<'_, '_> {
             let points = self.inside(|x| region.contains(&varying(x)))?;
             let outcomes = self.pipeline.ask(&points)?;
             let Session { plan, judge, .. } = self.session;
-            let all: Vec<usize> = (0..parameters.len()).collect();
-            let runs = table::from_runs(plan, &all, judge, &points, outcomes);
-            let inner: Vec<Vec<f64>> = rows(&runs).iter().map(|x| varying(x)).collect();
-            region.fresh = Some(region.confirm(&inner, &runs.verified));
+            let runs = table::from_runs(plan, &places, judge, &points, outcomes);
+            region.fresh = Some(region.confirm(&rows(&runs), &runs.verified));
             result.answer = result.answer.clone().after(region, result.level);
         }
         Ok(result)
