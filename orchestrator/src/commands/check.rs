@@ -50,7 +50,7 @@ pub fn run(options: &Check) -> Result<ExitCode> {
     for Entry { rule, variable, reason } in known.iter().flat_map(|known| &known.ignore) {
         if findings.ignore(rule, variable.as_deref(), reason) == 0 {
             let of = variable.as_ref().map(|name| format!(" of {name}")).unwrap_or_default();
-            fmu_points::tell::line!("note: no finding of the rule {rule}{of} is left to ignore: remove the entry");
+            output::line!("note: no finding of the rule {rule}{of} is left to ignore: remove the entry");
         }
     }
     output::print(&match options.format {

@@ -27,13 +27,11 @@ pub fn verdict(summary: &Summary, folder: Option<&Path>, (gate, verbose): (&Gate
     let doubts = summary.warnings().count();
     if gate.strict && verdict == Some(Decision::Verified) && doubts > 0 {
         let plural = if doubts == 1 { "" } else { "s" };
-        fmu_points::tell::line!(
-            "note: exit code 1, since --strict allows for no warning, and there is {doubts}{plural}"
-        );
+        output::line!("note: exit code 1, since --strict allows for no warning, and there is {doubts}{plural}");
         return Ok(ExitCode::FAILURE);
     }
     if let Some(few) = few(summary).filter(|_| gate.strict) {
-        fmu_points::tell::line!("note: exit code 1, since --strict is given, and {few}");
+        output::line!("note: exit code 1, since --strict is given, and {few}");
         return Ok(ExitCode::FAILURE);
     }
     Ok(exit_code(verdict))

@@ -53,7 +53,7 @@ pub fn run(cli: Cli) -> Result<ExitCode> {
     }
     match done {
         Err(Error::Journal(halt @ Halt::Interrupted { .. })) => {
-            fmu_points::tell::line!("{halt}");
+            output::line!("{halt}");
             Ok(ExitCode::from(INTERRUPTED))
         }
         other => other,
@@ -123,7 +123,7 @@ fn deliver(delivery: Delivery) -> Result<ExitCode> {
         Report::from_folder(folder)?.write(folder)?;
         if !fits {
             let page = folder.join("report.html");
-            fmu_points::tell::line!(
+            output::line!(
                 "note: {} tells of another study or its earlier text, so it does not show this",
                 page.display()
             );
@@ -142,5 +142,5 @@ fn complete(folder: &Path) {
 }
 
 fn left_out(what: &str, error: &dyn std::error::Error) {
-    fmu_points::tell::line!("note: {what}: {error}");
+    output::line!("note: {what}: {error}");
 }

@@ -115,7 +115,7 @@ pub fn settings(texts: &[String], package: &mut Package) -> Result<Vec<(u32, Val
         }
         let value = value_of(fmu, variable, &setting).map_err(wrong)?;
         if let Some(read) = bare(fmu, variable, &setting) {
-            fmu_points::tell::line!("{read}");
+            output::line!("{read}");
         }
         values.push((variable.handle().reference, value));
     }
