@@ -106,7 +106,7 @@ pub fn words(within: &[Range]) -> String {
 }
 
 /// Failed runs around an optimum: it may lie beyond them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Edge {
     /// Whether the last way down led to runs that failed: the sum of squares may be less beyond.
     pub blocked: bool,

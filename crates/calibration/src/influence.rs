@@ -17,7 +17,7 @@ use super::{
 };
 
 /// Values that are measured together: those of a curve, or of a quantity in all cases.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Group {
     /// Its name.
     pub name: String,

@@ -19,7 +19,7 @@ pub enum Spacing {
 }
 
 /// Prior of a parameter: knowledge from before the measurement, beyond its bounds.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Prior {
     /// The most probable value; on a logarithmic scale the median.
     pub centre: f64,
@@ -28,7 +28,7 @@ pub struct Prior {
 }
 
 /// A parameter to be found, the same in all cases.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Free {
     /// Its name.
     pub name: String,
@@ -127,7 +127,7 @@ impl Free {
 /// Free parameters that are one quantity of several specimens: normal, with a mean and a standard deviation that are unknown,
 /// too, on the parameters' scale and between their bounds. The search takes each by itself, as the density is highest where
 /// the spread is 0; the posterior's sample has mean and spread.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Population {
     /// The quantity.
     pub name: String,
@@ -144,7 +144,7 @@ impl Population {
 }
 
 /// The interval in which a case's latent parameter lies; within it everything is equally probable.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Interval {
     /// The lower end.
     pub min: f64,
@@ -171,7 +171,7 @@ pub struct Measured {
 
 /// A measured value whose own error is not normal. The search takes a normal one with the value's accuracy; the posterior's
 /// sample takes the error as it is, where the value shares none with others.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct NotNormal {
     /// The value's case.
     pub case: usize,
@@ -182,7 +182,7 @@ pub struct NotNormal {
 }
 
 /// A measured value whose own error is not all noise.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Mixed {
     /// The value's case.
     pub case: usize,
@@ -206,7 +206,7 @@ pub struct Estimate {
 }
 
 /// A quantity's name and unit.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Named {
     /// Its name.
     pub name: String,
@@ -221,7 +221,7 @@ pub type Quantity = Named;
 pub type Latent = Named;
 
 /// A measured case.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Case {
     /// Name, for people.
     pub label: String,
@@ -233,7 +233,7 @@ pub struct Case {
 
 /// An error that several measured values share, such as the zero error of a sensor: a number with mean 0 and standard deviation
 /// 1 before the measurement, and independent of all others.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Source {
     /// The values that it touches.
     pub effects: Vec<Effect>,
@@ -292,7 +292,7 @@ impl SharedKind {
 }
 
 /// A shared error of a measured channel, of which people want to know: a sum of sources.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Channel {
     /// The channel.
     pub name: String,
@@ -323,7 +323,7 @@ impl Channel {
 }
 
 /// The problem: unknown parameters, and the measurements that determine them.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct Problem {
     /// The parameters that all cases share.
     pub free: Vec<Free>,

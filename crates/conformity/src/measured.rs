@@ -185,7 +185,7 @@ impl Measured {
 }
 
 /// The model values of one point, judged against the measurement.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Conformity {
     /// For each criterion.
     pub criteria: Vec<Assessed>,

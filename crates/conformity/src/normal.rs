@@ -115,7 +115,6 @@ fn angles(correlation: f64) -> impl Iterator<Item = [f64; 3]> {
 static TWENTY: LazyLock<GaussLegendre> = LazyLock::new(|| GaussLegendre::new(20));
 
 /// Nodes and weights of a Gauss-Legendre rule on (-1, 1).
-#[derive(Debug)]
 pub(super) struct GaussLegendre(Vec<[f64; 2]>);
 
 impl GaussLegendre {

@@ -46,7 +46,7 @@ pub struct Comparison {
 }
 
 /// The numerical uncertainty of one criterion's value, as far as it is known.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Numerical {
     /// The standard uncertainty, where a refinement showed an order.
     pub standard: Option<f64>,
@@ -116,7 +116,7 @@ impl Comparison {
 }
 
 /// Settings that are made finer to see the numerical error.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub enum Refined {
     /// The communication step, to a half and a quarter.
     Step,
@@ -231,7 +231,7 @@ impl Spread {
 }
 
 /// The model's values over the points.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Scatter {
     /// Their mean.
     pub mean: f64,

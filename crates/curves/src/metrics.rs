@@ -37,7 +37,7 @@ impl<'a> Pair<'a> {
 }
 
 /// How a metric's numbers are to be read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
     /// An error in the unit of the curves; 0 is the best.
     Error,

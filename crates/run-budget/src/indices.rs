@@ -14,7 +14,7 @@ const PARTS: usize = 16;
 const DRAWN: usize = 1024;
 
 /// An index with its interval.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Index {
     /// The mean over the functions that the output may be.
     pub estimate: f64,

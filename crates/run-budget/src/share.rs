@@ -23,7 +23,7 @@ const LARGEST_OPEN: f64 = 0.1;
 pub(crate) const REFUTED: f64 = 2.5;
 
 /// A requirement: an output lies within both ends. Infinite ends are none.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Limit {
     /// The number of the output.
     pub output: usize,

@@ -8,7 +8,7 @@
 use crate::distribution::normal_quantile;
 
 /// Purpose of a random number; different purposes never share numbers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub enum Purpose {
     /// The coordinates of a point.
     Point = 0,

@@ -166,7 +166,7 @@ impl Delivery {
 }
 
 /// Which parameters that belong together an analysis can take.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Default)]
 pub(super) struct Takes {
     /// Whether it keeps correlated parameters together.
     pub(super) correlations: bool,

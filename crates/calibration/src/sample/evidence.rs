@@ -13,7 +13,7 @@ pub(super) const ENOUGH: f64 = 100.0;
 const REACH: f64 = 2.365;
 
 /// The evidence of a model with its prior: the mean likelihood of the measured values over the prior.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Evidence {
     /// Its logarithm; the evidence is in the inverse units of the measured values.
     pub log: f64,
@@ -31,7 +31,7 @@ pub struct Evidence {
 }
 
 /// The ratio of two evidences: Bayes' factor.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Ratio {
     /// Its logarithm.
     pub log: f64,

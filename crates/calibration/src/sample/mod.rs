@@ -93,7 +93,7 @@ pub enum SampleError {
 }
 
 /// A place in the space of all unknowns.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct Particle {
     /// The unknowns, as places between their bounds.
     pub places: Vec<f64>,

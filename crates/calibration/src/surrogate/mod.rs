@@ -165,7 +165,6 @@ pub fn replaced(task: &Task, model: &dyn Simulate, observe: &dyn Fn(String)) -> 
 }
 
 /// What a batch of runs said that no surrogate had seen.
-#[derive(Clone, Debug)]
 pub(crate) struct Fresh {
     /// How many were compared.
     pub compared: usize,

@@ -18,7 +18,7 @@ pub const LEAST: usize = 11;
 pub const MOST: usize = 20_000;
 
 /// The ratings, each from 0 to 1.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug)]
 pub struct Ratings {
     /// How far the model leaves the corridors around the reference.
     pub corridor: f64,

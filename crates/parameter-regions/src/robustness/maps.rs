@@ -12,7 +12,7 @@ pub const CELLS: usize = 20;
 const OTHERS: usize = 25;
 
 /// A map over two parameters.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Map {
     /// Index of the parameter along the horizontal axis.
     pub x: usize,

@@ -6,7 +6,7 @@ use sampling::statistics::moments::{quantile, sorted};
 use serde::{Deserialize, Serialize};
 
 /// A parameter's room.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Margin {
     /// The parameter.
     pub parameter: String,

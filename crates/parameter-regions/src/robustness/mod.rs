@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use stand::{Quality, Stand};
 
 /// A study's robustness.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Robustness {
     /// The parameters.
     pub parameters: Vec<String>,

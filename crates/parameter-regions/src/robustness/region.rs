@@ -10,7 +10,7 @@ use sampling::{
 use serde::{Deserialize, Serialize};
 
 /// How many of the study's own points a region holds, and how many of them are verified.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Confirmed {
     /// Points inside.
     pub points: usize,
@@ -69,7 +69,7 @@ pub struct Statement {
 }
 
 /// A box in the parameter space, and how much of it is verified.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Region {
     /// Least and greatest value of every parameter.
     pub limits: Vec<[f64; 2]>,

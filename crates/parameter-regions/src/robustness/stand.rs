@@ -10,7 +10,7 @@ use statrs::distribution::{ContinuousCDF, Normal};
 const MOST_POINTS: usize = 200;
 
 /// How well a surrogate predicts points that it was not fitted to.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Quality {
     /// Points fitted.
     pub points: usize,

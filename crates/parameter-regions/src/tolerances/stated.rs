@@ -70,7 +70,7 @@ pub struct Parameter {
 }
 
 /// A share estimated from weighted points.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Stated {
     /// The share.
     pub share: f64,
@@ -81,7 +81,7 @@ pub struct Stated {
 }
 
 /// The result of the fresh runs.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct Confirmed {
     /// How many.
     pub runs: u64,

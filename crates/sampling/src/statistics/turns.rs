@@ -5,7 +5,7 @@ const SCALE: f64 = 1.0 / (1_u64 << 40) as f64;
 
 /// A signal and an angle on straight lines, until the last turn that is complete. An angle may grow or shrink, but must not
 /// jump back after a turn: a way back of more than half a turn between two values is taken for such a jump.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct MeanOverTurns {
     /// How much the angle changes in a turn.
     turn: f64,
