@@ -476,6 +476,7 @@ impl Answers {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use sampling::random::{Purpose, Random};
 
     /// A point of which no function is drawn is on one side by all of them.
     #[test]
