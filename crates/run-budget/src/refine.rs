@@ -34,7 +34,7 @@ pub fn most_open(surrogates: &[(&Surrogate, Vec<Vec<f64>>)], count: usize) -> Ve
 }
 
 /// Takes each row's mean away.
-pub(crate) fn centre(values: &mut DMatrix<f64>) {
+pub fn centre(values: &mut DMatrix<f64>) {
     for mut row in values.row_iter_mut() {
         let mean = row.mean();
         row.add_scalar_mut(-mean);
@@ -42,7 +42,7 @@ pub(crate) fn centre(values: &mut DMatrix<f64>) {
 }
 
 /// What the value at one row tells of all others is no longer open.
-pub(crate) fn close(values: &mut DMatrix<f64>, row: usize) {
+pub fn close(values: &mut DMatrix<f64>, row: usize) {
     let row = values.row(row).into_owned();
     let of_row = row.norm_squared();
     if of_row > 0.0 {

@@ -16,11 +16,11 @@ const NO_NOISE: f64 = 1e-4;
 const SURE: f64 = 10.0;
 /// Errors of runs left out, over the deviation of the output, from which on the surrogate is asked only where hardly a sign
 /// depends on them.
-pub(crate) const LARGEST_ERROR: f64 = 0.2;
+pub const LARGEST_ERROR: f64 = 0.2;
 /// Hardly a sign depends on errors that leave open no more than this part of the variance of the signs.
 const LARGEST_OPEN: f64 = 0.1;
 /// So many deviations more wrong signs among the runs left out than their probabilities say refute the surrogate.
-pub(crate) const REFUTED: f64 = 2.5;
+pub const REFUTED: f64 = 2.5;
 
 /// A requirement: an output lies within both ends. Infinite ends are none.
 #[derive(Clone, Copy, Debug)]
@@ -113,7 +113,7 @@ impl Share {
 }
 
 /// Functions that the outputs of a model may be, drawn once to be asked at many points.
-pub(crate) struct Drawn<'a> {
+pub struct Drawn<'a> {
     surrogate: &'a Surrogate,
     outputs: Vec<Functions<'a>>,
     success: Option<Functions<'a>>,
@@ -121,13 +121,13 @@ pub(crate) struct Drawn<'a> {
 
 impl<'a> Drawn<'a> {
     /// `each` functions of each member of an output's sample.
-    pub(crate) fn new(surrogate: &'a Surrogate, each: usize) -> Self {
+    pub fn new(surrogate: &'a Surrogate, each: usize) -> Self {
         let outputs = (0..surrogate.outputs.len()).map(|output| surrogate.functions(output, each)).collect();
         Self { surrogate, outputs, success: surrogate.success(each) }
     }
 
     /// Their values, with noise or without it.
-    pub(crate) fn at(&self, points: &[Vec<f64>], noise: bool) -> Possible {
+    pub fn at(&self, points: &[Vec<f64>], noise: bool) -> Possible {
         let Self { surrogate, outputs, success } = self;
         let standard = surrogate.standard(points);
         let of = |(output, functions): (usize, &Functions<'_>)| {
@@ -150,7 +150,7 @@ impl<'a> Drawn<'a> {
 
 /// Values at points of functions that the model may be: a row a point, a column a function.
 #[derive(Clone, Debug)]
-pub(crate) struct Possible {
+pub struct Possible {
     /// By output.
     pub(crate) values: Vec<DMatrix<f64>>,
     /// Where it is negative a run would fail.
@@ -161,12 +161,12 @@ pub(crate) struct Possible {
 
 impl Possible {
     /// Of functions that are asked only here; see [`Drawn`].
-    pub(crate) fn new(surrogate: &Surrogate, points: &[Vec<f64>], each: usize, noise: bool) -> Self {
+    pub fn new(surrogate: &Surrogate, points: &[Vec<f64>], each: usize, noise: bool) -> Self {
         Drawn::new(surrogate, each).at(points, noise)
     }
 
     /// The most probable functions alone.
-    pub(crate) fn likely(surrogate: &Surrogate, points: &[Vec<f64>]) -> Self {
+    pub fn likely(surrogate: &Surrogate, points: &[Vec<f64>]) -> Self {
         let standard = surrogate.standard(points);
         let of = |output: &Output| DMatrix::from_vec(points.len(), 1, output.means(&standard));
         Self {
@@ -178,7 +178,7 @@ impl Possible {
     }
 
     /// The least margin over all limits, in deviations of the outputs, and below 0 where a run would fail.
-    pub(crate) fn margins(&self, limits: &[Limit]) -> DMatrix<f64> {
+    pub fn margins(&self, limits: &[Limit]) -> DMatrix<f64> {
         let mut least = self.success.clone();
         for limit in limits {
             let margins = self.values[limit.output].map(|v| limit.margin(v) / self.spreads[limit.output]);
@@ -191,7 +191,7 @@ impl Possible {
     }
 
     /// Below 0 where an event happens.
-    pub(crate) fn event(&self, event: Event, limits: &[Limit]) -> DMatrix<f64> {
+    pub fn event(&self, event: Event, limits: &[Limit]) -> DMatrix<f64> {
         match (event, &self.success) {
             (Event::Kept, _) => -self.margins(limits),
             (Event::Failed, Some(success)) => success.clone(),
@@ -265,7 +265,7 @@ fn left_open(told: &[Vec<[f64; 2]>], runs: usize) -> f64 {
 
 /// By how many deviations what came out, 0 or 1, is farther off what was said of it than that admits, and how far it is off to one
 /// side. What was said is never surer than `least`.
-pub(crate) fn surprise(told: impl Iterator<Item = [f64; 2]>, least: f64) -> [f64; 2] {
+pub fn surprise(told: impl Iterator<Item = [f64; 2]>, least: f64) -> [f64; 2] {
     let (mut excess, mut variance, mut off, mut open) = (0.0, 0.0, 0.0, 0.0);
     for [said, is] in told {
         let said = said.clamp(least, 1.0 - least);
@@ -286,7 +286,7 @@ fn normal_below(z: f64) -> f64 {
 /// Which of the points to run next so that the share gets known best, by the margins that they may have (a row a point, a column
 /// a function): in turn the one whose sign is least known, as far as those chosen before it do not tell it. Fewer than `count`
 /// where the signs of all others are known.
-pub(crate) fn undecided(mut margins: DMatrix<f64>, count: usize) -> Vec<usize> {
+pub fn undecided(mut margins: DMatrix<f64>, count: usize) -> Vec<usize> {
     let draws = margins.ncols() as f64;
     let open = |i: usize| {
         let good = margins.row(i).iter().filter(|m| **m >= 0.0).count() as f64 / draws;

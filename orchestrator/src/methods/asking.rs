@@ -167,7 +167,7 @@ impl Delivery {
 
 /// Which parameters that belong together an analysis can take.
 #[derive(Clone, Copy, Default)]
-pub(super) struct Takes {
+pub struct Takes {
     /// Whether it keeps correlated parameters together.
     pub(super) correlations: bool,
     /// Whether it takes rows of a sample as they are.
@@ -176,11 +176,11 @@ pub(super) struct Takes {
 
 impl Takes {
     /// It draws whole points only.
-    pub(super) const ALL: Self = Self { correlations: true, samples: true };
+    pub const ALL: Self = Self { correlations: true, samples: true };
 }
 
 /// A study whose parameters are as free as an analysis needs them.
-pub(super) fn session(request: Request, takes: Takes) -> Result<Session> {
+pub fn session(request: Request, takes: Takes) -> Result<Session> {
     let session = Session::open(request)?;
     if session.plan.correlation.is_some() && !takes.correlations {
         return Err(session
@@ -210,12 +210,12 @@ pub(super) fn session(request: Request, takes: Takes) -> Result<Session> {
 }
 
 /// Reads what the points of an analysis are run of.
-pub(super) fn open<A: Analysis>(work: &Work, analysis: &A) -> Result<A::Source> {
+pub fn open<A: Analysis>(work: &Work, analysis: &A) -> Result<A::Source> {
     analysis.open(request(&work.study, &work.means))
 }
 
 /// What was asked for.
-pub(crate) fn request(study: &Path, means: &Means) -> Request {
+pub fn request(study: &Path, means: &Means) -> Request {
     Request { study: study.to_owned(), fmu: means.fmu.clone(), ..Request::default() }
 }
 
@@ -239,12 +239,12 @@ pub fn header<A: Analysis>(source: &A::Source, analysis: &A) -> Result<Header> {
 }
 
 /// Runs an analysis whose results go into `folder`.
-pub(super) fn run<A: Analysis>(source: A::Source, analysis: &A, work: &Work, folder: PathBuf) -> Result<Delivery> {
+pub fn run<A: Analysis>(source: A::Source, analysis: &A, work: &Work, folder: PathBuf) -> Result<Delivery> {
     run_by(source, analysis, (&work.means, work.resuming.earlier()), folder)
 }
 
 /// The same by these processes, with this treatment of an earlier run.
-pub(super) fn run_by<A: Analysis>(
+pub fn run_by<A: Analysis>(
     mut source: A::Source,
     analysis: &A,
     (means, earlier): (&Means, Earlier),
@@ -278,7 +278,7 @@ pub(super) fn run_by<A: Analysis>(
 }
 
 /// Which study and FMU the results of an analysis with runs of its own came from.
-pub(super) fn origin(session: &Session) -> Result<Origin> {
+pub fn origin(session: &Session) -> Result<Origin> {
     Ok(Origin { study_sha256: session.study.digest(), fmu_sha256: Some(session.package.digest()?), points: None })
 }
 

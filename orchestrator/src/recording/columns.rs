@@ -149,7 +149,7 @@ impl Recorded<'_> {
     }
 
     /// A channel in its own unit, or in `si`.
-    pub(super) fn channel(&self, key: &str, signal: &Signal, name: &str, si: Option<&str>) -> Result<Channel> {
+    pub fn channel(&self, key: &str, signal: &Signal, name: &str, si: Option<&str>) -> Result<Channel> {
         let settings = self.settings;
         let wrong = |message| settings.wrong(format!("{key}: {message}"));
         let column = settings.needed(signal.column.as_ref(), key, "column")?;

@@ -3,20 +3,20 @@
 use parameter_regions::table::{CriterionColumn, PointTable};
 
 /// The output that tells whether a run failed.
-pub(super) const OUTPUT: &str = "failed";
+pub const OUTPUT: &str = "failed";
 
 /// How many runs did not give all results.
-pub(super) fn failed(table: &PointTable) -> usize {
+pub fn failed(table: &PointTable) -> usize {
     (0..table.len()).filter(|&k| !table.completed(k)).count()
 }
 
 /// How many runs have no value of an output.
-pub(super) fn missing(values: &[f64]) -> usize {
+pub fn missing(values: &[f64]) -> usize {
     values.iter().filter(|value| !value.is_finite()).count()
 }
 
 /// Warns of failed runs: a sentence for each output that misses values, and one that says where to look.
-pub(super) fn warnings(table: &PointTable) -> Vec<String> {
+pub fn warnings(table: &PointTable) -> Vec<String> {
     if failed(table) == 0 {
         return Vec::new();
     }

@@ -35,7 +35,7 @@ const CORRELATED: &str = "the parameters are correlated, so Shapley effects divi
 type Found = Result<(Option<Indices>, Effects), String>;
 
 /// The result of a finished study's points in `folder`.
-pub(super) fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensitivity, Error> {
+pub fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensitivity, Error> {
     let Session { study, plan, judge, .. } = session;
     let (_, table) = known::points_of(folder, study)?;
     let runs = runs(plan, &table);
