@@ -152,7 +152,7 @@ impl<'a> Drawn<'a> {
 #[derive(Clone, Debug)]
 pub struct Possible {
     /// By output.
-    pub(crate) values: Vec<DMatrix<f64>>,
+    pub values: Vec<DMatrix<f64>>,
     /// Where it is negative a run would fail.
     success: Option<DMatrix<f64>>,
     spreads: Vec<f64>,

@@ -169,9 +169,9 @@ impl Delivery {
 #[derive(Clone, Copy, Default)]
 pub struct Takes {
     /// Whether it keeps correlated parameters together.
-    pub(super) correlations: bool,
+    pub correlations: bool,
     /// Whether it takes rows of a sample as they are.
-    pub(super) samples: bool,
+    pub samples: bool,
 }
 
 impl Takes {

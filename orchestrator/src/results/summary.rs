@@ -308,7 +308,7 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    pub(super) fn new(label: u64, parameters: &[f64], values: &[f64]) -> Self {
+    pub fn new(label: u64, parameters: &[f64], values: &[f64]) -> Self {
         Self { label, parameters: parameters.to_vec(), values: values.to_vec() }
     }
 }

@@ -64,7 +64,7 @@ pub struct Again {
     drawn: BTreeMap<Option<String>, Draw>,
     random: StdRng,
     /// No more of them run again.
-    pub(super) most: usize,
+    pub most: usize,
     found: Option<(bool, String)>,
 }
 

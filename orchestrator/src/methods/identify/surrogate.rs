@@ -36,7 +36,7 @@ const POINTS: usize = 250;
 #[derive(Debug, Default)]
 pub struct Known {
     /// A digest of the points; none where there are none.
-    pub(super) digest: Option<String>,
+    pub digest: Option<String>,
     places: Vec<Vec<f64>>,
     predictions: Vec<Prediction>,
 }
