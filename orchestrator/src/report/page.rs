@@ -8,7 +8,7 @@ use super::{
     figures,
     from_results::{provenance, remarks},
     payload::{self, PlotColumn},
-    planes::{Plane, planes},
+    planes::planes,
 };
 use crate::{
     error::Error,
@@ -33,19 +33,6 @@ const MOST_PLAIN: usize = 300_000;
 /// The plots that are written as files: name and picture.
 type Plots = Vec<(String, String)>;
 
-/// The page's script, in the order in which its parts need each other.
-const SCRIPT: &str = concat!(
-    include_str!("assets/packed.js"),
-    include_str!("assets/numbers.js"),
-    include_str!("assets/moments.js"),
-    include_str!("assets/judge.js"),
-    include_str!("assets/weights.js"),
-    include_str!("assets/reweigh.js"),
-    include_str!("assets/toml.js"),
-    include_str!("assets/whatif.js"),
-    include_str!("assets/report.js")
-);
-
 /// Renders the page, and its plots.
 pub fn render(report: &Report) -> Result<(String, Plots), Error> {
     let whole = &report.table;
@@ -69,7 +56,19 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
     let packed = bytes.len() > MOST_PLAIN;
     let answer = &report.answer;
     let planes = planes(drawn, &columns, &points, counts);
-    let plots = plots(report, (table, &columns), &planes, counts);
+    let mut plots: Plots =
+        planes.iter().map(|p| (format!("plane-{}-{}", columns[p.x].name, columns[p.y].name), p.svg.clone())).collect();
+    plots.extend(columns.iter().map(|c| (format!("distribution-{}", c.name), figures::distribution(table, c, counts))));
+    plots.extend(report.history.iter().filter_map(|s| Some((format!("history-{}", s.name), figures::history(s)?))));
+    let figures = report.documents.iter().flat_map(Document::figures);
+    plots.extend(figures.map(|figure| (figure.file.clone(), figure.svg.clone())));
+    plots.iter_mut().for_each(|(name, _)| *name = file_name(name));
+
+    let mut environment = Environment::new();
+    environment.add_filter("marked", |text: &str| Value::from_safe_string(marked(text)));
+    environment.add_filter("count", grouped::<u64>);
+    environment.add_filter("percent", percent_text);
+    environment.add_template("report.html", include_str!("assets/report.html"))?;
     let (parameters, criteria) = columns.split_at(table.parameters.len());
     let page = context! {
         study => summary.title.as_deref().or(from.fmu.as_deref()).unwrap_or(&from.study),
@@ -80,13 +79,28 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
             include_str!("assets/report.css"),
             include_str!("assets/whatif.css")
         ].concat(),
-        script => SCRIPT,
+        script => concat!(
+            include_str!("assets/packed.js"),
+            include_str!("assets/numbers.js"),
+            include_str!("assets/moments.js"),
+            include_str!("assets/judge.js"),
+            include_str!("assets/weights.js"),
+            include_str!("assets/reweigh.js"),
+            include_str!("assets/toml.js"),
+            include_str!("assets/whatif.js"),
+            include_str!("assets/report.js")
+        ),
         whatif => report.whatif.is_some(),
         data,
         bytes => if packed { super::packed(&bytes).map_err(serde_json::Error::io)? } else { STANDARD.encode(&bytes) },
         packed,
         remarks => Serde(remarks(summary, whole.len())),
-        sign => path_of(answer.sign),
+        sign => match answer.sign {
+            Sign::Yes => "M4 12.5l5.5 5.5L20 6.5",
+            Sign::Doubt => "M12 3.5v11M12 20.2v.3",
+            Sign::No => "M5 5l14 14M19 5L5 19",
+            Sign::Open => "M7.5 9.2a4.6 4.6 0 1 1 6.7 4.1c-1.5.8-2.2 1.5-2.2 3.2M12 20.2v.3",
+        },
         answer => Serde(answer),
         word => if judgement.is_guarded() { "accepted" } else { summary.met() },
         guarded => judgement.is_guarded(),
@@ -122,46 +136,8 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
         command => report.command.as_str(),
         study_text => report.study_text.as_str(),
     };
-    let html = environment()?.get_template("report.html")?.render(page)?;
+    let html = environment.get_template("report.html")?.render(page)?;
     Ok((html, plots))
-}
-
-/// The pictures of the page as files.
-fn plots(
-    report: &Report,
-    (table, columns): (&PointTable, &[PlotColumn]),
-    planes: &[Plane],
-    counts: [usize; 2],
-) -> Plots {
-    let planes = planes.iter();
-    let planes = planes.map(|p| (format!("plane-{}-{}", columns[p.x].name, columns[p.y].name), p.svg.clone()));
-    let distributions =
-        columns.iter().map(|c| (format!("distribution-{}", c.name), figures::distribution(table, c, counts)));
-    let histories = report.history.iter().filter_map(|s| Some((format!("history-{}", s.name), figures::history(s)?)));
-    let figures = report.documents.iter().flat_map(Document::figures);
-    let figures = figures.map(|figure| (figure.file.clone(), figure.svg.clone()));
-    let plots = planes.chain(distributions).chain(histories).chain(figures);
-    plots.map(|(name, picture)| (file_name(&name), picture)).collect()
-}
-
-/// The template of the page, with its filters.
-fn environment() -> Result<Environment<'static>, Error> {
-    let mut environment = Environment::new();
-    environment.add_filter("marked", |text: &str| Value::from_safe_string(marked(text)));
-    environment.add_filter("count", grouped::<u64>);
-    environment.add_filter("percent", percent_text);
-    environment.add_template("report.html", include_str!("assets/report.html"))?;
-    Ok(environment)
-}
-
-/// The picture of a sign, as a path of SVG.
-fn path_of(sign: Sign) -> &'static str {
-    match sign {
-        Sign::Yes => "M4 12.5l5.5 5.5L20 6.5",
-        Sign::Doubt => "M12 3.5v11M12 20.2v.3",
-        Sign::No => "M5 5l14 14M19 5L5 19",
-        Sign::Open => "M7.5 9.2a4.6 4.6 0 1 1 6.7 4.1c-1.5.8-2.2 1.5-2.2 3.2M12 20.2v.3",
-    }
 }
 
 fn section(document: &Document) -> Value {

@@ -55,6 +55,7 @@ impl Verification {
     ) -> Result<Summary> {
         let session = &self.session;
         let finished = Finished::read(folder)?;
+        let mut outcomes = finished.outcomes()?;
         let provenance = self.provenance();
         let replicates = provenance.replicates.unwrap_or(1);
         // Rows of a table are drawn as the study says, and nobody knows which belong to one net.
@@ -63,7 +64,35 @@ impl Verification {
             Some(_) => Sample::Dependent,
             None => Sample::of(&session.study, self.source.len(), nets),
         };
-        let Counted { tally, survey, asides, files } = self.count((folder, &finished), sample, ending)?;
+        let mut tally = Tally::new(&session.judge, sample);
+        let mut survey = Survey::new(&session.judge, Some(&session.plan));
+        let mut front = ending.map(Front::new);
+        let mut asides = Asides {
+            validity: Validity::of(session.package.description()),
+            needs_execution_tool: session.package.description().capabilities.needs_execution_tool,
+            ..Asides::default()
+        };
+        let mut files = FileSet::new(folder, &session.plan.inputs, &session.judge)?;
+        for index in 0..self.source.len() {
+            let (outcome, notices) = outcomes.get_noted(index)?.ok_or_else(|| Error::Incomplete {
+                path: folder.to_owned(),
+                missing: self.source.len() - finished.count,
+                points: self.source.len(),
+            })?;
+            let (label, parameters) = (self.source.label(index), self.source.parameters(index));
+            let verdict = tally.add(label, &parameters, &outcome, notices.as_ref());
+            let notices = notices.unwrap_or_default();
+            survey.add(&parameters, &outcome, !notices.beyond.is_empty());
+            asides.add(label, verdict.verified(), &notices);
+            files.write(label, &parameters, &outcome, &verdict)?;
+            let enough = ending
+                .zip(front.as_mut())
+                .is_some_and(|(ending, front)| front.add(index, ending.counts(&session.judge, &outcome)));
+            if enough {
+                break;
+            }
+        }
+        let parameters = session.plan.inputs.iter().map(ParameterSummary::new).collect();
         let awaited = ending.and_then(Ending::looks);
         let samples = usize::try_from(replicates).unwrap_or(usize::MAX);
         let history = &mut looked.history;
@@ -78,14 +107,18 @@ impl Verification {
             // Nobody may see the verdict before it is noted.
             looked.write(folder)?;
         }
-        let parameters = session.plan.inputs.iter().map(ParameterSummary::new).collect();
         let mut summary = tally.looked_at(looks, look).summary(session.study.title.clone(), provenance, parameters);
         summary.asides = Some(asides);
         survey.complete(&mut summary);
         if let Some(told) = told {
             told.complete(session, &looked.history, &mut summary);
         }
-        self.doubt(&mut summary);
+        summary.concerns.extend(session.plan.concerns());
+        if summary.provenance.method != "table" {
+            summary.concerns.extend(session.plan.concerns_of_samples(summary.points));
+        }
+        let exact = session.plan.input_errors.iter().filter(|error| self.source.lacks(&session.plan.inputs, error));
+        summary.concerns.extend(exact.map(|error| taken_as_exact(&error.name, "the points of a table")));
         let mut conduct = finished.conduct();
         conduct.reproducibility = conduct.told_reproducibility();
         summary.conduct = Some(conduct);
@@ -93,59 +126,6 @@ impl Verification {
         summary.run = run;
         files.finish(&summary)?;
         Ok(summary)
-    }
-
-    /// Counts the points of the journal, and writes them, up to the last one or to where the study may end.
-    fn count(
-        &self,
-        (folder, finished): (&Path, &Finished),
-        sample: Sample,
-        ending: Option<&Ending>,
-    ) -> Result<Counted<'_>> {
-        let Session { judge, plan, package, .. } = &self.session;
-        let mut outcomes = finished.outcomes()?;
-        let mut front = ending.map(Front::new);
-        let mut counted = Counted {
-            tally: Tally::new(judge, sample),
-            survey: Survey::new(judge, Some(plan)),
-            asides: Asides {
-                validity: Validity::of(package.description()),
-                needs_execution_tool: package.description().capabilities.needs_execution_tool,
-                ..Asides::default()
-            },
-            files: FileSet::new(folder, &plan.inputs, judge)?,
-        };
-        for index in 0..self.source.len() {
-            let (outcome, notices) = outcomes.get_noted(index)?.ok_or_else(|| Error::Incomplete {
-                path: folder.to_owned(),
-                missing: self.source.len() - finished.count,
-                points: self.source.len(),
-            })?;
-            let (label, parameters) = (self.source.label(index), self.source.parameters(index));
-            let verdict = counted.tally.add(label, &parameters, &outcome, notices.as_ref());
-            let notices = notices.unwrap_or_default();
-            counted.survey.add(&parameters, &outcome, !notices.beyond.is_empty());
-            counted.asides.add(label, verdict.verified(), &notices);
-            counted.files.write(label, &parameters, &outcome, &verdict)?;
-            let enough = ending
-                .zip(front.as_mut())
-                .is_some_and(|(ending, front)| front.add(index, ending.counts(judge, &outcome)));
-            if enough {
-                break;
-            }
-        }
-        Ok(counted)
-    }
-
-    /// Adds the doubts about the plan of the points.
-    fn doubt(&self, summary: &mut Summary) {
-        let plan = &self.session.plan;
-        summary.concerns.extend(plan.concerns());
-        if summary.provenance.method != "table" {
-            summary.concerns.extend(plan.concerns_of_samples(summary.points));
-        }
-        let exact = plan.input_errors.iter().filter(|error| self.source.lacks(&plan.inputs, error));
-        summary.concerns.extend(exact.map(|error| taken_as_exact(&error.name, "the points of a table")));
     }
 
     /// Versions, seed and hashes of this run.
@@ -180,14 +160,6 @@ pub fn provenance(study: &Study) -> Provenance {
         study_sha256: study.digest(),
         ..Provenance::default()
     }
-}
-
-/// The points of a journal, counted and written.
-struct Counted<'a> {
-    tally: Tally<'a>,
-    survey: Survey<'a>,
-    asides: Asides,
-    files: FileSet,
 }
 
 /// `points.csv` and `summary.json`, which appear when they are complete.
