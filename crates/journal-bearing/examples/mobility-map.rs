@@ -38,14 +38,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let asked = |option: &str| std::env::args().any(|argument| argument == option);
     if asked("--rough") {
         if !asked("--check") {
-            return save(ROUGH_FILE, &generate_rough(threads, show)?);
+            return save(ROUGH_FILE, &generate_rough(threads)?);
         }
         return report_rough();
     }
     let map = if asked("--check") {
         MobilityMap::built_in()?
     } else {
-        let map = generate(threads, show)?;
+        let map = generate(threads)?;
         save(FILE, &map.to_bytes()?)?;
         map
     };
@@ -97,17 +97,6 @@ fn report_rough() -> Result<(), Box<dyn Error>> {
         );
     }
     Ok(())
-}
-
-/// Shows progress on a terminal.
-fn show(share: f64) {
-    if std::io::stderr().is_terminal() {
-        eprint!("\r{:3.0} %", 100.0 * share);
-        let _ = std::io::stderr().flush();
-        if share >= 1.0 {
-            eprintln!();
-        }
-    }
 }
 
 /// Prints the map's mean and largest errors.

@@ -84,16 +84,16 @@ pub fn exact_between(
     Station::between(roughness, width_to_diameter, e, cells).under(angle)
 }
 
-/// Makes the map: solves the film directly at every node, on `threads` threads. `progress` receives the share that has begun, 0..1.
+/// Makes the map: solves the film directly at every node, on `threads` threads.
 ///
 /// # Errors
 /// Returns [`NotConverged`] when a pressure field does not settle.
-pub fn generate(threads: usize, progress: impl Fn(f64) + Sync) -> Result<MobilityMap<'static>, NotConverged> {
+pub fn generate(threads: usize) -> Result<MobilityMap<'static>, NotConverged> {
     let mut map = MobilityMap::empty();
     let [widths, us, ss] = map.nodes();
     let mut values = vec![0.0_f32; widths * us * ss * CHANNELS];
     let rows = values.chunks_exact_mut(ss * CHANNELS).collect();
-    share(threads, progress, rows, |number, row| fill(&map, number / us, number % us, row))?;
+    share(threads, rows, |number, row| fill(&map, number / us, number % us, row))?;
     map.values = values.into_iter().flat_map(f32::to_le_bytes).collect();
     Ok(map)
 }
@@ -102,11 +102,11 @@ pub fn generate(threads: usize, progress: impl Fn(f64) + Sync) -> Result<Mobilit
 ///
 /// # Errors
 /// Returns [`NotConverged`] when a pressure field does not settle.
-pub fn generate_rough(threads: usize, progress: impl Fn(f64) + Sync) -> Result<Vec<u8>, NotConverged> {
+pub fn generate_rough(threads: usize) -> Result<Vec<u8>, NotConverged> {
     let [widths, roughnesses, places, directions] = rough::SIZE;
     let mut values = vec![0.0_f32; widths * roughnesses * places * directions * CHANNELS];
     let rows = values.chunks_exact_mut(directions * CHANNELS).collect();
-    share(threads, progress, rows, |number, row| {
+    share(threads, rows, |number, row| {
         let (place, rest) = (number % places, number / places);
         let width = rough::width(rest / roughnesses);
         fill_rough(width, rough::roughness(rest % roughnesses), place, row)
@@ -117,19 +117,13 @@ pub fn generate_rough(threads: usize, progress: impl Fn(f64) + Sync) -> Result<V
 /// Fills numbered rows on several threads, the last ones first.
 fn share<T: Send>(
     threads: usize,
-    progress: impl Fn(f64) + Sync,
     rows: Vec<&mut [T]>,
     fill: impl Fn(usize, &mut [T]) -> Result<(), NotConverged> + Sync,
 ) -> Result<(), NotConverged> {
-    let total = rows.len() as f64;
     let queue = std::sync::Mutex::new(rows.into_iter().enumerate().collect::<Vec<_>>());
     let work = || -> Result<(), NotConverged> {
         loop {
-            let next = queue.lock().ok().and_then(|mut left| {
-                let next = left.pop();
-                progress(1.0 - left.len() as f64 / total);
-                next
-            });
+            let next = queue.lock().ok().and_then(|mut left| left.pop());
             let Some((number, row)) = next else {
                 return Ok(());
             };
