@@ -8,7 +8,6 @@
 
 use std::error::Error;
 use std::f64::consts::PI;
-use std::io::{IsTerminal, Write};
 use std::sync::Mutex;
 
 use journal_bearing::contact::{ContactTable, NO_CONTACT, Surface};
@@ -38,14 +37,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let asked = |option: &str| std::env::args().any(|argument| argument == option);
     if asked("--rough") {
         if !asked("--check") {
-            return save(ROUGH_FILE, &generate_rough(threads)?);
+            return save(ROUGH_FILE, &generate_rough()?);
         }
         return report_rough();
     }
     let map = if asked("--check") {
         MobilityMap::built_in()?
     } else {
-        let map = generate(threads)?;
+        let map = generate()?;
         save(FILE, &map.to_bytes()?)?;
         map
     };

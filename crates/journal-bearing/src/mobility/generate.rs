@@ -84,16 +84,16 @@ pub fn exact_between(
     Station::between(roughness, width_to_diameter, e, cells).under(angle)
 }
 
-/// Makes the map: solves the film directly at every node, on `threads` threads.
+/// Makes the map: solves the film directly at every node, on all cores.
 ///
 /// # Errors
 /// Returns [`NotConverged`] when a pressure field does not settle.
-pub fn generate(threads: usize) -> Result<MobilityMap<'static>, NotConverged> {
+pub fn generate() -> Result<MobilityMap<'static>, NotConverged> {
     let mut map = MobilityMap::empty();
     let [widths, us, ss] = map.nodes();
     let mut values = vec![0.0_f32; widths * us * ss * CHANNELS];
     let rows = values.chunks_exact_mut(ss * CHANNELS).collect();
-    share(threads, rows, |number, row| fill(&map, number / us, number % us, row))?;
+    share(rows, |number, row| fill(&map, number / us, number % us, row))?;
     map.values = values.into_iter().flat_map(f32::to_le_bytes).collect();
     Ok(map)
 }
@@ -102,11 +102,11 @@ pub fn generate(threads: usize) -> Result<MobilityMap<'static>, NotConverged> {
 ///
 /// # Errors
 /// Returns [`NotConverged`] when a pressure field does not settle.
-pub fn generate_rough(threads: usize) -> Result<Vec<u8>, NotConverged> {
+pub fn generate_rough() -> Result<Vec<u8>, NotConverged> {
     let [widths, roughnesses, places, directions] = rough::SIZE;
     let mut values = vec![0.0_f32; widths * roughnesses * places * directions * CHANNELS];
     let rows = values.chunks_exact_mut(directions * CHANNELS).collect();
-    share(threads, rows, |number, row| {
+    share(rows, |number, row| {
         let (place, rest) = (number % places, number / places);
         let width = rough::width(rest / roughnesses);
         fill_rough(width, rough::roughness(rest % roughnesses), place, row)
@@ -114,36 +114,18 @@ pub fn generate_rough(threads: usize) -> Result<Vec<u8>, NotConverged> {
     Ok(values.into_iter().flat_map(f32::to_le_bytes).collect())
 }
 
-/// Fills numbered rows on several threads, the last ones first.
+/// Fills numbered rows on all cores.
 fn share<T: Send>(
-    threads: usize,
     rows: Vec<&mut [T]>,
     fill: impl Fn(usize, &mut [T]) -> Result<(), NotConverged> + Sync,
 ) -> Result<(), NotConverged> {
-    let queue = std::sync::Mutex::new(rows.into_iter().enumerate().collect::<Vec<_>>());
-    let work = || -> Result<(), NotConverged> {
-        loop {
-            let next = queue.lock().ok().and_then(|mut left| left.pop());
-            let Some((number, row)) = next else {
-                return Ok(());
-            };
-            fill(number, row).inspect_err(|_| {
-                // The others need not end what will not be used.
-                if let Ok(mut left) = queue.lock() {
-                    left.clear();
-                }
-            })?;
-        }
-    };
+    let queue = std::sync::Mutex::new(rows.into_iter().enumerate());
+    let next = || queue.lock().ok().and_then(|mut left| left.next());
+    let work = || std::iter::from_fn(&next).try_for_each(|(number, row)| fill(number, row));
     std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..threads.max(1)).map(|_| scope.spawn(work)).collect();
-        for worker in workers {
-            match worker.join() {
-                Ok(result) => result?,
-                Err(panic) => std::panic::resume_unwind(panic),
-            }
-        }
-        Ok(())
+        let cores = std::thread::available_parallelism().map_or(1, usize::from);
+        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
+        workers.into_iter().try_for_each(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
     })
 }
 

@@ -78,10 +78,10 @@ impl Answer {
     pub fn words(&self, shown: bool) -> String {
         let words = match self {
             Self::Found if shown => {
-                "a box was found by the surrogates and the study's own points; `--confirm 100` runs the model in it"
+                "a box was found by the surrogates and the study's own points"
             }
             Self::Found => {
-                "a box was found that may hold the level, which the study's points cannot show; `--confirm 100` runs the model in it"
+                "a box was found that may hold the level, which the study's points cannot show"
             }
             Self::Confirmed => "a box was found, and fresh runs confirm it",
             Self::Refuted => "a box was found, but fresh runs contradict it: verify more points",
@@ -111,7 +111,7 @@ impl Answer {
             Self::NotFound { searches, verified, highest } => Some(format!(
                 "no box with a verification probability of {level} was found from {searches} places; that does not show \
                  that there is none: {verified} of the study's points are verified, and the surrogates give up to \
-                 {highest:.3} at a place; verify more points, or ask for a lower --level"
+                 {highest:.3} at a place; verify more points, or ask for a lower level"
             )),
             Self::NoneSeen { places, highest, criterion, .. } => Some(format!(
                 "no box with a verification probability of {level} is seen: at none of {places} sampled places do the \

@@ -156,7 +156,7 @@ fn unseen_failures(table: &PointTable, inputs: &[Vec<f64>], region: Option<&Regi
     });
     Some(format!(
         "{} of {} points failed{inside}. The surrogates do not know where the model fails: maps and margins are those of \
-         a model that has values everywhere. What is stated of the box counts failed points as not verified, and so does --confirm",
+         a model that has values everywhere. What is stated of the box counts failed points as not verified",
         failed.len(),
         table.len(),
     ))
