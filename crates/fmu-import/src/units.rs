@@ -117,7 +117,7 @@ impl Units {
         let to = to.filter(|_| !self.is_no_unit(to));
         let remedy = match to {
             Some(_) => "",
-            None => "; give the number alone, or state that there is no unit",
+            None => "; give the number alone, or say that it has no unit",
         };
         // A unit that nobody defines, and one of another quantity, are two mistakes.
         let fault = if self.meanings(&from).is_empty() && !self.0.contains_key(&from) {

@@ -48,7 +48,7 @@ pub fn run<E: From<RunError>>(
             });
             if let Err(error) = spawned {
                 let _ = send.send(Err(RunError::Lost(format!(
-                    "the system has no thread left: {error}; run fewer points at a time"
+                    "the system has no thread left: {error}; run fewer points at once"
                 ))));
             }
         }

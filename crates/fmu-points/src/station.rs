@@ -299,7 +299,7 @@ fn receive(folder: &Path, source: FmuParts) -> io::Result<PathBuf> {
 /// Opens the FMU, which must be the supervisor's.
 fn open(path: &Path, terms: &Terms) -> Result<Package, Fault> {
     let package = Package::open(path).map_err(|error| {
-        let hint = if terms.ship { "" } else { " (it can be shipped there)" };
+        let hint = if terms.ship { "" } else { " (it can be shipped)" };
         Fault::lasting(format!("{error}{hint}"))
     })?;
     let digest = package.digest().map_err(Fault::passing)?;

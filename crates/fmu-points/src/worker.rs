@@ -364,7 +364,7 @@ impl Service {
     fn loading(&self, loss: &Loss, failure: &Failure) -> String {
         let reason = match loss {
             Loss::Memory => format!(
-                "it takes more memory than the {:.0} MB that a worker may; allow more, or run fewer points at a time",
+                "it takes more memory than the {:.0} MB that a worker may; allow more, or run fewer points at once",
                 self.setup.limits.memory as f64 / f64::from(1 << 20)
             ),
             Loss::Timeout => "it takes more time than a point may".to_owned(),

@@ -111,8 +111,8 @@ fn write_case(
             table.write_record(None::<&[u8]>).map_err(csv)
         });
         // With the study's own steps the point may have ended early, too.
-        let is_early = budget.is_some() && until < task.schedule.stop * (1.0 - 1e-9);
-        let early = is_early.then(|| Halt::Failed(format!("it ends at {} s", format::number(until, 4))));
+        let early = (budget.is_some() && until < task.schedule.stop * (1.0 - 1e-9))
+            .then(|| Halt::Failed(format!("it ends at {} s", format::number(until, 4))));
         if let Some(why) = ended.err().or(early) {
             halt = Some(why);
             return Err(std::io::Error::other("the run has no end"));

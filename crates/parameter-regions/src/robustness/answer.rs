@@ -77,12 +77,8 @@ impl Answer {
     /// The answer in a line, given whether the statement of the box shows the level.
     pub fn words(&self, shown: bool) -> String {
         let words = match self {
-            Self::Found if shown => {
-                "a box was found by the surrogates and the study's own points"
-            }
-            Self::Found => {
-                "a box was found that may hold the level, which the study's points cannot show"
-            }
+            Self::Found if shown => "a box was found by the surrogates and the study's own points",
+            Self::Found => "a box was found that may hold the level, which the study's points cannot show",
             Self::Confirmed => "a box was found, and fresh runs confirm it",
             Self::Refuted => "a box was found, but fresh runs contradict it: verify more points",
             Self::NotFound { .. } => "no box was found by this search; that does not show that there is none",
