@@ -109,7 +109,7 @@ struct FileLayout {
 /// A column of a file and its use.
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Signal {
+pub struct Signal {
     column: Option<String>,
     /// A number instead of a column.
     value: Option<f64>,
