@@ -509,6 +509,6 @@ fn a_finished_study_goes_on_with_more_points() {
         "--points",
         "latin-hypercube",
         "40",
-        "monte-carlo, sobol",
+        "monte-carlo or sobol",
     ]);
 }
