@@ -59,7 +59,8 @@ pub fn shown(unit: &Option<String>) -> &str {
     unit.as_deref().filter(|unit| *unit != "1").unwrap_or("")
 }
 
-/// A fraction as per cent with one decimal. One that would else read as 0 or 100 has as many as tell it from them, 12 at most.
+/// A fraction as per cent with one decimal. One that would else read as 0 or 100 has as many as tell it from them; beyond 99.9999 it
+/// is told as that.
 pub fn percent_text(fraction: f64) -> String {
     let p = fraction * 100.0;
     if p == 0.0 || p == 100.0 {
@@ -69,8 +70,7 @@ pub fn percent_text(fraction: f64) -> String {
     } else if p < 50.0 || p.is_nan() {
         number(p, 1)
     } else {
-        let decimals = ((0.5 / (100.0 - p).abs()).log10().floor() + 1.0).clamp(3.0, 12.0) as usize;
-        format!("{p:.decimals$}")
+        significant(if p < 100.0 { p.min(99.9999) } else { p }, 6)
     }
 }
 
@@ -119,8 +119,9 @@ mod tests {
         assert_eq!(percent_text(0.0), "0");
         assert_eq!(percent_text(0.000_02), "0.002");
         assert_eq!(percent_text(0.99999), "99.999");
-        assert_eq!(percent_text(0.999_999_6), "99.99996");
-        assert_eq!(percent_text(0.999_999_999_7), "99.99999997");
+        assert_eq!(percent_text(0.999_999_6), "99.9999");
+        assert_eq!(percent_text(0.999_999_999_7), "99.9999");
+        assert_eq!((&*percent_text(1.05), &*percent_text(0.9992)), ("105", "99.92"));
         assert_eq!(percent_text(f64::NAN), "–");
     }
 
