@@ -1,6 +1,8 @@
 //! Sobol indices of an output, with intervals that contain the surrogate's error.
 
-use crate::share::{Doubt, Drawn, LARGEST_ERROR, Limit, Possible, doubt};
+use crate::doubt::{Doubt, LARGEST_ERROR, doubt};
+use crate::limit::Limit;
+use crate::possible::{Drawn, Possible};
 use crate::surrogate::{Run, Surrogate};
 use nalgebra::DMatrix;
 use sampling::statistics::moments::{mean, variance};
@@ -92,7 +94,7 @@ pub fn measures(
         let size = count.div_ceil(PARTS);
         let part = |(number, points): (usize, &[Vec<f64>])| -> Vec<PairSums> {
             let possible = of(points);
-            let good = possible.margins(limits).map(|margin| if margin >= 0.0 { 1.0 } else { 0.0 });
+            let good = possible.margins(limits).map(|margin| f64::from(margin >= 0.0));
             let values = possible.values.into_iter().chain([good]).zip(nearly.iter().chain([&0.0]));
             values.map(|(values, nearly)| PairSums::new(&values.add_scalar(-nearly), number * size, design)).collect()
         };

@@ -11,7 +11,11 @@
 
 use std::f64::consts::PI;
 
-use crate::share::{Basis, Event, Limit, Possible, REFUTED, Share, surprise, undecided};
+use crate::campaign::undecided;
+use crate::doubt::{REFUTED, surprise};
+use crate::limit::{Event, Limit};
+use crate::possible::Possible;
+use crate::share::{Basis, Share};
 use crate::surrogate::{Run, Surrogate};
 use nalgebra::DMatrix;
 use sampling::design::cube;
@@ -160,7 +164,7 @@ impl Search<'_> {
             let done = runs.len();
             let fitted = Surrogate::fit(&runs, &like, earlier.as_ref(), self.seed).ok();
             // Where no run fails, nothing is known of those that do.
-            let surrogate = fitted.filter(|s| self.event != Event::Failed || s.success(1).is_some());
+            let surrogate = fitted.filter(|s| self.event != Event::Failed || s.success.is_some());
             let inside: Vec<usize> = (0..done).filter(|&i| self.event.is(self.limits, &runs[i])).collect();
             if done >= self.runs || enough == 2 {
                 let told = self.told(surrogate.as_ref(), inside.len(), &foretold, &runs);
@@ -187,7 +191,7 @@ impl Search<'_> {
             let scores: Vec<Vec<f64>> = batch.iter().map(|(scores, _)| scores.clone()).collect();
             for ((scores, said), values) in batch.into_iter().zip(ask(&scores)?) {
                 let run = Run { point: (self.coordinates)(&scores), values };
-                let is = if self.event.is(self.limits, &run) { 1.0 } else { 0.0 };
+                let is = f64::from(self.event.is(self.limits, &run));
                 foretold.extend(said.map(|said| [said, is]));
                 runs.push(run);
                 places.push(scores);
@@ -216,7 +220,7 @@ impl Search<'_> {
         if largest > JUMP {
             return Err(Unknown::Contradicted { deviations: largest });
         }
-        let most = if surrogate.success(1).is_some() { MOST_OPEN_AT_FAILURES } else { MOST_OPEN };
+        let most = if surrogate.success.is_some() { MOST_OPEN_AT_FAILURES } else { MOST_OPEN };
         let mut random = Random::new(self.seed, Purpose::Search, 0);
         match self.population(surrogate, OF_ANSWER, &mut random).share(widening) {
             (_, relative) if relative > most => Err(Unknown::Open { relative }),
@@ -271,7 +275,7 @@ impl Search<'_> {
     fn optimistic(&self, surrogate: &Surrogate, scores: &[Vec<f64>]) -> Vec<f64> {
         let points: Vec<Vec<f64>> = scores.iter().map(|z| (self.coordinates)(z)).collect();
         let standard = surrogate.standard(&points);
-        let success = surrogate.success_at_once(&standard);
+        let success = surrogate.success.as_ref().map(|success| success.at_once(&standard));
         let may_end = |i: usize, sign: f64| success.as_ref().map(|s| s[i][0] + sign * OPTIMISM * s[i][1]);
         if self.event == Event::Failed {
             return (0..points.len()).map(|i| may_end(i, -1.0).unwrap_or(1.0)).collect();
@@ -280,7 +284,7 @@ impl Search<'_> {
         let mut least = vec![f64::INFINITY; points.len()];
         for limit in self.limits {
             let spread = surrogate.spread(limit.output);
-            for (least, [mean, deviation]) in least.iter_mut().zip(surrogate.at_once(limit.output, &standard)) {
+            for (least, [mean, deviation]) in least.iter_mut().zip(surrogate.outputs[limit.output].at_once(&standard)) {
                 *least = least.min((limit.margin(mean) + sign * OPTIMISM * deviation) / spread);
             }
         }
@@ -342,7 +346,7 @@ impl Search<'_> {
         };
         let weights = scores.iter().map(weight).collect();
         let points: Vec<Vec<f64>> = scores.iter().map(|z| (self.coordinates)(z)).collect();
-        let values = Possible::new(surrogate, &points, each, true).event(self.event, self.limits);
+        let values = Possible::new(surrogate, &points, each).event(self.event, self.limits);
         Population { scores, weights, values }
     }
 

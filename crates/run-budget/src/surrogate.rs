@@ -120,16 +120,6 @@ impl Surrogate {
         (0..points.ncols()).map(one).collect()
     }
 
-    /// Mean and deviation of an output at points by its most probable process alone.
-    pub(crate) fn at_once(&self, output: usize, points: &DMatrix<f64>) -> Vec<[f64; 2]> {
-        self.outputs[output].at_once(points)
-    }
-
-    /// The same for success.
-    pub(crate) fn success_at_once(&self, points: &DMatrix<f64>) -> Option<Vec<[f64; 2]>> {
-        self.success.as_ref().map(|success| success.at_once(points))
-    }
-
     /// So many functions that an output may be from each member of its sample.
     pub fn functions(&self, output: usize, each: usize) -> Functions<'_> {
         self.outputs[output].functions(each, self.seed, 2000 + output as u32)

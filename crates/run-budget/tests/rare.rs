@@ -68,7 +68,7 @@ fn cut() -> Rare {
 }
 
 fn answer(rare: &Rare, runs: usize, seed: u64) -> Answer {
-    let normal = |z: f64| 0.5 * libm::erfc(-z / std::f64::consts::SQRT_2);
+    let normal = conformity::normal::cdf;
     let limits = [Limit { output: 0, range: [0.0, f64::INFINITY] }];
     let coordinates = |scores: &[f64]| -> Vec<f64> {
         if rare.uniform { scores.iter().map(|z| normal(*z)).collect() } else { scores.to_vec() }
