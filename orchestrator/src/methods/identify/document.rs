@@ -62,7 +62,7 @@ fn singles(bound: &Bound) -> impl Iterator<Item = usize> {
 impl Page<'_> {
     /// The result, in the order in which it is read.
     fn documents(&self) -> Vec<Document> {
-        let causes = super::culprits::document(self.outcome);
+        let causes = super::causes::document(self.outcome);
         let documents = [causes, Some(self.parameters()), self.sensors(), Some(self.fit())];
         documents.into_iter().flatten().collect()
     }
@@ -109,7 +109,7 @@ impl Page<'_> {
             (End::Converged, false, Fit::Misses) => "The model misses the measured values".to_owned(),
             _ => "The search ended before it converged".to_owned(),
         };
-        let mut agreement = Vec::from_iter(super::culprits::headline(outcome));
+        let mut agreement = Vec::from_iter(super::causes::headline(outcome));
         if outcome.is_explained() {
             agreement.push("What follows is the fit without that.".to_owned());
         }

@@ -7,7 +7,7 @@ use crate::{
 };
 use calibration::{outcome::IdentificationOutcome, text};
 use point_journal::files::write_text;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use study::Study;
 
 /// Writes all files. `fmu` is the FMU that was run.
@@ -52,9 +52,4 @@ pub fn remove(path: &Path) -> Result {
         Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(Error::io(path)(error)),
         _ => Ok(()),
     }
-}
-
-/// A path that the study gives relative to itself.
-pub fn resolve(study: &Study, path: &Path) -> PathBuf {
-    study.path().parent().unwrap_or("".as_ref()).join(path)
 }

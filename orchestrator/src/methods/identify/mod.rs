@@ -1,5 +1,6 @@
 //! `identify`: finds the parameters that make the FMU's outputs most probable.
 
+mod causes;
 mod culprits;
 mod document;
 mod files;
@@ -193,7 +194,7 @@ impl Analysis for Asked {
     fn points(&self, fit: &Fit) -> Result<PointSet> {
         let Fit { study, settings, .. } = fit;
         let table = settings.cases.as_ref().map(|path| {
-            let path = files::resolve(study, path.as_ref());
+            let path = study.path_of(path.as_ref());
             number_tables::files::digest(&path).map_err(Error::io(&path))
         });
         Ok(PointSet {
@@ -247,7 +248,7 @@ impl Analysis for Asked {
         }
         let mut result = AnalysisResult::new(&outcome, origin, text, FILE);
         result.add("fit", &outcome.fit());
-        result.add("causes", &culprits::causes(&outcome));
+        result.add("causes", &causes::causes(&outcome));
         result.add("concerns", &concerns(&outcome));
         result.code = code;
         Ok(result)
