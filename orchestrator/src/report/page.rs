@@ -8,7 +8,7 @@ use super::{
     figures,
     from_results::{provenance, remarks},
     payload::{self, PlotColumn},
-    planes::planes,
+    planes::{Plane, planes},
 };
 use crate::{
     error::Error,
@@ -33,6 +33,24 @@ const MOST_PLAIN: usize = 300_000;
 /// The plots that are written as files: name and picture.
 type Plots = Vec<(String, String)>;
 
+/// The styles of figures and page.
+fn style() -> String {
+    [result_document::svg::STYLE, include_str!("assets/report.css"), include_str!("assets/whatif.css")].concat()
+}
+
+/// What the page does by itself.
+const SCRIPT: &str = concat!(
+    include_str!("assets/packed.js"),
+    include_str!("assets/numbers.js"),
+    include_str!("assets/moments.js"),
+    include_str!("assets/judge.js"),
+    include_str!("assets/weights.js"),
+    include_str!("assets/reweigh.js"),
+    include_str!("assets/toml.js"),
+    include_str!("assets/whatif.js"),
+    include_str!("assets/report.js")
+);
+
 /// Renders the page, and its plots.
 pub fn render(report: &Report) -> Result<(String, Plots), Error> {
     let whole = &report.table;
@@ -45,7 +63,7 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
     let points = payload::embedded(table, &order, columns.len());
     let summary = &report.summary;
     let from = &summary.provenance;
-    let conformance = report.judgement.conformance(table);
+    let conformance = judgement.conformance(table);
     let counts = report.counts();
     let [total, _] = counts;
     let bytes = payload::Bytes::default();
@@ -56,51 +74,20 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
     let packed = bytes.len() > MOST_PLAIN;
     let answer = &report.answer;
     let planes = planes(drawn, &columns, &points, counts);
-    let mut plots: Plots =
-        planes.iter().map(|p| (format!("plane-{}-{}", columns[p.x].name, columns[p.y].name), p.svg.clone())).collect();
-    plots.extend(columns.iter().map(|c| (format!("distribution-{}", c.name), figures::distribution(table, c, counts))));
-    plots.extend(report.history.iter().filter_map(|s| Some((format!("history-{}", s.name), figures::history(s)?))));
-    let figures = report.documents.iter().flat_map(Document::figures);
-    plots.extend(figures.map(|figure| (figure.file.clone(), figure.svg.clone())));
-    plots.iter_mut().for_each(|(name, _)| *name = file_name(name));
-
-    let mut environment = Environment::new();
-    environment.add_filter("marked", |text: &str| Value::from_safe_string(marked(text)));
-    environment.add_filter("count", grouped::<u64>);
-    environment.add_filter("percent", percent_text);
-    environment.add_template("report.html", include_str!("assets/report.html"))?;
+    let plots = plots(report, table, &columns, &planes);
     let (parameters, criteria) = columns.split_at(table.parameters.len());
     let page = context! {
         study => summary.title.as_deref().or(from.fmu.as_deref()).unwrap_or(&from.study),
         model => from.fmu.as_deref().filter(|_| summary.title.is_some()),
         date => summary.run.as_ref().map(|run| run.date.as_str()),
-        style => [
-            result_document::svg::STYLE,
-            include_str!("assets/report.css"),
-            include_str!("assets/whatif.css")
-        ].concat(),
-        script => concat!(
-            include_str!("assets/packed.js"),
-            include_str!("assets/numbers.js"),
-            include_str!("assets/moments.js"),
-            include_str!("assets/judge.js"),
-            include_str!("assets/weights.js"),
-            include_str!("assets/reweigh.js"),
-            include_str!("assets/toml.js"),
-            include_str!("assets/whatif.js"),
-            include_str!("assets/report.js")
-        ),
+        style => style(),
+        script => SCRIPT,
         whatif => report.whatif.is_some(),
         data,
         bytes => if packed { super::packed(&bytes).map_err(serde_json::Error::io)? } else { STANDARD.encode(&bytes) },
         packed,
         remarks => Serde(remarks(summary, whole.len())),
-        sign => match answer.sign {
-            Sign::Yes => "M4 12.5l5.5 5.5L20 6.5",
-            Sign::Doubt => "M12 3.5v11M12 20.2v.3",
-            Sign::No => "M5 5l14 14M19 5L5 19",
-            Sign::Open => "M7.5 9.2a4.6 4.6 0 1 1 6.7 4.1c-1.5.8-2.2 1.5-2.2 3.2M12 20.2v.3",
-        },
+        sign => outline(answer.sign),
         answer => Serde(answer),
         word => if judgement.is_guarded() { "accepted" } else { summary.met() },
         guarded => judgement.is_guarded(),
@@ -136,8 +123,34 @@ pub fn render(report: &Report) -> Result<(String, Plots), Error> {
         command => report.command.as_str(),
         study_text => report.study_text.as_str(),
     };
-    let html = environment.get_template("report.html")?.render(page)?;
+    let mut environment = Environment::new();
+    environment.add_filter("marked", |text: &str| Value::from_safe_string(marked(text)));
+    environment.add_filter("count", grouped::<u64>);
+    environment.add_filter("percent", percent_text);
+    let html = environment.render_named_str("report.html", include_str!("assets/report.html"), page)?;
     Ok((html, plots))
+}
+
+/// The pictures of the page as files.
+fn plots(report: &Report, table: &PointTable, columns: &[PlotColumn], planes: &[Plane]) -> Plots {
+    let planes = planes.iter().map(|p| (format!("plane-{}-{}", columns[p.x].name, columns[p.y].name), p.svg.clone()));
+    let distribution = |c: &PlotColumn| figures::distribution(table, c, report.counts());
+    let distributions = columns.iter().map(|c| (format!("distribution-{}", c.name), distribution(c)));
+    let histories = report.history.iter().filter_map(|s| Some((format!("history-{}", s.name), figures::history(s)?)));
+    let figures = report.documents.iter().flat_map(Document::figures);
+    let figures = figures.map(|figure| (figure.file.clone(), figure.svg.clone()));
+    let all = planes.chain(distributions).chain(histories).chain(figures);
+    all.map(|(name, svg)| (file_name(&name), svg)).collect()
+}
+
+/// The path of the picture that stands for an answer.
+fn outline(sign: Sign) -> &'static str {
+    match sign {
+        Sign::Yes => "M4 12.5l5.5 5.5L20 6.5",
+        Sign::Doubt => "M12 3.5v11M12 20.2v.3",
+        Sign::No => "M5 5l14 14M19 5L5 19",
+        Sign::Open => "M7.5 9.2a4.6 4.6 0 1 1 6.7 4.1c-1.5.8-2.2 1.5-2.2 3.2M12 20.2v.3",
+    }
 }
 
 fn section(document: &Document) -> Value {

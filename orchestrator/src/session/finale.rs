@@ -55,7 +55,6 @@ impl Verification {
     ) -> Result<Summary> {
         let session = &self.session;
         let finished = Finished::read(folder)?;
-        let mut outcomes = finished.outcomes()?;
         let provenance = self.provenance();
         let replicates = provenance.replicates.unwrap_or(1);
         // Rows of a table are drawn as the study says, and nobody knows which belong to one net.
@@ -64,15 +63,56 @@ impl Verification {
             Some(_) => Sample::Dependent,
             None => Sample::of(&session.study, self.source.len(), nets),
         };
-        let mut tally = Tally::new(&session.judge, sample);
-        let mut survey = Survey::new(&session.judge, Some(&session.plan));
-        let mut front = ending.map(Front::new);
+        let Gathered { tally, survey, asides, files } = self.gather(&finished, folder, sample, ending)?;
+        let awaited = ending.and_then(Ending::looks);
+        let samples = usize::try_from(replicates).unwrap_or(usize::MAX);
+        let looks = awaited.unwrap_or_else(|| match told {
+            Some(_) => Looks::default(),
+            None => looked.history.at(tally.points, samples),
+        });
+        let is_awaited = awaited.is_some() || told.is_some_and(|told| told.awaited);
+        let mut look = 1;
+        if session.judge.rule.is_some() {
+            look = looked.history.note(Look { points: tally.points, way: looks.way, awaited: is_awaited });
+            // Nobody may see the verdict before it is noted.
+            looked.write(folder)?;
+        }
+        let parameters = session.plan.inputs.iter().map(ParameterSummary::new).collect();
+        let mut summary = tally.looked_at(looks, look).summary(session.study.title.clone(), provenance, parameters);
+        summary.asides = Some(asides);
+        survey.complete(&mut summary);
+        if let Some(told) = told {
+            told.complete(session, &looked.history, &mut summary);
+        }
+        self.add_concerns(&mut summary);
+        let mut conduct = finished.conduct();
+        conduct.reproducibility = conduct.told_reproducibility();
+        summary.conduct = Some(conduct);
+        summary.dossier = session.study.dossier.clone();
+        summary.run = run;
+        files.finish(&summary)?;
+        Ok(summary)
+    }
+
+    /// Reads the points in their order, writes them into the table, and counts them.
+    fn gather(
+        &self,
+        finished: &Finished,
+        folder: &Path,
+        sample: Sample,
+        ending: Option<&Ending>,
+    ) -> Result<Gathered<'_>> {
+        let Session { judge, plan, package, .. } = &self.session;
+        let mut outcomes = finished.outcomes()?;
+        let mut tally = Tally::new(judge, sample);
+        let mut survey = Survey::new(judge, Some(plan));
         let mut asides = Asides {
-            validity: Validity::of(session.package.description()),
-            needs_execution_tool: session.package.description().capabilities.needs_execution_tool,
+            validity: Validity::of(package.description()),
+            needs_execution_tool: package.description().capabilities.needs_execution_tool,
             ..Asides::default()
         };
-        let mut files = FileSet::new(folder, &session.plan.inputs, &session.judge)?;
+        let mut files = FileSet::new(folder, &plan.inputs, judge)?;
+        let mut ending = ending.map(|ending| (ending, Front::new(ending)));
         for index in 0..self.source.len() {
             let (outcome, notices) = outcomes.get_noted(index)?.ok_or_else(|| Error::Incomplete {
                 path: folder.to_owned(),
@@ -85,47 +125,24 @@ impl Verification {
             survey.add(&parameters, &outcome, !notices.beyond.is_empty());
             asides.add(label, verdict.verified(), &notices);
             files.write(label, &parameters, &outcome, &verdict)?;
-            let enough = ending
-                .zip(front.as_mut())
-                .is_some_and(|(ending, front)| front.add(index, ending.counts(&session.judge, &outcome)));
-            if enough {
+            if let Some((ending, front)) = &mut ending
+                && front.add(index, ending.counts(judge, &outcome))
+            {
                 break;
             }
         }
-        let parameters = session.plan.inputs.iter().map(ParameterSummary::new).collect();
-        let awaited = ending.and_then(Ending::looks);
-        let samples = usize::try_from(replicates).unwrap_or(usize::MAX);
-        let history = &mut looked.history;
-        let looks = awaited.unwrap_or_else(|| match told {
-            Some(_) => Looks::default(),
-            None => history.at(tally.points, samples),
-        });
-        let is_awaited = awaited.is_some() || told.is_some_and(|told| told.awaited);
-        let mut look = 1;
-        if session.judge.rule.is_some() {
-            look = history.note(Look { points: tally.points, way: looks.way, awaited: is_awaited });
-            // Nobody may see the verdict before it is noted.
-            looked.write(folder)?;
+        Ok(Gathered { tally, survey, asides, files })
+    }
+
+    /// Tells what is to be minded of parameters, samples and the errors of inputs.
+    fn add_concerns(&self, summary: &mut Summary) {
+        let plan = &self.session.plan;
+        summary.concerns.extend(plan.concerns());
+        if self.header.table.is_none() {
+            summary.concerns.extend(plan.concerns_of_samples(summary.points));
         }
-        let mut summary = tally.looked_at(looks, look).summary(session.study.title.clone(), provenance, parameters);
-        summary.asides = Some(asides);
-        survey.complete(&mut summary);
-        if let Some(told) = told {
-            told.complete(session, &looked.history, &mut summary);
-        }
-        summary.concerns.extend(session.plan.concerns());
-        if summary.provenance.method != "table" {
-            summary.concerns.extend(session.plan.concerns_of_samples(summary.points));
-        }
-        let exact = session.plan.input_errors.iter().filter(|error| self.source.lacks(&session.plan.inputs, error));
+        let exact = plan.input_errors.iter().filter(|error| self.source.lacks(&plan.inputs, error));
         summary.concerns.extend(exact.map(|error| taken_as_exact(&error.name, "the points of a table")));
-        let mut conduct = finished.conduct();
-        conduct.reproducibility = conduct.told_reproducibility();
-        summary.conduct = Some(conduct);
-        summary.dossier = session.study.dossier.clone();
-        summary.run = run;
-        files.finish(&summary)?;
-        Ok(summary)
     }
 
     /// Versions, seed and hashes of this run.
@@ -150,6 +167,14 @@ impl Verification {
             ..provenance(study)
         }
     }
+}
+
+/// What the points of a study are gathered in.
+struct Gathered<'a> {
+    tally: Tally<'a>,
+    survey: Survey<'a>,
+    asides: Asides,
+    files: FileSet,
 }
 
 /// Everything about a study that is known without its FMU.

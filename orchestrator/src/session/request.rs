@@ -9,7 +9,10 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use super::{account::Account, budget::Budget};
-use crate::error::{Error, Result};
+use crate::{
+    error::{Error, Result},
+    options::absolute,
+};
 use point_journal::{
     files::{write_json, write_text},
     pipeline::{Shard, folder::Earlier},
@@ -122,7 +125,6 @@ impl Request {
     /// # Errors
     /// When the system says no.
     pub fn write(&self, folder: &Path, study: &Study) -> Result {
-        let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         let fmu = self.fmu.clone().unwrap_or_else(|| study.fmu_path());
         let kept = Self {
             study: absolute(self.own_study()),

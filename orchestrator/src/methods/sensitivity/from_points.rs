@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::outputs::{Output, Sensitivity, by_surrogate};
+use super::outputs::{Sensitivity, by_surrogate};
 use crate::error::Error;
 use crate::methods::known;
 use crate::results::surrogate::{limits, reason};
@@ -15,6 +15,7 @@ use nalgebra::DMatrix;
 use parameter_regions::table::PointTable;
 use run_budget::{Design, Doubt, Index, Run, Surrogate, Unfit, indices, measures};
 use sampling::design;
+use study::{judge::Judge, plan::Plan};
 
 /// A fit takes the cube of the number of points; more of them tell little more.
 const MOST: usize = 250;
@@ -26,78 +27,31 @@ const CONFIDENCE: f64 = 0.95;
 const CORRELATED: &str = "the parameters are correlated, so Shapley effects divide among them what they explain together: one \
     without any influence on the model has a part of what its partners explain";
 
+/// Sobol indices, where parameters are independent, and Shapley effects of an output; or why there are none.
+type Found = Result<(Option<Indices>, Effects), String>;
+
 /// The result of a finished study's points in `folder`.
 pub fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensitivity, Error> {
     let Session { study, plan, judge, .. } = session;
     let (_, table) = known::points_of(folder, study)?;
-    let varied = plan.varied();
-    let inputs = plan.inputs.iter().map(|input| table.parameters.iter().find(|p| p.name == input.name));
-    let columns: Vec<Option<&[f64]>> = inputs.map(|column| column.map(|column| &*column.values)).collect();
-    let median: Vec<f64> = plan.inputs.iter().map(|input| input.distribution.quantile(0.5)).collect();
-    let point = |row: usize| -> Vec<f64> {
-        let cells = columns.iter().zip(&median);
-        plan.coordinates(
-            &cells.map(|(column, median)| column.map_or(*median, |values| values[row])).collect::<Vec<_>>(),
-        )
-    };
-    let run = |row: usize| Run { point: point(row), values: values(&table, row) };
-    let runs: Vec<Run> = (0..MOST.min(table.len())).map(run).collect();
-    let dimensions = varied.len();
-    let net = design::cube(2 * dimensions, PAIRS, seed, 1).map_err(|message| study.error(message))?;
-    let of_cube = |u: &[f64]| plan.coordinates(&plan.from_cube(u));
-    let correlation = plan.correlation.as_ref().map(|correlation| {
-        DMatrix::from_fn(dimensions, dimensions, |a, b| correlation.coefficient(varied[a], varied[b]))
-    });
-    let pairs = &net[..OF_SHAPLEY];
-    let rows = shapley::design(pairs, correlation.as_ref(), seed).map_err(|message| study.error(message))?;
-    let points: Vec<Vec<f64>> = rows.iter().map(|u| of_cube(u)).collect();
-    let explained = Explained::new(dimensions, pairs.len(), correlation.is_some(), seed);
-    let explained = |pair, values: &[f64]| explained.at(pair, values).into_iter().map(|x| [x, 0.0]).collect();
-    let design =
-        Design { points: &points, width: points.len() / pairs.len(), drawn: OF_SHAPLEY / 8, explained: &explained };
-    let like: Vec<Vec<f64>> = points.iter().step_by(design.width).cloned().collect();
-    let names = judge.criteria.iter().map(|criterion| criterion.name.clone()).chain(["verified".to_owned()]);
-    let names: Vec<String> = names.collect();
-    let limits = limits(judge, 0.0);
-    let found: Vec<Result<(Option<Indices>, Effects), String>> = match Surrogate::fit(&runs, &like, None, seed) {
-        Ok(surrogate) => {
-            let half = |half: usize| -> Vec<Vec<f64>> {
-                net.iter().map(|u| of_cube(&u[half * dimensions..][..dimensions])).collect()
-            };
-            let sobol = match correlation {
-                Some(_) => vec![None; names.len()],
-                None => {
-                    let found = indices(&surrogate, &limits, &runs, [&half(0), &half(1)], CONFIDENCE);
-                    found.into_iter().map(|found| Some(of_varied(&found.ok()?, &varied, runs.len()))).collect()
-                }
-            };
-            let told = |(found, sobol): (Result<Vec<Index>, Doubt>, _)| match found {
-                Ok(found) => {
-                    let effects = found.iter().map(estimate).collect();
-                    Ok((sobol, Effects { effects }))
-                }
-                Err(doubt) => Err(reason(judge, doubt)),
-            };
-            let effects = measures(&surrogate, &limits, &runs, &design, CONFIDENCE);
-            effects.into_iter().zip(sobol).map(told).collect()
-        }
+    let runs = runs(plan, &table);
+    let asked = Pairs::new(plan, seed).map_err(|message| study.error(message))?;
+    let study = study.path().display();
+    let found = match Surrogate::fit(&runs, &asked.like(), None, seed) {
+        Ok(surrogate) => asked.found(&surrogate, judge, &runs),
         Err(Unfit::TooFew { runs, needed }) => {
-            let study = study.path().display();
             let message = format!(
-                "{runs} points in {} have values, and {needed} are needed for indices of {dimensions} parameters: `orchestrator verify \
-                 {study} --resume --points {needed}` adds the others, or `orchestrator sensitivity {study} --base 256` runs a design",
-                folder.display()
+                "{runs} points in {} have values, and {needed} are needed for indices of {} parameters: `orchestrator verify {study} \
+                 --resume --points {needed}` adds the others, or `orchestrator sensitivity {study} --base 256` runs a design",
+                folder.display(),
+                asked.varied.len()
             );
             return Err(Error::option("from", message));
         }
-        Err(unfit) => vec![Err(unfit.to_string()); names.len()],
+        Err(unfit) => vec![Err(unfit.to_string()); judge.criteria.len() + 1],
     };
-    let mut outputs: Vec<Output> = Vec::new();
     let failed = runs.iter().filter(|run| run.values.is_none()).count();
-    let mut warnings = Vec::new();
-    if correlation.is_some() {
-        warnings.push(CORRELATED.to_owned());
-    }
+    let mut warnings = Vec::from_iter(asked.correlation.as_ref().map(|_| CORRELATED.to_owned()));
     if failed > 0 {
         warnings.push(format!(
             "{failed} of {} points failed: indices are of the criteria as the others continue them into where runs fail, which only \
@@ -105,26 +59,26 @@ pub fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensitivity, 
             runs.len()
         ));
     }
-    let parameters: Vec<String> = varied.iter().map(|&k| plan.inputs[k].name.clone()).collect();
-    for (name, found) in names.into_iter().zip(found) {
+    let inputs = asked.varied.iter().map(|&k| (&plan.inputs[k].name, &plan.inputs[k].unit));
+    let criteria = judge.criteria.iter().map(|criterion| (&criterion.name, &criterion.unit));
+    let parameters: Vec<String> = inputs.clone().map(|(name, _)| name.clone()).collect();
+    let mut outputs = Vec::new();
+    for (name, found) in criteria.clone().map(|(name, _)| &**name).chain(["verified"]).zip(found) {
         if let Err(why) = &found {
             warnings.push(format!(
                 "{name}: no indices from these points: {why}; verify twice as many (`--resume --points {}`), or run a design \
-                 (`orchestrator sensitivity {} --base 256`)",
-                2 * table.len(),
-                study.path().display()
+                 (`orchestrator sensitivity {study} --base 256`)",
+                2 * table.len()
             ));
         }
-        outputs.push(by_surrogate(name, found.ok(), &parameters, seed));
+        outputs.push(by_surrogate(name.to_owned(), found.ok(), &parameters, seed));
     }
-    let of_what = if correlation.is_some() { "Shapley effects" } else { "Sobol indices and Shapley effects" };
+    let of_what = if asked.correlation.is_some() { "Shapley effects" } else { "Sobol indices and Shapley effects" };
     let of_all = match runs.len() < table.len() {
         true => format!("{} of the {} points", runs.len(), grouped(table.len())),
         false => format!("the {} points", runs.len()),
     };
-    let inputs = varied.iter().map(|&k| (&plan.inputs[k].name, plan.inputs[k].unit.clone()));
-    let criteria = judge.criteria.iter().map(|criterion| (&criterion.name, criterion.unit.clone()));
-    let units = inputs.chain(criteria).filter_map(|(name, unit)| Some((name.clone(), unit?)));
+    let units = inputs.chain(criteria).filter_map(|(name, unit)| Some((name.clone(), unit.clone()?)));
     Ok(Sensitivity {
         units: units.collect(),
         parameters,
@@ -136,17 +90,98 @@ pub fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensitivity, 
     })
 }
 
-fn values(table: &PointTable, row: usize) -> Option<Vec<f64>> {
-    let values: Vec<f64> = table.criteria.iter().map(|criterion| criterion.values[row]).collect();
-    values.iter().all(|value| value.is_finite()).then_some(values)
+/// The points of a study as runs. A parameter that the table lacks has its median.
+fn runs(plan: &Plan, table: &PointTable) -> Vec<Run> {
+    let columns: Vec<(Option<&[f64]>, f64)> = plan
+        .inputs
+        .iter()
+        .map(|input| {
+            let column = table.parameters.iter().find(|column| column.name == input.name);
+            (column.map(|column| &*column.values), input.distribution.quantile(0.5))
+        })
+        .collect();
+    let run = |row: usize| {
+        let point: Vec<f64> =
+            columns.iter().map(|(column, median)| column.map_or(*median, |values| values[row])).collect();
+        let values: Vec<f64> = table.criteria.iter().map(|criterion| criterion.values[row]).collect();
+        let is_whole = values.iter().all(|value| value.is_finite());
+        Run { point: plan.coordinates(&point), values: is_whole.then_some(values) }
+    };
+    (0..MOST.min(table.len())).map(run).collect()
+}
+
+/// Where the surrogate is asked.
+struct Pairs<'a> {
+    plan: &'a Plan,
+    /// The parameters that vary, by their places in the plan.
+    varied: Vec<usize>,
+    correlation: Option<DMatrix<f64>>,
+    /// Pairs of independent points in the unit cube, each in a row.
+    net: Vec<Vec<f64>>,
+    /// What is made of the first pairs for Shapley effects, as many points of each.
+    of_shapley: Vec<Vec<f64>>,
+    seed: u64,
+}
+
+impl<'a> Pairs<'a> {
+    fn new(plan: &'a Plan, seed: u64) -> Result<Self, String> {
+        let varied = plan.varied();
+        let dimensions = varied.len();
+        let correlation = plan.correlation.as_ref().map(|correlation| {
+            DMatrix::from_fn(dimensions, dimensions, |a, b| correlation.coefficient(varied[a], varied[b]))
+        });
+        let net = design::cube(2 * dimensions, PAIRS, seed, 1)?;
+        let rows = shapley::design(&net[..OF_SHAPLEY], correlation.as_ref(), seed)?;
+        let of_shapley = rows.iter().map(|u| plan.coordinates(&plan.from_cube(u))).collect();
+        Ok(Self { plan, varied, correlation, net, of_shapley, seed })
+    }
+
+    /// Points of each pair that tell Shapley effects.
+    fn width(&self) -> usize {
+        self.of_shapley.len() / OF_SHAPLEY
+    }
+
+    /// A plain sample of the parameters.
+    fn like(&self) -> Vec<Vec<f64>> {
+        self.of_shapley.iter().step_by(self.width()).cloned().collect()
+    }
+
+    /// What a surrogate of runs tells of each criterion, and last of being verified.
+    fn found(&self, surrogate: &Surrogate, judge: &Judge, runs: &[Run]) -> Vec<Found> {
+        let limits = limits(judge, 0.0);
+        let is_correlated = self.correlation.is_some();
+        let explained = Explained::new(self.varied.len(), OF_SHAPLEY, is_correlated, self.seed);
+        let explained = |pair, values: &[f64]| explained.at(pair, values).into_iter().map(|x| [x, 0.0]).collect();
+        let points = &self.of_shapley;
+        let design = Design { points, width: self.width(), drawn: OF_SHAPLEY / 8, explained: &explained };
+        let effects = measures(surrogate, &limits, runs, &design, CONFIDENCE);
+        let sobol = match is_correlated {
+            true => Vec::new(),
+            false => indices(surrogate, &limits, runs, [&self.half(0), &self.half(1)], CONFIDENCE),
+        };
+        let mut sobol = sobol.into_iter().map(|found| found.ok().map(|found| self.of_varied(&found, runs.len())));
+        let told = |found: Result<Vec<Index>, Doubt>| {
+            let sobol = sobol.next().flatten();
+            let effects = found.map_err(|doubt| reason(judge, doubt))?.iter().map(estimate).collect();
+            Ok((sobol, Effects { effects }))
+        };
+        effects.into_iter().map(told).collect()
+    }
+
+    /// The first or the second points of all pairs.
+    fn half(&self, half: usize) -> Vec<Vec<f64>> {
+        let dimensions = self.varied.len();
+        let point = |u: &Vec<f64>| self.plan.coordinates(&self.plan.from_cube(&u[half * dimensions..][..dimensions]));
+        self.net.iter().map(point).collect()
+    }
+
+    fn of_varied(&self, found: &[[Index; 2]], runs: usize) -> Indices {
+        let of = |which: usize| self.varied.iter().map(|k| estimate(&found[*k][which])).collect();
+        Indices { first: of(0), total: of(1), used: vec![runs; self.varied.len()], failed: 0 }
+    }
 }
 
 fn estimate(index: &Index) -> Estimate {
     let Index { estimate: value, interval: [low, high] } = *index;
     Estimate { value, low, high }
-}
-
-fn of_varied(found: &[[Index; 2]], varied: &[usize], runs: usize) -> Indices {
-    let of = |which: usize| varied.iter().map(|k| estimate(&found[*k][which])).collect();
-    Indices { first: of(0), total: of(1), used: vec![runs; varied.len()], failed: 0 }
 }
