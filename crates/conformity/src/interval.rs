@@ -208,7 +208,7 @@ mod tests {
     #[test]
     fn counts_have_clopper_and_pearsons_interval() {
         for hits in [0, 1, 2, 5, 20, 80, 131, 200, 262, 263] {
-            let counted = moments((0..263).map(|i| f64::from(u8::from(i < hits))));
+            let counted = moments((0..263).map(|i| f64::from(i < hits)));
             let interval = of_mean(&[counted], 0.95);
             let expected = clopper_pearson(f64::from(hits), 263.0, 0.95);
             for k in 0..2 {
@@ -264,7 +264,7 @@ mod tests {
     /// However equal the nets are: another one may hold none of the points that count, or all.
     #[test]
     fn each_net_is_one_trial() {
-        let half = |k: usize| f64::from(u8::from(k < 32));
+        let half = |k: usize| f64::from(k < 32);
         let nets = vec![moments((0..64).map(half)); 8];
         assert_eq!(of_mean(&nets, 0.95), clopper_pearson(4.0, 8.0, 0.95));
         // In small nets five coordinates share their first digits: half of one net lies in a corner, and of 16 others no point.

@@ -188,7 +188,7 @@ impl Law {
     /// The probability of an error up to this one.
     pub fn cdf(&self, error: f64) -> f64 {
         if error.is_infinite() || error.is_nan() {
-            return f64::from(u8::from(error > 0.0));
+            return f64::from(error > 0.0);
         }
         // From the tail that loses no digits.
         let tail = self.mean(|scale| below(-error.abs(), scale, self.half_width));
@@ -308,7 +308,7 @@ fn ln_density(away: f64, scale: f64, half_width: f64) -> f64 {
         return -0.5 * (away / scale).powi(2) - (scale * TAU.sqrt()).ln();
     }
     let inside = if scale == 0.0 {
-        f64::from(u8::from(away <= half_width)).ln()
+        f64::from(away <= half_width).ln()
     } else {
         normal::ln_between((away - half_width) / scale, (away + half_width) / scale)
     };

@@ -118,7 +118,7 @@ fn number(cell: &Field) -> Option<f64> {
     Some(match cell {
         Field::Double(value) => *value,
         Field::Float(value) => f64::from(*value),
-        Field::Bool(value) => f64::from(u8::from(*value)),
+        Field::Bool(value) => f64::from(*value),
         Field::ULong(value) => *value as f64,
         other => integer(other)? as f64,
     })

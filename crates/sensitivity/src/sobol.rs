@@ -397,7 +397,7 @@ mod tests {
         let exact = [share * (1.0 / alone - 1.0) / (1.0 - share), 1.0 - (alone - share) / (1.0 - share)];
         let (mut stated, mut held) = (0, vec![0; 6]);
         for seed in 0..seeds {
-            let flag = |u: &[f64]| f64::from(u8::from(u[..of].iter().all(|u| *u > 1.0 - alone)));
+            let flag = |u: &[f64]| f64::from(u[..of].iter().all(|u| *u > 1.0 - alone));
             let s = indices(&evaluate(&scrambled_pairs(base, 3, 7000 + seed), flag), 3, FirstOrder::default()).unwrap();
             // Nothing is told, or that all runs are the same.
             if s.first[0].low.is_nan() || s.total.iter().all(|index| index.value == 0.0) {

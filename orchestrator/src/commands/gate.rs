@@ -26,8 +26,7 @@ pub fn verdict(summary: &Summary, folder: Option<&Path>, (gate, verbose): (&Gate
     let verdict = conclusion.map(|conclusion| conclusion.verdict);
     let doubts = summary.warnings().count();
     if gate.strict && verdict == Some(Decision::Verified) && doubts > 0 {
-        let plural = if doubts == 1 { "" } else { "s" };
-        output::line!("note: exit code 1, since --strict allows for no warning, and there is {doubts}{plural}");
+        output::line!("note: exit code 1, since --strict allows for no warning (found: {doubts})");
         return Ok(ExitCode::FAILURE);
     }
     if let Some(few) = few(summary).filter(|_| gate.strict) {

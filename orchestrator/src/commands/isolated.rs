@@ -23,22 +23,15 @@ use fmu_points::{
 use number_tables::csv_file;
 
 /// The variables that a trajectory shows.
-pub struct Columns {
-    variables: Vec<Variable>,
-    handles: Vec<Handle>,
-}
+pub struct Columns(pub Vec<Variable>);
 
 impl Columns {
-    pub fn of(variables: Vec<Variable>) -> Self {
-        Self { handles: variables.iter().map(Variable::handle).collect(), variables }
-    }
-
     /// The outputs, or where there are none the local variables, of which `aloud` tells the user.
     pub fn usual(fmu: &Description, aloud: bool) -> Self {
         let all = |causality| fmu.with(causality).cloned().collect::<Vec<Variable>>();
         let outputs = all(Causality::Output);
         if !outputs.is_empty() {
-            return Self::of(outputs);
+            return Self(outputs);
         }
         let locals = all(Causality::Local);
         match locals.len() {
@@ -51,12 +44,12 @@ impl Columns {
                 "note: the FMU has no outputs, so its {count} local variables are recorded; --record chooses others"
             ),
         }
-        Self::of(locals)
+        Self(locals)
     }
 
     /// The values of a row, for people.
     pub fn summary(&self, row: &[String]) -> String {
-        self.variables
+        self.0
             .iter()
             .zip(row)
             .map(|(variable, value)| {
@@ -132,12 +125,13 @@ impl Isolated {
     ) -> Result<Vec<String>> {
         let failed = |error: csv::Error| Error::io(path)(error.into());
         let mut csv = csv::Writer::from_writer(BufWriter::new(into));
-        let names = columns.variables.iter().map(|variable| csv_file::cell(&variable.name));
+        let names = columns.0.iter().map(|variable| csv_file::cell(&variable.name));
         let head = std::iter::once("time".into()).chain(names);
         csv.write_record(head.map(Cow::into_owned)).map_err(failed)?;
         let mut last = Vec::new();
+        let handles: Vec<Handle> = columns.0.iter().map(Variable::handle).collect();
         let mut recording = self.recorder([task].into_iter()).of(task)?;
-        let recorded = recording.record(values, &columns.handles, None, |time, values| {
+        let recorded = recording.record(values, &handles, None, |time, values| {
             last = values.iter().map(cell).collect();
             csv.write_field(number(time)).map_err(failed)?;
             csv.write_record(&last).map_err(failed)

@@ -6,19 +6,19 @@ use result_document::format::escape;
 /// A file that is listed.
 pub struct Related {
     /// Its media type.
-    pub kind: String,
+    pub kind: &'static str,
     /// Its path from the manifest's folder.
     pub source: String,
     /// Its role.
-    pub role: String,
+    pub role: &'static str,
     /// What it is.
     pub description: String,
 }
 
 impl Related {
     fn xml(&self) -> String {
-        let [kind, source, role, description] =
-            [&self.kind, &self.source, &self.role, &self.description].map(|text| escape(text));
+        let Self { kind, role, .. } = self;
+        let [source, description] = [&self.source, &self.description].map(|text| escape(text));
         format!("  <Related type=\"{kind}\" source=\"{source}\" role=\"{role}\" description=\"{description}\"/>\n")
     }
 }
@@ -70,12 +70,7 @@ mod tests {
     use super::*;
 
     fn related(source: &str) -> Related {
-        Related {
-            kind: "text/csv".to_owned(),
-            source: source.to_owned(),
-            role: "result".to_owned(),
-            description: "a < b".to_owned(),
-        }
+        Related { kind: "text/csv", source: source.to_owned(), role: "result", description: "a < b".to_owned() }
     }
 
     fn sources(text: &str) -> Vec<String> {

@@ -73,14 +73,11 @@ pub struct Carried {
 /// # Errors
 /// When one of them cannot be read.
 pub fn digests(package: &mut Package) -> Result<IndexMap<String, String>> {
-    let mut entries: Vec<String> = package
-        .entries()
-        .into_iter()
-        .filter(|entry| {
-            let within = ["binaries/", "resources/"].iter().any(|folder| entry.starts_with(folder));
-            !entry.ends_with('/') && (within || entry == "modelDescription.xml")
-        })
-        .collect();
+    let mut entries = package.entries();
+    entries.retain(|entry| {
+        let within = ["binaries/", "resources/"].iter().any(|folder| entry.starts_with(folder));
+        !entry.ends_with('/') && (within || entry == "modelDescription.xml")
+    });
     entries.sort_unstable();
     entries
         .into_iter()
@@ -300,17 +297,12 @@ pub fn pack(package: &mut Package, study: &Study, results: &Path, summary: &Summ
     let name: String =
         stem.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' }).collect();
     let request = Request::read(results)?;
-    let entry = |below: &str, role: &str, kind: &str, description: &str, content: Vec<u8>| {
+    let entry = |below: &str, role, kind, description: &str, content: Vec<u8>| {
         let source = format!("{name}/{below}");
         File {
             name: format!("{FOLDER}{source}"),
             content,
-            related: Related {
-                kind: kind.to_owned(),
-                source: percent_encoded(&source, "/"),
-                role: role.to_owned(),
-                description: description.to_owned(),
-            },
+            related: Related { kind, source: percent_encoded(&source, "/"), role, description: description.to_owned() },
         }
     };
     let read = |path: &Path| fs::read(path).map_err(Error::io(path));

@@ -99,16 +99,15 @@ fn write_case(
             if !kept {
                 return Ok(());
             }
-            let csv = |error| Halt::from(std::io::Error::from(error));
-            table.write_field(number.format(time)).map_err(csv)?;
+            table.write_field(number.format(time))?;
             for (&value, &k) in row.iter().zip(&signals.criteria) {
                 let value = plan.outputs[k].value(value);
                 // Seven digits are plenty for a plot, but for a number that so short a one cannot hold.
                 let short = value as f32;
                 let text = if short.is_finite() { number.format(short) } else { number.format(value) };
-                table.write_field(text).map_err(csv)?;
+                table.write_field(text)?;
             }
-            table.write_record(None::<&[u8]>).map_err(csv)
+            Ok(table.write_record(None::<&[u8]>)?)
         });
         // With the study's own steps the point may have ended early, too.
         let early = (budget.is_some() && until < task.schedule.stop * (1.0 - 1e-9))
@@ -122,6 +121,6 @@ fn write_case(
     match (written, halt) {
         (Ok(()), _) => Ok((every > 1).then_some(every)),
         (Err(_), Some(halt)) => Err(halt),
-        (Err(error), None) => Err(Halt::Failed(error.to_string())),
+        (Err(error), None) => Err(error.into()),
     }
 }

@@ -9,18 +9,17 @@ mod numerical;
 mod settled;
 
 use std::{
+    fmt,
     path::{Path, PathBuf},
     sync::atomic::Ordering,
     time::{Duration, Instant},
 };
 
-use thiserror::Error;
-
 use crate::{error::Error, results::Summary, session::Verification};
 use budget::Budget;
 use fmu_import::{Content, Handle, Package, Value};
 use fmu_points::{
-    PointLimits, PointResult, RunError,
+    PointLimits, PointResult,
     failure::Failure,
     scratch::Scratch,
     single::Recorder,
@@ -64,32 +63,26 @@ pub fn run(verification: &mut Verification, folder: &Path, summary: &mut Summary
 type Row<'a> = &'a mut dyn FnMut(f64, &[f64]) -> Result<(), Halt>;
 
 /// Why a run has no end.
-#[derive(Debug, Error)]
 enum Halt {
     /// The time is up.
-    #[error("it would take longer than the study's points did")]
     Late,
     /// The user has ended the program.
-    #[error("it was interrupted")]
     Interrupted,
-    #[error("{0}")]
     Failed(String),
 }
 
-impl From<Failure> for Halt {
-    fn from(failure: Failure) -> Self {
-        Self::Failed(failure.to_string())
+impl fmt::Display for Halt {
+    fn fmt(&self, out: &mut fmt::Formatter) -> fmt::Result {
+        out.write_str(match self {
+            Self::Late => "it would take longer than the study's points did",
+            Self::Interrupted => "it was interrupted",
+            Self::Failed(reason) => reason,
+        })
     }
 }
 
-impl From<RunError> for Halt {
-    fn from(error: RunError) -> Self {
-        Self::Failed(error.to_string())
-    }
-}
-
-impl From<std::io::Error> for Halt {
-    fn from(error: std::io::Error) -> Self {
+impl<E: std::error::Error> From<E> for Halt {
+    fn from(error: E) -> Self {
         Self::Failed(error.to_string())
     }
 }

@@ -61,8 +61,8 @@ fn with_half_the_step(reruns: &Reruns, summary: &Summary) -> Result<Vec<Doubt>, 
     let session = &reruns.verification.session;
     let cases = &reruns.plan().cases;
     let finer: Vec<Case> = cases.iter().map(|case| refined_case(case, Refined::Step, 1)).collect();
-    let run = |cases: &[Case], values: &[f64]| {
-        session.outcome(reruns.answer(cases, values.to_vec())?).map_err(|failure| Halt::Failed(failure.to_string()))
+    let run = |cases: &[Case], values: &[f64]| -> Result<_, Halt> {
+        Ok(session.outcome(reruns.answer(cases, values.to_vec())?)?)
     };
     let criteria = || session.judge.criteria.iter();
     // Points with their values in the criteria's order, with the study's steps and with half of them.

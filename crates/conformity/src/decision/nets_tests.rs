@@ -237,7 +237,7 @@ fn risks(chosen: Chosen, points: u64, seeds: Range<u64>, bands: &[Band]) -> Told
             for (i, point) in cube_of(chosen, points, seed).iter().enumerate() {
                 let sum = coordinates.iter().map(|&k| point[k]).sum::<f64>() - reach;
                 let (chance, net) = (conforms(sum), i % nets);
-                let is_accepted = f64::from(u8::from(sum.abs() <= *half));
+                let is_accepted = f64::from(sum.abs() <= *half);
                 sums[0][net].add(is_accepted * (1.0 - chance));
                 sums[1][net].add((1.0 - is_accepted) * chance);
                 sums[2][net].add(chance);

@@ -89,10 +89,10 @@ fn compare(study: &Study, guard: Guard, differences: &mut [[Differences; 4]; 3])
                 k => (study.conforms(point, k), assessed.criteria[k].margin),
             };
             let accepted = margin >= factor;
-            counts[0] += f64::from(u8::from(accepted && !conforms));
-            counts[1] += f64::from(u8::from(!accepted && conforms));
-            counts[2] += f64::from(u8::from(conforms));
-            counts[3] += f64::from(u8::from(accepted));
+            counts[0] += f64::from(accepted && !conforms);
+            counts[1] += f64::from(!accepted && conforms);
+            counts[2] += f64::from(conforms);
+            counts[3] += f64::from(accepted);
         }
         let n = POINTS as f64;
         differences[0].add(counts[0] - n * consumer);

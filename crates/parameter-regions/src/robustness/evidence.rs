@@ -26,7 +26,7 @@ pub struct Evidence<'a> {
 impl Evidence<'_> {
     /// The verdict on a point, 1 or 0, less its forecast.
     fn error(&self, i: usize) -> f64 {
-        f64::from(u8::from(self.verified[i])) - self.foretold[i]
+        f64::from(self.verified[i]) - self.foretold[i]
     }
 
     /// The mean square error of the forecasts over all points, with half a wrong one more than were seen, as Jeffreys' prior

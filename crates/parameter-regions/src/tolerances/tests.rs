@@ -36,7 +36,7 @@ fn searched(problem: &Problem, good: impl Fn(&[f64]) -> f64) -> (Widest, Sample)
 }
 
 fn within(x: bool) -> f64 {
-    f64::from(u8::from(x))
+    f64::from(x)
 }
 
 /// y = a . x is normal: its share within +-T is the wanted one where a1^2 s1^2 + a2^2 s2^2 = (T / z)^2, and the cost

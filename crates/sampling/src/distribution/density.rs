@@ -42,7 +42,7 @@ impl Distribution {
                 if value > 0.0 { normal_cdf((value.ln() - centre) / spread) } else { 0.0 }
             }
             Self::Sample { ref values } => values.partition_point(|one| *one <= value) as f64 / values.len() as f64,
-            Self::Fixed { value: only } => f64::from(u8::from(value >= only)),
+            Self::Fixed { value: only } => f64::from(value >= only),
             Self::Whole(ref of) => match of.uniform_whole() {
                 Some([first, count]) => ((value.floor() - first + 1.0) / count).clamp(0.0, 1.0),
                 None => of.below(value.floor() + 0.5),

@@ -17,11 +17,8 @@ use study::{
 /// The variables of `--record`.
 pub fn columns(lists: &[String], fmu: &Description) -> Result<Columns> {
     let names = lists.iter().flat_map(|list| names(list, |name| fmu.variables.contains_key(name)));
-    Ok(Columns::of(
-        names
-            .map(|name| find(fmu, name).cloned().map_err(|message| Error::option("record", message)))
-            .collect::<Result<_, _>>()?,
-    ))
+    let variables = names.map(|name| find(fmu, name).cloned().map_err(|message| Error::option("record", message)));
+    Ok(Columns(variables.collect::<Result<_, _>>()?))
 }
 
 /// The names of a list. A comma belongs to a name where a variable is called so, or within brackets: `a[1,2]`, `der(x,2)`.

@@ -165,8 +165,7 @@ fn first_above_total(told: &Told, parameters: &[String]) -> Vec<String> {
 /// The criteria's values; 1 or 0 for verified or not, where a run that failed is not; and 1 or 0 for failed or not, where
 /// any run failed.
 fn outputs(table: &PointTable) -> Vec<(String, Vec<f64>)> {
-    let flags =
-        |flag: &dyn Fn(usize) -> bool| (0..table.len()).map(flag).map(|flag| f64::from(u8::from(flag))).collect();
+    let flags = |flag: &dyn Fn(usize) -> bool| (0..table.len()).map(flag).map(f64::from).collect();
     let criteria = table.criteria.iter().map(|c| (c.name.clone(), c.values.clone()));
     let verified = ("verified".to_owned(), flags(&|i| table.verified[i]));
     let failed = (failures::failed(table) > 0).then(|| {
