@@ -85,53 +85,36 @@ pub const fn output<M>(
     real(name, Role::Output, unit, Access { get, set: None }, description)
 }
 
-impl<M> Variable<M> {
+/// Makes methods that state what a real variable has besides.
+macro_rules! stated_of_real {
+    ($($(#[$doc:meta])* $name:ident($($field:ident = $argument:ident: $type:ty),+);)*) => {
+        impl<M> Variable<M> {
+            $($(#[$doc])*
+            #[must_use]
+            pub const fn $name(mut self, $($argument: $type),+) -> Self {
+                if let Kind::Real(real) = &mut self.kind {
+                    $(real.$field = Some($argument);)+
+                }
+                self
+            })*
+        }
+    };
+}
+
+stated_of_real! {
     /// The same, shown to people in this display unit, which is one of its unit's.
-    #[must_use]
-    pub const fn shown_in(mut self, display_unit: &'static str) -> Self {
-        if let Kind::Real(real) = &mut self.kind {
-            real.display = Some(display_unit);
-        }
-        self
-    }
-
+    shown_in(display = unit: &'static str);
     /// The same with the smallest and the largest value that make sense.
-    #[must_use]
-    pub const fn within(mut self, least: f64, most: f64) -> Self {
-        if let Kind::Real(real) = &mut self.kind {
-            real.min = Some(least);
-            real.max = Some(most);
-        }
-        self
-    }
-
+    within(min = least: f64, max = most: f64);
     /// The same with a typical magnitude.
-    #[must_use]
-    pub const fn about(mut self, typical: f64) -> Self {
-        if let Kind::Real(real) = &mut self.kind {
-            real.nominal = Some(typical);
-        }
-        self
-    }
-
+    about(nominal = typical: f64);
     /// The same for an input that may vary linearly within a step: `set` sets its rate, per second.
-    #[must_use]
-    pub const fn slope(mut self, set: fn(&mut M, f64)) -> Self {
-        if let Kind::Real(real) = &mut self.kind {
-            real.slope = Some(set);
-        }
-        self
-    }
-
+    slope(slope = set: fn(&mut M, f64));
     /// The same for an output whose time derivative the model knows, per second.
-    #[must_use]
-    pub const fn derivative(mut self, get: fn(&M) -> f64) -> Self {
-        if let Kind::Real(real) = &mut self.kind {
-            real.derivative = Some(get);
-        }
-        self
-    }
+    derivative(derivative = get: fn(&M) -> f64);
+}
 
+impl<M> Variable<M> {
     /// The same for an output that follows these inputs at once.
     #[must_use]
     pub const fn depends_on(mut self, inputs: &'static [&'static str]) -> Self {
