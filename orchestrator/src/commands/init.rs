@@ -14,7 +14,7 @@ use crate::{
 };
 use fmu_import::{Causality, Description, Kind, Package, Variability, Variable};
 use fmu_points::task::{Schedule, Task};
-use measured::Measured;
+use measured::MeasuredTable;
 use point_journal::files::write_text;
 use study::{Setting, plan::value_of};
 use write::{Criteria, Shown};
@@ -30,10 +30,7 @@ pub fn run(options: &Init) -> Result<ExitCode> {
     let fmu = package.description();
     let set = options.set.iter().map(|text| simulate::setting(text, fmu));
     let mut set: Vec<_> = set.collect::<Result<_, _>>().map_err(|message| Error::option("set", message))?;
-    let mut table = match &options.measured {
-        Some(path) => Some(Measured::read(path, fmu)?),
-        None => None,
-    };
+    let mut table = options.measured.as_ref().map(|path| MeasuredTable::read(path, fmu)).transpose()?;
     let schedule = schedule(options, fmu, table.as_ref())?;
     let variables = match &table {
         Some(table) => table.columns.iter().map(|c| c.variable).collect(),
@@ -73,7 +70,7 @@ pub fn run(options: &Init) -> Result<ExitCode> {
 }
 
 /// As the user asks, else as long as the measured curves, else as the FMU suggests.
-fn schedule(options: &Init, fmu: &Description, table: Option<&Measured>) -> Result<Schedule> {
+fn schedule(options: &Init, fmu: &Description, table: Option<&MeasuredTable>) -> Result<Schedule> {
     const STEPS: f64 = 500.0;
     let [first, last] = table.and_then(|table| table.span).map_or([None; 2], |span| span.map(Some));
     let suggested = Schedule::suggested(fmu);

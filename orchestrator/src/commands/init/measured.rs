@@ -13,7 +13,7 @@ use number_tables::{Table, recorded::RecordedTable};
 
 /// The columns of a table of measured values that are outputs of the FMU.
 #[derive(Debug)]
-pub struct Measured<'a> {
+pub struct MeasuredTable<'a> {
     pub file: PathBuf,
     /// The column of the time; where there is none, the rows are single readings.
     pub time: Option<String>,
@@ -35,7 +35,7 @@ pub struct Column<'a> {
     pub values: Vec<f64>,
 }
 
-impl<'a> Measured<'a> {
+impl<'a> MeasuredTable<'a> {
     /// Reads the table.
     ///
     /// # Errors

@@ -3,10 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use super::{
-    measured::{Column, Measured},
+    measured::{Column, MeasuredTable},
     run::{SMALL, Signal, TOLERANCE},
 };
-use crate::{error::Error, results::points::number};
+use crate::{
+    error::Error,
+    results::{points::number, words::unit_behind},
+};
 use curves::Metric;
 use fmu_import::{Description, Kind, Variable, units::Conversion};
 use fmu_points::{task::Schedule, tell::one_line};
@@ -35,11 +38,11 @@ pub struct Study<'a> {
     pub criteria: Criteria,
 }
 
-/// The lines of the criteria, and how many criteria these are.
+/// The text of the criteria, and how many criteria these are.
 pub struct Criteria {
-    lines: Vec<String>,
+    text: String,
     /// What drives the model as it was measured.
-    inputs: Vec<String>,
+    inputs: String,
     count: usize,
     /// Whether their values come from the model.
     own: bool,
@@ -110,7 +113,7 @@ impl<'a> Shown<'a> {
     fn line(&self, variable: &Variable) -> String {
         let [low, high] = self.ends.map(number);
         format!(
-            "{} = {{ distribution = \"uniform\", min = {low}, max = {high}{} }}{}",
+            "{} = {{ distribution = \"uniform\", min = {low}, max = {high}{} }}{}\n",
             quoted(&variable.name),
             unit_key(self.view.unit),
             about(variable)
@@ -132,84 +135,78 @@ impl Criteria {
                            end (--stop), or write a study that feeds its inputs";
             return Err(Error::content(path, message));
         }
-        let mut lines = vec![
-            "# No measured value yet: the nominal values come from a run of the model. Put the measured value there and remove"
-                .to_owned(),
-            "# `nominal-from`. Then add how far it may be from the true one, such as uncertainty = \"1 %\" (k = 2)."
-                .to_owned(),
-        ];
-        let others: Vec<_> = moving.iter().skip(CRITERIA).map(|s| &*s.variable.name).collect();
-        lines.extend(stands.then(|| "# No output moves in this run.".to_owned()));
-        lines.extend(more(&others, "Further outputs"));
-        for signal in moving.iter().take(CRITERIA) {
-            lines.push(String::new());
-            lines.extend(own(signal, fmu));
+        let mut text = "# No measured value yet: the nominal values come from a run of the model. Put the measured value there and \
+                        remove\n# `nominal-from`. Then add how far it may be from the true one, such as uncertainty = \"1 %\" (k = 2).\n"
+            .to_owned();
+        if stands {
+            text += "# No output moves in this run.\n";
         }
+        let others: Vec<_> = moving.iter().skip(CRITERIA).map(|s| &*s.variable.name).collect();
+        text += &more(&others, "Further outputs");
         let count = moving.len().min(CRITERIA);
-        Ok(Self { lines, inputs: Vec::new(), count, own: true })
+        text.extend(moving[..count].iter().map(|signal| own(signal, fmu)));
+        Ok(Self { text, inputs: String::new(), count, own: true })
     }
 
     /// The columns of a table, as curves where it has a column of the time.
-    pub fn of_table(table: &Measured, path: &Path) -> Self {
-        let tolerance = "# The tolerances are a guess: they say how far the model may be from the true values. Add the accuracy \
-                         of the";
+    pub fn of_table(table: &MeasuredTable, path: &Path) -> Self {
         let is_of_points = table.time.is_none() && !table.inputs.is_empty();
         let uncertainty = match table.time {
             _ if is_of_points => {
-                "# measurement: uncertainty = \"1 %\" (k = 2). Each row is an operating point, a case of its own."
+                "measurement: uncertainty = \"1 %\" (k = 2). Each row is an operating point, a case of its own."
             }
-            Some(_) => "# measurement beside each `file`: uncertainty = \"0.3 degC\" (k = 2).",
-            None => {
-                "# measurement: uncertainty = \"1 %\" (k = 2). Several rows are taken as repeats of one measurement."
-            }
+            Some(_) => "measurement beside each `file`: uncertainty = \"0.3 degC\" (k = 2).",
+            None => "measurement: uncertainty = \"1 %\" (k = 2). Several rows are taken as repeats of one measurement.",
         };
-        let mut lines = vec![tolerance.to_owned(), uncertainty.to_owned()];
+        let mut text = format!(
+            "# The tolerances are a guess: they say how far the model may be from the true values. Add the accuracy of the\n\
+             # {uncertainty}\n"
+        );
+        let mut inputs = String::new();
         if is_of_points {
-            lines.extend((0..table.columns[0].values.len()).flat_map(|row| operating_point(table, row)));
-            return Self { lines, inputs: Vec::new(), count: table.columns.len(), own: false };
+            text.extend((0..table.columns[0].values.len()).map(|row| operating_point(table, row)));
+        } else if let Some(time) = &table.time {
+            inputs.extend(table.inputs.iter().map(|column| input(column, time, path)));
+            text.extend(table.columns.iter().map(|column| curve(column, time, path)));
+        } else {
+            text.extend(table.columns.iter().map(reading));
         }
-        let inputs =
-            table.time.iter().flat_map(|time| table.inputs.iter().map(move |column| input(column, time, path)));
-        let inputs: Vec<String> = inputs.collect();
-        for column in &table.columns {
-            lines.push(String::new());
-            lines.extend(match &table.time {
-                Some(time) => curve(column, time, path),
-                None => reading(column),
-            });
-        }
-        Self { lines, inputs, count: table.columns.len(), own: false }
+        Self { text, inputs, count: table.columns.len(), own: false }
     }
 }
 
 /// Names of things that are left out.
-fn more(names: &[&str], what: &str) -> Option<String> {
+fn more(names: &[&str], what: &str) -> String {
     const SHOWN: usize = 3;
+    if names.is_empty() {
+        return String::new();
+    }
     let shown: Vec<_> = names.iter().take(SHOWN).map(|name| one_line(name)).collect();
     let rest = if names.len() > SHOWN { ", ..." } else { "" };
-    (!names.is_empty()).then(|| format!("# {what}: {}{rest}", shown.join(", ")))
+    format!("# {what}: {}{rest}\n", shown.join(", "))
 }
 
-fn head(variable: &Variable) -> [String; 2] {
+fn head(variable: &Variable) -> String {
     // Columns of points.csv have these names already.
     let taken = ["point", "verified", "accepted", "conformance", "status"].contains(&&*variable.name);
     let name = one_line(&variable.name) + if taken { "_" } else { "" };
-    [format!("[criteria.{}]", quoted(&name)), format!("variable = {}{}", quoted(&variable.name), about(variable))]
+    format!("\n[criteria.{}]\nvariable = {}{}\n", quoted(&name), quoted(&variable.name), about(variable))
 }
 
 /// A criterion whose nominal value comes from the model.
-fn own(signal: &Signal, fmu: &Description) -> Vec<String> {
+fn own(signal: &Signal, fmu: &Description) -> String {
     let view = View::new(fmu, signal.variable);
     let (statistic, value) = signal.value();
     let nominal = rounded(view.value(value));
     let range = (view.value(signal.most) - view.value(signal.least)).abs();
-    let mut lines = head(signal.variable).to_vec();
-    lines.push(format!("statistic = \"{}\"", statistic.name()));
-    lines.push(format!("nominal = {} # put the measured value here,", number(nominal)));
-    lines.push("nominal-from = \"model\" # and remove this line".to_owned());
-    lines.push(tolerance(nominal, range));
-    lines.extend(view.unit.map(|unit| format!("unit = {}", quoted(unit))));
-    lines
+    format!(
+        "{}statistic = \"{}\"\nnominal = {} # put the measured value here,\nnominal-from = \"model\" # and remove this line\n{}\n{}",
+        head(signal.variable),
+        statistic.name(),
+        number(nominal),
+        tolerance(nominal, range),
+        unit_line(view.unit)
+    )
 }
 
 /// A part of the value; where that is next to nothing, of the range.
@@ -224,7 +221,7 @@ fn tolerance(nominal: f64, range: f64) -> String {
 /// An input that follows a column.
 fn input(column: &Column, time: &str, path: &Path) -> String {
     format!(
-        "{} = {{ file = {}, time = {}, column = {}{}, extrapolate = \"hold\" }}",
+        "{} = {{ file = {}, time = {}, column = {}{}, extrapolate = \"hold\" }}\n",
         quoted(&column.variable.name),
         file(path),
         quoted(time),
@@ -234,65 +231,60 @@ fn input(column: &Column, time: &str, path: &Path) -> String {
 }
 
 /// A row whose inputs are those of an operating point.
-fn operating_point(table: &Measured, row: usize) -> Vec<String> {
-    let value = |column: &Column| {
-        let unit = column.unit.as_ref().filter(|unit| *unit != "1");
-        let unit = unit.map_or_else(String::new, |unit| format!(" {unit}"));
-        quoted(&format!("{}{unit}", number(column.values[row])))
-    };
-    let mut lines = vec![String::new(), "[[cases]]".to_owned(), format!("name = \"row {}\"", row + 1)];
-    lines.extend(
-        table.inputs.iter().map(|column| format!("fixed.{} = {}", quoted(&column.variable.name), value(column))),
-    );
-    for column in &table.columns {
+fn operating_point(table: &MeasuredTable, row: usize) -> String {
+    let mut text = format!("\n[[cases]]\nname = \"row {}\"\n", row + 1);
+    text.extend(table.inputs.iter().map(|column| {
+        let value = format!("{}{}", number(column.values[row]), unit_behind(column.unit.as_deref()));
+        format!("fixed.{} = {}\n", quoted(&column.variable.name), quoted(&value))
+    }));
+    text.extend(table.columns.iter().map(|column| {
         let (name, measured) = (quoted(&column.variable.name), column.values[row]);
-        let tolerance = if measured == 0.0 { "0.1" } else { "\"5 %\"" };
-        lines.push(format!(
-            "criteria.{name} = {{ variable = {name}, nominal = {}, tolerance = {tolerance}{} }}",
+        format!(
+            "criteria.{name} = {{ variable = {name}, nominal = {}, tolerance = {}{} }}\n",
             number(measured),
+            part(measured),
             unit_key(column.unit.as_deref())
-        ));
-    }
-    lines
+        )
+    }));
+    text
+}
+
+/// The tolerance of a measured value, a guess.
+fn part(measured: f64) -> &'static str {
+    if measured == 0.0 { "0.1" } else { "\"5 %\"" }
 }
 
 fn unit_key(unit: Option<&str>) -> String {
     unit.map_or_else(String::new, |unit| format!(", unit = {}", quoted(unit)))
 }
 
-fn curve(column: &Column, time: &str, path: &Path) -> Vec<String> {
-    let unit = unit_key(column.unit.as_deref());
-    let [head, variable] = head(column.variable);
-    let metrics = Metric::ALL.iter().map(|metric| metric.name());
-    let others: Vec<String> = metrics.filter(|name| name != "nrmse").collect();
-    vec![
-        head,
-        variable,
-        format!(
-            "reference = {{ file = {}, time = {}, column = {}{unit} }}",
-            file(path),
-            quoted(time),
-            quoted(&column.header)
-        ),
-        format!("metric = \"nrmse\" # of the range; or {}", others.join(", ")),
-        "tolerance = \"5 %\"".to_owned(),
-    ]
+fn unit_line(unit: Option<&str>) -> String {
+    unit.map_or_else(String::new, |unit| format!("unit = {}\n", quoted(unit)))
 }
 
-fn reading(column: &Column) -> Vec<String> {
+fn curve(column: &Column, time: &str, path: &Path) -> String {
+    let metrics = Metric::ALL.iter().map(|metric| metric.name());
+    let others: Vec<String> = metrics.filter(|name| name != "nrmse").collect();
+    format!(
+        "{}reference = {{ file = {}, time = {}, column = {}{} }}\nmetric = \"nrmse\" # of the range; or {}\ntolerance = \"5 %\"\n",
+        head(column.variable),
+        file(path),
+        quoted(time),
+        quoted(&column.header),
+        unit_key(column.unit.as_deref()),
+        others.join(", ")
+    )
+}
+
+fn reading(column: &Column) -> String {
     let (value, count) = (rounded(mean(&column.values)), column.values.len());
     let noise = if count > 1 { deviation(&column.values, 1) } else { 0.0 };
-    let mut lines = head(column.variable).to_vec();
-    lines.push(format!("nominal = {}", number(value)));
+    let mut text = head(column.variable) + &format!("nominal = {}\n", number(value));
     if noise > 0.0 {
         let noise = number(rounded(noise));
-        lines.push(format!("noise = {noise} # the standard deviation of one row"));
-        lines.push(format!("repeats = {count}"));
+        text += &format!("noise = {noise} # the standard deviation of one row\nrepeats = {count}\n");
     }
-    lines.push(format!("tolerance = {}", if value == 0.0 { "0.1" } else { "\"5 %\"" }));
-    let unit = column.unit.as_deref();
-    lines.extend(unit.map(|unit| format!("unit = {}", quoted(unit))));
-    lines
+    text + &format!("tolerance = {}\n{}", part(value), unit_line(column.unit.as_deref()))
 }
 
 impl Study<'_> {
@@ -300,47 +292,36 @@ impl Study<'_> {
     pub fn text(&self) -> String {
         let Schedule { start, stop, step, .. } = self.schedule;
         let fmu = self.fmu;
-        let mut lines = vec![
-            format!("title = {}", quoted(&fmu.model_name)),
-            format!("fmu = {}", file(&self.path)),
-            String::new(),
-            "[simulation]".to_owned(),
-        ];
+        let mut text = format!("title = {}\nfmu = {}\n\n[simulation]\n", quoted(&fmu.model_name), file(&self.path));
         if start != Schedule::suggested(fmu).start {
-            lines.push(format!("start = {} # s", number(start)));
+            text += &format!("start = {} # s\n", number(start));
         }
-        lines.extend([
-            format!("stop = {} # s", number(stop)),
-            format!("step = {} # s", number(step)),
-            String::new(),
-            "[design]".to_owned(),
-            format!("method = \"monte-carlo\" # or {}", Method::named(|method| method != Method::MonteCarlo)),
-            "points = 64".to_owned(),
-            "seed = 1".to_owned(),
-            String::new(),
-        ]);
-        let room = MOST_LINES.saturating_sub(lines.len() + self.criteria.lines.len() + 4);
-        let shown = room.max(FEWEST_PARAMETERS).min(self.parameters.len());
-        lines.push("# Start values +-10 %, a guess: write what your parts' tolerances are.".to_owned());
-        let others: Vec<&str> = self.parameters[shown..].iter().map(|(v, _)| &*v.name).collect();
-        lines.extend(more(&others, &format!("{} further ones keep their start values", others.len())));
-        lines.push("[parameters]".to_owned());
-        lines.extend(self.parameters[..shown].iter().map(|(variable, range)| range.line(variable)));
-        lines.push(String::new());
+        text += &format!(
+            "stop = {} # s\nstep = {} # s\n\n[design]\nmethod = \"monte-carlo\" # or {}\npoints = 64\nseed = 1\n\n",
+            number(stop),
+            number(step),
+            Method::named(|method| method != Method::MonteCarlo)
+        );
+        let Criteria { text: criteria, inputs, .. } = &self.criteria;
+        let room = MOST_LINES.saturating_sub(text.lines().count() + criteria.lines().count() + 4);
+        let (shown, others) = self.parameters.split_at(room.max(FEWEST_PARAMETERS).min(self.parameters.len()));
+        let others: Vec<&str> = others.iter().map(|(v, _)| &*v.name).collect();
+        text += "# Start values +-10 %, a guess: write what your parts' tolerances are.\n";
+        text += &more(&others, &format!("{} further ones keep their start values", others.len()));
+        text += "[parameters]\n";
+        text.extend(shown.iter().map(|(variable, range)| range.line(variable)));
+        text += "\n";
         if !self.set.is_empty() {
-            lines.push("[fixed]".to_owned());
-            lines.extend(
-                self.set.iter().map(|(variable, setting)| format!("{} = {}", quoted(&variable.name), quoted(setting))),
+            text += "[fixed]\n";
+            text.extend(
+                self.set.iter().map(|(variable, set)| format!("{} = {}\n", quoted(&variable.name), quoted(set))),
             );
-            lines.push(String::new());
+            text += "\n";
         }
-        if !self.criteria.inputs.is_empty() {
-            lines.push("[inputs]".to_owned());
-            lines.extend(self.criteria.inputs.iter().cloned());
-            lines.push(String::new());
+        if !inputs.is_empty() {
+            text += &format!("[inputs]\n{inputs}\n");
         }
-        lines.extend(self.criteria.lines.iter().cloned());
-        lines.join("\n") + "\n"
+        text + criteria
     }
 
     /// What to do with it.
