@@ -160,9 +160,8 @@ pub fn missing(path: &Path) -> String {
 
 /// The first part of a path that is not there.
 fn first_missing(full: &Path) -> PathBuf {
-    let mut parts: Vec<&Path> = full.ancestors().collect();
-    parts.reverse();
-    parts.into_iter().find(|part| !part.exists()).unwrap_or(full).to_owned()
+    let parts: Vec<&Path> = full.ancestors().collect();
+    parts.into_iter().rev().find(|part| !part.exists()).unwrap_or(full).to_owned()
 }
 
 /// The name of a file without its folder.

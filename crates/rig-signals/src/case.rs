@@ -47,7 +47,7 @@ pub enum Driven {
 }
 
 /// A measured curve: its samples without those that the user does not want.
-struct Measured<'a> {
+struct CaseCurve<'a> {
     channel: &'a Channel,
     time: Vec<f64>,
     values: Vec<f64>,
@@ -84,7 +84,7 @@ pub struct Case<'a> {
     result: &'a Synchronised,
     drives: &'a [Drive],
     tables: Vec<Rows>,
-    curves: Vec<Measured<'a>>,
+    curves: Vec<CaseCurve<'a>>,
     inputs: Vec<Input<'a>>,
     /// When the model starts.
     begin: f64,
@@ -131,7 +131,7 @@ impl<'a> Case<'a> {
                 Some(place) => tables[place].time = common(&tables[place].time, &time),
                 None => tables.push(Rows { clock: channel.clock, time: time.clone() }),
             }
-            curves.push(Measured {
+            curves.push(CaseCurve {
                 channel,
                 early,
                 dropped: channel.dropped(&cleaned),

@@ -133,8 +133,9 @@ struct Search<'a> {
     pair: Pair<'a>,
     kernel: Kernel,
     width: f64,
-    /// The lags that are tried, whole samples.
+    /// The lags that are tried, whole samples, and the distance from one to the next.
     lags: Vec<isize>,
+    stride: isize,
     /// The first place, the length of a block, and how many there are.
     first: usize,
     length: usize,
@@ -172,6 +173,7 @@ impl<'a> Search<'a> {
             kernel,
             width,
             lags: (-most..=most).map(|k| k * stride).collect(),
+            stride,
             first,
             length,
             blocks,
@@ -194,20 +196,15 @@ impl<'a> Search<'a> {
 
     /// The sums of all blocks with the torque `lag` samples later; `whole` is the lag by which its bad samples are known.
     fn sums(&self, torque: &[f64], whole: isize) -> Vec<BlockSums> {
-        (0..self.blocks)
-            .map(|b| {
-                let samples = b * self.length..(b + 1) * self.length;
-                sums(
-                    samples
-                        .filter(|k| {
-                            let place = self.first + k;
-                            let late = (place as isize + whole) as usize;
-                            self.pair.load_good[place] && self.pair.torque_good[late]
-                        })
-                        .map(|k| (self.load[k], torque[k])),
-                )
-            })
-            .collect()
+        let is_good = |k: &usize| {
+            let place = self.first + k;
+            self.pair.load_good[place] && self.pair.torque_good[(place as isize + whole) as usize]
+        };
+        let block = |b: usize| {
+            let samples = b * self.length..(b + 1) * self.length;
+            sums(samples.filter(is_good).map(|k| (self.load[k], torque[k])))
+        };
+        (0..self.blocks).map(block).collect()
     }
 
     /// The sums at each lag that is tried.
@@ -218,21 +215,15 @@ impl<'a> Search<'a> {
         self.lags.iter().map(|&lag| self.sums(&torque[(lag - first) as usize..], lag)).collect()
     }
 
-    fn sums_at(&self, lag: f64) -> Vec<BlockSums> {
-        let torque = self.values(&self.pair.torque.values, lag);
-        self.sums(&torque, lag.round() as isize)
-    }
-
     /// The delay, and half the width of its interval by the jackknife in samples.
     fn delay(&self, step: f64) -> (Delay, f64) {
         let scan = self.scan();
         let all: Vec<f64> = scan.iter().map(|sums| correlation(sums)).collect();
         let best = greatest(&all);
-        let coarse = self.lags[best] as f64;
-        let stride = (self.width / 2.0).max(1.0).floor();
-        let at = |lag: f64| correlation(&self.sums_at(lag));
+        let [before, after] = [-self.stride, self.stride].map(|off| (self.lags[best] + off) as f64);
+        let at = |lag: f64| correlation(&self.sums(&self.values(&self.pair.torque.values, lag), lag.round() as isize));
         let limit = *self.lags.last().expect("there is the lag 0") as f64;
-        let lag = golden(coarse - stride, coarse + stride, |lag| -at(lag)).clamp(-limit, limit);
+        let lag = golden(before, after, |lag| -at(lag)).clamp(-limit, limit);
         let (error, drop) = self.jackknife(lag);
         let half = quantile() * error;
         let [mut low, mut high] = [lag - half, lag + half];

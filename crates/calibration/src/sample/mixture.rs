@@ -235,21 +235,12 @@ fn nearest(
 fn moments(points: &[&[f64]], weights: &[f64], which: &[usize]) -> (DVector<f64>, DMatrix<f64>) {
     let d = points.first().map_or(0, |point| point.len());
     let all: f64 = which.iter().map(|&index| weights[index]).sum();
-    let mut mean = DVector::zeros(d);
-    for &index in which {
-        for (mean, value) in mean.iter_mut().zip(points[index]) {
-            *mean += value * weights[index] / all;
-        }
-    }
-    let mut covariance = DMatrix::zeros(d, d);
-    for &index in which {
-        let way: Vec<f64> = points[index].iter().zip(&mean).map(|(a, b)| a - b).collect();
-        for (i, a) in way.iter().enumerate() {
-            for (j, b) in way.iter().enumerate() {
-                covariance[(i, j)] += a * b * weights[index] / all;
-            }
-        }
-    }
+    let point = |index: usize| DVector::from_row_slice(points[index]);
+    let mean = which.iter().fold(DVector::zeros(d), |sum, &index| sum + point(index) * weights[index] / all);
+    let covariance = which.iter().fold(DMatrix::zeros(d, d), |sum, &index| {
+        let way = point(index) - &mean;
+        sum + &way * way.transpose() * weights[index] / all
+    });
     (mean, covariance)
 }
 

@@ -166,7 +166,7 @@ pub fn sample(
     let before = objective.failures();
     let mut walk = Walk::at_posterior(&target, optima, settings, observe)?;
     let groups: Vec<(f64, Vec<Particle>)> = walk.evidences.clone().into_iter().zip(walk.groups()).collect();
-    walk.join(observe)?;
+    walk.join()?;
     let weights = walk.weights()?;
     let failures = objective.failures();
     let placed = |particles: Vec<Particle>| {
@@ -200,7 +200,7 @@ pub(crate) fn places(
     let target = Target::new(objective);
     let mut walk = Walk::at_posterior(&target, optima, settings, &|_, _| ())?;
     if joined {
-        walk.join(&|_, _| ())?;
+        walk.join()?;
     }
     Ok(walk.particles.into_iter().map(|particle| target.places(particle.places)).collect())
 }

@@ -41,6 +41,8 @@ pub struct Walk<'a> {
     /// The moves of each group; of each half, when groups are joined.
     movers: Vec<Mover>,
     pub stages: Vec<Stage>,
+    /// Hears the exponent, and the number of the step.
+    observe: &'a dyn Fn(f64, usize),
 }
 
 impl<'a> Walk<'a> {
@@ -49,21 +51,26 @@ impl<'a> Walk<'a> {
         target: &'a Target<'a>,
         optima: &[Optimum],
         settings: &Settings,
-        observe: &dyn Fn(f64, usize),
+        observe: &'a dyn Fn(f64, usize),
     ) -> Result<Self, SampleError> {
         // The search takes each case by itself, so its optima are no start for what has a common mean and spread.
         let alone = target.objective.problem.populations.is_empty();
-        let mut walk = Self::begin(target, if alone { optima } else { &[] }, settings)?;
+        let mut walk = Self::begin(target, if alone { optima } else { &[] }, settings, observe)?;
         while walk.exponent < 1.0 {
             if walk.stages.len() >= MOST_STAGES {
                 return Err(SampleError::Stuck(walk.exponent));
             }
-            walk.stage(observe)?;
+            walk.stage()?;
         }
         Ok(walk)
     }
 
-    fn begin(target: &'a Target<'a>, optima: &[Optimum], settings: &Settings) -> Result<Self, SampleError> {
+    fn begin(
+        target: &'a Target<'a>,
+        optima: &[Optimum],
+        settings: &Settings,
+        observe: &'a dyn Fn(f64, usize),
+    ) -> Result<Self, SampleError> {
         let mut random = Random::new(settings.seed, Purpose::Posterior, 0);
         let size = (settings.particles.max(FEWEST) as usize).div_ceil(GROUPS);
         let seeded = (size as f64 * (1.0 - DEFENCE)).round() as usize;
@@ -91,6 +98,7 @@ impl<'a> Walk<'a> {
             evidences: vec![0.0; GROUPS],
             movers: vec![Mover::new(target.before.len()); GROUPS],
             stages: Vec::new(),
+            observe,
         };
         walk.particles = walk.weighed(places)?;
         for (index, particle) in walk.particles.iter_mut().enumerate() {
@@ -144,7 +152,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Goes on to the next distribution.
-    fn stage(&mut self, observe: &dyn Fn(f64, usize)) -> Result<(), SampleError> {
+    fn stage(&mut self) -> Result<(), SampleError> {
         let ratios: Vec<f64> = self.particles.iter().map(Particle::log_ratio).collect();
         let step = next_step(&ratios, 1.0 - self.exponent);
         let last = step >= 1.0 - self.exponent;
@@ -162,7 +170,7 @@ impl<'a> Walk<'a> {
             kept.extend(resampled(particles, weights, size, &mut self.random));
         }
         self.particles = kept;
-        self.settle(UNMOVED[usize::from(last)], observe)
+        self.settle(UNMOVED[usize::from(last)])
     }
 
     /// Shapes moves after the weighted particles of the other of a pair; after both, where those are too few.
@@ -184,7 +192,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Joins the groups: each has the part of the sample that its evidence has of all evidence.
-    pub fn join(&mut self, observe: &dyn Fn(f64, usize)) -> Result<(), SampleError> {
+    pub fn join(&mut self) -> Result<(), SampleError> {
         let size = self.size();
         let all = ln_sum(&self.evidences);
         let weights: Vec<f64> = self
@@ -198,7 +206,7 @@ impl<'a> Walk<'a> {
         self.particles = resampled(&self.particles, &weights, count, &mut self.random);
         // Neither half has ancestors of the other, but for one group.
         self.shape(&vec![(count as f64).recip(); count]);
-        self.settle(UNMOVED[1], observe)
+        self.settle(UNMOVED[1])
     }
 
     /// Fresh draws from the final sample's shape, and some from the prior: the logarithms of prior and likelihood over the
@@ -266,14 +274,14 @@ impl<'a> Walk<'a> {
     }
 
     /// Moves the particles until few of them stand where they stood.
-    fn settle(&mut self, unmoved: f64, observe: &dyn Fn(f64, usize)) -> Result<(), SampleError> {
+    fn settle(&mut self, unmoved: f64) -> Result<(), SampleError> {
         let count = self.particles.len();
         let mut moved = vec![false; count];
         let (mut moves, mut accepted) = (0, 0);
         let before = self.target.objective.failures();
         let still = |moved: &[bool]| moved.iter().filter(|moved| !**moved).count() as f64 / count as f64;
         while moves < MOST_MOVES && (moves < 2 || still(&moved) > unmoved) {
-            observe(self.exponent, moves + 1);
+            (self.observe)(self.exponent, moves + 1);
             let taken = self.step()?;
             for (moved, taken) in moved.iter_mut().zip(taken) {
                 *moved |= taken;

@@ -7,7 +7,7 @@ use super::{
         spectrum::Noise,
         uncertainty::from_bound,
     },
-    Case, Driven, Frame, Input, Measured, at,
+    Case, CaseCurve, Driven, Frame, Input, at,
 };
 use sampling::statistics::moments::sorted;
 
@@ -149,7 +149,7 @@ impl Case<'_> {
     }
 
     /// By how much a curve is late, s.
-    fn late(&self, curve: &Measured, frame: &Frame) -> f64 {
+    fn late(&self, curve: &CaseCurve, frame: &Frame) -> f64 {
         let late = match curve.delay.and_then(|delay| delay.delay) {
             Some(delay) => delay.value - frame.lag,
             None => 0.0,
@@ -160,7 +160,7 @@ impl Case<'_> {
 
     /// By how much a curve may be later than it is taken to be, to either side, s. Its standard uncertainty comes from few
     /// blocks, so the range is wide; a delay without an interval may be any that was searched.
-    fn reach(&self, curve: &Measured) -> f64 {
+    fn reach(&self, curve: &CaseCurve) -> f64 {
         const DEVIATIONS: f64 = 10.0;
         let Some(delay) = curve.delay.filter(|delay| delay.delay.is_some()) else {
             return 0.0;
@@ -171,7 +171,7 @@ impl Case<'_> {
         (reach * 1e7).round() / 1e7
     }
 
-    fn criterion(&self, curve: &Measured, frame: &Frame) -> String {
+    fn criterion(&self, curve: &CaseCurve, frame: &Frame) -> String {
         let channel = curve.channel;
         let (name, unit) = (quoted(&channel.name), quoted(&channel.unit));
         let criterion = self.result.findings.iter().find(|c| c.name == channel.name);

@@ -33,7 +33,7 @@ pub struct Oscillation {
 }
 
 /// Sums of a fit of a sine, as coefficients of 1, time, cosine and sine.
-struct Fit {
+struct SineFit {
     /// The part of the sum of squares that it explains.
     explained: f64,
     coefficients: Vector4<f64>,
@@ -147,7 +147,7 @@ impl Recording {
     }
 
     /// A sine of this frequency and a straight line, by least squares under the window.
-    fn fit(&self, weights: &[f64], frequency: f64) -> Option<Fit> {
+    fn fit(&self, weights: &[f64], frequency: f64) -> Option<SineFit> {
         let middle = 0.5 * self.span();
         let (mut products, mut moments) = (Matrix4::zeros(), Vector4::zeros());
         for ((time, value), weight) in self.times.iter().zip(&self.values).zip(weights) {
@@ -157,7 +157,7 @@ impl Recording {
             moments.axpy(weight * (value - self.values[0]), &basis, 1.0);
         }
         let coefficients = products.cholesky()?.solve(&moments);
-        Some(Fit { explained: coefficients.dot(&moments), coefficients })
+        Some(SineFit { explained: coefficients.dot(&moments), coefficients })
     }
 
     /// Refines a peak of the spectrum: the frequency near it whose fitted sine explains most of the signal.
