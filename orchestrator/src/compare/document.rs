@@ -1,8 +1,8 @@
 //! The document of a comparison, its page, and its file.
 
-use std::path::Path;
+use std::{iter, path::Path};
 
-use super::{Change, Comparison, said};
+use super::{Change, Comparison, Largest, said};
 use crate::{error::Result, plain};
 use conformity::conclusion::grouped;
 use point_journal::files::{make_output, write_json};
@@ -54,7 +54,7 @@ impl Comparison {
 
     fn counts(&self) -> Table {
         let sides = [&self.old, &self.new];
-        let row = |name: &str, cells: [String; 2]| [[name.to_owned()].to_vec(), cells.to_vec()].concat();
+        let row = |name: &str, [old, new]: [String; 2]| vec![name.to_owned(), old, new];
         let text = |value: &Option<String>| value.clone().unwrap_or(DASH.into());
         let short = |digest: &Option<String>| text(digest).chars().take(12).collect::<String>();
         let new_fmu = if self.as_packed { "as packed".to_owned() } else { short(&self.new.from.fmu_sha256) };
@@ -74,17 +74,16 @@ impl Comparison {
 
     fn changes(&self) -> Table {
         let row = |(name, change): (&String, &Change)| {
-            let share = |of: Option<f64>| of.map_or(DASH.into(), |of| number(100.0 * of, 3));
-            let largest = change.largest;
+            let largest = |said: fn(Largest) -> String| change.largest.map_or(DASH.into(), said);
             vec![
                 with_unit(name, change.unit.as_deref().unwrap_or_default()),
                 grouped(change.changed),
                 grouped(change.beyond),
                 change.numerical_uncertainty.map_or_else(|| "not stated".to_owned(), |u| number(u, 3)),
                 number(change.mean, 3),
-                largest.map_or(DASH.into(), |largest| number(largest.new - largest.old, 3)),
-                share(largest.map(|largest| largest.of_tolerance)),
-                largest.map_or(DASH.into(), |largest| largest.point.to_string()),
+                largest(|at| number(at.new - at.old, 3)),
+                largest(|at| number(100.0 * at.of_tolerance, 3)),
+                largest(|at| at.point.to_string()),
                 grouped(change.flipped.count),
                 grouped(change.flipped_within.count),
             ]
@@ -92,23 +91,22 @@ impl Comparison {
         Table {
             name: "Changes by criterion".into(),
             class: "stack".into(),
-            columns: [
-                vec![words("Criterion")],
-                [
-                    "Changed",
-                    "Beyond",
-                    "Uncertainty",
-                    "Mean",
-                    "Largest",
-                    "% of tolerance",
-                    "At point",
-                    "Flipped",
-                    "Within",
-                ]
-                .map(numbers)
-                .to_vec(),
-            ]
-            .concat(),
+            columns: iter::once(words("Criterion"))
+                .chain(
+                    [
+                        "Changed",
+                        "Beyond",
+                        "Uncertainty",
+                        "Mean",
+                        "Largest",
+                        "% of tolerance",
+                        "At point",
+                        "Flipped",
+                        "Within",
+                    ]
+                    .map(numbers),
+                )
+                .collect(),
             rows: self.criteria.iter().map(row).collect(),
         }
     }

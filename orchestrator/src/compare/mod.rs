@@ -10,7 +10,7 @@ use serde::Serialize;
 
 use crate::{
     error::Result,
-    junit::{Outcome, Test},
+    junit::{Test, TestOutcome},
     results::{
         self, Summary,
         summary::{CriterionCount, Provenance},
@@ -19,7 +19,7 @@ use crate::{
 };
 use conformity::{conclusion::grouped, decision::Decision};
 use pairs::Pairs;
-use parameter_regions::table::PointTable;
+use parameter_regions::table::{CriterionColumn, PointTable};
 use result_document::{Figure, format::number};
 use sampling::statistics::moments::{mean, quantile, sorted};
 use study::judge::Criterion;
@@ -212,14 +212,13 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
         if was.criterion.unit != is.criterion.unit || was.criterion.source() != is.criterion.source() {
             continue;
         }
-        let uncertainty = uncertainty(name, [&before.0, &now.0]);
-        let columns = [&before.1.criteria[k], &now.1.criteria[l]];
-        let values: Vec<[f64; 2]> =
-            pairs.both.iter().map(|[i, j]| [columns[0].values[*i], columns[1].values[*j]]).collect();
-        let ok: Vec<[bool; 2]> = pairs.both.iter().map(|[i, j]| [columns[0].ok[*i], columns[1].ok[*j]]).collect();
-        let judged = Judged { name, criteria: [&was.criterion, &is.criterion], uncertainty };
-        let change = judged.change(&before.1, &pairs, &values, &ok, &mut really);
-        told.criteria.insert(name.clone(), change);
+        let judged = Judged {
+            name,
+            criteria: [&was.criterion, &is.criterion],
+            columns: [&before.1.criteria[k], &now.1.criteria[l]],
+            uncertainty: uncertainty(name, [&before.0, &now.0]),
+        };
+        told.criteria.insert(name.clone(), judged.change(&before.1, &pairs, &mut really));
     }
     let flipped = pairs.both.iter().zip(&really).filter(|([i, j], really)| {
         let verified = [before.1.verified[*i], now.1.verified[*j]];
@@ -230,7 +229,8 @@ fn between([old, new]: [&Path; 2], [before, now]: [&(Summary, PointTable); 2]) -
     told.conclude([&before.0, &now.0]);
     if told.old.accepted != told.new.accepted && !told.explains_counts() {
         let [old, new] = [&told.old, &told.new].map(|side| side.accepted.unwrap_or(0));
-        told.add(format!("{old} points were accepted and {new} are"));
+        told.same = false;
+        told.differences.push(format!("{old} points were accepted and {new} are"));
     }
     told
 }
@@ -250,53 +250,60 @@ fn uncertainty(name: &str, summaries: [&Summary; 2]) -> Option<f64> {
 struct Judged<'a> {
     name: &'a str,
     criteria: [&'a Criterion; 2],
+    columns: [&'a CriterionColumn; 2],
     uncertainty: Option<f64>,
 }
 
 impl Judged<'_> {
     /// The change of the criterion; marks the pairs that it really moves to the other side.
-    fn change(
-        &self,
-        table: &PointTable,
-        pairs: &Pairs,
-        values: &[[f64; 2]],
-        ok: &[[bool; 2]],
-        really: &mut [bool],
-    ) -> Change {
-        let [was, is] = self.criteria;
+    fn change(&self, table: &PointTable, pairs: &Pairs, really: &mut [bool]) -> Change {
+        let ([was, is], [old, new]) = (self.criteria, self.columns);
         let room = was.room();
         let id = |pair: usize| table.ids[pairs.both[pair][0]];
-        let both: Vec<usize> =
-            (0..values.len()).filter(|pair| values[*pair].iter().all(|value| value.is_finite())).collect();
-        let difference = |pair: usize| values[pair][1] - values[pair][0];
-        let is_changed = |pair: &usize| !is_rounding(values[*pair][0], values[*pair][1], room);
+        let values = |pair: usize| {
+            let [i, j] = pairs.both[pair];
+            [old.values[i], new.values[j]]
+        };
+        let ok = |pair: usize| {
+            let [i, j] = pairs.both[pair];
+            [old.ok[i], new.ok[j]]
+        };
+        let is_known = |pair: &usize| values(*pair).into_iter().all(f64::is_finite);
+        let both: Vec<usize> = (0..pairs.both.len()).filter(is_known).collect();
+        let difference = |pair: usize| {
+            let [old, new] = values(pair);
+            new - old
+        };
+        let is_changed = |pair: &usize| {
+            let [old, new] = values(*pair);
+            !is_rounding(old, new, room)
+        };
         let changed: Vec<usize> = both.iter().copied().filter(is_changed).collect();
         let exceeds = |pair: &usize| difference(*pair).abs() > self.uncertainty.unwrap_or(0.0);
         let beyond: Vec<usize> = changed.iter().copied().filter(exceeds).collect();
-        let flipped = both.iter().copied().filter(|&pair| ok[pair][0] != ok[pair][1]);
+        let flipped = both.iter().copied().filter(|&pair| {
+            let [old, new] = ok(pair);
+            old != new
+        });
         // Another answer at the same value has no numerical reason.
-        let is_same = |pair: &usize| values[*pair][0].to_bits() == values[*pair][1].to_bits();
+        let is_same = |pair: &usize| {
+            let [old, new] = values(*pair).map(f64::to_bits);
+            old == new
+        };
         let other_limits = was.limits != is.limits;
         let (flipped, within): (Vec<usize>, Vec<usize>) =
             flipped.partition(|pair| other_limits || is_same(pair) || (is_changed(pair) && exceeds(pair)));
         flipped.iter().for_each(|&pair| really[pair] = true);
-        let largest = changed
-            .iter()
-            .max_by(|a, b| {
-                let [a, b] = [a, b].map(|pair| difference(**pair).abs());
-                a.total_cmp(&b)
-            })
-            .map(|&pair| Largest {
-                point: id(pair),
-                old: values[pair][0],
-                new: values[pair][1],
-                of_tolerance: difference(pair) / room,
+        let largest =
+            changed.iter().max_by(|a, b| difference(**a).abs().total_cmp(&difference(**b).abs())).map(|&pair| {
+                let [old, new] = values(pair);
+                Largest { point: id(pair), old, new, of_tolerance: difference(pair) / room }
             });
         let differences: Vec<f64> = both.iter().map(|&pair| difference(pair)).collect();
         let ids = |pairs: &[usize]| pairs.iter().map(|&pair| id(pair)).collect();
         Change {
             unit: was.unit.clone(),
-            figure: document::scatter(self.name, self.criteria, both.iter().map(|pair| (values[*pair], ok[*pair]))),
+            figure: document::scatter(self.name, self.criteria, both.iter().map(|pair| (values(*pair), ok(*pair)))),
             compared: both.len() as u64,
             numerical_uncertainty: self.uncertainty,
             changed: changed.len() as u64,
@@ -363,12 +370,6 @@ impl Change {
 }
 
 impl Comparison {
-    /// Adds a difference.
-    fn add(&mut self, difference: String) {
-        self.same = false;
-        self.differences.push(difference);
-    }
-
     /// The new result's verdict in words.
     pub fn verdict(&self) -> String {
         said(self.new.verdict)
@@ -443,22 +444,22 @@ impl Comparison {
         let class = "compare";
         let verdicts = [&self.old, &self.new].map(|side| said(side.verdict));
         let [old, new] = &verdicts;
-        let verdict = Outcome::of(old == new, || format!("was {old}, is {new}"));
+        let verdict = TestOutcome::of(old == new, || format!("was {old}, is {new}"));
         // The first difference is that of the verdicts, where there is one.
         let others = &self.differences[usize::from(old != new)..];
-        let whole = Outcome::of(others.is_empty(), || others.join("; "));
+        let whole = TestOutcome::of(others.is_empty(), || others.join("; "));
         let criteria = self.criteria.iter().map(|(name, change)| {
             let flipped = change.flipped.count;
             let outcome = match change.told(name) {
-                _ if flipped > 0 => Outcome::Failed(format!("{} changed sides", points(flipped))),
-                Some(text) => Outcome::doubt(strict, text),
-                None => Outcome::Passed,
+                _ if flipped > 0 => TestOutcome::Failed(format!("{} changed sides", points(flipped))),
+                Some(text) => TestOutcome::doubt(strict, text),
+                None => TestOutcome::Passed,
             };
             Test::new(class, name, outcome)
         });
         let told: Vec<String> = self.criteria.iter().filter_map(|(name, change)| change.told(name)).collect();
         let rest: Vec<&str> = self.warnings.iter().filter(|text| !told.contains(text)).map(String::as_str).collect();
-        let rest = (!rest.is_empty()).then(|| Outcome::doubt(strict, rest.join("; ")));
+        let rest = (!rest.is_empty()).then(|| TestOutcome::doubt(strict, rest.join("; ")));
         let whole = [("verdict", Some(verdict)), ("points", Some(whole)), ("settings", rest)];
         let whole = whole.into_iter().filter_map(|(name, outcome)| Some(Test::new(class, name, outcome?)));
         whole.chain(criteria).collect()

@@ -1,6 +1,6 @@
 //! The points of two tables, paired by their numbers.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use parameter_regions::table::PointTable;
 
@@ -50,8 +50,8 @@ impl Pairs {
                 pairs.other_parameters.push(id)
             }
         }
-        let known: HashMap<u64, usize> = old.ids.iter().copied().zip(0..).collect();
-        pairs.only_new = new.ids.iter().copied().filter(|id| !known.contains_key(id)).collect();
+        let known: HashSet<&u64> = old.ids.iter().collect();
+        pairs.only_new = new.ids.iter().filter(|id| !known.contains(id)).copied().collect();
         pairs
     }
 }
