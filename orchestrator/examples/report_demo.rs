@@ -94,7 +94,7 @@ fn summary(table: &PointTable) -> Summary {
 fn documents(table: &PointTable) -> Vec<Document> {
     let few = table.len() <= 5000;
     let cloud = || region::cloud(&rows(table), 1);
-    let room = if few { robustness(table, &cloud(), 0.8) } else { None };
+    let room = if few { robustness(table, table, &cloud(), 0.8) } else { None };
     let costs = trade_off(table);
     let told = [room.map(|result| robust::document(&result)), costs.map(|result| pareto::document(&result))];
     told.into_iter().flatten().collect()

@@ -16,12 +16,12 @@ pub struct Test {
     /// Its name within the group.
     pub name: String,
     /// What came out.
-    pub outcome: Outcome,
+    pub outcome: TestOutcome,
 }
 
 /// What came out of a test.
 #[derive(Clone)]
-pub enum Outcome {
+pub enum TestOutcome {
     /// It passed.
     Passed,
     /// It failed: why.
@@ -36,27 +36,28 @@ pub enum Outcome {
 
 impl Test {
     /// A test of a group.
-    pub fn new(class: &str, name: &str, outcome: Outcome) -> Self {
+    pub fn new(class: &str, name: &str, outcome: TestOutcome) -> Self {
         Self { class: class.to_owned(), name: name.to_owned(), outcome }
     }
 
     fn xml(&self) -> String {
-        let element = |name: &str, why: &str| {
+        let element = |name: &str, kind: &str, why: &str| {
             let why = written(why);
-            format!("<{name} message=\"{why}\" type=\"{}\">{why}</{name}>", self.outcome.word())
+            format!("<{name} message=\"{why}\" type=\"{kind}\">{why}</{name}>")
         };
         let inner = match &self.outcome {
-            Outcome::Passed => String::new(),
-            Outcome::Failed(why) => element("failure", why),
-            Outcome::Undecided(why) | Outcome::Broken(why) => element("error", why),
-            Outcome::Skipped(why) => format!("<skipped message=\"{}\"/>", written(why)),
+            TestOutcome::Passed => String::new(),
+            TestOutcome::Failed(why) => element("failure", "failed", why),
+            TestOutcome::Undecided(why) => element("error", "inconclusive", why),
+            TestOutcome::Broken(why) => element("error", "mistake", why),
+            TestOutcome::Skipped(why) => format!("<skipped message=\"{}\"/>", written(why)),
         };
         let [class, name] = [&self.class, &self.name].map(|text| written(text));
         format!("    <testcase classname=\"{class}\" name=\"{name}\" time=\"0\">{inner}</testcase>\n")
     }
 }
 
-impl Outcome {
+impl TestOutcome {
     /// Passed, or failed for a reason.
     pub fn of(passed: bool, why: impl FnOnce() -> String) -> Self {
         if passed { Self::Passed } else { Self::Failed(why()) }
@@ -65,16 +66,6 @@ impl Outcome {
     /// A doubt, which fails where it is strict and is told else.
     pub fn doubt(strict: bool, why: String) -> Self {
         if strict { Self::Failed(why) } else { Self::Skipped(why) }
-    }
-
-    fn word(&self) -> &'static str {
-        match self {
-            Self::Passed => "passed",
-            Self::Failed(_) => "failed",
-            Self::Broken(_) => "mistake",
-            Self::Undecided(_) => "inconclusive",
-            Self::Skipped(_) => "skipped",
-        }
     }
 }
 
@@ -90,14 +81,14 @@ pub fn write(file: &Path, suite: &str, tests: &[Test], seconds: f64) -> Result {
 }
 
 fn xml(suite: &str, tests: &[Test], seconds: f64) -> String {
-    let count = |is: fn(&Outcome) -> bool| tests.iter().filter(|test| is(&test.outcome)).count();
+    let count = |is: fn(&TestOutcome) -> bool| tests.iter().filter(|test| is(&test.outcome)).count();
     let counts = format!(
         "name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"{}\" skipped=\"{}\" time=\"{seconds:.3}\"",
         written(suite),
         tests.len(),
-        count(|outcome| matches!(outcome, Outcome::Failed(_))),
-        count(|outcome| matches!(outcome, Outcome::Undecided(_) | Outcome::Broken(_))),
-        count(|outcome| matches!(outcome, Outcome::Skipped(_))),
+        count(|outcome| matches!(outcome, TestOutcome::Failed(_))),
+        count(|outcome| matches!(outcome, TestOutcome::Undecided(_) | TestOutcome::Broken(_))),
+        count(|outcome| matches!(outcome, TestOutcome::Skipped(_))),
     );
     let cases: String = tests.iter().map(Test::xml).collect();
     format!(
@@ -119,10 +110,10 @@ mod tests {
     fn any_text_makes_xml_that_counts_its_tests() {
         let why = "a < b & \"c\"\n\u{1b}[31m\u{ffff}".to_owned();
         let tests = [
-            Test::new("study", "verdict", Outcome::Failed(why.clone())),
-            Test::new("study.300 rpm", "T<1", Outcome::Passed),
-            Test::new("study", "share", Outcome::Undecided(why.clone())),
-            Test::new("study", "still-moves", Outcome::Skipped(why)),
+            Test::new("study", "verdict", TestOutcome::Failed(why.clone())),
+            Test::new("study.300 rpm", "T<1", TestOutcome::Passed),
+            Test::new("study", "share", TestOutcome::Undecided(why.clone())),
+            Test::new("study", "still-moves", TestOutcome::Skipped(why)),
         ];
         let text = xml("study", &tests, 1.25);
         let document = roxmltree::Document::parse(&text).unwrap();

@@ -7,7 +7,7 @@ use sampling::{design::Design, distribution::Distribution};
 use study::{ParameterText, Result, Study, inputs::InputError, plan::Input};
 
 /// The points of a run, by index from 0.
-pub enum Source {
+pub enum PointSource {
     /// Points of a design.
     Design(Design),
     /// Given points.
@@ -21,7 +21,7 @@ pub enum Source {
     },
 }
 
-impl Source {
+impl PointSource {
     /// The parameters of a study from a table, in the study's units. A fixed parameter needs
     /// no column, and without theirs the errors of recorded inputs are 0.
     ///

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::{
     decision::{Decision, Rule},
     looks::{Looks, Way},
-    risk::{Bands, Risk, Statement, Unfit},
+    risk::{Bands, Risk, RiskStatement, Unfit},
     sequence::{points_needed, points_needed_once},
 };
 
@@ -103,7 +103,7 @@ pub struct Ruling {
 
 impl Ruling {
     /// The verdict with its words.
-    fn verdict(self, statement: &Statement, points: u64) -> (Decision, Requirement, String) {
+    fn verdict(self, statement: &RiskStatement, points: u64) -> (Decision, Requirement, String) {
         let Self { rule, looks, count } = self;
         let method = method(looks.way, statement.accepted_by_sample.len());
         let mut required = Requirement { method, ..Requirement::open(rule, count) };
@@ -142,7 +142,7 @@ fn guard_bands(bands: &Bands) -> Option<[Option<f64>; 2]> {
 fn undecided(
     ruling: Ruling,
     unfit: Unfit,
-    statement: &Statement,
+    statement: &RiskStatement,
     points: u64,
     mut required: Requirement,
 ) -> (Decision, Requirement, String) {
@@ -176,7 +176,7 @@ fn undecided(
 
 impl Conclusion {
     /// Draws it from what is known of so many points; without a rule one point is enough.
-    pub fn new(ruling: Option<Ruling>, statement: &Statement, points: u64) -> Self {
+    pub fn new(ruling: Option<Ruling>, statement: &RiskStatement, points: u64) -> Self {
         let accepted = statement.accepted;
         let (verdict, required, words) = match ruling {
             Some(ruling) => {

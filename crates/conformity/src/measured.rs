@@ -205,7 +205,7 @@ pub struct Assessed {
 
 /// Conformance probabilities of one point that come from elsewhere, such as from draws of a measured curve.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Told {
+pub struct DrawnConformity {
     /// The criteria's numbers, each with its probability.
     pub each: Vec<(usize, f64)>,
     /// That of all of them together.
@@ -278,7 +278,7 @@ impl Measurement {
 
     /// The same with the conformance probabilities that are told of this point. Their errors are independent of those of the
     /// other criteria's measured values.
-    pub fn assess_with(&self, values: &[f64], told: Option<&Told>) -> Conformity {
+    pub fn assess_with(&self, values: &[f64], told: Option<&DrawnConformity>) -> Conformity {
         /// No normal error is so many standard deviations.
         const ANY: [f64; 2] = [-40.0, 40.0];
         let pairs = || self.criteria.iter().zip(values);

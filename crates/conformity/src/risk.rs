@@ -131,7 +131,7 @@ pub enum Unfit {
 
 /// Result over all points.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Statement {
+pub struct RiskStatement {
     /// The guard band in expanded uncertainties; none where the points show of none that it limits the risk as wanted, and
     /// nothing is accepted.
     pub guard: Option<f64>,
@@ -204,23 +204,23 @@ impl RiskTally {
     }
 
     /// The result over the points so far; what their guard band limits, it limits with 95 %.
-    pub fn statement(&self) -> Statement {
+    pub fn statement(&self) -> RiskStatement {
         self.statement_at(0.95)
     }
 
     /// The same with another confidence of the guard band.
-    pub fn statement_at(&self, confidence: f64) -> Statement {
+    pub fn statement_at(&self, confidence: f64) -> RiskStatement {
         self.stated(Some(confidence))
     }
 
     /// The same of points that are no sample: no intervals, and a guard band that is enough for any points.
-    pub fn statement_of_no_sample(&self) -> Statement {
+    pub fn statement_of_no_sample(&self) -> RiskStatement {
         let mut statement = self.stated(None);
         statement.criteria.iter_mut().chain([&mut statement.all]).flatten().for_each(|risk| risk.intervals = None);
         statement
     }
 
-    fn stated(&self, confidence: Option<f64>) -> Statement {
+    fn stated(&self, confidence: Option<f64>) -> RiskStatement {
         let any_within = self.within.iter().any(|&n| n > 0);
         let given = match self.guard {
             Guard::Given(factor) => Some(factor),
@@ -247,7 +247,7 @@ impl RiskTally {
         let conforming = accepted.complement().sum + rejected.complement().sum;
         let accepted_by_sample: Vec<u64> = parts[0].iter().map(|part| part.count).collect();
         let bands = allowed.unwrap_or_else(|| Bands::one(guard.unwrap_or(f64::INFINITY), &accepted_by_sample));
-        Statement {
+        RiskStatement {
             guard,
             accepted: accepted.count,
             accepted_by_sample,

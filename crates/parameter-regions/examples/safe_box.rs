@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             vec![4.0 * (k * 0.754_877_666).fract() - 2.0, 4.0 * (k * 0.569_840_29).fract() - 2.0]
         })
         .collect();
-    let answer = robustness(&table, &cloud, 0.9).ok_or("too few points")?;
+    let answer = robustness(&table, &table, &cloud, 0.9).ok_or("too few points")?;
     let safe = answer.region.ok_or("no box conforms with 90 %")?;
     for (name, [low, high]) in ["p0", "p1"].iter().zip(&safe.limits) {
         println!("{name} from {low:.2} to {high:.2} mm");

@@ -3,7 +3,7 @@
 use crate::doubt::doubt;
 use crate::limit::Limit;
 use crate::possible::Possible;
-use crate::refine::{centre, close};
+use crate::refine::{centre, close, in_turn};
 use crate::share::{Answers, EACH};
 use crate::surrogate::{Run, Surrogate};
 use nalgebra::DMatrix;
@@ -110,25 +110,12 @@ pub fn undecided(mut margins: DMatrix<f64>, count: usize) -> Vec<usize> {
     let candidates = margins.nrows();
     let open: Vec<f64> = (0..candidates).map(open).collect();
     centre(&mut margins);
-    let square = |margins: &DMatrix<f64>, i: usize| margins.row(i).norm_squared();
-    let before: Vec<f64> = (0..candidates).map(|i| square(&margins, i)).collect();
-    let mut chosen: Vec<usize> = Vec::new();
-    while chosen.len() < count {
-        let score = |i: usize| {
-            // Margins so wide that their squares are infinite leave nothing open.
-            if open[i] > 0.0 && before[i] > 0.0 { open[i] * square(&margins, i) / before[i] } else { 0.0 }
-        };
-        let free = (0..candidates).filter(|i| !chosen.contains(i));
-        let Some((best, worth)) = free.map(|i| (i, score(i))).max_by(|a, b| a.1.total_cmp(&b.1)) else {
-            break;
-        };
-        if worth <= 0.0 {
-            break;
-        }
-        chosen.push(best);
-        close(&mut margins, best);
-    }
-    chosen
+    let before: Vec<f64> = margins.row_iter().map(|row| row.norm_squared()).collect();
+    in_turn(&mut margins, [candidates, count], close, |margins, i| {
+        // Margins so wide that their squares are infinite leave nothing open.
+        let worth = open[i] * margins.row(i).norm_squared() / before[i];
+        (worth > 0.0).then_some(worth)
+    })
 }
 
 /// Whether what becomes of points may be open. Of others the most probable functions are so sure that it is worth drawing none.
@@ -153,6 +140,13 @@ fn may_be_open(surrogate: &Surrogate, limits: &[Limit], points: &[Vec<f64>]) -> 
 mod tests {
     use super::*;
     use sampling::random::{Purpose, Random};
+
+    /// The part of them that is left would be no number.
+    #[test]
+    fn margins_whose_squares_are_infinite_are_not_chosen() {
+        let wide = DMatrix::from_row_slice(2, 2, &[-1e200, 1e200, -1.0, 1.0]);
+        assert_eq!(undecided(wide, 2), [1]);
+    }
 
     /// A point of which no function is drawn is on one side by all of them.
     #[test]

@@ -20,7 +20,7 @@ pub use doubt::{Doubt, doubt};
 pub use indices::{Design, Explained, Index, indices, measures};
 pub use limit::{Event, Limit};
 pub use output::{Check, Functions};
-pub use rare::{Answer, Search, Unknown};
+pub use rare::{RareAnswer, Search, Unknown};
 pub use refine::most_open;
 pub use share::{Answers, Basis, Share};
 pub use surrogate::{LEAST, Run, Surrogate, Unfit};

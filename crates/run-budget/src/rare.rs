@@ -81,7 +81,7 @@ pub struct Search<'a> {
 
 /// What the runs say.
 #[derive(Clone, Debug)]
-pub struct Answer {
+pub struct RareAnswer {
     /// The share, or why the runs do not tell it.
     pub share: Result<Share, Unknown>,
     /// The runs' scores.
@@ -151,7 +151,7 @@ impl Search<'_> {
     ///
     /// # Errors
     /// Those of `ask`.
-    pub fn answer<E>(&self, ask: Ask<'_, E>) -> Result<Answer, E> {
+    pub fn answer<E>(&self, ask: Ask<'_, E>) -> Result<RareAnswer, E> {
         let like: Vec<Vec<f64>> = self.plain(512, 1).iter().map(|z| (self.coordinates)(z)).collect();
         let start = START.max(3 * self.dimensions + 6);
         let filling = self.filling(self.runs, start);
@@ -171,7 +171,7 @@ impl Search<'_> {
                 // The last runs may have shown something new.
                 let settled = told.as_ref().is_ok_and(|(_, open)| *open < 2.0 * ENOUGH);
                 if done >= self.runs || settled {
-                    return Ok(Answer { share: told.map(|(share, _)| share), scores: places, inside });
+                    return Ok(RareAnswer { share: told.map(|(share, _)| share), scores: places, inside });
                 }
                 enough = 0;
             }

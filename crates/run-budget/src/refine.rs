@@ -20,15 +20,26 @@ pub fn most_open(surrogates: &[(&Surrogate, Vec<Vec<f64>>)], count: usize) -> Ve
     };
     let mut outputs: Vec<DMatrix<f64>> = surrogates.iter().flat_map(possible).collect();
     let candidates = surrogates.first().map_or(0, |(_, points)| points.len());
+    let take = |outputs: &mut Vec<DMatrix<f64>>, best| outputs.iter_mut().for_each(|values| close(values, best));
+    in_turn(&mut outputs, [candidates, count], take, |outputs, i| {
+        Some(outputs.iter().map(|values| values.row(i).norm_squared()).sum())
+    })
+}
+
+/// So many of the candidates, in turn the one that is worth most as long as any is worth something; `take` follows each choice.
+pub fn in_turn<State>(
+    state: &mut State,
+    [candidates, count]: [usize; 2],
+    take: impl Fn(&mut State, usize),
+    worth: impl Fn(&State, usize) -> Option<f64>,
+) -> Vec<usize> {
     let mut chosen: Vec<usize> = Vec::new();
-    while chosen.len() < count.min(candidates) {
-        let open = |i: usize| outputs.iter().map(|values| values.row(i).norm_squared()).sum::<f64>();
+    while chosen.len() < count {
         let free = (0..candidates).filter(|i| !chosen.contains(i));
-        let Some((best, _)) = free.map(|i| (i, open(i))).max_by(|a, b| a.1.total_cmp(&b.1)) else {
-            break;
-        };
+        let worths = free.filter_map(|i| Some((i, worth(state, i)?)));
+        let Some((best, _)) = worths.max_by(|a, b| a.1.total_cmp(&b.1)) else { break };
         chosen.push(best);
-        outputs.iter_mut().for_each(|values| close(values, best));
+        take(state, best);
     }
     chosen
 }

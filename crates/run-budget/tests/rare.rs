@@ -3,7 +3,7 @@
 mod functions;
 
 use functions::{four_branches, number, oscillator};
-use run_budget::{Answer, Event, Limit, Search, Unknown};
+use run_budget::{Event, Limit, RareAnswer, Search, Unknown};
 
 type Function = Box<dyn Fn(&[f64]) -> f64>;
 
@@ -67,7 +67,7 @@ fn cut() -> Rare {
     Rare { uniform: true, fails, ..rare("cut", 3, 1.57e-3, of) }
 }
 
-fn answer(rare: &Rare, runs: usize, seed: u64) -> Answer {
+fn answer(rare: &Rare, runs: usize, seed: u64) -> RareAnswer {
     let normal = conformity::normal::cdf;
     let limits = [Limit { output: 0, range: [0.0, f64::INFINITY] }];
     let coordinates = |scores: &[f64]| -> Vec<f64> {
@@ -92,7 +92,7 @@ fn answer(rare: &Rare, runs: usize, seed: u64) -> Answer {
     answer
 }
 
-fn told(rare: &Rare, seed: u64, runs: usize) -> Answer {
+fn told(rare: &Rare, seed: u64, runs: usize) -> RareAnswer {
     let answer = answer(rare, runs, seed);
     let share = answer.share.expect("runs show the event");
     let [low, high] = share.interval(0.99);
@@ -152,7 +152,7 @@ fn intervals_of_rare_shares_hold() {
     println!("event          share     told   error   width   held   runs  inside s");
     for rare in all().iter().filter(|rare| only.is_empty() || only.split(',').any(|o| o == rare.name)) {
         let begun = std::time::Instant::now();
-        let answers: Vec<Answer> = (1..=seeds).map(|seed| answer(rare, runs, seed)).collect();
+        let answers: Vec<RareAnswer> = (1..=seeds).map(|seed| answer(rare, runs, seed)).collect();
         let seconds = begun.elapsed().as_secs_f64() / seeds as f64;
         let told: Vec<_> = answers.iter().filter_map(|a| a.share.ok()).collect();
         let n = told.len() as f64;
@@ -160,7 +160,7 @@ fn intervals_of_rare_shares_hold() {
         let width = told.iter().map(|s| (s.interval(0.95)[1] - s.interval(0.95)[0]) / rare.share).sum::<f64>() / n;
         let held =
             told.iter().filter(|s| s.interval(0.95)[0] <= rare.share && rare.share <= s.interval(0.95)[1]).count();
-        let mean = |f: &dyn Fn(&Answer) -> f64| answers.iter().map(f).sum::<f64>() / seeds as f64;
+        let mean = |f: &dyn Fn(&RareAnswer) -> f64| answers.iter().map(f).sum::<f64>() / seeds as f64;
         println!(
             "{:10} {} {} {:8.2e} {n:3} {:6.1} % {:6.1} % {:5.1} % {:5.0} {:5.0} {:5.1}",
             rare.name,

@@ -5,7 +5,7 @@ use serde_json::{Map, Value};
 use sampling::statistics::estimate::Estimate;
 
 /// Results of a method for one output, under their keys in `sensitivity.json`.
-pub type Told = Map<String, Value>;
+pub type KeyedResults = Map<String, Value>;
 
 /// The estimator of first-order Sobol indices. Results come from the default one; the others are what other programs compute.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -74,10 +74,10 @@ pub trait FromRuns: Sync {
 
     /// Analyses the values of one output, in the order of the design. Returns all keys of the method, whatever the
     /// values.
-    fn tell(&self, design: &[Vec<f64>], values: &[f64], settled: &Settled) -> Told;
+    fn tell(&self, design: &[Vec<f64>], values: &[f64], settled: &Settled) -> KeyedResults;
 
     /// The measures to show to people, the one that tells importance first.
-    fn shown(&self, told: &Told) -> Vec<Measure>;
+    fn shown(&self, told: &KeyedResults) -> Vec<Measure>;
 }
 
 /// A number per parameter, as it is shown.
@@ -104,6 +104,6 @@ impl Measure {
 }
 
 /// The result under a key, if there is one.
-pub(crate) fn read<T: serde::de::DeserializeOwned>(told: &Told, key: &str) -> Option<T> {
+pub(crate) fn read<T: serde::de::DeserializeOwned>(told: &KeyedResults, key: &str) -> Option<T> {
     serde_json::from_value(told.get(key)?.clone()).ok()
 }

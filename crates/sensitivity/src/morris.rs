@@ -5,7 +5,7 @@
 //! "An effective screening design for sensitivity analysis of large models",
 //! Environmental Modelling & Software 22, 1509-1518.
 
-use crate::method::{Facts, FromRuns, Measure, Settled, Told, read};
+use crate::method::{Facts, FromRuns, KeyedResults, Measure, Settled, read};
 use conformity::interval::clopper_pearson;
 use sampling::{
     random::{Purpose, Random},
@@ -53,16 +53,16 @@ impl FromRuns for Morris {
         format!("Morris screening, {runs} runs")
     }
 
-    fn tell(&self, rows: &[Vec<f64>], values: &[f64], settled: &Settled) -> Told {
+    fn tell(&self, rows: &[Vec<f64>], values: &[f64], settled: &Settled) -> KeyedResults {
         // The effects are those of a parameter's whole range, which the grid of the design is.
         let parameters = rows.first().map_or(0, Vec::len);
         let trajectories = rows.len() / (parameters + 1);
         let cube = design(parameters, trajectories, LEVELS, settled.seed);
         let effects = effects(&cube, values);
-        Told::from_iter([("morris".to_owned(), json!(effects))])
+        KeyedResults::from_iter([("morris".to_owned(), json!(effects))])
     }
 
-    fn shown(&self, told: &Told) -> Vec<Measure> {
+    fn shown(&self, told: &KeyedResults) -> Vec<Measure> {
         let Some(effects) = read::<Vec<Effect>>(told, "morris") else { return Vec::new() };
         let alone = |value| Estimate::around(value, f64::NAN);
         vec![
@@ -277,7 +277,7 @@ mod tests {
         // Every step of the first parameter leads into failure or out of it.
         let output = |u: &Vec<f64>| if u[0] < 0.5 { f64::NAN } else { 3.0 * u[1] };
         let outputs: Vec<f64> = rows.iter().map(output).collect();
-        let told = Told::from_iter([("morris".to_owned(), json!(effects(&rows, &outputs)))]);
+        let told = KeyedResults::from_iter([("morris".to_owned(), json!(effects(&rows, &outputs)))]);
         let [mu_star, sigma] = &Morris.shown(&told)[..] else { panic!("two measures") };
         assert!(mu_star.estimates[0].value.is_nan() && sigma.estimates[0].value.is_nan());
         assert!((mu_star.estimates[1].value - 3.0).abs() < 1e-9);

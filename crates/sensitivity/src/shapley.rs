@@ -13,7 +13,7 @@
 //! of both is (f_after - f_before) (f_A - f_B) / 2, after Goda (2021), "A simple algorithm for global sensitivity analysis with
 //! Shapley effects", Reliability Engineering & System Safety 213, 107702.
 
-use crate::method::{Measure, Told, read};
+use crate::method::{KeyedResults, Measure, read};
 use nalgebra::{DMatrix, DVector};
 use sampling::{
     random::{Purpose, Random},
@@ -137,7 +137,7 @@ pub struct Effects {
 pub const KEY: &str = "shapley";
 
 /// The effects that were told of an output, as they are shown: beside Sobol's totals, which tell importance, in the table alone.
-pub fn shown(told: &Told) -> Option<Measure> {
+pub fn shown(told: &KeyedResults) -> Option<Measure> {
     let effects: Effects = read(told, KEY)?;
     let measure =
         if told.get("sobol").is_some_and(|sobol| !sobol.is_null()) { Measure::listed } else { Measure::drawn };

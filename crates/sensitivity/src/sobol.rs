@@ -6,7 +6,7 @@
 //! parameter i the sample A_B^(i), which is A with column i from B.
 
 use crate::{
-    method::{Facts, FirstOrder, FromRuns, Measure, Settled, Told, read},
+    method::{Facts, FirstOrder, FromRuns, KeyedResults, Measure, Settled, read},
     pairs::pairs,
     ratio::{self, Combined, Parts},
 };
@@ -38,16 +38,16 @@ impl FromRuns for Sobol {
         Ok(design(&pairs))
     }
 
-    fn tell(&self, design: &[Vec<f64>], values: &[f64], _: &Settled) -> Told {
+    fn tell(&self, design: &[Vec<f64>], values: &[f64], _: &Settled) -> KeyedResults {
         let parameters = design.first().map_or(0, Vec::len);
         let indices = indices(values, parameters, FirstOrder::default());
         let growing = convergence(values, parameters);
         let totals = |s: Indices| s.total.iter().map(|e| e.value).collect::<Vec<f64>>();
         let growing: Vec<_> = growing.into_iter().map(|(n, s)| (n, totals(s))).collect();
-        Told::from_iter([("sobol".to_owned(), json!(indices)), ("convergence".to_owned(), json!(growing))])
+        KeyedResults::from_iter([("sobol".to_owned(), json!(indices)), ("convergence".to_owned(), json!(growing))])
     }
 
-    fn shown(&self, told: &Told) -> Vec<Measure> {
+    fn shown(&self, told: &KeyedResults) -> Vec<Measure> {
         let Some(indices) = read::<Indices>(told, "sobol") else { return Vec::new() };
         vec![Measure::drawn("total", indices.total), Measure::drawn("first order", indices.first)]
     }

@@ -127,7 +127,8 @@ fn one(case: &Case, points: u64, seed: u64) -> Option<Judged> {
     let mut random = StdRng::seed_from_u64(5_000_000 + seed);
     let cloud = (0..40_000).map(|_| uniform(case.dimensions, &mut random));
     let cloud: Vec<Vec<f64>> = cloud.collect();
-    let found = robustness(&case.table(&study), &cloud, LEVEL)?;
+    let table = case.table(&study);
+    let found = robustness(&table, &table, &cloud, LEVEL)?;
     let region = found.region?;
     judged(case, |u| region.contains(u), (region.probability, region.interval), seed)
 }

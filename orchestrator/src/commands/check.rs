@@ -16,13 +16,13 @@ use super::{output, simulate};
 use crate::{
     cli::{Check, Format},
     error::{Error, Result},
-    junit::{self, Outcome, Test},
+    junit::{self, Test, TestOutcome},
 };
 
 /// The findings that are known.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Known {
+struct KnownFindings {
     #[serde(default)]
     ignore: Vec<Entry>,
 }
@@ -87,9 +87,9 @@ fn start_values(options: &Check) -> Result<Vec<(u32, Value)>> {
 }
 
 /// Reads the findings that are known.
-fn known(path: &Path) -> Result<Known> {
+fn known(path: &Path) -> Result<KnownFindings> {
     let text = fs::read_to_string(path).map_err(Error::io(path))?;
-    let known: Known = toml::from_str(&text).map_err(|error| {
+    let known: KnownFindings = toml::from_str(&text).map_err(|error| {
         let line = error.span().map_or(1, |span| text[..span.start].lines().count());
         Error::content(path, format!("line {}: {}", line.max(1), error.message()))
     })?;
@@ -112,16 +112,16 @@ fn known(path: &Path) -> Result<Known> {
 fn tests(findings: &Findings, enough: Severity) -> Vec<Test> {
     let fmu = findings.fmu.file_stem().unwrap_or_default().to_string_lossy();
     let count = findings.all.iter().filter(|finding| finding.rule.severity >= enough).count();
-    let whole = Outcome::of(count == 0, || format!("{count} findings of severity {} or worse", enough.word()));
+    let whole = TestOutcome::of(count == 0, || format!("{count} findings of severity {} or worse", enough.word()));
     let found = findings.all.iter().map(|finding| {
         let (severity, text) = (finding.rule.severity, finding.hit.full());
         let text = format!("{}: {text} [{}]", severity.word(), finding.rule.source);
-        (finding, Outcome::doubt(severity >= enough, text))
+        (finding, TestOutcome::doubt(severity >= enough, text))
     });
     let known = findings
         .ignored
         .iter()
-        .map(|(finding, reason)| (finding, Outcome::Skipped(format!("known: {reason} ({})", finding.hit.full()))));
+        .map(|(finding, reason)| (finding, TestOutcome::Skipped(format!("known: {reason} ({})", finding.hit.full()))));
     let each = found.chain(known).map(|(finding, outcome)| {
         let name = format!("{}: {}", finding.rule.id, finding.hit.text);
         Test::new(&format!("{fmu}.check"), &name, outcome)

@@ -9,7 +9,7 @@ use crate::{
     methods::{
         asking::{self, Delivery},
         sensitivity,
-        setup::{self, Place, Source as _, Work},
+        setup::{self, ResultFolder, Runnable as _, Work},
     },
     reruns::Wish,
     results::{self, Summary, summary::Run},
@@ -18,7 +18,7 @@ use crate::{
         account::Account,
         budget::{self, Budget},
     },
-    source::Source,
+    source::PointSource,
 };
 use sampling::design::Design;
 
@@ -55,7 +55,7 @@ fn tried(options: &Verify, mut verification: Verification, folder: &Path) -> Res
     let spent = verification.session.request.budget.clone().unwrap_or_default();
     // The first points are plain; the others take as long.
     let places = (0..spent.points() as u64).collect();
-    verification.source = Source::Chosen { design: net(&verification), places };
+    verification.source = PointSource::Chosen { design: net(&verification), places };
     output::print(&verify::plan(&verification, folder));
     output::print(&budget::expected(&verification.session.plan, &spent));
     let jobs = options.work.means.jobs_of(spent.points())?;
@@ -65,7 +65,7 @@ fn tried(options: &Verify, mut verification: Verification, folder: &Path) -> Res
 
 fn net(verification: &Verification) -> Design {
     match &verification.source {
-        Source::Chosen { design, .. } => design.clone(),
+        PointSource::Chosen { design, .. } => design.clone(),
         _ => unreachable!("a request with a budget has chosen points"),
     }
 }
@@ -93,7 +93,7 @@ fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> 
     let spent = session.request.budget.clone().unwrap_or_default();
     let jobs = means.jobs_of(spent.points())?;
     let mut looked = verification.looked(folder, &[])?;
-    let place = Place { output: folder, analysis: None, earlier: options.work.resuming.earlier() };
+    let place = ResultFolder { output: folder, analysis: None, earlier: options.work.resuming.earlier() };
     let (header, summary) = (verification.header.clone(), folder.join("summary.json"));
     let taken = place.take(verification.parts(), &header, || {
         // What was complete is so no more.
@@ -113,7 +113,7 @@ fn answered(options: &Verify, mut verification: Verification, folder: &Path) -> 
     if summary.exists() && computed == 0 {
         return results::table::summary(folder);
     }
-    verification.source = Source::Chosen { design: net, places: told.places.clone() };
+    verification.source = PointSource::Chosen { design: net, places: told.places.clone() };
     let run = Run { hosts, ..Run::since(begun, computed, jobs) };
     let mut summary = verification.conclude(folder, Some(run), None, &mut looked, Some(&told))?;
     let here = means.jobs_here().min(jobs);

@@ -6,7 +6,7 @@ use super::{output, table};
 use crate::{
     cli::Gate,
     error::Result,
-    junit::{self, Outcome, Test},
+    junit::{self, Test, TestOutcome},
     methods::asking::exit_code,
     results::{FEWEST, Summary, summary::Count},
 };
@@ -64,17 +64,17 @@ fn name(summary: &Summary) -> String {
 pub fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
     let study = name(summary);
     let whole = summary.conclusion.as_ref().map_or_else(
-        || Outcome::Failed("there is no verdict".to_owned()),
+        || TestOutcome::Failed("there is no verdict".to_owned()),
         |Conclusion { verdict, verdict_words, .. }| match verdict {
-            Decision::Verified => Outcome::Passed,
-            Decision::NotVerified => Outcome::Failed(verdict_words.clone()),
-            Decision::Inconclusive => Outcome::Undecided(verdict_words.clone()),
+            Decision::Verified => TestOutcome::Passed,
+            Decision::NotVerified => TestOutcome::Failed(verdict_words.clone()),
+            Decision::Inconclusive => TestOutcome::Undecided(verdict_words.clone()),
         },
     );
     let required = summary.required();
     let counted = |what: &str, count: &Count| {
         let least = required.map_or(0.0, |required| required.rule.share);
-        Outcome::of(count.passed > 0 && count.fraction >= least, || {
+        TestOutcome::of(count.passed > 0 && count.fraction >= least, || {
             let (passed, points) = (grouped(count.passed), grouped(summary.points));
             let wanted = match required {
                 Some(_) => format!(", {} % of them are required", 100.0 * least),
@@ -104,11 +104,11 @@ pub fn tests(summary: &Summary, strict: bool) -> Vec<Test> {
             1 => concern.code.name(),
             number => format!("{} {number}", concern.code.name()),
         };
-        let outcome = if strict { Outcome::Failed(text) } else { Outcome::Skipped(format!("warning: {text}")) };
+        let outcome = if strict { TestOutcome::Failed(text) } else { TestOutcome::Skipped(format!("warning: {text}")) };
         Test::new(&format!("{study}.warnings"), &name, outcome)
     });
     let few = few(summary).filter(|_| strict);
-    let few = few.map(|few| Test::new(&format!("{study}.warnings"), "few-points", Outcome::Failed(few)));
+    let few = few.map(|few| Test::new(&format!("{study}.warnings"), "few-points", TestOutcome::Failed(few)));
     let verdict = Test::new(&study, "verdict", whole);
     [verdict].into_iter().chain(criteria).chain(cases).chain(doubts).chain(few).collect()
 }

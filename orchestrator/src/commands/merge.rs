@@ -11,7 +11,7 @@ use super::{gate, verify};
 use crate::{
     cli::Merge,
     error::{Error, Result},
-    methods::setup::{Place, Source},
+    methods::setup::{ResultFolder, Runnable},
     reruns::Wish,
     results::{MOST_EXTRA_RUNS, summary::Run},
     session::{Request, Verification},
@@ -22,8 +22,8 @@ use point_journal::{Header, journal, lines, pipeline::folder::Earlier};
 pub fn run(options: &Merge) -> Result<ExitCode> {
     let start = Instant::now();
     let Merge { folders, output, .. } = options;
-    let [first, ..] = &folders[..] else { return Err(Error::Missing(output.clone())) };
-    let mut request = Request::read(first)?;
+    // The command line has one at least.
+    let mut request = Request::read(&folders[0])?;
     request.shard = None;
     request.fmu = options.fmu.clone().or(request.fmu);
     let mut verification = Verification::open(request)?;
@@ -35,7 +35,7 @@ pub fn run(options: &Merge) -> Result<ExitCode> {
         (_, true) => Earlier::Complete,
         _ => Earlier::Resumed,
     };
-    let place = Place { output, analysis: None, earlier };
+    let place = ResultFolder { output, analysis: None, earlier };
     let mut taken = place.take(verification.parts(), &verification.header, || Ok(()))?;
     for folder in folders {
         journal::copy(folder, &mut taken.journal)?;

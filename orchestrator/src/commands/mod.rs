@@ -26,7 +26,7 @@ use std::{ffi::OsString, path::Path, process::ExitCode};
 use crate::{
     cli::{Cli, Command},
     error::{Error, Result},
-    junit::{self, Outcome, Test},
+    junit::{self, Test, TestOutcome},
     methods::{Method, asking::Delivery, rare},
     report::Report,
 };
@@ -62,7 +62,7 @@ pub fn run(cli: Cli) -> Result<ExitCode> {
 
 /// Writes a mistake into the file of the tests, as that of an earlier run must not stand for this one.
 fn note_mistake(file: &Path, mistake: String) {
-    let test = Test::new("orchestrator", "run", Outcome::Broken(mistake));
+    let test = Test::new("orchestrator", "run", TestOutcome::Broken(mistake));
     junit::write(file, "orchestrator", &[test], 0.0)
         .unwrap_or_else(|error| left_out("the tests are in no file", &error));
 }
@@ -112,12 +112,11 @@ fn dispatch(cli: Cli) -> Result<ExitCode> {
 fn deliver(delivery: Delivery) -> Result<ExitCode> {
     let Delivery { result, folder, .. } = &delivery;
     result.write(folder)?;
-    if let (Some(origin), true) = (&result.origin, folder.join("summary.json").exists()) {
+    if folder.join("summary.json").exists() {
         let mut summary = crate::results::table::summary(folder)?;
-        let fits = origin.fits(&summary);
-        let causes = result.sentences("causes");
-        if fits && !causes.is_empty() && summary.decision() == Decision::NotVerified {
-            summary.causes = causes;
+        let fits = result.origin.fits(&summary);
+        if fits && !result.causes.is_empty() && summary.decision() == Decision::NotVerified {
+            summary.causes.clone_from(&result.causes);
             write_json(&folder.join("summary.json"), &summary)?;
         }
         Report::from_folder(folder)?.write(folder)?;

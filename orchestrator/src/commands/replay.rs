@@ -73,14 +73,11 @@ pub fn run(options: &Replay) -> Result<ExitCode> {
     }
     let values = outcome.as_deref().ok();
     let verdict = session.judge.judged(outcome.as_deref());
-    for (number_of, criterion) in session.judge.criteria.iter().enumerate() {
-        let value = match &outcome {
-            Ok(values) => Some(values[number_of]),
-            Err(failure) => failure.value(number_of),
-        };
+    for (k, criterion) in session.judge.criteria.iter().enumerate() {
+        let value = outcome.as_ref().map_or_else(|failure| failure.value(k), |values| Some(values[k]));
         let value = value.map_or("no value".to_owned(), number);
         let unit = criterion.unit.as_deref().unwrap_or("");
-        let sign = if verdict.passed[number_of] { "ok" } else { "not met" };
+        let sign = if verdict.passed[k] { "ok" } else { "not met" };
         text += &format!("  {} = {value} {unit}: {sign}\n", criterion.name);
     }
     let accepted = accepted(&options.folder, &session.judge, values);

@@ -6,7 +6,7 @@ use super::output;
 use crate::{
     cli,
     error::Result,
-    recording::{Settings, columns::Recorded},
+    recording::{Settings, columns::RecordedFiles},
     report::recording,
 };
 use number_tables::files::FileError;
@@ -51,7 +51,7 @@ pub fn run(options: &cli::Synchronise) -> Result<ExitCode> {
 fn case(
     name: &str,
     options: &cli::Synchronise,
-    (settings, files): (&Settings, &Recorded),
+    (settings, files): (&Settings, &RecordedFiles),
     recorded: &RigRecording,
     result: &Synchronised,
 ) -> Result<String> {

@@ -12,6 +12,7 @@ use crate::{
         surrogate,
     },
 };
+use fmu_points::names::behind;
 use result_document::wrapped;
 
 /// The result for people: what fits a screen, or all of it. The page is in `folder`.
@@ -93,20 +94,15 @@ fn screen(answer: &Answer, [decides, next]: [usize; 2], line: impl Fn(&str, &str
 
 /// The criteria that the fewest points meet, a line each.
 fn least_met(summary: &Summary, most: usize) -> String {
-    let mut shown: Vec<usize> = (0..summary.criteria.len()).collect();
-    shown.sort_by_key(|&k| summary.criteria[k].count.passed);
-    if shown.len() > most + 1 {
-        shown.truncate(most);
-    }
-    shown.sort_unstable();
+    let all = summary.criteria.len();
+    let shown = summary.least_met(if all > most + 1 { most } else { all });
     let mut text = if shown.is_empty() { String::new() } else { heads(summary) };
     for k in &shown {
         let (name, entry) = summary.criteria.get_index(*k).expect("a criterion's number");
         line(&mut text, &format!("{name}  {}", entry.criterion.wanted()), &entry.count);
     }
-    let left = summary.criteria.len() - shown.len();
-    if left > 0 {
-        text += &format!("and {left} more criteria\n");
+    if all > shown.len() {
+        text += &format!("and {} more criteria\n", all - shown.len());
     }
     text
 }
@@ -134,10 +130,8 @@ fn counts(summary: &Summary) -> String {
     }
     text.push('\n');
     text += &heads(summary);
-    let criteria =
-        summary.criteria.iter().map(|(name, entry)| (format!("{name}  {}", entry.criterion.wanted()), entry.count));
-    for (condition, count) in criteria {
-        line(&mut text, &condition, &count);
+    for (name, entry) in &summary.criteria {
+        line(&mut text, &format!("{name}  {}", entry.criterion.wanted()), &entry.count);
     }
     for (name, count) in &summary.groups {
         line(&mut text, &format!("group {name}"), count);
@@ -146,14 +140,12 @@ fn counts(summary: &Summary) -> String {
         let held_out = if case.held_out { ", held out" } else { "" };
         line(&mut text, &format!("case {name}{held_out}"), &case.count);
     }
-    let all =
-        Count { passed: summary.verified, fraction: summary.verified_fraction, interval: summary.verified_interval };
     // Where a share is required, points within the tolerances need neither be accepted nor verify the model.
     let met = match summary.required() {
         Some(_) => "within all tolerances".to_owned(),
         None => format!("all criteria: {}", summary.met()),
     };
-    line(&mut text, &met, &all);
+    line(&mut text, &met, &summary.whole());
     text += &result_document::text(&risks(summary));
     text
 }
@@ -171,12 +163,10 @@ fn line(text: &mut String, what: &str, count: &Count) {
 fn best(summary: &Summary) -> String {
     let Some(best) = &summary.best_point else { return String::new() };
     let with_unit = |name: &str, value: f64, unit: Option<&str>| {
-        let unit = unit.map(|unit| format!(" {unit}")).unwrap_or_default();
         // Five places would leave nothing of a coefficient of expansion.
-        if value != 0.0 && value.abs() < 0.01 {
-            return format!("{name} {value:.4e}{unit}");
-        }
-        format!("{name} {value:.5}{unit}")
+        let is_small = value != 0.0 && value.abs() < 0.01;
+        let number = if is_small { format!("{value:.4e}") } else { format!("{value:.5}") };
+        format!("{name} {number}{}", behind(unit))
     };
     let parameters = summary.parameters.iter().map(|parameter| {
         let value = best.parameters.get(&parameter.name).copied().unwrap_or(f64::NAN);

@@ -10,7 +10,7 @@ use crate::{
     error::{Error, Result},
     methods::{
         asking, identify,
-        setup::{self, Place, Source, Work},
+        setup::{self, ResultFolder, Runnable, Work},
     },
     options::folder_of,
     reruns::{self, Wish},
@@ -63,7 +63,7 @@ pub fn run(options: &Verify) -> Result<ExitCode> {
         output::print(&cost::of(&mut verification, means, jobs)?);
         return Ok(ExitCode::SUCCESS);
     }
-    let place = Place { output: &folder, analysis: None, earlier: options.work.resuming.earlier() };
+    let place = ResultFolder { output: &folder, analysis: None, earlier: options.work.resuming.earlier() };
     let header = verification.header.clone();
     let taken = place.take(verification.parts(), &header, || {
         if place.earlier == Earlier::Resumed { extend(&verification, &folder) } else { Ok(()) }
@@ -75,14 +75,13 @@ pub fn run(options: &Verify) -> Result<ExitCode> {
         ends: false,
     };
     let mut hosts = BTreeMap::new();
-    let (computed, _kept) = setup::run(&mut verification, &header, taken, work, |of, pipeline| {
+    let ((done, computed, halt), _kept) = setup::run(&mut verification, &header, taken, work, |of, pipeline| {
         let enough = compute(of, pipeline, ending.as_ref(), jobs)?;
         let (done, computed) = (pipeline.done(), pipeline.computed());
         let halt = pipeline.interrupted();
         hosts = pipeline.answered();
         Ok((done, computed, (done < of.expected() && !enough).then_some(halt)))
     })?;
-    let (done, computed, halt) = computed;
     if let Some(halt) = halt {
         return Err(halt.into());
     }

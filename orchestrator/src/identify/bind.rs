@@ -223,14 +223,11 @@ impl Binder<'_> {
     }
 
     fn refuse_doubles(&self) -> Result {
-        let known = self.settings.known.keys();
-        let free = self.settings.free.keys();
-        let latent = self.settings.latent.keys();
-        let names = known
-            .map(|name| (name, "[identify.known]"))
-            .chain(free.map(|name| (name, "[identify.free]")))
-            .chain(latent.map(|name| (name, "[identify.latent]")));
-        self.study.once(self.fmu, self.study.set().chain(names))
+        let Identification { known, free, latent, .. } = self.settings;
+        let known = known.keys().map(|name| (name, "[identify.known]"));
+        let free = free.keys().map(|name| (name, "[identify.free]"));
+        let latent = latent.keys().map(|name| (name, "[identify.latent]"));
+        self.study.once(self.fmu, self.study.set().chain(known).chain(free).chain(latent))
     }
 
     fn at(&self, name: &Name) -> impl Fn(String) -> FileError {

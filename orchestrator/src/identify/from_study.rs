@@ -65,7 +65,7 @@ pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Resu
     let mut assumed = std::mem::take(&mut bound.notes);
     let tied = Tied::new(&judge);
     let mut gathering =
-        Gathering { study: &fitted, bound, tied: &tied, shared: Shared::default(), lags: Lags::default() };
+        Gathering { study: &fitted, bound, tied: &tied, shared: Shared::default(), lags: IndexMap::new() };
     let criteria = fitted.criteria.iter().zip(&judge.criteria);
     let probes = plan.placed_probes().zip(&plan.outputs);
     for (number, (((name, text), criterion), ((case, probe), conversion))) in criteria.zip(probes).enumerate() {
@@ -78,7 +78,7 @@ pub fn bind(study: &Study, settings: &Identification, fmu: &Description) -> Resu
     let populations: Vec<String> =
         populations.map(|population| told(population, &bound.problem, settings.posterior.is_some())).collect();
     bound.notes.extend(populations);
-    shared.into_problem(&mut bound.problem);
+    (bound.problem.sources, bound.problem.channels) = (shared.sources, shared.channels);
     Ok(bound)
 }
 
@@ -115,7 +115,8 @@ struct Gathering<'a> {
     bound: Bound,
     tied: &'a Tied,
     shared: Shared,
-    lags: Lags,
+    /// The unknown lags by name: their numbers among the free parameters, and their ranges.
+    lags: IndexMap<String, (usize, [f64; 2])>,
 }
 
 impl Gathering<'_> {
@@ -133,6 +134,7 @@ impl Gathering<'_> {
     }
 
     fn add_curve(&mut self, datum: &Datum, curve: &MeasuredCurve) -> Result<Vec<Value>> {
+        let lags = self.lags(datum)?;
         let Self { study, bound, .. } = self;
         let Datum { name, text, case, .. } = *datum;
         let unit = &datum.criterion.unit;
@@ -147,7 +149,6 @@ impl Gathering<'_> {
         let own = curve.own(&mut bound.notes);
         bound.problem.estimates.extend(curve.estimate(text));
         self.shared.add(&curve, study.sensor(name, text));
-        let lags = self.lags.of(study, name, text, bound)?;
         let task = &mut bound.simulations[case].task;
         let samples = own.and_then(|own| curve.samples((datum.probe, &task.schedule), &own, lags, bound.outputs.len()));
         let (values, (probes, readings)) = samples.map_err(|message| study.error_of(name, message))?;
@@ -156,6 +157,32 @@ impl Gathering<'_> {
         bound.outputs.extend(probes.iter().map(|_| Conversion::IDENTITY));
         task.observed.extend(probes);
         Ok(values)
+    }
+
+    /// The lags of a curve: that of its case and its own.
+    fn lags(&mut self, datum: &Datum) -> Result<(Vec<usize>, [f64; 2])> {
+        let Self { study, bound, lags: known, .. } = self;
+        let Datum { name, text, .. } = *datum;
+        let case = text.case.and_then(|case| study.cases.get(case));
+        let of_case = case.and_then(|case| Some((&case.name, case.lag.as_ref()?)));
+        let own = text.lag.as_ref().map(|lag| (name, lag));
+        let mut lags = Vec::new();
+        for (name, lag) in of_case.into_iter().chain(own) {
+            let ends = lag.ends().map_err(|message| study.error_of(name, message))?;
+            lags.push((format!("{}/lag", name.as_ref()), ends));
+        }
+        let (mut numbers, mut range) = (Vec::new(), [0.0; 2]);
+        for (lag, ends) in lags {
+            let new = bound.problem.free.len();
+            let (number, _) = *known.entry(lag.clone()).or_insert_with(|| {
+                bound.lags.push(lag.clone());
+                bound.problem.free.push(Free::linear(lag, Some("s".to_owned()), ends));
+                (new, ends)
+            });
+            numbers.push(number);
+            range = [range[0] + ends[0], range[1] + ends[1]];
+        }
+        Ok((numbers, range))
     }
 
     fn add_value(&mut self, datum: &Datum) -> Result<Value> {
@@ -212,44 +239,6 @@ fn as_normal(study: &Study, judge: &Judge, plan: &Plan) -> Option<String> {
             names.join(", ")
         )
     })
-}
-
-/// The unknown lags as they are gathered: by name their numbers among the free parameters, and their ranges.
-#[derive(Default)]
-struct Lags {
-    known: IndexMap<String, (usize, [f64; 2])>,
-}
-
-impl Lags {
-    /// The lags of a curve: that of its case and its own.
-    fn of(
-        &mut self,
-        study: &Study,
-        name: &Name,
-        text: &CriterionText,
-        bound: &mut Bound,
-    ) -> Result<(Vec<usize>, [f64; 2])> {
-        let case = text.case.and_then(|case| study.cases.get(case));
-        let of_case = case.and_then(|case| Some((&case.name, case.lag.as_ref()?)));
-        let own = text.lag.as_ref().map(|lag| (name, lag));
-        let mut lags = Vec::new();
-        for (name, lag) in of_case.into_iter().chain(own) {
-            let ends = lag.ends().map_err(|message| study.error_of(name, message))?;
-            lags.push((format!("{}/lag", name.as_ref()), ends));
-        }
-        let (mut numbers, mut range) = (Vec::new(), [0.0; 2]);
-        for (lag, ends) in lags {
-            let new = bound.problem.free.len();
-            let (number, _) = *self.known.entry(lag.clone()).or_insert_with(|| {
-                bound.lags.push(lag.clone());
-                bound.problem.free.push(Free::linear(lag, Some("s".to_owned()), ends));
-                (new, ends)
-            });
-            numbers.push(number);
-            range = [range[0] + ends[0], range[1] + ends[1]];
-        }
-        Ok((numbers, range))
-    }
 }
 
 /// Refuses other data beside the criteria.

@@ -3,25 +3,20 @@
 use indexmap::IndexMap;
 
 use super::fitted::{FittedCurve, LEAST};
-use calibration::problem::{Channel, Effect, Problem, SharedKind, Source};
+use calibration::problem::{Channel, Effect, SharedKind, Source};
 use conformity::uncertainty::{Law, Uncertainty};
 use study::judge::{Criterion, Judge};
 
 /// The shared errors as they are gathered.
 #[derive(Default)]
 pub struct Shared {
-    sources: Vec<Source>,
-    channels: Vec<Channel>,
+    pub sources: Vec<Source>,
+    pub channels: Vec<Channel>,
     /// The sources of the sensors: of the offset and of the gain.
     sensors: IndexMap<(String, SharedKind), usize>,
 }
 
 impl Shared {
-    pub fn into_problem(self, problem: &mut Problem) {
-        problem.sources = self.sources;
-        problem.channels = self.channels;
-    }
-
     /// Lists a channel's error. Where the same error of the same sensor is listed already, only the channel's name is added.
     fn tell(&mut self, channel: Channel) {
         match self.channels.iter_mut().find(|known| {

@@ -8,12 +8,12 @@ use std::{
 
 use serde::Serialize;
 
-use super::setup::{self, Place, Source, SourceParts};
+use super::setup::{self, ResultFolder, Runnable, SourceParts};
 use crate::{
     error::Result,
     options::{Means, Work},
     results::{origin::Origin, validity::Validity},
-    session::{Request, Session},
+    session::{self, Request, Session},
 };
 use conformity::decision::Decision;
 use fmu_points::stop;
@@ -25,6 +25,7 @@ use point_journal::{
         folder::{Earlier, Kept},
     },
 };
+use result_document::Document;
 use study::judge::Judge;
 
 /// An analysis that asks for points of its own. Its fields are its options.
@@ -33,7 +34,7 @@ pub trait Analysis {
     const NAME: &'static str;
 
     /// The study that its points are run of.
-    type Source: Source;
+    type Source: Runnable;
 
     /// Reads the study and the FMU, and refuses what it can do nothing with.
     ///
@@ -77,12 +78,14 @@ pub struct PointSet {
 
 /// The result of an analysis.
 pub struct AnalysisResult {
-    /// Which study, FMU and points it came from; none where it has files of its own only.
-    pub origin: Option<Origin>,
+    /// Which study, FMU and points it came from.
+    pub origin: Origin,
     /// The same for people.
     pub text: String,
     /// The verdict's exit code; 0 unless there is a verdict.
     pub code: ExitCode,
+    /// What explains that a study is not verified, where it was looked for.
+    pub causes: Vec<String>,
     file: &'static str,
     /// The content of the file, with the origin.
     content: serde_json::Map<String, serde_json::Value>,
@@ -90,20 +93,12 @@ pub struct AnalysisResult {
 
 impl AnalysisResult {
     /// A result that becomes the content of `file`.
-    pub(super) fn new(
-        result: &impl Serialize,
-        origin: impl Into<Option<Origin>>,
-        text: String,
-        file: &'static str,
-    ) -> Self {
-        let origin = origin.into();
+    pub(super) fn new(result: &impl Serialize, origin: Origin, document: &Document, file: &'static str) -> Self {
         let mut content = serde_json::Map::new();
-        if let Some(origin) = &origin {
-            content.insert("origin".to_owned(), serde_json::json!(origin));
-        }
+        content.insert("origin".to_owned(), serde_json::json!(origin));
         let told = serde_json::to_value(result).expect("a result is made of texts and numbers");
         content.extend(told.as_object().cloned().unwrap_or_default());
-        Self { origin, text, file, code: ExitCode::SUCCESS, content }
+        Self { origin, text: document.as_text(), file, code: ExitCode::SUCCESS, causes: Vec::new(), content }
     }
 
     /// Tells how many of the points in a journal went beyond what the model is valid for.
@@ -118,17 +113,6 @@ impl AnalysisResult {
     /// Adds something to the file.
     pub(super) fn add(&mut self, name: &str, value: &impl Serialize) {
         self.content.insert(name.to_owned(), serde_json::json!(value));
-    }
-
-    /// Sentences that were added under a name.
-    pub fn sentences(&self, name: &str) -> Vec<String> {
-        self.content
-            .get(name)
-            .and_then(|all| all.as_array())
-            .into_iter()
-            .flatten()
-            .filter_map(|one| one.as_str().map(str::to_owned))
-            .collect()
     }
 
     /// Writes the file.
@@ -166,7 +150,6 @@ impl Delivery {
 }
 
 /// Which parameters that belong together an analysis can take.
-#[derive(Clone, Copy, Default)]
 pub struct Takes {
     /// Whether it keeps correlated parameters together.
     pub correlations: bool,
@@ -225,16 +208,11 @@ pub fn request(study: &Path, means: &Means) -> Request {
 /// When the options say nothing that can be run, or the FMU cannot be read any more.
 pub fn header<A: Analysis>(source: &A::Source, analysis: &A) -> Result<Header> {
     let set = analysis.points(source)?;
-    let parts = source.parts();
+    let SourceParts { study, package, .. } = source.parts();
     Ok(Header {
-        orchestrator: env!("CARGO_PKG_VERSION").to_owned(),
-        study: parts.study.digest(),
-        fmu: parts.package.digest()?,
         table: set.table,
-        seed: set.seed,
-        points: set.points,
         analysis: Some(format!("{}, {}", A::NAME, set.method)),
-        ..Header::default()
+        ..session::header(study, package, set.seed, set.points)?
     })
 }
 
@@ -252,7 +230,7 @@ pub fn run_by<A: Analysis>(
 ) -> Result<Delivery> {
     analysis.check(&source)?;
     let header = header(&source, analysis)?;
-    let place = Place { output: &folder, analysis: Some(A::NAME), earlier };
+    let place = ResultFolder { output: &folder, analysis: Some(A::NAME), earlier };
     let taken = place.take(source.parts(), &header, || Ok(()))?;
     let state = place.state();
     let means = setup::Work { means, jobs: means.jobs_of(usize::MAX)?, ends: true };
@@ -278,8 +256,9 @@ pub fn run_by<A: Analysis>(
 }
 
 /// Which study and FMU the results of an analysis with runs of its own came from.
-pub fn origin(session: &Session) -> Result<Origin> {
-    Ok(Origin { study_sha256: session.study.digest(), fmu_sha256: Some(session.package.digest()?), points: None })
+pub fn origin(source: &impl Runnable) -> Result<Origin> {
+    let SourceParts { study, package, .. } = source.parts();
+    Ok(Origin { study_sha256: study.digest(), fmu_sha256: Some(package.digest()?), points: None })
 }
 
 /// 0 when the model is verified, 1 when it is not, 3 when the points do not tell.

@@ -1,5 +1,5 @@
-//! The methods: each is a folder with its options, what it asks of a study, and the document of its result. To add one, add
-//! its folder and its line in `methods!` below; its command and the page follow from that.
+//! The methods: each is a folder with its options, what it asks of a study, the file of its result, and the document of it. To add
+//! one, add its folder and its line in `methods!` below; its command and the page follow from that.
 
 pub(crate) mod asking;
 pub(crate) mod known;
@@ -37,7 +37,8 @@ macro_rules! methods {
 
         /// The methods' results in a study's folder, as its page shows them.
         pub(crate) fn shown(study: &Finished) -> Vec<Document> {
-            [rare::shown(study), $($module::shown(study)),*].into_iter().flatten().collect()
+            let of_methods = [$(study.result($module::FILE).map(|result| $module::document(&result))),*];
+            [rare::shown(study)].into_iter().chain(of_methods).flatten().collect()
         }
     };
 }

@@ -19,7 +19,7 @@ use crate::{
 use conformity::decision::Decision;
 use point_journal::pipeline::Pipeline;
 use result_document::{Document, format::number};
-use run_budget::{Answer, Event, Search, Unknown};
+use run_budget::{Event, RareAnswer, Search, Unknown};
 use sampling::word;
 
 const FILE: &str = "rare.json";
@@ -52,7 +52,7 @@ pub struct Options {
 
 /// The result in a study's folder, as its page shows it.
 pub(super) fn shown(study: &Finished) -> Option<Document> {
-    study.result::<Statement>(FILE).map(|statement| statement.document())
+    study.result::<RareShare>(FILE).map(|statement| statement.document())
 }
 
 /// Runs the search.
@@ -159,9 +159,9 @@ impl Analysis for Rare {
             let points: Vec<Vec<f64>> = scores.iter().map(|scores| plan.at_scores(scores)).collect();
             Ok(pipeline.ask(&points)?.into_iter().map(Result::ok).collect())
         })?;
-        let statement = Statement::new((self.event, &self.account), &answer, session);
+        let statement = RareShare::new((self.event, &self.account), &answer, session);
         let origin = asking::origin(session)?;
-        let mut result = AnalysisResult::new(&statement, origin, statement.document().as_text(), FILE);
+        let mut result = AnalysisResult::new(&statement, origin, &statement.document(), FILE);
         result.code = match (statement.verdict, self.event) {
             (Some(verdict), _) => exit_code(Some(verdict)),
             // One verified point is enough.
@@ -186,7 +186,7 @@ struct BySurrogate {
 
 /// The statement.
 #[derive(Debug, Serialize, Deserialize)]
-struct Statement {
+struct RareShare {
     event: RareEvent,
     surrogate: BySurrogate,
     confidence: f64,
@@ -197,8 +197,8 @@ struct Statement {
     verdict: Option<Decision>,
 }
 
-impl Statement {
-    fn new((event, account): (RareEvent, &Account), answer: &Answer, session: &Session) -> Self {
+impl RareShare {
+    fn new((event, account): (RareEvent, &Account), answer: &RareAnswer, session: &Session) -> Self {
         const USUAL: f64 = 0.95;
         let Session { plan, judge, .. } = session;
         let confidence = judge.rule.map_or(USUAL, |rule| rule.confidence);

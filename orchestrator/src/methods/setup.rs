@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use study::Study;
 
 /// A study that is tied to its FMU, whose points are run.
-pub trait Source {
+pub trait Runnable {
     /// The FMU.
     fn package(&mut self) -> &mut Package;
 
@@ -40,7 +40,7 @@ pub struct SourceParts<'a> {
     pub cases: &'a [Case],
 }
 
-impl Source for Session {
+impl Runnable for Session {
     fn package(&mut self) -> &mut Package {
         &mut self.package
     }
@@ -56,7 +56,7 @@ impl Source for Session {
     }
 }
 
-impl Source for Verification {
+impl Runnable for Verification {
     fn package(&mut self) -> &mut Package {
         &mut self.session.package
     }
@@ -67,7 +67,7 @@ impl Source for Verification {
 }
 
 /// Where the results of a run go.
-pub struct Place<'a> {
+pub struct ResultFolder<'a> {
     /// The folder of all results.
     pub output: &'a Path,
     /// The analysis that keeps its journal in a folder of its own there.
@@ -76,7 +76,7 @@ pub struct Place<'a> {
     pub earlier: Earlier,
 }
 
-impl Place<'_> {
+impl ResultFolder<'_> {
     /// The folder of the journal.
     pub fn state(&self) -> PathBuf {
         self.analysis.map(|name| self.output.join(name)).unwrap_or_else(|| self.output.to_owned())
@@ -120,7 +120,7 @@ pub struct Work<'a> {
 ///
 /// # Errors
 /// Those of the processes, of the system, and of `ask`; whichever it is, one that says so where the folder was removed.
-pub fn run<S: Source, T>(
+pub fn run<S: Runnable, T>(
     source: &mut S,
     header: &Header,
     folder: RunFolder,

@@ -32,14 +32,14 @@ const HEAD: &str = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<fmiReferences \
 ///
 /// # Errors
 /// When it is no such manifest.
-pub fn with(before: Option<&str>, own: &str, files: &[&Related]) -> Result<String, String> {
+pub fn with(before: Option<&str>, own: &str, files: &[Related]) -> Result<String, String> {
     let before = before.unwrap_or(HEAD);
     let document = xml::parse(before).map_err(|error| error.to_string())?;
     let root = document.root_element();
     if !root.has_tag_name("fmiReferences") {
         return Err(format!("`{}` instead of `fmiReferences`", root.tag_name().name()));
     }
-    let new: String = files.iter().map(|file| file.xml()).collect();
+    let new: String = files.iter().map(Related::xml).collect();
     let mut text = before.to_owned();
     // From the end on, so that what comes before keeps its place.
     let range = root.range();
@@ -81,23 +81,23 @@ mod tests {
 
     #[test]
     fn files_come_to_those_that_are_there_and_replace_their_own() {
-        let first = with(None, "a/", &[&related("a/x"), &related("a/y")]).unwrap();
+        let first = with(None, "a/", &[related("a/x"), related("a/y")]).unwrap();
         assert_eq!(sources(&first), ["a/x", "a/y"]);
-        let second = with(Some(&first), "b/", &[&related("b/z")]).unwrap();
+        let second = with(Some(&first), "b/", &[related("b/z")]).unwrap();
         assert_eq!(sources(&second), ["a/x", "a/y", "b/z"]);
         assert!(second.starts_with(first.split("</fmi").next().unwrap()));
-        let third = with(Some(&second), "a/", &[&related("a/x")]).unwrap();
+        let third = with(Some(&second), "a/", &[related("a/x")]).unwrap();
         assert_eq!(sources(&third), ["b/z", "a/x"]);
-        let again = with(Some(&third), "b/", &[&related("b/z")]).unwrap();
-        assert_eq!(again, with(Some(&again), "b/", &[&related("b/z")]).unwrap());
+        let again = with(Some(&third), "b/", &[related("b/z")]).unwrap();
+        assert_eq!(again, with(Some(&again), "b/", &[related("b/z")]).unwrap());
     }
 
     #[test]
     fn annotations_stay_last_and_other_documents_are_refused() {
         let noted = "<fmiReferences><Related source=\"s\" role=\"other\"/><Annotations/></fmiReferences>";
-        let told = with(Some(noted), "a/", &[&related("a/x")]).unwrap();
+        let told = with(Some(noted), "a/", &[related("a/x")]).unwrap();
         assert_eq!(sources(&told), ["s", "a/x", "Annotations"]);
-        let told = with(Some("<fmiReferences/>"), "a/", &[&related("a/x")]).unwrap();
+        let told = with(Some("<fmiReferences/>"), "a/", &[related("a/x")]).unwrap();
         assert_eq!(sources(&told), ["a/x"]);
         assert!(with(Some("<others/>"), "a/", &[]).is_err());
         assert!(with(Some("no xml"), "a/", &[]).is_err());

@@ -271,19 +271,23 @@ fn unpack(package: &mut Package, name: &str, folder: &Path) -> Result {
     Ok(())
 }
 
-/// A file on its way into an FMU.
-struct File {
+/// A study on its way into an FMU.
+#[derive(Default)]
+struct Packing {
     name: String,
-    content: Vec<u8>,
-    related: Related,
+    contents: Vec<(String, Vec<u8>)>,
+    related: Vec<Related>,
+    /// By their paths within the study's folder.
+    digests: IndexMap<String, String>,
 }
 
-impl File {
-    /// Its path within the packed study's folder, and the digest of its content.
-    fn tie(&self) -> (String, String) {
-        let below = self.name.strip_prefix(FOLDER).and_then(|path| path.split_once('/'));
-        let (_, below) = below.expect("it lies in the study's folder");
-        (below.to_owned(), digest(&self.content))
+impl Packing {
+    fn add(&mut self, below: &str, [role, kind]: [&'static str; 2], description: &str, content: Vec<u8>) {
+        let source = format!("{}/{below}", self.name);
+        self.digests.insert(below.to_owned(), digest(&content));
+        self.contents.push((format!("{FOLDER}{source}"), content));
+        let (source, description) = (percent_encoded(&source, "/"), description.to_owned());
+        self.related.push(Related { kind, source, role, description });
     }
 }
 
@@ -297,35 +301,27 @@ pub fn pack(package: &mut Package, study: &Study, results: &Path, summary: &Summ
     let name: String =
         stem.chars().map(|c| if c.is_ascii_alphanumeric() || "-_.".contains(c) { c } else { '-' }).collect();
     let request = Request::read(results)?;
-    let entry = |below: &str, role, kind, description: &str, content: Vec<u8>| {
-        let source = format!("{name}/{below}");
-        File {
-            name: format!("{FOLDER}{source}"),
-            content,
-            related: Related { kind, source: percent_encoded(&source, "/"), role, description: description.to_owned() },
-        }
-    };
+    let mut packing = Packing { name, ..Packing::default() };
     let read = |path: &Path| fs::read(path).map_err(Error::io(path));
     let (place, data) = layout(study)?;
     let role = if study.parameters.is_empty() { "experiment/validation" } else { "experiment/uncertainty-analysis" };
     let title = format!("The study: {}", study.title.as_deref().unwrap_or(&stem));
-    let content = read(study.path())?;
-    let mut files = vec![entry(&place, role, "application/toml", &title, content)];
+    packing.add(&place, [role, "application/toml"], &title, read(study.path())?);
     for (path, below) in data {
-        files.push(entry(&below, "other", "text/csv", "Data that the study names", read(&path)?));
+        packing.add(&below, ["other", "text/csv"], "Data that the study names", read(&path)?);
     }
     let mut points_from = None;
     if let Some(table) = &request.points_from {
         let end = table.extension().unwrap_or("csv".as_ref());
         let below = format!("points.{}", end.to_string_lossy());
-        files.push(entry(&below, "other", "text/csv", "The points' parameters", read(table)?));
+        packing.add(&below, ["other", "text/csv"], "The points' parameters", read(table)?);
         points_from = Some(below);
     }
     for (file, role, kind, what) in RESULTS {
         let path = results.join(file);
         if path.exists() {
-            let about = format!("Of the study {name}: {what}");
-            files.push(entry(&format!("{RESULT}{file}"), role, kind, &about, read(&path)?));
+            let about = format!("Of the study {}: {what}", packing.name);
+            packing.add(&format!("{RESULT}{file}"), [role, kind], &about, read(&path)?);
         }
     }
     let counted = request.points_from.is_none();
@@ -336,18 +332,16 @@ pub fn pack(package: &mut Package, study: &Study, results: &Path, summary: &Summ
         points_from,
         validation: summary.validation.values().any(|comparison| comparison.u_num.is_some()),
         files: digests(package)?,
-        packed: files.iter().map(File::tie).collect(),
+        packed: packing.digests.clone(),
     };
     let about = "How the study was run, and the digests of the files that it was run with";
-    let content = serde_json::to_vec_pretty(&ties)?;
-    files.push(entry(TIES, "other", "application/json", about, content));
+    packing.add(TIES, ["other", "application/json"], about, serde_json::to_vec_pretty(&ties)?);
+    let Packing { name, mut contents, related, .. } = packing;
     let before = manifest_of(package)?;
     let own = format!("{name}/");
-    let related: Vec<&Related> = files.iter().map(|file| &file.related).collect();
     let manifest = manifest::with(before.as_deref(), &own, &related)
         .map_err(|message| Error::content(&package.path().join(MANIFEST), message))?;
-    let mut contents: Vec<(String, Vec<u8>)> = vec![(MANIFEST.to_owned(), manifest.into_bytes())];
-    contents.extend(files.into_iter().map(|file| (file.name, file.content)));
+    contents.insert(0, (MANIFEST.to_owned(), manifest.into_bytes()));
     let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     make_output(folder)?;
     let copy = draft(folder).map_err(Error::io(output))?;

@@ -19,7 +19,7 @@ impl Settings {
     ///
     /// # Errors
     /// When one cannot be read, or its times are none.
-    pub fn files(&self, measured: &[PathBuf]) -> Result<Recorded<'_>> {
+    pub fn files(&self, measured: &[PathBuf]) -> Result<RecordedFiles<'_>> {
         if self.files.len() > measured.len() {
             let (known, given) = (self.files.len(), measured.len());
             return Err(self.wrong(format!(
@@ -37,17 +37,17 @@ impl Settings {
                 .unwrap_or_default();
             tables.push((RecordedTable::read(path)?, time));
         }
-        Ok(Recorded { settings: self, tables })
+        Ok(RecordedFiles { settings: self, tables })
     }
 }
 
 /// The files of a recording, read.
-pub struct Recorded<'a> {
+pub struct RecordedFiles<'a> {
     pub settings: &'a Settings,
     tables: Vec<(RecordedTable, TimeColumn)>,
 }
 
-impl Recorded<'_> {
+impl RecordedFiles<'_> {
     /// What was left out of each file, for the reader.
     pub fn notes(&self) -> Vec<String> {
         let plain = self.settings.plain().filter_map(|(key, signal)| {
@@ -152,7 +152,7 @@ impl Recorded<'_> {
     pub fn channel(&self, key: &str, signal: &Signal, name: &str, si: Option<&str>) -> Result<Channel> {
         let settings = self.settings;
         let wrong = |message| settings.wrong(format!("{key}: {message}"));
-        let column = settings.needed(signal.column.as_ref(), key, "column")?;
+        let column = settings.needed(&signal.column, key, "column")?;
         let file = self.file_of(key, signal, column)?;
         let table = &self.tables[file].0;
         let unit = table.unit(column, signal.unit.as_deref().filter(|_| signal.scale.is_none()));

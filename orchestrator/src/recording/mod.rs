@@ -239,8 +239,8 @@ impl Settings {
         Ok(conversion(unit, si_unit).map_err(|message| self.wrong(format!("{key}: {message}")))?.value(quantity.number))
     }
 
-    fn needed<'a, T>(&self, what: Option<&'a T>, of: &str, key: &str) -> Result<&'a T> {
-        what.ok_or_else(|| self.wrong(format!("{of}: `{key}` is missing; add it")))
+    fn needed<'a, T>(&self, what: &'a Option<T>, of: &str, key: &str) -> Result<&'a T> {
+        what.as_ref().ok_or_else(|| self.wrong(format!("{of}: `{key}` is missing; add it")))
     }
 }
 

@@ -2,10 +2,10 @@
 
 use super::{
     Signal,
-    columns::{Recorded, accuracy, of_zero},
+    columns::{RecordedFiles, accuracy, of_zero},
     conversion,
 };
-use fmu_points::names::behind;
+use crate::results::words::unit_behind;
 use number_tables::files::Result;
 use result_document::format::number;
 use rig_signals::{
@@ -13,7 +13,7 @@ use rig_signals::{
     case::{Drive, Driven},
 };
 
-impl Recorded<'_> {
+impl RecordedFiles<'_> {
     /// How far the noise of a row alone is beyond the tolerance of a curve.
     pub fn too_tight(&self, recorded: &RigRecording, result: &Synchronised) -> Vec<String> {
         let settings = self.settings;
@@ -31,7 +31,7 @@ impl Recorded<'_> {
                 "{name}: the rows' noise alone ({}{unit}) is more than the tolerance ({tolerance}{unit}), so a right model \
                  fails; use a larger one, or the mean in criteria.toml",
                 number(row, 3),
-                unit = behind(Some(channel.unit.as_str()).filter(|unit| *unit != "1"))
+                unit = unit_behind(Some(&channel.unit))
             ))
         }).collect()
     }
@@ -73,8 +73,8 @@ impl Recorded<'_> {
         let mut others = Vec::new();
         for (name, signal) in &settings.signals {
             let key = format!("signals.{name}");
-            settings.needed(signal.variable.as_ref(), &key, "variable")?;
-            settings.needed(signal.accuracy.as_ref(), &key, "accuracy")?;
+            settings.needed(&signal.variable, &key, "variable")?;
+            settings.needed(&signal.accuracy, &key, "accuracy")?;
             others.push(self.channel(&key, signal, name, None)?);
         }
         let bearing = match (&settings.load, &settings.torque) {
@@ -114,21 +114,21 @@ impl Recorded<'_> {
 
     fn bearing(&self, load: &Signal, torque: &Signal) -> Result<Bearing> {
         let settings = self.settings;
-        let speed = settings.needed(settings.speed.as_ref(), "load and torque", "speed")?;
+        let speed = settings.needed(&settings.speed, "load and torque", "speed")?;
         for (key, signal) in [("load", load), ("torque", torque)] {
-            settings.needed(signal.variable.as_ref(), key, "variable")?;
+            settings.needed(&signal.variable, key, "variable")?;
         }
         for (key, signal) in [("load", load), ("torque", torque), ("speed", speed)] {
-            settings.needed(signal.accuracy.as_ref(), key, "accuracy")?;
+            settings.needed(&signal.accuracy, key, "accuracy")?;
         }
         let load = self.channel("load", load, "F_N", Some("N"))?;
         let speed = match (&speed.column, speed.value) {
             (Some(_), None) => self.channel("speed", speed, "speed", Some("rad/s"))?,
             (None, Some(value)) => {
-                let unit = settings.needed(speed.unit.as_ref(), "speed", "unit")?;
+                let unit = settings.needed(&speed.unit, "speed", "unit")?;
                 let wrong = |message| settings.wrong(format!("speed: {message}"));
                 let way = conversion(unit, "rad/s").map_err(wrong)?;
-                let limit = settings.needed(speed.accuracy.as_ref(), "speed", "accuracy")?;
+                let limit = settings.needed(&speed.accuracy, "speed", "accuracy")?;
                 Channel {
                     name: "speed".to_owned(),
                     variable: speed.variable.clone().unwrap_or_default(),
@@ -142,7 +142,7 @@ impl Recorded<'_> {
             }
             _ => return Err(settings.wrong("speed: it needs either a column or a value")),
         };
-        let diameter = settings.needed(settings.diameter.as_ref(), "load and torque", "diameter")?;
+        let diameter = settings.needed(&settings.diameter, "load and torque", "diameter")?;
         Ok(Bearing {
             torque: self.channel("torque", torque, "M", Some("N.m"))?,
             load,

@@ -3,7 +3,8 @@
 use super::outlook::of_freedom;
 use crate::results::{
     Summary,
-    summary::{CaseCount, Count, CriterionCount},
+    summary::{CaseCount, CriterionCount},
+    words::unit_behind,
 };
 use conformity::{
     conclusion::grouped,
@@ -11,29 +12,14 @@ use conformity::{
     risk::Risk,
 };
 use result_document::{
-    Block, Column, Table,
+    Block, Table,
     format::{DASH, number, percent_text},
     numbers, words,
 };
 use study::cases::SEPARATOR;
 
-fn heading(title: &str) -> Block {
-    Block::Heading(title.to_owned())
-}
-
 fn range([low, high]: [f64; 2]) -> String {
     format!("{} .. {}", percent_text(low), percent_text(high))
-}
-
-/// A share and its interval; where no point has one, the column is left out.
-fn share(count: &Count, with_interval: bool) -> Vec<String> {
-    let share = percent_text(count.fraction);
-    let interval = count.interval.map(range).unwrap_or_default();
-    if with_interval { vec![share, interval] } else { vec![share] }
-}
-
-fn share_columns(with_interval: bool) -> Vec<Column> {
-    [numbers("Share %"), words("95 % interval")].into_iter().take(1 + usize::from(with_interval)).collect()
 }
 
 /// The risk of accepting, of every criterion and of all; nothing where none is known.
@@ -47,20 +33,17 @@ pub fn risks(summary: &Summary) -> Vec<Block> {
     let all = summary.conclusion.as_ref().and_then(|c| c.risk.as_ref());
     let rows = criteria().zip(measurement.criteria()).map(|((name, entry), measured)| risk(name, entry, measured));
     let total = ["all criteria", "", "", ""].map(str::to_owned).into_iter().chain(shares(all)).collect();
-    let table = Table {
-        name: "Risks".into(),
-        class: "risks stack".into(),
-        columns: vec![
-            words("Criterion"),
-            numbers("Tolerance"),
-            numbers("Uncertainty"),
-            numbers("C_{m}"),
-            numbers("Consumer's risk %"),
-            numbers("Producer's risk %"),
-            numbers("Not conforming % of accepted"),
-        ],
-        rows: rows.chain([total]).collect(),
-    };
+    let columns = [
+        words("Criterion"),
+        numbers("Tolerance"),
+        numbers("Uncertainty"),
+        numbers("C_{m}"),
+        numbers("Consumer's risk %"),
+        numbers("Producer's risk %"),
+        numbers("Not conforming % of accepted"),
+    ];
+    let table = Table::new("Risks", columns, rows.chain([total]).collect());
+    let table = Table { class: "risks stack".into(), ..table };
     let intervals = match summary.verified_interval {
         Some(_) => " The intervals hold the error of the sample of points.",
         None => "",
@@ -71,15 +54,11 @@ pub fn risks(summary: &Summary) -> Vec<Block> {
          *Consumer's risk*: probability that a point is accepted and does not conform. *Producer's risk*: that it is rejected \
          and conforms (JCGM 106).{intervals} All points share one measurement: if it is off, it is off for all of them."
     );
-    let title = heading("The risk of accepting");
-    vec![title, Block::Table(table), Block::Hint(hint)]
+    vec![Block::Heading("The risk of accepting".into()), Block::Table(table), Block::Hint(hint)]
 }
 
 fn risk(name: &str, entry: &CriterionCount, measured: &Measured) -> Vec<String> {
-    let unit = match entry.criterion.unit.as_deref() {
-        None | Some("" | "1") => String::new(),
-        Some(unit) => format!(" {unit}"),
-    };
+    let unit = unit_behind(entry.criterion.unit.as_deref());
     let uncertainty = match (measured.error.zip(entry.criterion.uncertainty), &entry.risk) {
         (Some((error, stated)), _) => {
             let expanded = number(error.expanded, 4);
@@ -153,23 +132,20 @@ pub fn cases(summary: &Summary) -> Vec<Block> {
         let mut cells = vec![format!("{name}{held_out}")];
         cells.extend(criteria.iter().map(criterion));
         cells.push(grouped(case.count.passed));
-        cells.extend(share(&case.count, intervals));
+        cells.push(percent_text(case.count.fraction));
+        cells.extend(intervals.then(|| case.count.interval.map(range).unwrap_or_default()));
         cells.push(grouped(case.failed));
         cells
     };
     let mut columns = vec![words("Case")];
     columns.extend(criteria.iter().map(|name| numbers(format!("{name} %"))));
-    columns.push(numbers("Points"));
-    columns.extend(share_columns(intervals));
+    columns.extend([numbers("Points"), numbers("Share %")]);
+    columns.extend(intervals.then(|| words("95 % interval")));
     columns.push(numbers("Failed"));
-    let table = Table {
-        name: "Shares by case".into(),
-        class: "cases".into(),
-        columns,
-        rows: summary.cases.iter().map(row).collect(),
-    };
+    let table = Table::new("Shares by case", columns, summary.cases.iter().map(row).collect());
+    let table = Table { class: "cases".into(), ..table };
     let hint = "Share of the points that meet each criterion in each case, and points that hold in the case: meet all its \
                 criteria. A point is verified when it holds in every case. *Held out*: judged as any other case, but not used \
                 by `identify`.";
-    vec![heading("By case"), Block::Table(table), Block::Hint(hint.to_owned())]
+    vec![Block::Heading("By case".into()), Block::Table(table), Block::Hint(hint.to_owned())]
 }

@@ -95,18 +95,13 @@ pub fn count_rows(table: &PointTable, summary: &Summary, judgement: &Judgement) 
         }
     }
     rows.extend(table.members(None).into_iter().map(criterion));
-    let verified =
-        Count { passed: summary.verified, fraction: summary.verified_fraction, interval: summary.verified_interval };
-    let Some((note, accepted)) = guarded(judgement, summary.points as usize) else {
-        let name = match judgement.guard {
-            Some(_) => "within all tolerances",
-            None => "all criteria",
-        };
-        rows.push(row(name, "total", verified));
-        return rows;
+    let accepted = guarded(judgement, summary.points as usize);
+    let name = match (&accepted, judgement.guard) {
+        (None, None) => "all criteria",
+        _ => "within all tolerances",
     };
-    rows.push(row("within all tolerances", "total", verified));
-    rows.push(CountRow { note, ..row("accepted", "total", accepted) });
+    rows.push(row(name, "total", summary.whole()));
+    rows.extend(accepted.map(|(note, count)| CountRow { note, ..row("accepted", "total", count) }));
     rows
 }
 

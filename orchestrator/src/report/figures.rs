@@ -1,7 +1,7 @@
 //! The plots that need no script: the page shows them until its script takes over, and they are
 //! written beside it as files.
 
-use super::{overlay::Measured, payload::PlotColumn};
+use super::{overlay::ReferenceCurve, payload::PlotColumn};
 use conformity::conclusion::grouped;
 use parameter_regions::table::PointTable;
 use result_document::{
@@ -82,15 +82,16 @@ fn marks(table: &PointTable, frame: &Frame, x: &PlotColumn, y: &PlotColumn, poin
             continue;
         }
         let (px, py) = (frame.x.at(vx), frame.y.at(vy));
-        let corner = |s: f64| (px - s, py - s, 2.0 * s);
         if table.verified[i] {
             paths[2] += &circle([px, py], r);
         } else if within(x, i) && within(y, i) {
             let top = py - r;
             let _ = write!(paths[1], "M{px:.1},{top:.1}l{r},{r}l-{r},{r}l-{r},-{r}z");
         } else {
-            let (left, top, d) = corner(r * 0.75);
-            let _ = write!(paths[0], "M{left:.1},{top:.1}l{d},{d}m0,-{d}l-{d},{d}");
+            let half = 0.75 * r;
+            let side = 2.0 * half;
+            let (left, top) = (px - half, py - half);
+            let _ = write!(paths[0], "M{left:.1},{top:.1}l{side},{side}m0,-{side}l-{side},{side}");
         }
     }
     ["pt out", "pt part", "pt in"].iter().zip(paths).map(|(class, d)| path(class, d)).collect()
@@ -207,7 +208,7 @@ pub struct Series {
     /// The times between which it is judged, s: the whole run if not known.
     pub judged: Option<[f64; 2]>,
     /// The measured curve that it is compared with, if there is one.
-    pub measured: Option<Measured>,
+    pub measured: Option<ReferenceCurve>,
 }
 
 impl Series {
@@ -233,7 +234,7 @@ impl Series {
 pub fn history(series: &Series) -> Option<String> {
     let [low, high] = series.accepted.unwrap_or([f64::NEG_INFINITY, f64::INFINITY]);
     let mut all = series.values.clone();
-    all.extend(series.measured.iter().flat_map(Measured::extremes));
+    all.extend(series.measured.iter().flat_map(ReferenceCurve::extremes));
     let y = axis_range(all, low, high)?;
     let (start, end) = (*series.time.first()?, *series.time.last()?);
     let frame = Frame::new(560.0, 220.0, [start, if end > start { end } else { start + 1.0 }], y);

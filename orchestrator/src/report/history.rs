@@ -1,6 +1,6 @@
 //! The best point's trajectory, as a file beside the results.
 
-use super::{figures::Series, overlay::Measured};
+use super::{figures::Series, overlay::ReferenceCurve};
 use crate::results::Summary;
 use indexmap::IndexMap;
 use number_tables::csv_file;
@@ -79,8 +79,8 @@ fn judged(study: &Study, criterion: &Criterion, run: [f64; 2]) -> Option<[f64; 2
 }
 
 /// The measured curves by the names of their criteria.
-fn measured(path: &Path) -> csv::Result<IndexMap<String, Measured>> {
-    let mut curves = IndexMap::<String, Measured>::new();
+fn measured(path: &Path) -> csv::Result<IndexMap<String, ReferenceCurve>> {
+    let mut curves = IndexMap::<String, ReferenceCurve>::new();
     for record in csv::Reader::from_path(path)?.records() {
         let record = record?;
         let number = |place: usize| record.get(place).and_then(|cell| cell.parse::<f64>().ok());

@@ -16,23 +16,20 @@ pub fn comparison(summary: &Summary) -> Option<Document> {
         let name = unit.map_or_else(|| name.clone(), |unit| format!("{name} ({unit})"));
         std::iter::once(name).chain(compared(comparison)).collect()
     };
-    told.table(Table {
-        name: "Validation comparison".into(),
-        class: "stack".into(),
-        columns: vec![
-            words("Criterion"),
-            numbers("E"),
-            numbers("u_{num}"),
-            numbers("u_{input}"),
-            numbers("u_{D}"),
-            numbers("u_{val}"),
-            numbers("k (degrees of freedom)"),
-            numbers("E ± k u_{val}"),
-            numbers("E_{n}"),
-            words("Largest"),
-        ],
-        rows: summary.validation.iter().map(row).collect(),
-    });
+    let columns = [
+        words("Criterion"),
+        numbers("E"),
+        numbers("u_{num}"),
+        numbers("u_{input}"),
+        numbers("u_{D}"),
+        numbers("u_{val}"),
+        numbers("k (degrees of freedom)"),
+        numbers("E ± k u_{val}"),
+        numbers("E_{n}"),
+        words("Largest"),
+    ];
+    let table = Table::new("Validation comparison", columns, summary.validation.iter().map(row).collect());
+    told.table(Table { class: "stack".into(), ..table });
     let notes: String = summary
         .validation
         .iter()

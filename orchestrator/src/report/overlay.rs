@@ -8,7 +8,7 @@ use result_document::{
 
 /// A measured curve on the model's time, in the criterion's unit.
 #[derive(Clone, Debug, Default)]
-pub struct Measured {
+pub struct ReferenceCurve {
     /// Times, s, ascending.
     pub time: Vec<f64>,
     /// One value per time.
@@ -17,7 +17,7 @@ pub struct Measured {
     pub uncertainty: Vec<f64>,
 }
 
-impl Measured {
+impl ReferenceCurve {
     /// The edges of the band of the measurement's uncertainty, below and above.
     fn edges(&self) -> Option<[Vec<f64>; 2]> {
         (self.uncertainty.len() == self.values.len()).then(|| {
@@ -78,7 +78,8 @@ mod tests {
 
     #[test]
     fn residuals_are_the_models_deviations() {
-        let measured = Measured { time: vec![0.0, 1.0, 2.0], values: vec![0.0, 1.0, 2.0], uncertainty: vec![0.5; 3] };
+        let measured =
+            ReferenceCurve { time: vec![0.0, 1.0, 2.0], values: vec![0.0, 1.0, 2.0], uncertainty: vec![0.5; 3] };
         assert_eq!(measured.extremes().len(), 9);
         let of = |model: &[f64]| measured.residuals("y", "m", &[0.0, 2.0], model).unwrap();
         // A line in the middle of the picture, or one that leaves it.
@@ -100,7 +101,7 @@ mod tests {
         let count = 1_000_000;
         let time: Vec<f64> = (0..count).map(f64::from).collect();
         let values: Vec<f64> = (0..count).map(|k| f64::from(k % 7)).collect();
-        let measured = Measured { uncertainty: vec![0.5; values.len()], time, values };
+        let measured = ReferenceCurve { uncertainty: vec![0.5; values.len()], time, values };
         let frame = Frame::new(560.0, 150.0, [0.0, 1e6], [0.0, 7.0]);
         assert!(measured.draw(&frame).len() < 100_000);
     }

@@ -16,10 +16,10 @@ const MOST_COLUMN_BYTES: usize = 2_000_000;
 #[derive(Default)]
 pub struct Bytes(RefCell<Vec<u8>>);
 
-type Part = [usize; 2];
+type ByteRange = [usize; 2];
 
 impl Bytes {
-    fn add(&self, bytes: impl IntoIterator<Item = u8>) -> Part {
+    fn add(&self, bytes: impl IntoIterator<Item = u8>) -> ByteRange {
         let mut all = self.0.borrow_mut();
         let begin = all.len();
         all.extend(bytes);
@@ -41,19 +41,19 @@ pub struct Payload {
     sampled: bool,
     columns: Vec<EmbeddedColumn>,
     /// Point numbers, 32-bit.
-    ids: Part,
+    ids: ByteRange,
     /// Whether a guard band acts, so that fewer points are accepted than lie within all tolerances.
     guarded: bool,
     /// A byte per point: accepted.
-    verified: Part,
+    verified: ByteRange,
     /// A byte per point: simulated to its end.
-    completed: Part,
+    completed: ByteRange,
     /// The conformance probabilities, 32-bit floats of five digits, where they are known.
-    conformance: Option<Part>,
+    conformance: Option<ByteRange>,
     /// The study to be changed, where the points can be judged in the page.
     study: Option<WhatIf>,
     /// A byte per point: of an even choice of all points, which is what can be judged where not all are embedded.
-    sample: Option<Part>,
+    sample: Option<ByteRange>,
 }
 
 #[derive(Serialize)]
@@ -64,7 +64,7 @@ struct EmbeddedColumn {
     /// Points with a value that lies outside `range`.
     outside: usize,
     /// 32-bit floats; of a criterion 64-bit ones, since its values are judged. Their bytes stand apart (`apart`).
-    data: Part,
+    data: ByteRange,
     criterion: Option<Acceptance>,
 }
 
@@ -77,7 +77,7 @@ struct Acceptance {
     /// The tolerance interval drawn in by the guard band, where one acts and anything is left.
     drawn_in: Option<[f64; 2]>,
     /// A byte per point.
-    ok: Part,
+    ok: ByteRange,
 }
 
 /// All columns of a table, parameters first, as the plots see them.

@@ -16,10 +16,9 @@ const MOST_NUMBERS: u64 = 1_000_000;
 pub fn write(reruns: &Reruns, folder: &Path, summary: &Summary) -> Vec<String> {
     let plan = reruns.plan();
     // An earlier run may have left files, which are of another point or of another case.
-    [history::file(None), history::file(Some(0))]
-        .into_iter()
-        .chain((1..plan.cases.len()).map(|case| history::file(Some(case))))
-        .for_each(|file| drop(fs::remove_file(folder.join(file))));
+    for case in std::iter::once(None).chain((0..plan.cases.len()).map(Some)) {
+        let _ = fs::remove_file(folder.join(history::file(case)));
+    }
     let Some(best) = &summary.best_point else { return Vec::new() };
     let Some(values) = reruns.values(best.point) else {
         return vec![format!("the study has no point {} any more", best.point)];

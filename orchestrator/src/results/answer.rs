@@ -148,9 +148,12 @@ fn found(documents: &[Document], summary: &Summary) -> Option<String> {
                 Block::Sentence(text) => Some(text.as_str()),
                 _ => None,
             });
-            let of_outputs = || document.figures().into_iter().filter(|figure| !figure.note.is_empty()).take(SHOWN);
             let said = match &*document.id {
-                "sensitivity" => of_outputs()
+                "sensitivity" => document
+                    .figures()
+                    .into_iter()
+                    .filter(|figure| !figure.note.is_empty())
+                    .take(SHOWN)
                     .map(|figure| format!("{}: {}", figure.caption, figure.note.trim_end_matches('.')))
                     .collect::<Vec<_>>()
                     .join("; "),
@@ -287,26 +290,24 @@ fn moves(summary: &Summary) -> String {
 }
 
 fn decides(summary: &Summary) -> Vec<String> {
-    let mut list = Vec::new();
     let conclusion = summary.conclusion.as_ref().filter(|_| summary.is_compared());
-    list.extend(summary.surrogate.as_ref().map(BySurrogate::sentence));
-    list.extend(summary.causes.iter().cloned());
-    list.extend(conclusion.filter(|c| c.verdict == Decision::Inconclusive).and_then(|c| undecided(c, summary)));
     // Points near the limits miss criteria more often than others.
     let mut decisive = conclusion.filter(|_| summary.surrogate.is_none()).and_then(|_| decisive(summary));
-    list.extend(decisive.take_if(|_| summary.decision() == Decision::NotVerified));
-    list.extend(conclusion.map(|conclusion| match &conclusion.risk {
-        Some(risk) => accepted(conclusion.accepted, risk, summary),
-        None => unknown(summary),
-    }));
-    list.extend(conclusion.and_then(|conclusion| few(conclusion, summary)));
-    list.extend(odd(summary).map(|odd| format!("Warning: {odd}.")));
-    list.extend(company(summary));
-    list.extend(doubts(summary));
-    list.extend(conclusion.and_then(|_| beyond_validity(summary)));
-    list.extend(conclusion.and_then(guard));
-    list.extend(decisive);
-    list
+    let surrogate = summary.surrogate.iter().map(BySurrogate::sentence);
+    let first = [
+        conclusion.filter(|c| c.verdict == Decision::Inconclusive).and_then(|c| undecided(c, summary)),
+        decisive.take_if(|_| summary.decision() == Decision::NotVerified),
+        conclusion.map(|conclusion| match &conclusion.risk {
+            Some(risk) => accepted(conclusion.accepted, risk, summary),
+            None => unknown(summary),
+        }),
+        conclusion.and_then(|conclusion| few(conclusion, summary)),
+        odd(summary).map(|odd| format!("Warning: {odd}.")),
+        company(summary),
+    ];
+    let last = [conclusion.and_then(|_| beyond_validity(summary)), conclusion.and_then(guard), decisive];
+    let sentences = surrogate.chain(summary.causes.iter().cloned()).chain(first.into_iter().flatten());
+    sentences.chain(doubts(summary)).chain(last.into_iter().flatten()).collect()
 }
 
 /// How the points were computed, and doubts as a whole.
@@ -314,12 +315,13 @@ pub fn remarks(summary: &Summary) -> Vec<String> {
     let conduct = summary.conduct.iter().flat_map(Conduct::remarks);
     let asides = summary.asides.iter().flat_map(Asides::remarks);
     let watched = summary.settled.iter().filter_map(Settled::remark);
+    let left_out = summary.left_out.iter().map(|text| format!("left out: {text}"));
     // The first of each kind stands on the first screen.
     let all = &summary.concerns;
     let further_of_kind = |(k, concern): &(usize, &Concern)| all[..*k].iter().any(|first| first.code == concern.code);
     let doubts = all.iter().enumerate().filter(further_of_kind);
     let doubts = doubts.map(|(_, concern)| format!("{}: {concern}", concern.severity.name()));
-    let computed = conduct.chain(asides).chain(summary.left_out_remark()).chain(watched);
+    let computed = conduct.chain(asides).chain(left_out).chain(watched);
     computed.chain(doubts).chain(further(summary)).collect()
 }
 

@@ -19,7 +19,7 @@ pub struct BySurrogate {
     /// Its 95 % interval.
     pub interval: [f64; 2],
     /// By criterion.
-    pub criteria: IndexMap<String, Fit>,
+    pub criteria: IndexMap<String, SurrogateFit>,
     /// Whether the surrogate does not hold, so that plain points were counted.
     pub refuted: bool,
     /// Why it does not.
@@ -29,7 +29,7 @@ pub struct BySurrogate {
 
 /// How well a criterion's surrogate predicts points that are left out.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub struct Fit {
+pub struct SurrogateFit {
     /// The root mean square error, in tolerances.
     pub error: f64,
     /// The part of the points that lies in the 95 % band of the others.

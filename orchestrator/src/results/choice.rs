@@ -30,12 +30,9 @@ impl Even {
 
     /// Whether a row is chosen.
     pub fn has(self, row: u64) -> bool {
-        row % self.block == self.chosen_in(row / self.block)
-    }
-
-    fn chosen_in(self, block: u64) -> u64 {
         // Successive numbers are alike: SplitMix64 spreads them so.
-        mix(block.wrapping_add(0x9e37_79b9_7f4a_7c15)) % self.block
+        let spread = (row / self.block).wrapping_add(0x9e37_79b9_7f4a_7c15);
+        row % self.block == mix(spread) % self.block
     }
 }
 

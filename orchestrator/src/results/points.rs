@@ -2,7 +2,8 @@
 
 use std::{
     borrow::Cow,
-    io::{self, Read, Write},
+    fs::File,
+    io::{self, BufWriter, Read, Write},
     path::Path,
 };
 
@@ -22,8 +23,8 @@ use study::{
 };
 
 /// Writes `points.csv` row by row.
-pub struct Writer<W: Write> {
-    csv: csv::Writer<W>,
+pub struct Writer {
+    csv: csv::Writer<BufWriter<File>>,
     record: csv::StringRecord,
     /// How points are accepted, where others are than those within all tolerances.
     guard: Option<Guard>,
@@ -38,13 +39,13 @@ const ACCEPTED: &str = "accepted";
 /// The column of the probability that a point conforms.
 const CONFORMANCE: &str = "conformance";
 
-impl<W: Write> Writer<W> {
+impl Writer {
     /// Begins the table: `point`, the parameters, the criteria's values, `NAME.ok` a criterion,
     /// `verified`, where a guard band acts `accepted`, where uncertainties are known `conformance`, `status`. [`settle`] completes the table with a guard band.
     ///
     /// # Errors
     /// When it cannot be written.
-    pub fn new(into: W, inputs: &[Input], judge: &Judge) -> io::Result<Self> {
+    pub fn new(into: BufWriter<File>, inputs: &[Input], judge: &Judge) -> io::Result<Self> {
         let mut csv = csv::Writer::from_writer(into);
         let header = std::iter::once("point".to_owned())
             .chain(inputs.iter().map(|input| input.name.clone()))

@@ -1,14 +1,14 @@
 //! The risk of criteria on measured curves, by draws of the curves within their uncertainty.
 
 use super::Summary;
-use conformity::{measured::Told, risk::Risk};
+use conformity::{measured::DrawnConformity, risk::Risk};
 use fmu_points::notices::Replicates;
 use study::judge::{Criterion, Judge};
 
 /// The conformance probabilities of a point's curves: the shares of the draws to which it conforms, and to which it does in all
 /// of them. Draws of the same number belong together: curves of one recording share their errors, those of others are drawn
 /// independently.
-pub fn told(judge: &Judge, conforming: &[Replicates]) -> Option<Told> {
+pub fn told(judge: &Judge, conforming: &[Replicates]) -> Option<DrawnConformity> {
     let known: Vec<(usize, &Replicates)> = (0..judge.criteria.len())
         .filter(|&k| judge.criteria[k].row_correlation.is_some())
         .zip(conforming)
@@ -20,7 +20,7 @@ pub fn told(judge: &Judge, conforming: &[Replicates]) -> Option<Told> {
         all.iter_mut().zip(*bits).for_each(|(all, bits)| *all &= bits);
     }
     let each = known.iter().map(|&(k, bits)| (k, share(bits)));
-    Some(Told { each: each.collect(), all: share(&all) })
+    Some(DrawnConformity { each: each.collect(), all: share(&all) })
 }
 
 fn share(bits: &[u64]) -> f64 {

@@ -134,17 +134,21 @@ impl Summary {
     /// The criteria that pictures show: all of them, or those that the fewest points meet.
     pub fn pictured(&self) -> Vec<usize> {
         const MOST: usize = 60;
+        self.least_met(MOST)
+    }
+
+    /// So many criteria that the fewest points meet, in their order.
+    pub fn least_met(&self, most: usize) -> Vec<usize> {
         let mut all: Vec<usize> = (0..self.criteria.len()).collect();
         all.sort_by_key(|&k| self.criteria[k].count.passed);
-        all.truncate(MOST);
+        all.truncate(most);
         all.sort_unstable();
         all
     }
 
-    /// A sentence on what was left out.
-    pub fn left_out_remark(&self) -> Option<String> {
-        let left_out = self.left_out.as_ref()?;
-        Some(format!("left out: {left_out}"))
+    /// Points that meet all criteria.
+    pub fn whole(&self) -> Count {
+        Count { passed: self.verified, fraction: self.verified_fraction, interval: self.verified_interval }
     }
 
     /// Whether a nominal value comes from the model itself, so that agreement verifies nothing.

@@ -1,7 +1,7 @@
 //! What a surrogate of few runs tells, beside the counts of these.
 
 use super::{
-    by_surrogate::{BySurrogate, Fit},
+    by_surrogate::{BySurrogate, SurrogateFit},
     summary::{Count, Summary},
 };
 use conformity::{
@@ -55,7 +55,7 @@ impl Evidence<'_> {
         self.shares(summary, &all, &whole);
         let checks = answers.surrogate.as_ref().map(run_budget::Surrogate::checks).unwrap_or_default();
         let fits = judge.criteria.iter().zip(checks).map(|(criterion, check)| {
-            (criterion.name.clone(), Fit { error: check.error / criterion.room(), held: check.held })
+            (criterion.name.clone(), SurrogateFit { error: check.error / criterion.room(), held: check.held })
         });
         let plain = answers.plain.iter().filter(|plain| **plain).count() as u64;
         let told = BySurrogate {
@@ -141,15 +141,11 @@ impl Evidence<'_> {
         for (k, (criterion, spread)) in judge.criteria.iter().zip(&spreads).enumerate() {
             let (name, count) = summary.criteria.get_index_mut(k).expect("each criterion is counted");
             count.risk.clone_from(&statement.criteria[k]);
-            let comparison = spread.result().and_then(|spread| {
-                summary
-                    .validation
-                    .contains_key(name)
-                    .then(|| Comparison::new(&criterion.measured(), spread, Numerical::default()))
-                    .flatten()
-            });
-            if let Some(comparison) = comparison {
-                summary.validation.insert(name.clone(), comparison);
+            if let Some(compared) = summary.validation.get_mut(name)
+                && let Some(spread) = spread.result()
+                && let Some(comparison) = Comparison::new(&criterion.measured(), spread, Numerical::default())
+            {
+                *compared = comparison;
             }
         }
     }

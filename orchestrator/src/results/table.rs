@@ -79,14 +79,6 @@ pub fn summary(folder: &Path) -> Result<Summary> {
     })
 }
 
-/// A criterion's value of a run; not a number where it has none. Other criteria of the run may have values all the same.
-fn value(outcome: &Outcome, criterion: usize) -> f64 {
-    match outcome {
-        Ok(values) => values[criterion],
-        Err(failure) => failure.value(criterion).unwrap_or(f64::NAN),
-    }
-}
-
 /// The table of runs that an analysis made itself: the parameters that vary, and the criteria.
 pub fn from_runs(
     plan: &Plan,
@@ -103,8 +95,12 @@ pub fn from_runs(
         values: points.iter().map(|p| p[k]).collect(),
     });
     let criteria = judge.criteria.iter().enumerate().map(|(j, criterion)| {
-        let values = outcomes.iter().map(|outcome| value(outcome, j)).collect();
-        points::column(criterion, values, verdicts.iter().map(|v| v.passed[j]).collect())
+        let values = outcomes.iter().map(|outcome| match outcome {
+            Ok(values) => values[j],
+            // Other criteria of the run may have values all the same.
+            Err(failure) => failure.value(j).unwrap_or(f64::NAN),
+        });
+        points::column(criterion, values.collect(), verdicts.iter().map(|v| v.passed[j]).collect())
     });
     PointTable {
         ids: (1..=points.len() as u64).collect(),

@@ -6,6 +6,7 @@ use conformity::{
     decision::Decision,
     risk::Risk,
 };
+use fmu_points::names::behind;
 use result_document::format::significant;
 
 /// How many of the points on which the verdict rests went beyond what the model is valid for.
@@ -68,15 +69,15 @@ pub(super) fn guard(conclusion: &Conclusion) -> Option<String> {
             grouped(conclusion.accepted)
         ));
     }
+    let bands = bands(conclusion);
     match conclusion.guard_band {
-        Some(0.0) if bands(conclusion).is_empty() => None,
+        Some(0.0) if bands.is_empty() => None,
         Some(band) => Some(format!(
-            "Every tolerance is drawn in by a guard band of {} expanded uncertainties; {} points are accepted.{}",
+            "Every tolerance is drawn in by a guard band of {} expanded uncertainties; {} points are accepted.{bands}",
             short(band),
-            grouped(conclusion.accepted),
-            bands(conclusion)
+            grouped(conclusion.accepted)
         )),
-        None if !bands(conclusion).is_empty() => Some(format!("Nothing is accepted:{}", bands(conclusion))),
+        None if !bands.is_empty() => Some(format!("Nothing is accepted:{bands}")),
         None => Some(
             "No guard band keeps the risk as low as required, so nothing is accepted: measure better or widen the \
              tolerances."
@@ -169,6 +170,11 @@ pub fn counted(points: f64) -> String {
 /// Two significant digits, or all of the whole number.
 fn short(value: f64) -> String {
     if value != 0.0 && value.abs() < 5e-5 { "under 0.0001".to_owned() } else { significant(value, 2) }
+}
+
+/// A unit as it stands behind a number, with a blank; nothing where there is none, or it is 1.
+pub fn unit_behind(unit: Option<&str>) -> String {
+    behind(unit.filter(|unit| !["", "1"].contains(unit)))
 }
 
 /// The same with a capital first letter.

@@ -156,7 +156,7 @@ fn values(outcome: &Outcome) -> Option<Vec<f64>> {
 }
 
 /// What the points of a budget tell.
-pub struct Told {
+pub struct ChosenPoints {
     /// The points, as places in the net.
     pub places: Vec<u64>,
     /// What they say of the sample.
@@ -165,12 +165,12 @@ pub struct Told {
     pub awaited: bool,
 }
 
-impl Told {
+impl ChosenPoints {
     /// Puts into the summary of the points what they tell of the space.
     pub fn complete(&self, session: &Session, history: &History, summary: &mut Summary) {
         let Session { judge, plan, request, .. } = session;
         let confidence = judge.rule.map_or(0.95, |rule| {
-            confidence(rule.confidence, history, summary.points, self.awaited, last_look(summary.points, self.awaited))
+            confidence(rule.confidence, history, summary.points, self.awaited, 1 + look(summary.points as usize))
         });
         let beside = request.budget.as_ref().map_or(0, |budget| budget.beside);
         let evidence = Evidence {
@@ -187,7 +187,12 @@ impl Told {
 ///
 /// # Errors
 /// Those of the pipeline.
-pub fn run(session: &Session, net: &Design, pipeline: &mut Pipeline, until: Option<(Until, &History)>) -> Result<Told> {
+pub fn run(
+    session: &Session,
+    net: &Design,
+    pipeline: &mut Pipeline,
+    until: Option<(Until, &History)>,
+) -> Result<ChosenPoints> {
     let budget = session.request.budget.clone().unwrap_or_default();
     let Session { plan, judge, .. } = session;
     let sample: Vec<Vec<f64>> = (0..net.len()).map(|index| net.point(index)).collect();
@@ -217,7 +222,7 @@ pub fn run(session: &Session, net: &Design, pipeline: &mut Pipeline, until: Opti
             }
         }
     }
-    Ok(Told { places, answers: campaign.answers(), awaited: until.is_some() })
+    Ok(ChosenPoints { places, answers: campaign.answers(), awaited: until.is_some() })
 }
 
 /// The number of the look at so many points, of a study that waits for its answer.
@@ -241,7 +246,8 @@ fn is_enough(until: Until, rule: Option<Rule>, share: &Share, history: &History,
 }
 
 /// The confidence of a look's interval, so that all looks together decide wrongly no more often than `confidence` lets them
-/// (Bonferroni's inequality, as [`conformity::looks`]): the first verdict without `--until` has it all.
+/// (Bonferroni's inequality, as [`conformity::looks`]): the first verdict without `--until` has it all. `own` is the number of the look
+/// of a study that waits.
 pub fn confidence(confidence: f64, history: &History, points: u64, awaited: bool, own: u32) -> f64 {
     let before: u32 = history
         .looks
@@ -254,11 +260,6 @@ pub fn confidence(confidence: f64, history: &History, points: u64, awaited: bool
         (before, false) => 1.0 - (1.0 - confidence) * spent(before),
         (before, true) => 1.0 - (1.0 - confidence) * spent(before + own),
     }
-}
-
-/// The look at the end of a budget.
-pub fn last_look(points: u64, awaited: bool) -> u32 {
-    if awaited { 1 + look(points as usize) } else { 0 }
 }
 
 /// What a budget can be expected to answer, in words.

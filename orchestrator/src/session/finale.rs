@@ -1,7 +1,7 @@
 //! The final files of a study, made from its journal.
 
 use std::{
-    fs::{self, File},
+    fs,
     io::{self, BufWriter},
     path::{Path, PathBuf},
 };
@@ -14,7 +14,7 @@ use tempfile::NamedTempFile;
 
 use super::{
     Ending, Front, Session, Verification,
-    budget::{self, Told},
+    budget::{self, ChosenPoints},
 };
 use crate::{
     error::{Error, Result},
@@ -51,7 +51,7 @@ impl Verification {
         run: Option<Run>,
         ending: Option<&Ending>,
         looked: &mut Looked,
-        told: Option<&Told>,
+        told: Option<&ChosenPoints>,
     ) -> Result<Summary> {
         let session = &self.session;
         let finished = Finished::read(folder)?;
@@ -192,7 +192,7 @@ pub struct FileSet {
     folder: PathBuf,
     file: NamedTempFile,
     guard: Guard,
-    points: points::Writer<BufWriter<File>>,
+    points: points::Writer,
 }
 
 impl FileSet {

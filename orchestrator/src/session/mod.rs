@@ -65,22 +65,21 @@ impl Session {
         plan.tell_of_inputs();
         Ok(Self { request, study, package, plan, judge })
     }
+}
 
-    /// The journal's header: this study and FMU, the number of points and the seed.
-    ///
-    /// # Errors
-    /// When the FMU cannot be read any more.
-    pub fn header(&self, seed: u64, points: Option<u64>) -> Result<Header> {
-        Ok(Header {
-            orchestrator: env!("CARGO_PKG_VERSION").to_owned(),
-            study: self.study.digest(),
-            fmu: self.package.digest()?,
-            seed,
-            points,
-            shard: self.request.shard.map(|shard| shard.to_string()),
-            ..Header::default()
-        })
-    }
+/// The journal's header: this study and FMU, the number of points and the seed.
+///
+/// # Errors
+/// When the FMU cannot be read any more.
+pub fn header(study: &Study, package: &Package, seed: u64, points: Option<u64>) -> Result<Header> {
+    Ok(Header {
+        orchestrator: env!("CARGO_PKG_VERSION").to_owned(),
+        study: study.digest(),
+        fmu: package.digest()?,
+        seed,
+        points,
+        ..Header::default()
+    })
 }
 
 impl Model for Session {

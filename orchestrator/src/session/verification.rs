@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Ending, Request, Session, Until, budget};
+use super::{Ending, Request, Session, Until, budget, header};
 use crate::{
     error::{Error, Result},
     results::Looked,
-    source::Source,
+    source::PointSource,
 };
 use conformity::looks::History;
 use fmu_points::Job;
@@ -22,7 +22,7 @@ pub struct Verification {
     /// The study.
     pub session: Session,
     /// The points.
-    pub source: Source,
+    pub source: PointSource,
     /// Identity of the run.
     pub header: Header,
 }
@@ -34,31 +34,32 @@ impl Verification {
     /// When any of them cannot be used.
     pub fn open(request: Request) -> Result<Self> {
         let session = Session::open_with_risk(request)?;
-        let Session { study, plan, .. } = &session;
-        let (source, table) = match (&session.request.points_from, &session.request.budget) {
+        let Session { request, study, package, plan, .. } = &session;
+        let (source, table) = match (&request.points_from, &request.budget) {
             (None, Some(budget)) => {
                 let design = budget::sample(&session)?;
-                (Source::Chosen { design, places: budget.places.clone() }, None)
+                (PointSource::Chosen { design, places: budget.places.clone() }, None)
             }
             (Some(path), _) => {
-                let source = Source::from_table(study, &plan.inputs, path)?;
+                let source = PointSource::from_table(study, &plan.inputs, path)?;
                 let digest = files::digest(path).map_err(Error::io(path))?;
                 (source, Some(digest))
             }
             (None, None) => {
                 let Sampling { points, replicates, .. } = study.design;
                 let key = if points > 0 && replicates != 1 { "replicates" } else { "points" };
-                let design = plan.design(&study.design).map_err(|message| match session.request.points {
+                let design = plan.design(&study.design).map_err(|message| match request.points {
                     Some(points) => study.error(format!("--points {points}: {message}")),
                     None => study.error_in("design", &[key], message),
                 })?;
-                (Source::Design(design), None)
+                (PointSource::Design(design), None)
             }
         };
-        let budget = session.request.budget.as_ref();
+        let budget = request.budget.as_ref();
         let points = budget.is_none().then(|| source.len());
         let analysis = budget.map(|_| budget::ANALYSIS.to_owned());
-        let header = Header { table, analysis, ..session.header(study.design.seed, points)? };
+        let shard = request.shard.map(|shard| shard.to_string());
+        let header = Header { table, analysis, shard, ..header(study, package, study.design.seed, points)? };
         Ok(Self { session, source, header })
     }
 

@@ -188,6 +188,20 @@ fn warnings_end_a_strict_run_with_1() {
 }
 
 #[test]
+fn a_strict_run_says_how_many_warnings_there_are() {
+    let bench = Bench::new();
+    let criterion = |name: &str| {
+        format!("[criteria.{name}]\nvariable = \"lag.y\"\nnominal = 0.86\ntolerance = 0.1\nuncertainty = 0.2\n")
+    };
+    let study = STUDY.split("[[cases]]").next().unwrap().to_owned() + &criterion("Y") + &criterion("Z");
+    bench.write("study.toml", &study);
+    bench.write("table.csv", "Y,Z\n0.86,0.86\n0.9,0.9\n");
+    let said = bench.run(&["judge", "study.toml", "table.csv", "--strict"]);
+    assert_eq!(said.code, 1, "{}{}", said.out, said.err);
+    assert!(said.err.contains("--strict allows for no warning (found: 2)\n"), "{}", said.err);
+}
+
+#[test]
 fn findings_that_are_known_do_not_count_and_have_a_reason() {
     let bench = Bench::new();
     let broken = model("unit=\"K\" displayUnit=\"degC\"", "unit=\"kelvin\"");

@@ -9,7 +9,7 @@ use crate::support::Bench;
 use fmu_import::Package;
 use number_tables::Table;
 use orchestrator::results::table;
-use orchestrator::source::Source;
+use orchestrator::source::PointSource;
 use point_journal::{Finished, Journal, lines};
 use rand::rngs::StdRng;
 use rand::{RngExt, SeedableRng};
@@ -180,7 +180,7 @@ fn table(bench: &Bench, path: &Path) -> Attempt {
     let package = Package::open(&bench.path("lag.fmu")).map_err(text)?;
     let study = Study::read(&bench.path("study.toml")).map_err(text)?;
     let plan = Plan::new(&study, package.description()).map_err(text)?;
-    let source = Source::from_table(&study, &plan.inputs, path).map_err(text)?;
+    let source = PointSource::from_table(&study, &plan.inputs, path).map_err(text)?;
     let _ = (source.label(0), source.parameters(source.len() - 1), source.index_of(7));
     Table::read(path, &[]).map(drop).map_err(text)
 }

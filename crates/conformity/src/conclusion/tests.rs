@@ -1,8 +1,8 @@
 use super::*;
 use crate::looks::History;
 
-fn statement(accepted: u64) -> Statement {
-    Statement {
+fn statement(accepted: u64) -> RiskStatement {
+    RiskStatement {
         guard: Some(0.0),
         accepted,
         accepted_by_sample: vec![accepted],
@@ -71,7 +71,7 @@ fn a_share_is_decided_by_its_interval() {
 fn a_share_is_decided_for_all_guard_bands_that_may_be_right() {
     let rule = once(Rule { share: 0.2, confidence: 0.95 });
     let given = Conclusion::new(Some(rule), &statement(30), 100);
-    let statement = Statement {
+    let statement = RiskStatement {
         bands: Bands { factors: [0.4, f64::INFINITY], accepted_at_least: vec![0], accepted_at_most: vec![45] },
         ..statement(30)
     };
@@ -93,7 +93,7 @@ fn a_share_is_decided_for_all_guard_bands_that_may_be_right() {
 /// all of one of which there are too few.
 #[test]
 fn a_measurement_that_cannot_decide_contradicts_no_model() {
-    let unfit = |within, unfit| Statement {
+    let unfit = |within, unfit| RiskStatement {
         accepted: 0,
         accepted_by_sample: vec![0],
         unfit: Some(unfit),

@@ -111,7 +111,7 @@ fn many_points_have_the_numbers_of_their_population() {
 }
 
 /// Points at the quantiles of the population.
-fn quantiles(case: &Case, guard: Guard, points: u32) -> Statement {
+fn quantiles(case: &Case, guard: Guard, points: u32) -> RiskStatement {
     let measurement = Measurement::new(vec![case.measured()], &[]).unwrap();
     let mut tally = RiskTally::new(&measurement, guard, 1);
     let population = Normal::new(case.mean, case.deviation).unwrap();
@@ -182,7 +182,7 @@ fn where_no_guard_band_is_enough_nothing_is_accepted() {
 }
 
 /// Two points within the tolerance and one outside; the tolerance is two expanded uncertainties.
-fn three_points(guard: Guard, values: &[f64]) -> Statement {
+fn three_points(guard: Guard, values: &[f64]) -> RiskStatement {
     let measured = Measured::within(0.0, 1.0, Some(Uncertainty::normal(0.5, 2.0).law(0.0)));
     let measurement = Measurement::new(vec![measured], &[]).unwrap();
     let mut tally = RiskTally::new(&measurement, guard, 1);

@@ -12,7 +12,7 @@ const CEILING: f64 = 0.01;
 /// Whether there is a box that holds the level.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case", tag = "answer")]
-pub enum Answer {
+pub enum BoxAnswer {
     /// A box was found; nothing has been run in it yet.
     #[default]
     Found,
@@ -44,7 +44,7 @@ pub enum Answer {
     },
 }
 
-impl Answer {
+impl BoxAnswer {
     /// The answer to a search. None is seen where surrogates that can be trusted leave no place a chance, and none of
     /// the study's points is verified.
     pub(super) fn new(

@@ -9,7 +9,7 @@
 use sampling::statistics::moments::{mean, variance};
 use statrs::distribution::{ContinuousCDF, StudentsT};
 
-use super::region::{Sample, Statement};
+use super::region::{BoxStatement, Sample};
 
 /// The points and predictions from which a region's probability and its interval are computed.
 pub struct Evidence<'a> {
@@ -39,14 +39,14 @@ impl Evidence<'_> {
 
     /// The statement on a region: its share of the space, and how probable verification is in it. The interval is that of
     /// complete ignorance where it holds too few points.
-    pub(super) fn statement(&self, contains: impl Fn(&[f64]) -> bool) -> Statement {
+    pub(super) fn statement(&self, contains: impl Fn(&[f64]) -> bool) -> BoxStatement {
         let sampled = self.unseen.points.iter().zip(self.unseen.verdicts);
         let sampled = sampled.filter(|(x, _)| contains(x)).map(|(_, p)| *p);
         let sampled: Vec<f64> = sampled.collect();
         let inside: Vec<usize> = (0..self.points.len()).filter(|&i| contains(&self.points[i])).collect();
         let errors: Vec<f64> = inside.iter().map(|&i| self.error(i)).collect();
         let n = errors.len() as f64;
-        let mut statement = Statement {
+        let mut statement = BoxStatement {
             share: sampled.len() as f64 / self.unseen.points.len() as f64,
             probability: mean(&sampled),
             interval: [0.0, 1.0],
@@ -78,7 +78,7 @@ mod tests {
     }
 
     /// What is stated of the lower half, whose forecasts all say 0.95, where one in `wrong` of the study's points is not verified.
-    fn stated(points: usize, wrong: usize) -> Statement {
+    fn stated(points: usize, wrong: usize) -> BoxStatement {
         let (sample, studied) = (line(4000), line(points));
         let verified: Vec<bool> = (0..points).map(|k| k % wrong != wrong - 1).collect();
         let evidence = Evidence {

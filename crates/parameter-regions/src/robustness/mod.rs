@@ -33,7 +33,7 @@ pub struct Robustness {
     pub level: f64,
     /// Whether there is such a box, as far as it is known.
     #[serde(default)]
-    pub answer: answer::Answer,
+    pub answer: answer::BoxAnswer,
     /// The largest box found.
     pub region: Option<Region>,
     /// How far each parameter alone may move from the best point.
@@ -78,19 +78,13 @@ const TRUSTED: f64 = 0.9;
 
 /// Derives everything from the points of a study. `cloud` is a large sample of the same parameters
 /// from their distributions, which the probabilities refer to; [`region::cloud`] makes one from the
-/// points where the distributions are not known. `None` where the points are too few, or nothing varies.
-pub fn robustness(table: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<Robustness> {
-    refined(table, table, cloud, level)
-}
-
-/// The same with surrogates that are fitted to other points than those that are a sample of the study's space: to these and
-/// chosen ones.
-pub fn refined(table: &PointTable, fitted: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<Robustness> {
+/// points where the distributions are not known. Surrogates are fitted to the points `fitted`: to those of the table, which are a
+/// sample of the study's space, and to chosen ones where there are any. `None` where the points are too few, or nothing varies.
+pub fn robustness(table: &PointTable, fitted: &PointTable, cloud: &[Vec<f64>], level: f64) -> Option<Robustness> {
     let varying: Vec<usize> =
         (0..table.parameters.len()).filter(|&k| table.parameters[k].values.windows(2).any(|w| w[0] != w[1])).collect();
-    let parameter = |table: &PointTable, k: &usize| table.parameters[*k].clone();
     let only = |table: &PointTable| PointTable {
-        parameters: varying.iter().map(|k| parameter(table, k)).collect(),
+        parameters: varying.iter().map(|&k| table.parameters[k].clone()).collect(),
         ..table.clone()
     };
     let stand = Stand::fit(&only(fitted))?;
@@ -116,7 +110,7 @@ pub fn refined(table: &PointTable, fitted: &PointTable, cloud: &[Vec<f64>], leve
         criteria: stand.criteria.iter().map(|c| c.name.clone()).zip(stand.qualities.iter().copied()).collect(),
         maps: maps::maps(table, &stand, &inputs),
         level,
-        answer: answer::Answer::default(),
+        answer: answer::BoxAnswer::default(),
         region: firm(
             level,
             |target, before| match before {
@@ -128,19 +122,21 @@ pub fn refined(table: &PointTable, fitted: &PointTable, cloud: &[Vec<f64>], leve
         margins: margins::margins(table, &stand, &inputs[best]),
         warnings: vec![],
     };
-    let failures = unseen_failures(table, &inputs, result.region.as_ref());
-    result.warnings.extend(failures);
-    for (name, quality) in &result.criteria {
-        if quality.predicted < TRUSTED {
-            result.warnings.push(format!(
-                "the surrogate of {name} predicts only {:.0} % of its variance: maps and margins that depend on it are rough; use more points",
-                100.0 * quality.predicted.max(0.0)
-            ));
-        }
-    }
-    result.answer = answer::Answer::new(&result, &stand, &cloud, &verdicts, &table.verified);
+    result.warnings.extend(unseen_failures(table, &inputs, result.region.as_ref()));
+    result.warnings.extend(result.criteria.iter().filter_map(rough));
+    result.answer = answer::BoxAnswer::new(&result, &stand, &cloud, &verdicts, &table.verified);
     result.warnings.extend(result.answer.warning(level));
     Some(result)
+}
+
+/// Warns of a surrogate that tells little.
+fn rough((name, quality): &(String, Quality)) -> Option<String> {
+    (quality.predicted < TRUSTED).then(|| {
+        format!(
+            "the surrogate of {name} predicts only {:.0} % of its variance: maps and margins that depend on it are rough; use more points",
+            100.0 * quality.predicted.max(0.0)
+        )
+    })
 }
 
 /// Warns of failed points: the surrogates are fitted to the others.

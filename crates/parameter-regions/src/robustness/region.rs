@@ -59,7 +59,7 @@ pub struct Sample<'a> {
 
 /// The statement on the verified part of a region.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Statement {
+pub struct BoxStatement {
     /// The part of the sampled probability that lies inside.
     pub share: f64,
     /// The part of the region that is verified.
@@ -107,7 +107,7 @@ impl Region {
     }
 
     /// Takes over what is stated of it.
-    pub(super) fn note(&mut self, statement: Statement) {
+    pub(super) fn note(&mut self, statement: BoxStatement) {
         (self.share, self.probability) = (statement.share, statement.probability);
         self.interval = statement.interval;
     }

@@ -48,7 +48,7 @@ fn table(n: usize) -> PointTable {
 
 #[test]
 fn the_stated_probability_holds_on_fresh_samples() {
-    let r = robustness(&table(300), &sample(20_000, 7), 0.9).unwrap();
+    let r = robustness(&table(300), &table(300), &sample(20_000, 7), 0.9).unwrap();
     assert!(r.warnings.is_empty(), "{:?}", r.warnings);
     let region = r.region.unwrap();
     let fresh = sample(100_000, 99);
@@ -71,7 +71,7 @@ fn the_stated_probability_holds_on_fresh_samples() {
 #[test]
 fn margins_end_where_a_criterion_does() {
     let t = table(300);
-    let r = robustness(&t, &region::cloud(&rows(&t), 7), 0.9).unwrap();
+    let r = robustness(&t, &t, &region::cloud(&rows(&t), 7), 0.9).unwrap();
     let best = &rows(&t)[t.ranking()[0].point];
     let m = &r.margins[0];
     // c0 = p0 + 0.3 p1^2 <= 1.
@@ -83,7 +83,7 @@ fn margins_end_where_a_criterion_does() {
 #[test]
 fn maps_cover_all_pairs() {
     let t = table(100);
-    let r = robustness(&t, &sample(4_000, 7), 0.9).unwrap();
+    let r = robustness(&t, &t, &sample(4_000, 7), 0.9).unwrap();
     let pairs: Vec<(usize, usize)> = r.maps.iter().map(|m| (m.x, m.y)).collect();
     assert_eq!(pairs, [(0, 1), (0, 2), (1, 2)]);
     let middle = maps::CELLS * maps::CELLS / 2 + maps::CELLS / 2;
@@ -96,6 +96,6 @@ fn a_level_that_is_reached_nowhere_is_said() {
     let mut t = table(100);
     t.criteria[0].lower = 50.0;
     t.criteria[0].upper = 51.0;
-    let r = robustness(&t, &sample(4_000, 7), 0.9).unwrap();
+    let r = robustness(&t, &t, &sample(4_000, 7), 0.9).unwrap();
     assert!(r.region.is_none() && r.warnings.iter().any(|w| w.contains("no box")));
 }

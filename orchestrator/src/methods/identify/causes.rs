@@ -7,8 +7,9 @@ use calibration::{
     problem::{Prior, SharedKind, Spacing},
     suspects::{Fault, Suspect},
 };
-use fmu_points::names::behind;
 use result_document::{Document, format::number};
+
+use crate::results::words::unit_behind;
 
 /// What would explain the misfit, for people.
 pub fn document(outcome: &IdentificationOutcome) -> Option<Document> {
@@ -109,7 +110,7 @@ pub fn causes(outcome: &IdentificationOutcome) -> Vec<String> {
         .iter()
         .filter(|free| free.left < DETERMINED)
         .map(|free| {
-            let unit = behind(free.unit.as_deref().filter(|unit| *unit != "1"));
+            let unit = unit_behind(free.unit.as_deref());
             let [low, high] = free.interval.map(|end| number(end, 4));
             format!("{} = {}{unit} ({low} .. {high}, 95 %)", free.name, number(free.value, 4))
         })
@@ -166,7 +167,7 @@ fn strained(outcome: &IdentificationOutcome) -> Option<String> {
 }
 
 fn sentence(suspect: &Suspect) -> String {
-    let unit = behind(suspect.unit.as_deref().filter(|unit| *unit != "1"));
+    let unit = unit_behind(suspect.unit.as_deref());
     let (name, value) = (&suspect.name, number(suspect.value, 4));
     let percent = |part: f64| number(100.0 * part.abs(), 3);
     let stated = suspect

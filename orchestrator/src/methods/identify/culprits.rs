@@ -125,7 +125,7 @@ fn constants<'m>(
     let values: Vec<f64> = all.iter().map(|known| known.value).collect();
     let others: Vec<f64> = all
         .iter()
-        .map(|Known { free, value, .. }| {
+        .map(|Given { free, value, .. }| {
             let place = free.place(*value);
             free.value(if place > 0.5 { place - STEP } else { place + STEP })
         })
@@ -149,7 +149,7 @@ fn constants<'m>(
         .into_iter()
         .zip(others)
         .zip(predicted.chunks(cases))
-        .filter_map(|((Known { slot, free, value, fault, usual }, other), by_case)| {
+        .filter_map(|((Given { slot, free, value, fault, usual }, other), by_case)| {
             let moved: Result<Vec<Vec<f64>>, _> = by_case.iter().cloned().collect();
             let model = Box::new(Extended { model, slots: vec![slot] });
             Some(Constant { fault, usual, free, value, moved: (other, moved.ok()?), model })
@@ -158,7 +158,7 @@ fn constants<'m>(
 }
 
 /// What a study takes as given, with a range around the value that it has.
-struct Known {
+struct Given {
     slot: Slot,
     free: Free,
     value: f64,
@@ -167,10 +167,10 @@ struct Known {
 }
 
 /// What the sensors of recorded inputs read wrong, where that is no unknown already.
-fn of_inputs(bound: &Bound, fmu: &Description) -> Vec<Known> {
+fn of_inputs(bound: &Bound, fmu: &Description) -> Vec<Given> {
     /// So large a part is as odd as the whole of what was stated of another.
     const ODD: f64 = 0.02;
-    let mut all: Vec<Known> = Vec::new();
+    let mut all: Vec<Given> = Vec::new();
     for series in bound.tasks().flat_map(|task| &task.inputs) {
         let handle = series.slot.handle;
         let is_unknown = |slot: &Slot| slot.handle == handle;
@@ -187,7 +187,7 @@ fn of_inputs(bound: &Bound, fmu: &Description) -> Vec<Known> {
             (Fault::Offset, SensorError::Offset, most, unit),
             (Fault::Gain, SensorError::Gain { about: 0.0 }, 0.5, None),
         ];
-        all.extend(errors.map(|(fault, error, width, unit)| Known {
+        all.extend(errors.map(|(fault, error, width, unit)| Given {
             slot: Slot { error: Some(error), ..series.slot.clone() },
             free: Free::linear(series.slot.name.clone(), unit, [-width, width]),
             value: 0.0,
@@ -200,7 +200,7 @@ fn of_inputs(bound: &Bound, fmu: &Description) -> Vec<Known> {
 }
 
 /// The real parameters and start values of the FMU that the study does not vary.
-fn found(bound: &Bound, fmu: &Description) -> Vec<Known> {
+fn found(bound: &Bound, fmu: &Description) -> Vec<Given> {
     const ODD: f64 = 0.05;
     let mut seen: BTreeSet<u32> =
         bound.tasks().flat_map(|task| &task.varied).map(|slot| slot.handle.reference).collect();
@@ -226,7 +226,7 @@ fn found(bound: &Bound, fmu: &Description) -> Vec<Known> {
         let bounds = [least.max(value - width), most.min(value + width)];
         let free = Free::linear(variable.name.clone(), variable.unit().map(str::to_owned), bounds);
         if free.check().is_ok() {
-            all.push(Known { slot, free, value, fault: Fault::Constant, usual: ODD * value.abs() });
+            all.push(Given { slot, free, value, fault: Fault::Constant, usual: ODD * value.abs() });
         }
     }
     all

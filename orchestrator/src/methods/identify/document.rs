@@ -13,7 +13,7 @@ use calibration::{
 };
 use conformity::conclusion::grouped;
 
-use crate::{error::Result, identify::bind::Bound, plain};
+use crate::{error::Result, identify::bind::Bound, plain, results::words::unit_behind};
 use result_document::{
     Block, Document, Figure, Key, Table,
     format::{cleared, digits_between, number, shown},
@@ -100,16 +100,22 @@ impl Page<'_> {
     /// Whether all is well, what came of it, and how well it fits.
     fn headline(&self) -> (bool, String, Vec<String>) {
         let outcome = self.outcome;
-        let values = grouped(self.bound.problem.values());
-        let fit = outcome.fit();
-        let headline = match (outcome.end, outcome.has_several(), fit) {
-            (End::Converged, true, _) => text::several(outcome).unwrap_or_default(),
-            (End::Converged, false, Fit::Good) => "The model fits the measured values".to_owned(),
-            (End::Converged, false, Fit::Untested) => "Nothing is left to test the model by".to_owned(),
-            (End::Converged, false, Fit::Misses) => "The model misses the measured values".to_owned(),
-            _ => "The search ended before it converged".to_owned(),
+        let (values, fit) = (self.bound.problem.values(), outcome.fit());
+        let headline = match fit {
+            _ if outcome.end != End::Converged => "The search ended before it converged".to_owned(),
+            _ if outcome.has_several() => text::several(outcome).unwrap_or_default(),
+            Fit::Good => "The model fits the measured values".to_owned(),
+            Fit::Untested => "Nothing is left to test the model by".to_owned(),
+            Fit::Misses => "The model misses the measured values".to_owned(),
         };
-        let mut agreement = Vec::from_iter(super::causes::headline(outcome));
+        let mut agreement = vec![format!(
+            "{} measured value{}; sum of squares {} with {} degrees of freedom.",
+            grouped(values),
+            if values == 1 { "" } else { "s" },
+            number(outcome.cost, 4),
+            outcome.degrees_of_freedom,
+        )];
+        agreement.extend(super::causes::headline(outcome));
         if outcome.is_explained() {
             agreement.push("What follows is the fit without that.".to_owned());
         }
@@ -117,21 +123,11 @@ impl Page<'_> {
         if outcome.has_several() && fit != Fit::Misses {
             agreement.push("None of them is \"the\" value: further measurements must decide.".to_owned());
         }
-        if let (Some(p), true) = (outcome.probability.filter(|_| fit == Fit::Good), agreement.is_empty()) {
+        if let (Fit::Good, Some(p), [_]) = (fit, outcome.probability, &agreement[..]) {
             agreement.push(format!("A right model misses by more in {} % of such tests.", number(100.0 * p, 2)));
         }
-        agreement.insert(
-            0,
-            format!(
-                "{values} measured value{}; sum of squares {} with {} degrees of freedom.",
-                if self.bound.problem.values() == 1 { "" } else { "s" },
-                number(outcome.cost, 4),
-                outcome.degrees_of_freedom,
-            ),
-        );
-        let good =
-            outcome.end == End::Converged && !outcome.has_several() && fit == Fit::Good && self.warnings().is_empty();
-        (good, headline, agreement)
+        let is_one = outcome.end == End::Converged && !outcome.has_several();
+        (is_one && fit == Fit::Good && self.warnings().is_empty(), headline, agreement)
     }
 
     fn warnings(&self) -> Vec<String> {
@@ -188,15 +184,14 @@ impl Page<'_> {
     /// The rows of the table of a quantity, a row a case.
     fn rows(&self, quantity: usize) -> Vec<Vec<String>> {
         let cases = &self.outcome.cases;
-        let unit = shown(&self.bound.problem.quantities[quantity].unit);
+        let unit = unit_behind(self.bound.problem.quantities[quantity].unit.as_deref());
         let row = |case: usize| {
             let value = self.residual(case, quantity);
             let name = match cases.len() {
                 1 => value.quantity.clone(),
                 _ => format!("{}, case {}", value.quantity, cases[case].label),
             };
-            let [measured, model] =
-                [value.measured, value.predicted].map(|v| format!("{} {unit}", number(v, 5)).trim_end().to_owned());
+            let [measured, model] = [value.measured, value.predicted].map(|v| number(v, 5) + &unit);
             let missed = value.missed();
             vec![
                 name,
@@ -233,7 +228,11 @@ impl Page<'_> {
                 let [value, low, high] = self::told(free);
                 vec![
                     name,
-                    if free.left > NOTHING { "the data do not tell".to_owned() } else { with_unit(value, free) },
+                    if free.left > NOTHING {
+                        "the data do not tell".to_owned()
+                    } else {
+                        value + &unit_behind(free.unit.as_deref())
+                    },
                     match free.at_bound {
                         Some(side) => format!("{low} .. {high}, at its {side} bound"),
                         None => format!("{low} .. {high}"),
@@ -343,7 +342,7 @@ fn fitted(name: &str, unit: &str, times: &[f64], rows: &[&Residual]) -> Option<F
     let taken = if shared == 0.0 {
         String::new()
     } else {
-        format!("; shared errors of up to {} are taken out of them", format!("{} {unit}", number(shared, 2)).trim_end())
+        format!("; shared errors of up to {}{} are taken out of them", number(shared, 2), unit_behind(Some(unit)))
     };
     Some(Figure {
         file: format!("fit-{name}"),
@@ -356,8 +355,4 @@ fn fitted(name: &str, unit: &str, times: &[f64], rows: &[&Residual]) -> Option<F
         ),
         ..Figure::default()
     })
-}
-
-fn with_unit(text: String, free: &FreeOutcome) -> String {
-    format!("{text} {}", shown(&free.unit)).trim_end().to_owned()
 }

@@ -18,8 +18,7 @@ use serde::{Deserialize, Serialize};
 
 use super::{
     asking::{self, Analysis, AnalysisResult, Delivery, PointSet},
-    known::Finished,
-    setup::{Source, SourceParts},
+    setup::{Runnable, SourceParts},
 };
 use crate::{
     error::{Error, Result},
@@ -59,10 +58,10 @@ use study::{
     Identification, Study,
     concern::{Code, Concern},
 };
-use surrogate::Known;
+use surrogate::KnownPoints;
 
 /// The result's file in a folder of results.
-const FILE: &str = "identification.json";
+const RESULT: &str = "identification.json";
 
 /// Particles of the posterior where a budget makes them without runs.
 const PARTICLES: u64 = 1000;
@@ -80,17 +79,18 @@ pub struct Options {
 }
 
 /// What the page of a finished study shows of it, in the folder of its journal.
-const SECTION: &str = "identify/section.json";
+pub const FILE: &str = "identify/section.json";
 
-/// A result in the folder of a finished study, as its page shows it.
-pub(super) fn shown(study: &Finished) -> Option<Document> {
-    study.result::<Section>(SECTION).map(|section| section.document)
-}
-
+/// A result as the page of a finished study shows it, and where it came from.
 #[derive(Serialize, Deserialize)]
-struct Section {
+pub struct Section {
     origin: Origin,
     document: Document,
+}
+
+/// The document of a result.
+pub fn document(section: &Section) -> Document {
+    section.document.clone()
 }
 
 /// What explains that a study is not verified, in the study's folder: a search with the usual options.
@@ -102,7 +102,7 @@ pub(crate) fn causes(study: &Path, means: &Means, earlier: Earlier, folder: &Pat
     let fit = asked.open(asking::request(study, means))?;
     let Delivery { result, folder, .. } = asking::run_by(fit, &asked, (means, earlier), folder.to_owned())?;
     result.write(&folder)?;
-    Ok(result.sentences("causes"))
+    Ok(result.causes)
 }
 
 /// Runs the command.
@@ -114,7 +114,7 @@ pub fn run(options: &Options) -> Result<Delivery> {
     let mut fit = asking::open(work, asked)?;
     let folder = work.folder();
     if let Some(runs) = asked.budget {
-        fit.known = Known::of(&fit, &folder)?;
+        fit.known = KnownPoints::of(&fit, &folder)?;
         let command = (Asked::NAME, work.resuming.resume);
         fit.request.account = Some(Account::open(&folder, command, runs, surrogate::cost(&fit.bound))?);
     }
@@ -144,17 +144,17 @@ pub struct Asked {
 
 /// A study with its unknowns, tied to its FMU.
 #[derive(Debug)]
-pub struct Fit {
+pub struct BoundStudy {
     request: Request,
     study: Study,
     settings: Identification,
     package: Package,
     bound: Bound,
     /// The study's points, where a budget uses them.
-    known: Known,
+    known: KnownPoints,
 }
 
-impl Source for Fit {
+impl Runnable for BoundStudy {
     fn package(&mut self) -> &mut Package {
         &mut self.package
     }
@@ -173,9 +173,9 @@ impl Source for Fit {
 impl Analysis for Asked {
     const NAME: &'static str = "identify";
 
-    type Source = Fit;
+    type Source = BoundStudy;
 
-    fn open(&self, request: Request) -> Result<Fit> {
+    fn open(&self, request: Request) -> Result<BoundStudy> {
         let seed = self.seed.or(request.seed);
         let study = Study::read(&request.study)?;
         let settings = self.settings(&study, seed)?;
@@ -188,11 +188,18 @@ impl Analysis for Asked {
         } else {
             from_study::bind(&study, &settings, fmu)?
         };
-        Ok(Fit { request: Request { seed, ..request }, study, settings, package, bound, known: Known::default() })
+        Ok(BoundStudy {
+            request: Request { seed, ..request },
+            study,
+            settings,
+            package,
+            bound,
+            known: KnownPoints::default(),
+        })
     }
 
-    fn points(&self, fit: &Fit) -> Result<PointSet> {
-        let Fit { study, settings, .. } = fit;
+    fn points(&self, fit: &BoundStudy) -> Result<PointSet> {
+        let BoundStudy { study, settings, .. } = fit;
         let table = settings.cases.as_ref().map(|path| {
             let path = study.path_of(path.as_ref());
             number_tables::files::digest(&path).map_err(Error::io(&path))
@@ -205,14 +212,14 @@ impl Analysis for Asked {
         })
     }
 
-    fn check(&self, fit: &Fit) -> Result {
-        let Fit { study, settings, bound, .. } = fit;
+    fn check(&self, fit: &BoundStudy) -> Result {
+        let BoundStudy { study, settings, bound, .. } = fit;
         posterior::check(study, settings, bound, self.posterior.is_some())?;
         self.other(settings, bound)?;
         surrogate::check(fit)
     }
 
-    fn find(&self, fit: &Fit, pipeline: &mut Pipeline, folder: &Path) -> Result<AnalysisResult> {
+    fn find(&self, fit: &BoundStudy, pipeline: &mut Pipeline, folder: &Path) -> Result<AnalysisResult> {
         let (mut outcome, sample) = find(fit, pipeline)?;
         if let (Some(other), Some(evidence)) = (self.other(&fit.settings, &fit.bound)?, &mut outcome.evidence) {
             evidence.compare(&other).unwrap_or_else(|message| {
@@ -234,21 +241,21 @@ impl Analysis for Asked {
             bound: &fit.bound,
             outcome: &outcome,
         };
-        let origin = Origin { study_sha256: fit.study.digest(), fmu_sha256: Some(fit.package.digest()?), points: None };
+        let origin = asking::origin(fit)?;
         let document = page.section();
-        let mut text = document.as_text();
+        let mut result = AnalysisResult::new(&outcome, origin.clone(), &document, RESULT);
         if !fit.study.criteria.is_empty() && outcome.optima.len() == 1 {
             let file = folder.join("optimum.toml");
-            text += &format!("\n`orchestrator verify {}` judges the model there\n", file.display());
+            result.text += &format!("\n`orchestrator verify {}` judges the model there\n", file.display());
         }
-        write_json(&folder.join(SECTION), &Section { origin: origin.clone(), document })?;
+        write_json(&folder.join(FILE), &Section { origin, document })?;
         // A finished study has a page, which shows the section.
         if !folder.join("summary.json").exists() {
             page.write(folder)?;
         }
-        let mut result = AnalysisResult::new(&outcome, origin, text, FILE);
         result.add("fit", &outcome.fit());
-        result.add("causes", &causes::causes(&outcome));
+        result.causes = causes::causes(&outcome);
+        result.add("causes", &result.causes.clone());
         result.add("concerns", &concerns(&outcome));
         result.code = code;
         Ok(result)
@@ -284,8 +291,8 @@ impl Asked {
 }
 
 /// Searches for the most probable parameters.
-fn find(fit: &Fit, pipeline: &mut Pipeline) -> Result<(IdentificationOutcome, Option<Sample>)> {
-    let Fit { study, settings, bound, .. } = fit;
+fn find(fit: &BoundStudy, pipeline: &mut Pipeline) -> Result<(IdentificationOutcome, Option<Sample>)> {
+    let BoundStudy { study, settings, bound, .. } = fit;
     let starts = starts(study, settings, bound.problem.free.len())?;
     let effort = search::Effort { descents: settings.descents, iterations: settings.iterations };
     if fit.request.account.is_some() {
@@ -323,11 +330,11 @@ impl Asks {
 
 /// The search itself, with the model as it is, with runs up to a budget, and with its answers remembered.
 fn search_by(
-    fit: &Fit,
+    fit: &BoundStudy,
     given: rounds::Task,
     (model, capped, remembered): (&FmuModel, &Capped, &Remembered),
 ) -> Result<(IdentificationOutcome, Option<Sample>), SearchError> {
-    let Fit { settings, package, bound, .. } = fit;
+    let BoundStudy { settings, package, bound, .. } = fit;
     let say = |text| model.say(text);
     let asks = Asks::new(surrogate::replaced(fit, &given, remembered, &say)?, bound.problem.free.len());
     let (task, asked): (_, &dyn Simulate) = match &asks {

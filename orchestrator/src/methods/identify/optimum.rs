@@ -9,7 +9,6 @@ use calibration::{
     text::digits,
 };
 use fmu_import::quantity::Quantity;
-use fmu_points::names::behind;
 use study::{
     CaseText, Study,
     cases::SEPARATOR,
@@ -17,7 +16,7 @@ use study::{
 };
 use toml::{Table, Value};
 
-use crate::{error::Result, identify::bind::Bound, options::relative};
+use crate::{error::Result, identify::bind::Bound, options::relative, results::words::unit_behind};
 
 /// The text of the study at an optimum, for a file. Each parameter that the data tell has what they leave of it, and recorded
 /// inputs have the errors of their sensors taken off.
@@ -164,13 +163,12 @@ fn take_errors_off(table: &mut Table, study: &Study, all: &[FreeOutcome], bound:
         });
         let Some((key, sensor)) = stated else { continue };
         let is_its = |of: &Study| of_sensor(of, key).as_ref() == Some(&sensor);
-        let unit = free.unit.as_deref().unwrap_or("1");
         // One after the other they are taken off the recording.
         let (found, uncertainty) = match what {
             GAIN => (100.0 * gain + (1.0 + gain) * free.value, "gain-uncertainty"),
             _ => (offset + (1.0 + gain) * free.value, "uncertainty"),
         };
-        let unit = behind(Some(unit).filter(|unit| *unit != "1"));
+        let unit = unit_behind(free.unit.as_deref());
         let half = (free.interval[1] - free.interval[0]) / 2.0;
         let set = |of: &mut Table| {
             let input = of.get_mut("inputs").and_then(|inputs| inputs.get_mut(key)).and_then(Value::as_table_mut);

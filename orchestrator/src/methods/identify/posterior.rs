@@ -50,7 +50,7 @@ pub fn other(path: &Path, problem: &Problem) -> Result<Evidence> {
     struct Other {
         evidence: Option<Evidence>,
     }
-    let path = if path.is_dir() { path.join(super::FILE) } else { path.to_owned() };
+    let path = if path.is_dir() { path.join(super::RESULT) } else { path.to_owned() };
     let evidence = serde_json::from_str::<Other>(&files::text(&path)?)
         .map_err(|error| Error::content(&path, error))?
         .evidence

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use super::{
     super::known::{digest_of, points_of},
-    Fit,
+    BoundStudy,
 };
 use crate::{error::Result, identify::bind::Bound};
 use calibration::{
@@ -34,18 +34,18 @@ const POINTS: usize = 250;
 
 /// The study's points in the folder of the results, as runs that need not be made again.
 #[derive(Debug, Default)]
-pub struct Known {
+pub struct KnownPoints {
     /// A digest of the points; none where there are none.
     pub digest: Option<String>,
     places: Vec<Vec<f64>>,
     predictions: Vec<Prediction>,
 }
 
-impl Known {
+impl KnownPoints {
     /// The points of a folder whose values are those that a search asks for: the same FMU and study, each varied parameter an
     /// unknown, each measured value that of a criterion. A curve has more rows than the points tell.
-    pub fn of(fit: &Fit, folder: &Path) -> Result<Self> {
-        let Fit { study, package, bound, .. } = fit;
+    pub fn of(fit: &BoundStudy, folder: &Path) -> Result<Self> {
+        let BoundStudy { study, package, bound, .. } = fit;
         let problem = &bound.problem;
         let is_plain = bound.curves.is_empty()
             && bound.others().is_empty()
@@ -114,13 +114,8 @@ fn cases(Bound { problem, simulations, .. }: &Bound) -> u64 {
     (problem.cases.len().max(1) * simulations.len().max(1)) as u64
 }
 
-/// Places of which a budget makes surrogates.
-fn places(runs: u64, bound: &Bound) -> u64 {
-    (runs / cases(bound)).saturating_sub(BESIDE)
-}
-
 /// Refuses numbers of runs from which no surrogate can be made. The study's points may be enough for one.
-pub fn check(Fit { bound, known, request, .. }: &Fit) -> Result {
+pub fn check(BoundStudy { bound, known, request, .. }: &BoundStudy) -> Result {
     let Some(account) = &request.account else { return Ok(()) };
     let cases = cases(bound);
     let fewest = fewest(&bound.problem, known.places.len()) as u64;
@@ -134,7 +129,7 @@ pub fn check(Fit { bound, known, request, .. }: &Fit) -> Result {
 
 /// Makes surrogates where a budget wants them.
 pub fn replaced(
-    Fit { request, study, settings, bound, known, .. }: &Fit,
+    BoundStudy { request, study, settings, bound, known, .. }: &BoundStudy,
     search: &rounds::Task,
     model: &dyn Simulate,
     say: &dyn Fn(String),
@@ -147,7 +142,7 @@ pub fn replaced(
     let task = Task {
         search: *search,
         known: &known.places,
-        places: places(account.left(), bound) as usize,
+        places: (account.left() / cases(bound)).saturating_sub(BESIDE) as usize,
         spread: &|count| match count {
             0 => Vec::new(),
             count => evenly(count).expect("a net of these dimensions was made above, and so few points fit in it"),

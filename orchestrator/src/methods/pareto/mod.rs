@@ -8,7 +8,7 @@ use clap::Args;
 
 use super::{
     asking::{AnalysisResult, Delivery},
-    known::{self, Finished},
+    known,
 };
 use crate::{
     error::{Error, Result},
@@ -16,7 +16,6 @@ use crate::{
 };
 use parameter_regions::pareto::study::trade_off;
 use point_journal::pipeline::folder::Earlier;
-use result_document::Document;
 use study::Study;
 
 pub use document::document;
@@ -41,11 +40,6 @@ pub struct Options {
     pub force: bool,
 }
 
-/// A result in the folder of a finished study, as its page shows it.
-pub fn shown(study: &Finished) -> Option<Document> {
-    study.result(FILE).map(|result| document(&result))
-}
-
 /// Runs the command.
 ///
 /// # Errors
@@ -54,7 +48,7 @@ pub fn run(options: &Options) -> Result<Delivery> {
     let from = known::from(options.from.as_deref(), options.output.as_deref(), &options.study);
     let (summary, table) = known::points_of(&from, &Study::read(&options.study)?)?;
     let result = trade_off(&table).ok_or_else(|| Error::Search("no point has values".to_owned()))?;
-    let result = AnalysisResult::new(&result, Origin::of_points(&summary), document(&result).as_text(), FILE);
+    let result = AnalysisResult::new(&result, Origin::of_points(&summary), &document(&result), FILE);
     let earlier = if options.force { Earlier::Replaced } else { Earlier::Complete };
     Delivery::without_runs(result, &options.study, earlier, options.output.clone().unwrap_or(from))
 }

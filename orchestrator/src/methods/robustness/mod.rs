@@ -9,7 +9,7 @@ use clap::Args;
 
 use super::{
     asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes},
-    known::{self, Finished},
+    known,
 };
 use crate::{
     error::{Error, Result},
@@ -19,11 +19,10 @@ use crate::{
 };
 use confirm::Confirmation;
 use parameter_regions::{
-    robustness::{Robustness, refined, region, rows},
+    robustness::{Robustness, region, robustness, rows},
     table::PointTable,
 };
 use point_journal::pipeline::Pipeline;
-use result_document::Document;
 use sampling::design::{Design, Method, Sampling, cube};
 use study::{Study, plan::Plan};
 
@@ -55,11 +54,6 @@ pub struct Options {
     /// The seed [default: the study's, or 1]
     #[arg(long, value_name = "S")]
     pub seed: Option<u64>,
-}
-
-/// A result in the folder of a finished study, as its page shows it.
-pub(super) fn shown(study: &Finished) -> Option<Document> {
-    study.result(FILE).map(|result| document(&result))
 }
 
 /// Runs the command.
@@ -103,12 +97,11 @@ pub fn run(options: &Options) -> Result<Delivery> {
     if let Some(plan) = plan {
         result.keep_together(&plan.together());
     }
-    let mut text = document(&result).as_text();
+    let mut told = AnalysisResult::new(&result, origin, &document(&result), FILE);
     if let Some(account) = session.as_ref().and_then(|session| session.request.account.as_ref()) {
-        text += &format!("note: the budget has no run left to confirm the box{}\n", account.told());
+        told.text += &format!("note: the budget has no run left to confirm the box{}\n", account.told());
     }
-    let result = AnalysisResult::new(&result, origin, text, FILE);
-    Delivery::without_runs(result, &work.study, work.resuming.earlier(), folder)
+    Delivery::without_runs(told, &work.study, work.resuming.earlier(), folder)
 }
 
 /// The probability that the box must hold.
@@ -148,7 +141,7 @@ impl Asked {
     }
 
     fn stated(&self, points: &Points, cloud: &[Vec<f64>]) -> Result<Robustness> {
-        refined(&points.sample, &points.all, cloud, self.level).ok_or_else(|| {
+        robustness(&points.sample, &points.all, cloud, self.level).ok_or_else(|| {
             Error::option("from", "the points are too few for a surrogate, or no parameter varies: verify more points")
         })
     }
@@ -188,7 +181,7 @@ impl Analysis for Asked {
         let mut confirmed =
             Confirmation { session, pipeline, known: &known, points: self.confirm, seed: self.seed }.of(stated)?;
         confirmed.keep_together(&session.plan.together());
-        Ok(AnalysisResult::new(&confirmed, origin, document(&confirmed).as_text(), FILE))
+        Ok(AnalysisResult::new(&confirmed, origin, &document(&confirmed), FILE))
     }
 }
 

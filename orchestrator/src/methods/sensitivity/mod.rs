@@ -9,10 +9,7 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use super::{
-    asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes},
-    known::Finished,
-};
+use super::asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes};
 use crate::{
     error::{Error, Result},
     options::Work,
@@ -31,7 +28,6 @@ use point_journal::{
     files::{make_output, write_table},
     pipeline::Pipeline,
 };
-use result_document::Document;
 use study::Study;
 
 pub use document::document;
@@ -64,11 +60,6 @@ pub struct Options {
     pub seed: Option<u64>,
 }
 
-/// A result in the folder of a finished study, as its page shows it.
-pub(super) fn shown(study: &Finished) -> Option<Document> {
-    study.result(FILE).map(|result| document(&result))
-}
-
 /// Runs the command.
 ///
 /// # Errors
@@ -89,10 +80,8 @@ fn of_points(options: &Options, from: &Path, seed: u64) -> Result<Delivery> {
     let session =
         asking::session(asking::request(&work.study, &work.means), Takes { correlations: true, samples: false })?;
     let result = from_points::find(&session, from, seed)?;
-    let origin = asking::origin(&session)?;
-    let text = document(&result).as_text();
     let folder = work.output.clone().unwrap_or_else(|| from.to_owned());
-    let result = AnalysisResult::new(&result, origin, text, FILE);
+    let result = AnalysisResult::new(&result, asking::origin(&session)?, &document(&result), FILE);
     Delivery::without_runs(result, &work.study, work.resuming.earlier(), folder)
 }
 
@@ -161,7 +150,7 @@ impl Analysis for Asked {
         let rows = table::from_runs(plan, &plan.varied(), &session.judge, &points, outcomes);
         keep_runs(folder, &rows)?;
         let result = from_runs(method, &design, &rows, &self.settled);
-        Ok(AnalysisResult::new(&result, asking::origin(session)?, document(&result).as_text(), FILE))
+        Ok(AnalysisResult::new(&result, asking::origin(session)?, &document(&result), FILE))
     }
 }
 

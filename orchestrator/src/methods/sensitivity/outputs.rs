@@ -4,7 +4,7 @@ use super::failures;
 use parameter_regions::table::PointTable;
 use sensitivity::{
     Estimate, RUNS, dominant,
-    method::{FromRuns, Measure, Settled, Told},
+    method::{FromRuns, KeyedResults, Measure, Settled},
     shapley::{self, Effects},
     sobol::Indices,
 };
@@ -43,7 +43,7 @@ pub struct Output {
     pub missing: usize,
     /// The methods' results under their keys; null where a method was not used or had too few points.
     #[serde(flatten)]
-    pub told: Told,
+    pub told: KeyedResults,
     /// The parameter that matters most, where the intervals allow to say so.
     pub dominant: Option<String>,
 }
@@ -86,7 +86,7 @@ fn most_important(shown: &[Measure], parameters: &[String]) -> Option<String> {
 }
 
 /// The keys of the methods that were not used, without values.
-fn unused(seed: u64) -> Told {
+fn unused(seed: u64) -> KeyedResults {
     let settled = Settled { size: 0, seed };
     RUNS.iter().flat_map(|method| method.tell(&[], &[], &settled)).collect()
 }
@@ -147,7 +147,7 @@ pub fn by_surrogate(
 }
 
 /// The parameters whose first-order index lies above the total one by more than the error of both.
-fn first_above_total(told: &Told, parameters: &[String]) -> Vec<String> {
+fn first_above_total(told: &KeyedResults, parameters: &[String]) -> Vec<String> {
     let indices = told.get("sobol").and_then(|told| serde_json::from_value::<Indices>(told.clone()).ok());
     indices
         .map(|indices| indices.first.into_iter().zip(indices.total).collect::<Vec<_>>())
@@ -184,7 +184,7 @@ mod tests {
     /// An output with these two indices.
     fn output(effects: [Estimate; 2]) -> Output {
         let effects = Effects { effects: effects.to_vec() };
-        Output { told: Told::from_iter([(shapley::KEY.to_owned(), json!(effects))]), ..Output::default() }
+        Output { told: KeyedResults::from_iter([(shapley::KEY.to_owned(), json!(effects))]), ..Output::default() }
     }
 
     #[test]

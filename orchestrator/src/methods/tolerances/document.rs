@@ -48,19 +48,16 @@ fn table(result: &Tolerances) -> Table {
             p.stated.clone(),
         ]
     };
-    Table {
-        name: "Widest tolerances".into(),
-        class: "stack".into(),
-        columns: vec![
-            words("Parameter"),
-            words("Study"),
-            numbers("Widest, times"),
-            words("Widest"),
-            numbers("Stated, times"),
-            words("Stated"),
-        ],
-        rows: result.parameters.iter().map(row).collect(),
-    }
+    let columns = [
+        words("Parameter"),
+        words("Study"),
+        numbers("Widest, times"),
+        words("Widest"),
+        numbers("Stated, times"),
+        words("Stated"),
+    ];
+    let table = Table::new("Widest tolerances", columns, result.parameters.iter().map(row).collect());
+    Table { class: "stack".into(), ..table }
 }
 
 fn wanted(result: &Tolerances) -> String {

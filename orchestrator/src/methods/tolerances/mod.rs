@@ -9,7 +9,7 @@ use clap::Args;
 
 use super::{
     asking::{self, Analysis, AnalysisResult, Delivery, PointSet, Takes},
-    known::{self, Finished},
+    known,
 };
 use crate::{
     error::{Error, Result},
@@ -28,7 +28,7 @@ use parameter_regions::{
     },
 };
 use point_journal::{Outcome, pipeline::Pipeline};
-use result_document::{Document, format::number};
+use result_document::format::number;
 use sampling::{design::Joint, statistics::moments::mean};
 use study::{
     Study,
@@ -63,11 +63,6 @@ pub struct Options {
     /// The seed [default: the study's, or 1]
     #[arg(long, value_name = "S")]
     pub seed: Option<u64>,
-}
-
-/// A result in the folder of a finished study, as its page shows it.
-pub(super) fn shown(study: &Finished) -> Option<Document> {
-    study.result(FILE).map(|result| document(&result))
 }
 
 /// Runs the command.
@@ -151,8 +146,7 @@ impl Analysis for Asked {
             confidence: problem.confidence,
             ..Tolerances::default()
         };
-        let result =
-            |told: &Tolerances| Ok(AnalysisResult::new(told, asking::origin(session)?, document(told).as_text(), FILE));
+        let result = |told: &Tolerances| Ok(AnalysisResult::new(told, asking::origin(session)?, &document(told), FILE));
         if at_centre < problem.target {
             told.reasons.push(at_nothing(at_centre, centre.len()));
             return result(&told);
