@@ -225,11 +225,6 @@ pub fn folder_of(study: &Path) -> PathBuf {
     Path::new("results").join(study.file_stem().unwrap_or("study".as_ref()))
 }
 
-/// A path that means the same in every folder.
-pub fn absolute(path: &Path) -> PathBuf {
-    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
-}
-
 /// A file's path as seen from the folder of the study, or from here where the study goes to standard output.
 pub fn relative(file: &Path, study: Option<&Path>) -> PathBuf {
     let folder = |path: &Path| {

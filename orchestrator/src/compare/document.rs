@@ -56,8 +56,8 @@ impl Comparison {
         let sides = [&self.old, &self.new];
         let row = |name: &str, [old, new]: [String; 2]| vec![name.to_owned(), old, new];
         let text = |value: &Option<String>| value.clone().unwrap_or(DASH.into());
-        let short = |digest: &Option<String>| text(digest).chars().take(12).collect::<String>();
-        let new_fmu = if self.as_packed { "as packed".to_owned() } else { short(&self.new.from.fmu_sha256) };
+        let short = |digest: &str| digest.chars().take(12).collect::<String>();
+        let new_fmu = if self.as_packed { "as packed".to_owned() } else { short(&text(&self.new.from.fmu_sha256)) };
         let rows = vec![
             row("verdict", sides.map(|side| said(side.verdict))),
             row("points", sides.map(|side| grouped(side.points))),
@@ -65,8 +65,8 @@ impl Comparison {
             row("within all tolerances", sides.map(|side| grouped(side.verified))),
             row("accepted", sides.map(|side| side.accepted.map_or(DASH.into(), grouped))),
             row("model version", sides.map(|side| text(&side.from.fmu_version))),
-            row("FMU, SHA-256", [short(&self.old.from.fmu_sha256), new_fmu]),
-            row("study, SHA-256", sides.map(|side| short(&Some(side.from.study_sha256.clone())))),
+            row("FMU, SHA-256", [short(&text(&self.old.from.fmu_sha256)), new_fmu]),
+            row("study, SHA-256", sides.map(|side| short(&side.from.study_sha256))),
             row("program", sides.map(|side| side.from.orchestrator.clone())),
         ];
         Table::new("Both results", [words(""), numbers("Old"), numbers("New")], rows)
@@ -79,7 +79,7 @@ impl Comparison {
                 with_unit(name, change.unit.as_deref().unwrap_or_default()),
                 grouped(change.changed),
                 grouped(change.beyond),
-                change.numerical_uncertainty.map_or_else(|| "not stated".to_owned(), |u| number(u, 3)),
+                change.numerical_uncertainty.map_or("not stated".into(), |u| number(u, 3)),
                 number(change.mean, 3),
                 largest(|at| number(at.new - at.old, 3)),
                 largest(|at| number(100.0 * at.of_tolerance, 3)),

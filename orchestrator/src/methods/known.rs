@@ -4,9 +4,9 @@ use std::path::{Path, PathBuf};
 
 use crate::{
     error::{Error, Result},
-    options::{absolute, folder_of},
+    options::folder_of,
     results::{Summary, answer::Names, origin::Origin, table},
-    session::Request,
+    session::{Request, absolute},
 };
 use number_tables::files;
 use parameter_regions::table::PointTable;

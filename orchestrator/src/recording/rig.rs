@@ -5,7 +5,7 @@ use super::{
     columns::{RecordedFiles, accuracy, of_zero},
     conversion,
 };
-use crate::results::words::unit_behind;
+use fmu_points::names::behind;
 use number_tables::files::Result;
 use result_document::format::number;
 use rig_signals::{
@@ -31,7 +31,7 @@ impl RecordedFiles<'_> {
                 "{name}: the rows' noise alone ({}{unit}) is more than the tolerance ({tolerance}{unit}), so a right model \
                  fails; use a larger one, or the mean in criteria.toml",
                 number(row, 3),
-                unit = unit_behind(Some(&channel.unit))
+                unit = behind(Some(channel.unit.as_str()).filter(|unit| *unit != "1"))
             ))
         }).collect()
     }

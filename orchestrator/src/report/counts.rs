@@ -67,10 +67,7 @@ pub fn count_rows(table: &PointTable, summary: &Summary, judgement: &Judgement) 
             nominal: match v.criterion.metric {
                 Some(_) => "curve".to_owned(),
                 None if v.criterion.nominal_from.is_some() => "none yet".to_owned(),
-                None => {
-                    let value = v.criterion.measured().value;
-                    value.map_or(DASH.into(), |value| quantity(value, &c.unit))
-                }
+                None => v.criterion.measured().value.map_or(DASH.into(), |value| quantity(value, &c.unit)),
             },
             accepted: match v.criterion.metric.map(Metric::kind) {
                 Some(Kind::Rating) => format!("at least {}", number(c.lower, 6)),
@@ -96,10 +93,7 @@ pub fn count_rows(table: &PointTable, summary: &Summary, judgement: &Judgement) 
     }
     rows.extend(table.members(None).into_iter().map(criterion));
     let accepted = guarded(judgement, summary.points as usize);
-    let name = match (&accepted, judgement.guard) {
-        (None, None) => "all criteria",
-        _ => "within all tolerances",
-    };
+    let name = if accepted.is_some() || judgement.guard.is_some() { "within all tolerances" } else { "all criteria" };
     rows.push(row(name, "total", summary.whole()));
     rows.extend(accepted.map(|(note, count)| CountRow { note, ..row("accepted", "total", count) }));
     rows

@@ -15,7 +15,7 @@ use point_journal::{Header, Outcome, pipeline::Model};
 use study::{Study, judge::Judge, plan::Plan, points};
 
 pub use finale::{FileSet, provenance};
-pub use request::Request;
+pub use request::{Request, absolute};
 pub use until::{Ending, Front, Until};
 pub use verification::Verification;
 

@@ -9,10 +9,7 @@ use std::{
 use serde::{Deserialize, Serialize};
 
 use super::{account::Account, budget::Budget};
-use crate::{
-    error::{Error, Result},
-    options::absolute,
-};
+use crate::error::{Error, Result};
 use point_journal::{
     files::{write_json, write_text},
     pipeline::{Shard, folder::Earlier},
@@ -153,6 +150,11 @@ impl Request {
     pub fn own_study(&self) -> &Path {
         self.original.as_deref().unwrap_or(&self.study)
     }
+}
+
+/// A path that means the same in every folder.
+pub fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
 /// Whether two paths lead to the same file. One that is gone since the results were made may have moved.

@@ -13,9 +13,9 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    options::{Work, absolute},
+    options::Work,
     results::origin::Origin,
-    session::{Request, Session},
+    session::{Request, Session, absolute},
 };
 use confirm::Confirmation;
 use parameter_regions::{

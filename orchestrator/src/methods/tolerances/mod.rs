@@ -13,9 +13,9 @@ use super::{
 };
 use crate::{
     error::{Error, Result},
-    options::{Work, absolute},
+    options::Work,
     results::{summary::ParameterSummary, table},
-    session::{Request, Session},
+    session::{Request, Session, absolute},
 };
 use goal::Goal;
 use number_tables::files::FileError;
