@@ -56,7 +56,7 @@ impl Guard {
         })
     }
 
-    /// Whether a point is accepted; `band` is the guard band that limits the risk (see [`Statement::guard`]).
+    /// Whether a point is accepted; `band` is the guard band that limits the risk (see [`RiskStatement::guard`]).
     pub fn accepts(self, point: Assessed, band: Option<f64>) -> bool {
         let from = match self {
             Self::Given(_) | Self::EachPoint { .. } => 0,
