@@ -15,6 +15,7 @@ CACHE = ROOT / ".cache"
 # This machine's wheel, and those for other platforms.
 WHEELS = ROOT / "dist"
 OTHER_WHEELS = WHEELS / "wheels"
+HATCHLING = "hatchling==1.33.0"
 
 # FMI 2.0 names the first three; for 64-bit Arm it names none, and importers look where FMI 3 says.
 PLATFORMS = {
@@ -108,3 +109,14 @@ def venv():
         say("making .venv")
         run([sys.executable, "-m", "venv", ROOT / ".venv"])
     return folder
+
+
+def hatchling(kind, folder, **environment):
+    """The Python package as a file, "wheel" or "sdist", in a folder."""
+    tools = venv()
+    if not any(tools.glob("hatchling*")):
+        say(f"installing {HATCHLING} into .venv")
+        run([tools / "python", "-m", "pip", "install", "--quiet", HATCHLING])
+    said = run([tools / "python", "-m", "hatchling", "build", "--target", kind, "--directory", folder], cwd=ROOT / "python",
+               env=environment)
+    return Path(said.split()[-1])

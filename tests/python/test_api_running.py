@@ -99,28 +99,28 @@ def test_progress_is_told(fmu, tmp_path, monkeypatch):
     monkeypatch.setattr("fmu_orchestrator._progress.QUIET", 0.0)
     monkeypatch.setattr("fmu_orchestrator._program.GLANCE", 0.01)
     study = tmp_path / "study.toml"
-    study.write_text(LONG.format(fmu=fmu, points=20))
+    study.write_text(LONG.format(fmu=fmu, points=8))
     told = []
     for attempt in range(2):
         told.clear()
         Study.load(study).verify(output=tmp_path / "out", extra_runs=0, progress=lambda *counts: told.append(counts))
-        # The second run replaces the journal that is there, and does not begin with its 20 points.
-        assert told and told[0][0] < 20 and {total for _, total in told} == {20}
+        # The second run replaces the journal that is there, and does not begin with its 8 points.
+        assert told and told[0][0] < 8 and {total for _, total in told} == {8}
         assert [done for done, _ in told] == sorted(done for done, _ in told)
     journal = Journal(tmp_path / "out", resume=True)
-    assert journal.look() and journal.done == 20
+    assert journal.look() and journal.done == 8
 
 
 def test_a_log_gets_a_line_now_and_then(fmu, tmp_path, monkeypatch, capsys):
     monkeypatch.setattr("fmu_orchestrator._progress.QUIET", 0.0)
     monkeypatch.setattr("fmu_orchestrator._program.GLANCE", 0.01)
     study = tmp_path / "study.toml"
-    study.write_text(LONG.format(fmu=fmu, points=20))
+    study.write_text(LONG.format(fmu=fmu, points=8))
     for seldom, progress, told in [(0.0, None, True), (0.0, False, False), (10.0, None, False)]:
         monkeypatch.setattr("fmu_orchestrator._progress.SELDOM", seldom)
         Study.load(study).verify(output=tmp_path / "out", extra_runs=0, progress=progress)
         lines = capsys.readouterr().err.splitlines()
-        assert any(" of 20 points" in line for line in lines) == told and not any("\r" in line for line in lines), lines
+        assert any(" of 8 points" in line for line in lines) == told and not any("\r" in line for line in lines), lines
 
 
 def test_the_command_finds_the_packages_studies(tmp_path):

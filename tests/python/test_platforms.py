@@ -1,5 +1,6 @@
 """Tests of the packaging scripts' own parts, without building anything."""
 
+import hashlib
 import importlib.machinery
 import importlib.util
 import struct
@@ -70,12 +71,26 @@ def test_what_is_missing_is_named():
     assert host.missing(wine=None, mingw=None) == "no wine and no mingw"
 
 
-def test_the_notes_of_a_release_are_its_part_of_the_change_log(tmp_path, monkeypatch):
-    path = ROOT / "scripts/release"
-    loader = importlib.machinery.SourceFileLoader("release", str(path))
+@pytest.fixture
+def release(monkeypatch):
+    loader = importlib.machinery.SourceFileLoader("release", str(ROOT / "scripts/release"))
     release = importlib.util.module_from_spec(importlib.util.spec_from_loader("release", loader))
     monkeypatch.setattr(sys, "dont_write_bytecode", True)
     loader.exec_module(release)
+    return release
+
+
+def test_recipes_name_the_source_package_and_its_checksum(release, tmp_path, monkeypatch):
+    monkeypatch.setattr(release, "RELEASE", tmp_path)
+    source = tmp_path / "fmu_orchestrator-1.2.3.tar.gz"
+    source.write_bytes(b"sources")
+    release.recipes("1.2.3", source)
+    for name in ("recipe.yaml", "fmu-orchestrator.rb"):
+        text = (tmp_path / name).read_text()
+        assert hashlib.sha256(b"sources").hexdigest() in text and "1.2.3" in text and "@V" not in text and "@S" not in text
+
+
+def test_the_notes_of_a_release_are_its_part_of_the_change_log(release, tmp_path, monkeypatch):
     monkeypatch.setattr(release, "ROOT", tmp_path)
     (tmp_path / "CHANGELOG.md").write_text("# Log\n\n## [Unreleased]\n- new\n\n## [0.2.0] - 2026-01-01\n### Added\n- old\n")
     (tmp_path / "Cargo.toml").write_text('[workspace.package]\nversion = "0.2.0"\n')

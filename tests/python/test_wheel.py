@@ -93,6 +93,19 @@ def test_an_exception_of_an_fmu_is_told_from_a_wrong_address(bare, tmp_path):
     assert done.returncode == 2 and "SIGABRT" in done.stderr, done.stderr
 
 
+def test_the_source_package_builds_where_there_is_only_rust(bare, tmp_path):
+    """pip compiles program and FMU. Plain cargo takes another C library: sines may differ in the last digits."""
+    [made] = subprocess.run([ROOT / ".venv/bin/python", "-m", "hatchling", "build", "--target", "sdist", "--directory", tmp_path],
+                            cwd=ROOT / "python", check=True, capture_output=True, text=True).stdout.split()
+    subprocess.run([sys._base_executable, "-m", "venv", tmp_path / "venv"], check=True)
+    environment = {name: value for name, value in os.environ.items() if name != "CARGO_TARGET_DIR"}
+    subprocess.run([tmp_path / "venv/bin/python", "-m", "pip", "install", "--quiet", made], env=environment, check=True)
+    subprocess.run([tmp_path / "venv/bin/orchestrator", "verify", "paper-table3", "--output", "own"], cwd=tmp_path, check=True)
+    bare("orchestrator", "verify", "paper-table3", "--output", tmp_path / "shipped")
+    for own, shipped in zip(rows(tmp_path / "own/points.csv"), rows(tmp_path / "shipped/points.csv"), strict=True):
+        assert float(own["P_fr"]) == pytest.approx(float(shipped["P_fr"]), rel=1e-9)
+
+
 API = """
 import json, sys
 from fmu_orchestrator import Study, program, shipped_fmu, simulate
