@@ -406,7 +406,7 @@ fn next(summary: &Summary, decision: Decision) -> Vec<String> {
             list.extend(nearest(summary));
         }
         Decision::Inconclusive => list.extend(match &summary.surrogate {
-            None => conclusion.and_then(needed),
+            None => conclusion.and_then(|conclusion| needed(conclusion, summary)),
             Some(by) => Some(format!(
                 "`orchestrator verify {{study}}{{output}} --resume --budget {}` goes on from these runs.",
                 2 * by.runs
@@ -444,16 +444,18 @@ fn undecided(conclusion: &Conclusion, summary: &Summary) -> Option<String> {
     Some(format!("The required {} % lie inside that range: more {more} narrow it.", in_percent(rule.share)))
 }
 
-/// How many points decide.
-fn needed(conclusion: &Conclusion) -> Option<String> {
+/// How many points decide. Those of a table come from elsewhere: no command adds to them.
+fn needed(conclusion: &Conclusion, summary: &Summary) -> Option<String> {
     let required = conclusion.required.as_ref()?;
     let (once, going_on) = (required.points_needed?, required.points_needed_going_on?);
-    Some(format!(
-        "If the share stays what it is, about {} points decide, computed anew, or {} if this run goes on: \
-         `orchestrator verify {{study}}{{output}} --resume --points {going_on}`.",
-        grouped(once),
-        grouped(going_on)
-    ))
+    let more = match summary.provenance.method.as_str() {
+        "table" => String::new(),
+        _ => format!(
+            ", or {} if this run goes on: `orchestrator verify {{study}}{{output}} --resume --points {going_on}`",
+            grouped(going_on)
+        ),
+    };
+    Some(format!("If the share stays what it is, about {} points decide, computed anew{more}.", grouped(once)))
 }
 
 fn range(ends: [f64; 2]) -> String {

@@ -5,7 +5,7 @@ use conformity::{
     conclusion::{Conclusion, grouped},
     decision::Decision,
 };
-use fmu_points::names::behind;
+use fmu_points::{failure::Failure, names::behind};
 use result_document::format::number;
 use sampling::statistics::moments::{ks_distance, sorted};
 use study::concern::{Code, Concern};
@@ -20,13 +20,17 @@ pub fn concern(summary: &Summary, place: impl FnOnce() -> Option<String>) -> Opt
     let reasons: Vec<String> =
         summary.failures.iter().map(|(reason, count)| format!("{reason}: {}", grouped(*count))).collect();
     let reasons = reasons.join(", ");
+    let time = match summary.failures.contains_key(Failure::Timeout.class()) {
+        true => " Points that run out of time need a longer `--point-timeout`.",
+        false => "",
+    };
     if failed == all {
         return Some(
             Concern::new(
                 Code::FailedPoints,
                 format!("no point has a result ({reasons}), so the model was not compared with the measurement"),
             )
-            .remedied("Find out why all points fail: `orchestrator check` looks at the FMU."),
+            .remedied(format!("Find out why all points fail: `orchestrator check` looks at the FMU.{time}")),
         );
     }
     let place = place().map(|place| format!(", mostly where {place}")).unwrap_or_default();
@@ -42,7 +46,7 @@ pub fn concern(summary: &Summary, place: impl FnOnce() -> Option<String>) -> Opt
     };
     Some(
         Concern::new(Code::FailedPoints, text)
-            .remedied(format!("Find out why {which}, or cut the distributions to where the model works.")),
+            .remedied(format!("Find out why {which}, or cut the distributions to where the model works.{time}")),
     )
 }
 

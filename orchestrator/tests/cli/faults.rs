@@ -186,6 +186,7 @@ fn all_kinds_at_once() {
     let summary = bench.summary("all");
     // Leak, flood and warning do no harm.
     assert_eq!((&summary["points"], &summary["failed"]), (&120.into(), &9.into()), "{}", said.out);
+    assert!(summary["concerns"].to_string().contains("out of time need a longer `--point-timeout`"), "{summary}");
 }
 
 #[test]

@@ -28,6 +28,10 @@ uncertainty = 1
 
 /// The sentences on so many points in the middle of all tolerances, and so many that are far outside.
 fn said(study: &str, inside: u64, outside: u64) -> String {
+    said_of("monte-carlo", study, inside, outside)
+}
+
+fn said_of(method: &str, study: &str, inside: u64, outside: u64) -> String {
     let study = Study::parse(Path::new("s.toml"), study.to_owned()).unwrap();
     let judge = Judge::new(&study, None).unwrap();
     let mut tally = Tally::new(&judge, Sample::Independent);
@@ -35,7 +39,7 @@ fn said(study: &str, inside: u64, outside: u64) -> String {
         let value = if label < inside { 0.0 } else { 100.0 };
         tally.add(label, &[], &Ok(vec![value, value]), None);
     }
-    let provenance = Provenance { method: "monte-carlo".to_owned(), ..Provenance::default() };
+    let provenance = Provenance { method: method.to_owned(), ..Provenance::default() };
     let summary = tally.summary(None, provenance, Vec::new());
     let answer = Answer::new(&summary);
     let first = format!("{} {}\n{}", answer.sign.mark(), answer.title, answer.answer);
@@ -90,6 +94,9 @@ fn a_verdict_that_is_open_tells_how_many_points_decide() {
     assert!(why.starts_with("The required 10 % lie inside that range: more points"), "{text}");
     assert!(!text.contains("were repeated"));
     assert!(!said(&rule, 50, 50).contains("points decide"));
+    // No command adds points to a table.
+    let text = said_of("table", &rule, 12, 88);
+    assert!(text.contains(" points decide, computed anew.") && !text.contains("--resume"), "{text}");
 }
 
 #[test]
