@@ -214,6 +214,9 @@ fn rows_without_a_time_are_repeats() {
     bench
         .run(&measured)
         .is_mistake(&["`lag.temperature` has no unit, and the FMU has it in K", "`lag.temperature [unit]`"]);
+    bench.write("data.csv", "time,lag.temperature [degC],lag.y\n0,20,1\n1,NaN,2\n");
+    let said = good(bench.run(&measured));
+    assert!(said.err.contains("`lag.temperature [degC]`: its value in row 2 is not a finite number"), "{}", said.err);
     bench.write("data.csv", "time [bar],lag.y\n0,1\n1,2\n");
     bench.run(&measured).is_mistake(&["none has a unit of time"]);
     // An input is never left out: the FMU would run with its start value.

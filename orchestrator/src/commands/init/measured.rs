@@ -91,6 +91,9 @@ impl<'a> MeasuredTable<'a> {
         let asked = number_tables::column(header, "measured values");
         let table = Table::read(&self.file, &[asked]).map_err(|error| error.to_string())?;
         let values: Vec<f64> = table.rows.iter().map(|row| row[0]).collect();
+        if let Some(row) = values.iter().position(|value| !value.is_finite()) {
+            return Err(format!("its value in row {} is not a finite number", row + 1));
+        }
         let first = values.first();
         if self.time.is_some() && !is_input && values.iter().all(|value| Some(value) == first) {
             return Err("it is the same in all rows: write it as `nominal` of a criterion".to_owned());
