@@ -9,6 +9,7 @@ from pathlib import Path
 
 import jsonschema
 import pytest
+from test_acceptance import PROGRAM
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 TRACKED = subprocess.run(["git", "ls-files"], cwd=ROOT, check=True, capture_output=True, text=True).stdout.splitlines()
@@ -81,6 +82,21 @@ def test_all_files_name_one_version():
     newest = re.search(r"^## \[(\d.*?)\] - (.*)$", text_of("CHANGELOG.md"), re.M)
     assert (cited, date) == newest.groups() and cited == version
     assert f"@v{version}\n" in text_of("docs/ci.md")
+
+
+@pytest.mark.parametrize("place, page", [
+    (SCHEMA["$defs"]["design"]["properties"]["method"], "running"), (SCHEMA["$defs"]["statistic"], "curves"),
+    (SCHEMA["$defs"]["criterion"]["properties"]["metric"], "curves")])
+def test_each_design_statistic_and_metric_has_its_words(place, page):
+    text = text_of(f"docs/{page}.md")
+    assert [name for name in place["enum"] if f"`{name}`" not in text] == []
+
+
+def test_each_command_has_its_words():
+    said = subprocess.run([PROGRAM, "--help"], check=True, capture_output=True, text=True).stdout
+    commands = re.findall(r"^  ([a-z]+) ", said.partition("Commands:")[2].partition("Options:")[0], re.MULTILINE)
+    assert len(commands) > 15
+    assert [name for name in commands if f"`{name}`" not in text_of("docs/commands.md") and name != "help"] == []
 
 
 def blocks():

@@ -48,6 +48,9 @@ const POINTS: [(Method, u64, [[f64; 4]; 3]); 4] = [
 
 #[test]
 fn the_points_of_a_seed_never_change() {
+    for method in Method::ALL {
+        assert!(POINTS.iter().any(|(pinned, ..)| pinned == method), "{method:?} has no points here");
+    }
     for (method, replicates, expected) in POINTS {
         let sampling = Sampling { method, points: 20, seed: 7, replicates };
         let design = Design::new(&sampling, vec![UNIT; 4]).unwrap();
