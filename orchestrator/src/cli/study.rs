@@ -171,6 +171,9 @@ pub struct Merge {
     /// The FMU's new path, if it has moved
     #[arg(long, value_name = "FMU")]
     pub fmu: Option<PathBuf>,
+    /// Run at most N points again, as `verify` does
+    #[arg(long, value_name = "N", default_value_t = MOST_EXTRA_RUNS, value_parser = extra_runs())]
+    pub extra_runs: usize,
     /// Print the long answer
     #[arg(long)]
     pub verbose: bool,

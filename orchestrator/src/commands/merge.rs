@@ -13,7 +13,7 @@ use crate::{
     error::{Error, Result},
     methods::setup::{ResultFolder, Runnable},
     reruns::Wish,
-    results::{MOST_EXTRA_RUNS, summary::Run},
+    results::summary::Run,
     session::{Request, Verification},
 };
 use fmu_points::PointLimits;
@@ -63,7 +63,7 @@ pub fn run(options: &Merge) -> Result<ExitCode> {
     }
     let jobs = available_parallelism().map_or(1, Into::into);
     let wish = Wish {
-        most: MOST_EXTRA_RUNS,
+        most: options.extra_runs,
         dear: false,
         validation: false,
         limits: PointLimits { time: Duration::from_secs(3600), memory: 16 << 30 },

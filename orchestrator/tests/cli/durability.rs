@@ -300,6 +300,9 @@ fn shards_share_the_dear_points_and_grow() {
     assert!(bench.run(&merge).code < 2);
     verify(&bench, "longer", &["--points", "1250"]);
     assert!(files(&bench, "joined") == files(&bench, "longer"));
+    let without = [&["merge"], &parts[..], &["--output", "not-again", "--extra-runs", "0"]].concat();
+    assert!(bench.run(&without).code < 2);
+    assert!(bench.summary("not-again")["concerns"].to_string().contains("--extra-runs 0 asked for none"));
     let wrong = ["--shard-index", "8", "--shards", "8"];
     verify(&bench, "wrong", &wrong).is_mistake(&["--shard-index", "8 is none of 8 parts"]);
 }

@@ -51,7 +51,7 @@ pub fn criterion(study: &Study, name: &Name, text: &CriterionText, scale: &Scale
                            limit alone".to_owned()));
         }
         (None, _, None) => {
-            return Err(at("the accuracy is missing: add `tolerance`, such as \"0.5 %\"".to_owned()));
+            return Err(at("its tolerance is missing: add `tolerance`, such as \"0.5 %\"".to_owned()));
         }
     };
     let mut criterion = Criterion {
