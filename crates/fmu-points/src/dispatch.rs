@@ -49,6 +49,17 @@ impl Greeting {
             host: named.map_or_else(|| "a host".to_owned(), |name| name.trim().to_owned()),
         }
     }
+
+    /// The greeting in what a launcher has printed, and the end of its line. The launcher may print the same words.
+    pub fn find(printed: &[u8]) -> Option<(Self, usize)> {
+        let mut end = 0;
+        printed.split_inclusive(|&byte| byte == b'\n').find_map(|line| {
+            end += line.len();
+            let line = String::from_utf8_lossy(line.strip_suffix(b"\n")?);
+            let (_, said) = line.rsplit_once(MAGIC)?;
+            Some((serde_json::from_str(said).ok()?, end))
+        })
+    }
 }
 
 /// What a worker needs to know before any task.
@@ -110,7 +121,7 @@ pub enum Report {
     /// It has the FMU.
     Ready,
     /// It cannot work.
-    Unable(Fault),
+    Unable(WorkerFault),
     /// What happened.
     News(Vec<News>),
     /// All that was ordered is done: the first file that the FMU changed in its folder, and how long it took, s.
@@ -154,17 +165,33 @@ impl News {
 
 /// Why a worker cannot go on, and whether another one there could not either.
 #[derive(Debug, Serialize, Deserialize)]
-pub struct Fault {
+pub struct WorkerFault {
     pub how: String,
     pub lasting: bool,
 }
 
-impl Fault {
+impl WorkerFault {
     pub fn lasting(how: impl ToString) -> Self {
         Self { how: how.to_string(), lasting: true }
     }
 
     pub fn passing(how: impl ToString) -> Self {
         Self { how: how.to_string(), lasting: false }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_greeting_is_found_behind_what_a_launcher_prints() {
+        let greeting = Greeting { version: "1".to_owned(), program: "a".to_owned(), host: "node".to_owned() };
+        let said = format!("{MAGIC}{}\n", serde_json::to_string(&greeting).unwrap());
+        let noise = format!("starting {MAGIC}{MAGIC}soon\n$ ");
+        let printed = format!("{noise}{said}frames");
+        assert_eq!(Greeting::find(printed.as_bytes()), Some((greeting, noise.len() + said.len())));
+        let cut = &printed.as_bytes()[..noise.len() + said.len() - 1];
+        assert_eq!(Greeting::find(cut), None);
     }
 }

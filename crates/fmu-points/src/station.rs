@@ -26,7 +26,7 @@ use fmu_import::{
 
 use crate::{
     crew::{Crew, WorkerSite},
-    dispatch::{Fault, Greeting, MAGIC, News, Order, Report, Series, Terms, beat},
+    dispatch::{Greeting, MAGIC, News, Order, Report, Series, Terms, WorkerFault, beat},
     launcher::Launcher,
     points::{Job, PointLimits, Post, RunError, Worker},
     process, scratch, stop, system,
@@ -202,16 +202,16 @@ struct Station {
 type FmuParts<'a> = &'a mut dyn FnMut() -> io::Result<Vec<u8>>;
 
 impl Station {
-    fn new(terms: &Terms, output: &Arc<Mutex<Output>>, source: FmuParts) -> Result<Self, Fault> {
+    fn new(terms: &Terms, output: &Arc<Mutex<Output>>, source: FmuParts) -> Result<Self, WorkerFault> {
         let nowhere = std::env::set_current_dir(&terms.folder)
             .err()
             .map(|error| format!("the study names a file relative to {}: {error}", terms.folder.display()));
         if let (true, Some(nowhere)) = (terms.here, &nowhere) {
-            return Err(Fault::lasting(nowhere));
+            return Err(WorkerFault::lasting(nowhere));
         }
-        let scratch = stop::scratch().map_err(Fault::passing)?;
+        let scratch = stop::scratch().map_err(WorkerFault::passing)?;
         let path =
-            if terms.ship { receive(scratch.path(), source).map_err(Fault::passing)? } else { terms.fmu.clone() };
+            if terms.ship { receive(scratch.path(), source).map_err(WorkerFault::passing)? } else { terms.fmu.clone() };
         let mut package = open(&path, terms)?;
         let place = WorkerSite::Processes(
             PointLimits {
@@ -224,8 +224,8 @@ impl Station {
             },
             terms.isolation,
         );
-        let crew =
-            Crew::new(&mut package, place, scratch.path(), 1 + usize::from(terms.company)).map_err(Fault::lasting)?;
+        let crew = Crew::new(&mut package, place, scratch.path(), 1 + usize::from(terms.company))
+            .map_err(WorkerFault::lasting)?;
         Ok(Self { crew, worker: None, output: Arc::clone(output), nowhere, _package: package, _scratch: scratch })
     }
 
@@ -249,7 +249,7 @@ impl Station {
 
     fn begin(&mut self, series: &Series) -> io::Result<()> {
         if let (true, Some(nowhere)) = (series.here, &self.nowhere) {
-            return locked(&self.output).say(&Report::Unable(Fault::lasting(nowhere)));
+            return locked(&self.output).say(&Report::Unable(WorkerFault::lasting(nowhere)));
         }
         let again = if series.again { self.crew.again(&series.cases, None) } else { None };
         self.worker = Some(again.unwrap_or_else(|| self.crew.worker(&series.cases)));
@@ -259,7 +259,7 @@ impl Station {
     fn run(&mut self, jobs: &[Job]) -> io::Result<()> {
         let begun = Instant::now();
         let Some(worker) = &mut self.worker else {
-            return locked(&self.output).say(&Report::Unable(Fault::passing("it knows no points")));
+            return locked(&self.output).say(&Report::Unable(WorkerFault::passing("it knows no points")));
         };
         let output = &self.output;
         let mut take = |event| {
@@ -275,9 +275,10 @@ impl Station {
         output.send()?;
         output.say(&match ran {
             Ok(()) => Report::Done(changed, begun.elapsed().as_secs_f64()),
-            Err(error) => {
-                Report::Unable(Fault { how: error.to_string(), lasting: matches!(error, RunError::Unloadable(_)) })
-            }
+            Err(error) => Report::Unable(WorkerFault {
+                how: error.to_string(),
+                lasting: matches!(error, RunError::Unloadable(_)),
+            }),
         })
     }
 }
@@ -297,16 +298,16 @@ fn receive(folder: &Path, source: FmuParts) -> io::Result<PathBuf> {
 }
 
 /// Opens the FMU, which must be the supervisor's.
-fn open(path: &Path, terms: &Terms) -> Result<Package, Fault> {
+fn open(path: &Path, terms: &Terms) -> Result<Package, WorkerFault> {
     let package = Package::open(path).map_err(|error| {
         let hint = if terms.ship { "" } else { " (it can be shipped)" };
-        Fault::lasting(format!("{error}{hint}"))
+        WorkerFault::lasting(format!("{error}{hint}"))
     })?;
-    let digest = package.digest().map_err(Fault::passing)?;
+    let digest = package.digest().map_err(WorkerFault::passing)?;
     if digest == terms.digest {
         Ok(package)
     } else {
-        Err(Fault::lasting(format!(
+        Err(WorkerFault::lasting(format!(
             "{} is another file there (SHA-256 {digest:.12}...) than here ({:.12}...)",
             path.display(),
             terms.digest

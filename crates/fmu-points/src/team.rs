@@ -16,11 +16,11 @@ use std::{
 use fmu_import::{FmuError, Package, locked};
 
 use crate::{
-    dispatch::{Fault, Greeting, Order, Report, Terms},
+    dispatch::{Greeting, Order, Report, Terms, WorkerFault},
     failure::Failure,
     isolation::Isolation,
     launcher::{Launcher, RemoteAddress},
-    link::{Cut, Link},
+    link::Link,
     points::{Event, Job, PointLimits, Post, RunError},
     working_directory,
 };
@@ -88,7 +88,7 @@ pub enum OrderEnd {
     /// All is done; how long the worker took for it, s.
     Done(f64),
     Stopped,
-    Lost(Fault),
+    Lost(WorkerFault),
 }
 
 impl Team {
@@ -186,11 +186,11 @@ impl Team {
     }
 
     /// Starts a worker and waits until it has the FMU; none where nobody waits for it any more.
-    fn start(&self, lane: &mut Lane, stopped: &dyn Fn() -> bool) -> Result<Option<Link>, Fault> {
+    fn start(&self, lane: &mut Lane, stopped: &dyn Fn() -> bool) -> Result<Option<Link>, WorkerFault> {
         let begun = Instant::now();
-        let mut link = Link::start(&lane.place, &self.launcher).map_err(Fault::lasting)?;
+        let mut link = Link::start(&lane.place, &self.launcher).map_err(WorkerFault::lasting)?;
         let greeting = loop {
-            if let Some(greeting) = link.greeting().map_err(Fault::passing)? {
+            if let Some(greeting) = link.greeting().map_err(WorkerFault::passing)? {
                 break greeting;
             }
             if stopped() {
@@ -203,7 +203,7 @@ impl Team {
                 let State { connected, ever, .. } = *self.state();
                 if connected == 0 {
                     let lasting = !ever;
-                    return Err(Fault { how, lasting });
+                    return Err(WorkerFault { how, lasting });
                 }
                 self.tell(&lane.host, "late", &format!("{how}; it is waited for"));
             }
@@ -211,7 +211,7 @@ impl Team {
         if lane.place.name.is_none() {
             lane.host.clone_from(&greeting.host);
         }
-        self.compare(&greeting).map_err(Fault::lasting)?;
+        self.compare(&greeting).map_err(WorkerFault::lasting)?;
         let terms = Terms {
             ticket: rand::random::<u64>() | 1,
             slots: lane.place.name.is_some().then_some(lane.place.slots),
@@ -220,16 +220,15 @@ impl Team {
         link.open(serde_json::to_vec(&terms).expect("terms are plain data"), terms.ticket);
         let mut shipped = None;
         loop {
-            match link.wait(stopped) {
-                Ok(Report::Ready) => return Ok(Some(link)),
-                Ok(Report::Wanted) => {
-                    let part = self.part(&mut shipped).map_err(Fault::lasting)?;
+            match link.wait(stopped)? {
+                Some(Report::Ready) => return Ok(Some(link)),
+                Some(Report::Wanted) => {
+                    let part = self.part(&mut shipped).map_err(WorkerFault::lasting)?;
                     link.order(&Order::Bytes(part));
                 }
-                Ok(Report::Unable(fault)) => return Err(fault),
-                Ok(_) => return Err(Fault::passing("it answers what was not asked")),
-                Err(Cut::Stopped) => return Ok(None),
-                Err(Cut::Lost(how)) => return Err(Fault::passing(how)),
+                Some(Report::Unable(fault)) => return Err(fault),
+                Some(_) => return Err(WorkerFault::passing("it answers what was not asked")),
+                None => return Ok(None),
             }
         }
     }
@@ -266,7 +265,7 @@ impl Team {
     }
 
     /// Notes that a worker was lost or did not start.
-    pub fn fail(&self, lane: &mut Lane, fault: &Fault) -> Result<(), RunError> {
+    pub fn fail(&self, lane: &mut Lane, fault: &WorkerFault) -> Result<(), RunError> {
         self.leave(lane);
         lane.failures += 1;
         let how = format!("{}: {}", lane.host, fault.how);
@@ -330,20 +329,19 @@ impl Team {
         link.order(order);
         let end = loop {
             let news = match link.wait(post.stopped) {
-                Ok(Report::News(news)) => news,
-                Ok(Report::Done(changed, took)) => {
+                Ok(Some(Report::News(news))) => news,
+                Ok(Some(Report::Done(changed, took))) => {
                     changed.iter().for_each(|changed| self.know(changed));
                     break match open.len() {
                         0 => OrderEnd::Done(took),
-                        left => OrderEnd::Lost(Fault::lasting(format!("it left {left} points without an answer"))),
+                        left => {
+                            OrderEnd::Lost(WorkerFault::lasting(format!("it left {left} points without an answer")))
+                        }
                     };
                 }
-                Ok(Report::Unable(fault)) => break OrderEnd::Lost(fault),
-                Ok(_) => {
-                    break OrderEnd::Lost(Fault::passing("it answers what was not asked"));
-                }
-                Err(Cut::Stopped) => break OrderEnd::Stopped,
-                Err(Cut::Lost(how)) => break OrderEnd::Lost(Fault::passing(how)),
+                Ok(Some(Report::Unable(fault))) | Err(fault) => break OrderEnd::Lost(fault),
+                Ok(Some(_)) => break OrderEnd::Lost(WorkerFault::passing("it answers what was not asked")),
+                Ok(None) => break OrderEnd::Stopped,
             };
             let mut wrong = None;
             for news in news {
@@ -364,7 +362,7 @@ impl Team {
                 post.send(event);
             }
             if let Some(how) = wrong {
-                break OrderEnd::Lost(Fault::lasting(how));
+                break OrderEnd::Lost(WorkerFault::lasting(how));
             }
         };
         let answered = jobs.len() - open.len();
