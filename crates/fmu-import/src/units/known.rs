@@ -4,38 +4,50 @@ use std::{f64::consts::TAU, sync::LazyLock};
 
 use super::{BaseUnit, Conversion, plain};
 
-type Exponents = [i32; 8];
-
-/// Names of a unit, the usual one first, and its factor to base units.
-type Named = (&'static str, f64);
-
-/// Units that `known.txt` has a row for: names, the usual one first, exponents and factor to base units. A turn a minute is an angular
-/// velocity in one FMU and a frequency in another one; an energy has the base units of a torque.
-static KNOWN: LazyLock<Vec<(Exponents, Named)>> =
-    LazyLock::new(|| include_str!("known.txt").lines().skip(1).map(row).collect());
-
-fn row(row: &'static str) -> (Exponents, Named) {
-    let cells: Vec<&str> = row.split('|').map(str::trim).collect();
-    let [names, exponents, factor] = cells[..] else { panic!("a row has three cells: {row}") };
-    let exponents: Vec<i32> = exponents.split(' ').map(|one| one.parse().expect("it is a whole number")).collect();
-    let number = |text: &str| if text == "tau" { TAU } else { text.parse().expect("it is a number") };
-    let factor = factor.split_once('/').map_or_else(|| number(factor), |(over, under)| number(over) / number(under));
-    (exponents.try_into().expect("there are eight base units"), (names, factor))
+/// A unit with a row in `known.txt`.
+struct KnownUnit {
+    /// Its names, the usual one first.
+    names: Vec<&'static str>,
+    /// What it is in SI base units.
+    base: BaseUnit,
 }
 
-/// The units of a name: none, one, or several of different kinds, each with its exponents.
-fn named(name: &str) -> impl Iterator<Item = (Exponents, Named)> {
+/// All rows. A turn a minute is an angular velocity in one FMU and a frequency in another one; an energy has the base units of a
+/// torque.
+static KNOWN: LazyLock<Vec<KnownUnit>> =
+    LazyLock::new(|| include_str!("known.txt").lines().skip(1).map(KnownUnit::of_row).collect());
+
+impl KnownUnit {
+    fn of_row(row: &'static str) -> Self {
+        let cells: Vec<&str> = row.split('|').map(str::trim).collect();
+        let [names, exponents, factor, offset] = cells[..] else { panic!("a row has four cells: {row}") };
+        let exponents: Vec<i32> = exponents.split(' ').map(|one| one.parse().expect("a whole number")).collect();
+        let exponents = exponents.try_into().expect("there are eight base units");
+        let to_base = Conversion { factor: quotient(factor), offset: quotient(offset) };
+        Self { names: names.split(' ').collect(), base: BaseUnit { exponents, to_base } }
+    }
+
+    fn usual_name(&self) -> &'static str {
+        self.names[0]
+    }
+}
+
+/// A number of `known.txt`: `60`, `tau`, `1/3.6`.
+fn quotient(text: &str) -> f64 {
+    let number = |text: &str| if text == "tau" { TAU } else { text.parse().expect("a number") };
+    text.split_once('/').map_or_else(|| number(text), |(over, under)| number(over) / number(under))
+}
+
+/// The units of a name: none, one, or several of different kinds.
+fn named(name: &str) -> impl Iterator<Item = &'static KnownUnit> {
     let name = plain(name).replace('*', ".");
-    KNOWN.iter().copied().filter(move |(_, (names, _))| names.split(' ').any(|known| known == name))
-}
-
-fn first(names: &'static str) -> &'static str {
-    names.split(' ').next().unwrap_or(names)
+    KNOWN.iter().filter(move |unit| unit.names.contains(&name.as_str()))
 }
 
 /// The usual name of a unit, such as `N.m` for `Nm` and `rpm` for `1/min`; `None` of an unknown one.
 pub fn usual(name: &str) -> Option<&'static str> {
-    named(name).last().map(|(_, (names, _))| first(names))
+    // Of `1/min`, the angular velocity is the last one.
+    named(name).last().map(KnownUnit::usual_name)
 }
 
 /// Whether a name is a known unit, or one in other letters or with another prefix: `KN`, `mW`.
@@ -44,21 +56,14 @@ pub fn is_like(name: &str) -> bool {
     let bare = named
         .strip_prefix(['n', 'u', 'm', 'c', 'k', 'M', 'G'])
         .filter(|bare| !["1", "-", "h", "d", "%"].contains(bare));
-    let mut names = KNOWN.iter().flat_map(|(_, (names, _))| names.split(' '));
+    let mut names = KNOWN.iter().flat_map(|unit| &unit.names);
     [Some(name), bare].into_iter().flatten().any(|name| usual(name).is_some())
         || name.len() > 1 && names.any(|known| named.eq_ignore_ascii_case(known))
 }
 
 /// What a name means in SI base units: nothing, one thing, or several of different kinds.
 pub(super) fn meanings(name: &str) -> impl Iterator<Item = BaseUnit> {
-    named(name).map(|(exponents, (names, factor))| {
-        let offset = match first(names) {
-            "degC" => 273.15,
-            "degF" => 459.67 * 5.0 / 9.0,
-            _ => 0.0,
-        };
-        BaseUnit { exponents, to_base: Conversion { factor, offset } }
-    })
+    named(name).map(|unit| unit.base)
 }
 
 /// How values in one unit become values in another one of the same kind, by their names alone.
@@ -70,8 +75,8 @@ pub fn between(from: &str, to: &str) -> Option<Conversion> {
 
 /// The usual names of all units of a unit's kind.
 pub fn alike(unit: &str) -> Vec<&'static str> {
-    let kinds: Vec<Exponents> = named(unit).map(|(kind, _)| kind).collect();
-    KNOWN.iter().filter(|(kind, _)| kinds.contains(kind)).map(|(_, (names, _))| first(names)).collect()
+    let kinds: Vec<_> = meanings(unit).map(|base| base.exponents).collect();
+    KNOWN.iter().filter(|known| kinds.contains(&known.base.exponents)).map(KnownUnit::usual_name).collect()
 }
 
 #[cfg(test)]
