@@ -34,6 +34,18 @@ enum Functions {
     Three(Arc<fmi3::Functions>, Arc<[Element]>),
 }
 
+impl Functions {
+    fn find(symbols: &Symbols, description: &Description) -> Result<Self, LibraryError> {
+        let interface = description.interface;
+        Ok(match symbols.version {
+            Version::Two => Self::Two(Arc::new(fmi2::Functions::find(symbols, interface)?)),
+            Version::Three => {
+                Self::Three(Arc::new(fmi3::Functions::find(symbols, interface)?), Element::all(description))
+            }
+        })
+    }
+}
+
 /// A loaded binary.
 #[derive(Debug)]
 pub struct Library {
@@ -61,35 +73,19 @@ impl Library {
         unpacked: Option<Arc<TempDir>>,
         description: &Description,
     ) -> Result<Self, LibraryError> {
-        let version = description.standard;
-        let resources = folder.join("resources");
-        let resources = match version {
-            Version::Two => uri(&resources)?,
-            // An absolute path that ends with a separator.
-            Version::Three => absolute(&resources)? + std::path::MAIN_SEPARATOR_STR,
+        let (version, interface) = (description.standard, description.interface);
+        let birth = Birth {
+            guid: description.guid.clone(),
+            resources: resources(folder, version)?,
+            categories: heard_categories(description),
+            interface,
+            binary: archive::binary(folder, &description.model_identifier, version),
         };
         let mut mode = Mode::USUAL;
-        let binary = archive::binary(folder, &description.model_identifier, version);
-        let library = within(&mut mode, || loaded(&binary))?;
+        let library = within(&mut mode, || loaded(&birth.binary))?;
         let symbols = Symbols { library, version };
-        let interface = description.interface;
-        let categories = description
-            .log_categories
-            .iter()
-            .filter(|name| {
-                let lower = name.to_lowercase();
-                let mut words = ["error", "fatal", "warning", "discard"].into_iter();
-                *name == validity::CATEGORY || words.any(|word| lower.contains(word))
-            })
-            .cloned()
-            .collect();
         Ok(Self {
-            functions: match version {
-                Version::Two => Functions::Two(Arc::new(fmi2::Functions::find(&symbols, interface)?)),
-                Version::Three => {
-                    Functions::Three(Arc::new(fmi3::Functions::find(&symbols, interface)?), Element::all(description))
-                }
-            },
+            functions: Functions::find(&symbols, description)?,
             common: CommonFunctions::find(&symbols)?,
             exchange: match interface {
                 Interface::CoSimulation if !description.capabilities.has_event_mode => None,
@@ -100,7 +96,7 @@ impl Library {
             clocks: Clocks::find(&symbols, description),
             one_size: !description.capabilities.can_handle_variable_communication_step_size,
             once: description.capabilities.can_be_instantiated_only_once_per_process,
-            birth: Birth { guid: description.guid.clone(), resources, categories, interface, binary },
+            birth,
             mode,
             inputs: Arc::new(inputs(description)),
             _unpacked: unpacked,
@@ -215,7 +211,27 @@ pub fn percent_encoded(path: &str, also: &str) -> String {
         .collect()
 }
 
-/// The resources as FMI 2.0 passes them: `file:///...`, percent-encoded.
+/// The log categories whose messages are wanted: those about faults, and about the limits of the model.
+fn heard_categories(description: &Description) -> Vec<String> {
+    const OF_FAULTS: [&str; 4] = ["error", "fatal", "warning", "discard"];
+    let is_heard = |name: &&String| {
+        let lower = name.to_lowercase();
+        *name == validity::CATEGORY || OF_FAULTS.iter().any(|word| lower.contains(word))
+    };
+    description.log_categories.iter().filter(is_heard).cloned().collect()
+}
+
+/// The folder of the resources as an FMU of this version is told it.
+fn resources(folder: &Path, version: Version) -> Result<String, LibraryError> {
+    let resources = folder.join("resources");
+    match version {
+        Version::Two => uri(&resources),
+        // An absolute path that ends with a separator.
+        Version::Three => Ok(absolute(&resources)? + std::path::MAIN_SEPARATOR_STR),
+    }
+}
+
+/// A folder as FMI 2.0 passes it: `file:///...`, percent-encoded.
 fn uri(folder: &Path) -> Result<String, LibraryError> {
     let text = absolute(folder)?.replace('\\', "/");
     let scheme = if text.starts_with('/') { "file://" } else { "file:///" };
