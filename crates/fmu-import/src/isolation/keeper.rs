@@ -177,19 +177,13 @@ fn unusual(status: WaitStatus) -> Option<Loss> {
 
 /// The name of a signal that ends processes.
 pub fn signal_name(signal: i32) -> String {
-    let name = match signal {
-        libc::SIGSEGV => "SIGSEGV",
-        libc::SIGABRT => "SIGABRT",
-        libc::SIGFPE => "SIGFPE",
-        libc::SIGILL => "SIGILL",
-        libc::SIGBUS => "SIGBUS",
-        libc::SIGKILL => "SIGKILL",
-        libc::SIGTERM => "SIGTERM",
-        libc::SIGTRAP => "SIGTRAP",
-        libc::SIGPIPE => "SIGPIPE",
-        libc::SIGALRM => "SIGALRM",
-        libc::SIGSYS => "SIGSYS",
-        other => return format!("signal {other}"),
-    };
-    name.to_owned()
+    macro_rules! name_among {
+        ($($name:ident)*) => {
+            match signal {
+                $(libc::$name => stringify!($name).to_owned(),)*
+                other => format!("signal {other}"),
+            }
+        };
+    }
+    name_among!(SIGSEGV SIGABRT SIGFPE SIGILL SIGBUS SIGKILL SIGTERM SIGTRAP SIGPIPE SIGALRM SIGSYS)
 }
