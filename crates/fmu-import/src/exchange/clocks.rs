@@ -301,15 +301,7 @@ impl Clocks {
         if !due.is_empty() {
             functions.activate(model, &due)?;
         }
-        for (handle, value) in std::mem::take(&mut self.held) {
-            let mut clocks = self.all.iter();
-            if clocks.any(|clock| clock.is_active && clock.clocked.contains(&handle)) {
-                model.set(handle.reference, &value)?;
-                self.values.insert(handle, value);
-            } else {
-                self.held.push((handle, value))
-            }
-        }
+        self.set_held(model)?;
         if !own.is_empty() {
             let active = functions.active(model, &own)?;
             let clocks = self.all.iter_mut().filter(|clock| !clock.is_input);
@@ -321,6 +313,20 @@ impl Clocks {
             clock.has_ticked = true;
             for handle in clock.clocked.iter().filter(|handle| !self.inputs.contains_key(handle)) {
                 self.values.insert(*handle, model.value(*handle)?);
+            }
+        }
+        Ok(())
+    }
+
+    /// Sets the inputs that waited for a clock that is active now.
+    fn set_held(&mut self, model: &mut dyn Simulation) -> Called {
+        for (handle, value) in std::mem::take(&mut self.held) {
+            let mut clocks = self.all.iter();
+            if clocks.any(|clock| clock.is_active && clock.clocked.contains(&handle)) {
+                model.set(handle.reference, &value)?;
+                self.values.insert(handle, value);
+            } else {
+                self.held.push((handle, value));
             }
         }
         Ok(())
