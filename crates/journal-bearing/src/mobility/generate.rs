@@ -1,5 +1,7 @@
 //! Direct solutions of the quasi-static film, and the map that is made of them.
 
+use std::{array, panic::resume_unwind, sync::Mutex, thread};
+
 use nalgebra::Vector2;
 
 use super::{map::MobilityMap, rough, table::CHANNELS};
@@ -28,14 +30,10 @@ pub struct Sample {
 }
 
 /// A journal held at `(e, 0)` in a bearing of one width, for loads of any direction.
-struct Station(QuasiStatic);
+struct HeldJournal(QuasiStatic);
 
-impl Station {
-    fn new(width_to_diameter: f64, e: f64, cells: [usize; 2]) -> Self {
-        Self::between(0.0, width_to_diameter, e, cells)
-    }
-
-    /// The same between rough surfaces; `roughness` over clearance.
+impl HeldJournal {
+    /// One between surfaces of this roughness over clearance; 0 for smooth ones.
     fn between(roughness: f64, width_to_diameter: f64, e: f64, cells: [usize; 2]) -> Self {
         // Between rough surfaces the film varies over the patch that touches.
         let narrowest = if roughness > 0.0 { Reach::new(roughness).room(e)[0] + PATCH * roughness } else { 1.0 - e };
@@ -45,9 +43,11 @@ impl Station {
         Self(film)
     }
 
+    /// The solution under a load at this angle from the eccentricity.
     fn under(&mut self, angle: f64) -> Result<Sample, NotConverged> {
         let load = Vector2::new(angle.cos(), angle.sin());
         let carried = self.0.velocity_under(load).or_else(|_| {
+            // The last direction's pressure may be a bad start.
             self.0.reset();
             self.0.velocity_under(load)
         })?;
@@ -57,6 +57,14 @@ impl Station {
             max_pressure: 2.0 * carried.max_pressure,
             side_flow: carried.end_flow,
         })
+    }
+
+    /// The same in the quantities of a node. `aligned`: the load is along the line of centres, and the mobility too, by symmetry.
+    fn quantities(&mut self, angle: f64, aligned: bool) -> Result<[f64; CHANNELS], NotConverged> {
+        let Sample { mobility, max_pressure, side_flow } = self.under(angle)?;
+        let ahead = Vector2::new(angle.cos(), angle.sin());
+        let lead = if aligned { 0.0 } else { ahead.perp(&mobility).atan2(ahead.dot(&mobility)) };
+        Ok([mobility.norm().ln(), lead, max_pressure.ln(), side_flow.ln()])
     }
 }
 
@@ -81,7 +89,7 @@ pub fn exact_between(
     angle: f64,
     cells: [usize; 2],
 ) -> Result<Sample, NotConverged> {
-    Station::between(roughness, width_to_diameter, e, cells).under(angle)
+    HeldJournal::between(roughness, width_to_diameter, e, cells).under(angle)
 }
 
 /// Makes the map: solves the film directly at every node, on all cores.
@@ -91,10 +99,7 @@ pub fn exact_between(
 pub fn generate() -> Result<MobilityMap<'static>, NotConverged> {
     let mut map = MobilityMap::empty();
     let [widths, us, ss] = map.nodes();
-    let mut values = vec![0.0_f32; widths * us * ss * CHANNELS];
-    let rows = values.chunks_exact_mut(ss * CHANNELS).collect();
-    share(rows, |number, row| fill(&map, number / us, number % us, row))?;
-    map.values = values.into_iter().flat_map(f32::to_le_bytes).collect();
+    map.values = tabulated(widths * us, ss, |row, nodes| fill(&map, row / us, row % us, nodes))?.into();
     Ok(map)
 }
 
@@ -104,76 +109,90 @@ pub fn generate() -> Result<MobilityMap<'static>, NotConverged> {
 /// Returns [`NotConverged`] when a pressure field does not settle.
 pub fn generate_rough() -> Result<Vec<u8>, NotConverged> {
     let [widths, roughnesses, places, directions] = rough::SIZE;
-    let mut values = vec![0.0_f32; widths * roughnesses * places * directions * CHANNELS];
-    let rows = values.chunks_exact_mut(directions * CHANNELS).collect();
-    share(rows, |number, row| {
-        let (place, rest) = (number % places, number / places);
-        let width = rough::width(rest / roughnesses);
-        fill_rough(width, rough::roughness(rest % roughnesses), place, row)
-    })?;
-    Ok(values.into_iter().flat_map(f32::to_le_bytes).collect())
-}
-
-/// Fills numbered rows on all cores.
-fn share<T: Send>(
-    rows: Vec<&mut [T]>,
-    fill: impl Fn(usize, &mut [T]) -> Result<(), NotConverged> + Sync,
-) -> Result<(), NotConverged> {
-    let queue = std::sync::Mutex::new(rows.into_iter().enumerate());
-    let next = || queue.lock().ok().and_then(|mut left| left.next());
-    let work = || std::iter::from_fn(&next).try_for_each(|(number, row)| fill(number, row));
-    std::thread::scope(|scope| {
-        let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
-        workers
-            .into_iter()
-            .try_for_each(|worker| worker.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic)))
+    tabulated(widths * roughnesses * places, directions, |row, nodes| {
+        let (sheet, place) = (row / places, row % places);
+        let (width, roughness) = (rough::width(sheet / roughnesses), rough::roughness(sheet % roughnesses));
+        fill_rough(width, roughness, place, nodes)
     })
 }
 
-/// Solves for the directions at a place in contact: by how much the rough film differs from the smooth one with its room.
-fn fill_rough(width: f64, roughness: f64, place: usize, row: &mut [f32]) -> Result<(), NotConverged> {
-    let reach = Reach::new(roughness);
-    let e = rough::eccentricity(&reach, place);
-    let [room, _] = reach.room(e);
-    if place == 0 && reach.start > 0.0 {
-        return Ok(());
-    }
-    let mut of_rough = Station::between(roughness, width, e, ROUGH_CELLS);
-    let mut smooth = Station::new(width, 1.0 - room, ROUGH_CELLS);
-    let last = row.len() / CHANNELS - 1;
-    for (k, node) in row.chunks_exact_mut(CHANNELS).enumerate() {
-        let angle = rough::angle(room, k);
-        let aligned = k == 0 || k == last;
-        let [of_rough, smooth] = [&mut of_rough, &mut smooth]
-            .map(|station| station.under(angle).map(|sample| quantities(sample, angle, aligned)));
-        let (of_rough, smooth) = (of_rough?, smooth?);
-        for (value, (of_rough, smooth)) in node.iter_mut().zip(of_rough.iter().zip(smooth)) {
-            *value = (of_rough - smooth) as f32;
-        }
-    }
-    Ok(())
-}
+/// The quantities of a node as a table holds them.
+type TableNode = [f32; CHANNELS];
 
-/// A sample's quantities as the map holds them. `aligned`: the load is along the line of centres, and the mobility too, by
-/// symmetry.
-fn quantities(sample: Sample, angle: f64, aligned: bool) -> [f64; CHANNELS] {
-    let ahead = Vector2::new(angle.cos(), angle.sin());
-    let lead = if aligned { 0.0 } else { ahead.perp(&sample.mobility).atan2(ahead.dot(&sample.mobility)) };
-    [sample.mobility.norm().ln(), lead, sample.max_pressure.ln(), sample.side_flow.ln()]
+/// The bytes of a table of so many rows with so many nodes each; `fill` makes the nodes of a row of this number. All cores work.
+fn tabulated(
+    rows: usize,
+    nodes_of_row: usize,
+    fill: impl Fn(usize, &mut [TableNode]) -> Result<(), NotConverged> + Sync,
+) -> Result<Vec<u8>, NotConverged> {
+    let mut nodes = vec![TableNode::default(); rows * nodes_of_row];
+    let queue = Mutex::new(nodes.chunks_exact_mut(nodes_of_row).enumerate());
+    let next = || queue.lock().ok().and_then(|mut left| left.next());
+    let work = || std::iter::from_fn(next).try_for_each(|(row, nodes)| fill(row, nodes));
+    thread::scope(|scope| {
+        let cores = thread::available_parallelism().map_or(1, usize::from);
+        let workers: Vec<_> = (0..cores).map(|_| scope.spawn(work)).collect();
+        workers.into_iter().try_for_each(|worker| worker.join().unwrap_or_else(|panic| resume_unwind(panic)))
+    })?;
+    Ok(nodes.into_iter().flatten().flat_map(f32::to_le_bytes).collect())
 }
 
 /// Solves for the nodes of slice `k` and eccentricity ratio `i`.
-fn fill(map: &MobilityMap, k: usize, i: usize, row: &mut [f32]) -> Result<(), NotConverged> {
-    let e = map.point(i, 0).eccentricity();
-    let mut station = Station::new(map.width(k), e, CELLS);
-    let ss = row.len() / CHANNELS;
-    for (j, node) in row.chunks_exact_mut(CHANNELS).enumerate() {
+fn fill(map: &MobilityMap, k: usize, i: usize, nodes: &mut [TableNode]) -> Result<(), NotConverged> {
+    let mut journal = HeldJournal::between(0.0, map.width(k), map.point(i, 0).eccentricity(), CELLS);
+    let last = nodes.len() - 1;
+    for (j, node) in nodes.iter_mut().enumerate() {
         let angle = map.point(i, j).angle();
-        let quantities = quantities(station.under(angle)?, angle, j == 0 || j + 1 == ss);
-        for (value, quantity) in node.iter_mut().zip(quantities) {
-            *value = quantity as f32;
-        }
+        *node = journal.quantities(angle, j == 0 || j == last)?.map(|quantity| quantity as f32);
     }
     Ok(())
+}
+
+/// Solves for the directions at a place in contact: by how much the rough film differs from the smooth one with its room.
+fn fill_rough(width: f64, roughness: f64, place: usize, nodes: &mut [TableNode]) -> Result<(), NotConverged> {
+    let reach = Reach::new(roughness);
+    // At first touch the two are the same, unless that is in the centre.
+    if place == 0 && reach.start > 0.0 {
+        return Ok(());
+    }
+    let e = rough::eccentricity(&reach, place);
+    let [room, _] = reach.room(e);
+    let mut rough_journal = HeldJournal::between(roughness, width, e, ROUGH_CELLS);
+    let mut smooth_journal = HeldJournal::between(0.0, width, 1.0 - room, ROUGH_CELLS);
+    let last = nodes.len() - 1;
+    for (k, node) in nodes.iter_mut().enumerate() {
+        let (angle, aligned) = (rough::angle(room, k), k == 0 || k == last);
+        let of_rough = rough_journal.quantities(angle, aligned)?;
+        let of_smooth = smooth_journal.quantities(angle, aligned)?;
+        *node = array::from_fn(|channel| (of_rough[channel] - of_smooth[channel]) as f32);
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mobility::table::numbers;
+
+    /// One row of each table, made again: a change of the film or of these functions would leave the committed tables behind.
+    #[test]
+    fn rows_are_as_the_committed_tables_hold_them() {
+        let close = |made: &[TableNode], committed: &[u8]| {
+            for (made, committed) in made.iter().flatten().zip(numbers(committed)) {
+                assert!((f64::from(*made) - committed).abs() < 1e-4, "{made} {committed}");
+            }
+        };
+        let map = MobilityMap::built_in().unwrap();
+        let [_, us, ss] = map.nodes();
+        let (k, i) = (6, 12);
+        let mut row = vec![TableNode::default(); ss];
+        fill(&map, k, i, &mut row).unwrap();
+        close(&row, &map.values[(k * us + i) * ss * size_of::<TableNode>()..]);
+        let [_, roughnesses, places, directions] = rough::SIZE;
+        let (width, roughness, place) = (2, 3, 9);
+        let mut row = vec![TableNode::default(); directions];
+        fill_rough(rough::width(width), rough::roughness(roughness), place, &mut row).unwrap();
+        let number = (width * roughnesses + roughness) * places + place;
+        close(&row, &rough::COMMITTED[number * directions * size_of::<TableNode>()..]);
+    }
 }

@@ -31,7 +31,7 @@ const COARSER: f64 = 1.518_294_485_937_831_4;
 pub const FINEST: f64 = 1.0 / (NO_CONTACT * FINER * FINER * FINER * FINER * FINER);
 
 /// The committed table: numbers as in the map's.
-static COMMITTED: &[u8] = include_bytes!("rough.bin");
+pub static COMMITTED: &[u8] = include_bytes!("rough.bin");
 
 /// Bytes of the table.
 const BYTES: usize = NUMBER * SIZE[0] * SIZE[1] * SIZE[2] * SIZE[3] * CHANNELS;
