@@ -6,11 +6,7 @@
 /// Computes each value of an array from those at the same place of others.
 #[inline(always)]
 pub fn fill<const N: usize>(values: &mut [f64], of: [&[f64]; N], formula: impl Fn([f64; N]) -> f64) {
-    let n = values.len();
-    let of = of.map(|of| &of[..n]);
-    for k in 0..n {
-        values[k] = formula(of.map(|of| of[k]));
-    }
+    change(values, of, |_, of| formula(of));
 }
 
 /// Computes each value anew, from itself and those at the same place of other arrays.
