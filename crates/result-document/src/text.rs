@@ -19,21 +19,18 @@ pub fn text(blocks: &[Block]) -> String {
 /// Sentences beside a label, in lines that a terminal of 80 columns holds.
 pub fn wrapped(label: &str, sentences: &str) -> String {
     const WIDTH: usize = 80;
-    const MARGIN: usize = 9;
-    let mut text = String::new();
-    let mut line = format!("{label:<MARGIN$}").trim_end().to_owned();
+    const MARGIN: usize = 8;
+    let mut lines = String::new();
+    let mut line = format!("{label:<MARGIN$}");
     for word in sentences.split_whitespace() {
-        let length = line.chars().count().max(MARGIN);
-        if length > MARGIN && length + 1 + word.chars().count() > WIDTH {
-            text = text + &line + "\n";
-            line.clear();
+        let has_words = length(&line) > MARGIN;
+        if has_words && length(&line) + 1 + length(word) > WIDTH {
+            lines = lines + &line + "\n";
+            line = " ".repeat(MARGIN);
         }
-        line = match line.chars().count() {
-            short if short < MARGIN => format!("{line:<MARGIN$}{word}"),
-            _ => line + " " + word,
-        };
+        line = line + " " + word;
     }
-    text + &line + "\n"
+    lines + line.trim_end() + "\n"
 }
 
 fn block(block: &Block) -> String {
@@ -55,32 +52,35 @@ fn figure(figure: &Figure) -> String {
 
 /// Columns as wide as their widest cell; where that is wider than a screen and the rows are few, a line for each column.
 fn table(table: &Table) -> String {
-    const WIDEST: usize = 132;
-    let heads: Vec<String> = table.columns.iter().map(|column| plain(&with_unit(&column.name, &column.unit))).collect();
-    let lines: Vec<&Vec<String>> = std::iter::once(&heads).chain(&table.rows).collect();
-    let drawn = aligned(&lines, |k| table.columns[k].is_number);
-    let width = drawn.lines().map(|line| line.chars().count()).max();
-    if width.unwrap_or(0) <= WIDEST || table.rows.len() >= heads.len() {
-        return drawn;
+    const SCREEN: usize = 132;
+    let heads = table.columns.iter().map(|column| plain(&with_unit(&column.name, &column.unit))).collect();
+    let mut rows: Vec<Vec<String>> = vec![heads];
+    rows.extend_from_slice(&table.rows);
+    let upright = aligned(&rows, |column| table.columns[column].is_number);
+    let width = upright.lines().map(length).max().unwrap_or(0);
+    if width <= SCREEN || table.rows.len() >= table.columns.len() {
+        return upright;
     }
-    let turned = |k: usize| lines.iter().map(|line| line[k].clone()).collect();
-    let turned: Vec<Vec<String>> = (0..heads.len()).map(turned).collect();
-    aligned(&turned.iter().collect::<Vec<_>>(), |k| k > 0)
+    let column = |k: usize| rows.iter().map(|row| row[k].clone()).collect();
+    let turned: Vec<Vec<String>> = (0..table.columns.len()).map(column).collect();
+    aligned(&turned, |k| k > 0)
 }
 
-fn aligned(lines: &[&Vec<String>], is_number: impl Fn(usize) -> bool) -> String {
-    let length = |cell: &String| cell.chars().count();
-    let width = |k: usize| lines.iter().map(|line| length(&line[k])).max().unwrap_or(0);
-    let widths: Vec<usize> = (0..lines[0].len()).map(width).collect();
-    lines
-        .iter()
-        .map(|line| {
-            let padded = line.iter().zip(&widths).enumerate().map(|(k, (cell, &width))| {
-                if is_number(k) { format!("  {cell:>width$}") } else { format!("  {cell:<width$}") }
-            });
-            padded.collect::<String>().trim_end().to_owned() + "\n"
-        })
-        .collect()
+/// A line for each row, with its cells at the left of their columns, numbers at the right.
+fn aligned(rows: &[Vec<String>], is_number: impl Fn(usize) -> bool) -> String {
+    let width = |k: usize| rows.iter().map(|row| length(&row[k])).max().unwrap_or(0);
+    let widths: Vec<usize> = (0..rows[0].len()).map(width).collect();
+    let padded = |(k, cell): (usize, &String)| {
+        let width = widths[k];
+        if is_number(k) { format!("  {cell:>width$}") } else { format!("  {cell:<width$}") }
+    };
+    let line = |row: &Vec<String>| row.iter().enumerate().map(padded).collect::<String>().trim_end().to_owned() + "\n";
+    rows.iter().map(line).collect()
+}
+
+/// How many columns of the terminal a text takes.
+fn length(text: &str) -> usize {
+    text.chars().count()
 }
 
 /// A name without the marks of its index.
