@@ -181,7 +181,8 @@ pub fn values(document: &Document) -> Vec<Hit> {
     let mut wrong = visit(document, |node, (element, attributes, _), hits| {
         let typed =
             TYPED.iter().filter(|(elements, ..)| elements.is_empty() || elements.split(' ').any(|one| one == element));
-        for (_, names, (is, what)) in typed {
+        for (_, names, of) in typed {
+            let (is, what) = type_named(of);
             for name in names.split(' ').filter(|name| known(attributes).any(|known| known == *name)) {
                 if let Some(text) = node.attribute(name).filter(|text| !is(text.trim())) {
                     hits.push(at(node, format!("{name}=\"{text}\" is {what}")));
@@ -208,29 +209,19 @@ const COUNT: Values = (|text| text.parse::<u32>().is_ok(), "not a whole number f
 const INITIAL: Values =
     (|text| ["exact", "approx", "calculated"].contains(&text), "none of exact, approx and calculated");
 
-/// Attributes that the reader does not use: the elements, or none for all; the names; the type.
-const TYPED: [(&str, &str, Values); 7] = [
-    // The reader takes these from the Co-Simulation part.
-    (
-        "ModelExchange",
-        "needsExecutionTool canBeInstantiatedOnlyOncePerProcess canGetAndSetFMUstate canSerializeFMUstate",
-        FLAG,
-    ),
-    ("SimpleType/Real", "min max nominal", NUMBER),
-    ("SimpleType/Integer ScalarVariable/Enumeration", "min max", WHOLE),
-    (
-        "",
-        "canNotUseMemoryManagementFunctions providesDirectionalDerivative completedIntegratorStepNotNeeded unbounded \
-         reinit canHandleMultipleSetPerTimeInstant providesDirectionalDerivatives providesAdjointDerivatives \
-         providesPerElementDependencies needsCompletedIntegratorStep providesEvaluateDiscreteStates \
-         providesIntermediateUpdate canReturnEarlyAfterIntermediateUpdate intermediateUpdate canBeDeactivated \
-         supportsFraction",
-        FLAG,
-    ),
-    ("", "maxOutputDerivativeOrder numberOfEventIndicators", COUNT),
-    ("Item", "value", WHOLE),
-    ("", "initial", INITIAL),
-];
+/// The type of this name.
+fn type_named(name: &str) -> Values {
+    match name {
+        "flag" => FLAG,
+        "number" => NUMBER,
+        "whole" => WHOLE,
+        "count" => COUNT,
+        _ => INITIAL,
+    }
+}
+
+/// Attributes that the reader does not use, with their types. It takes the capabilities from the Co-Simulation part.
+static TYPED: LazyLock<Vec<Element>> = LazyLock::new(|| table(include_str!("schema/typed.txt")));
 
 fn known(list: &'static str) -> impl Iterator<Item = &'static str> {
     list.split(' ').map(|word| word.trim_end_matches(['!', '*', '+', '~']))

@@ -1,33 +1,19 @@
 //! Names in sentences: suggestions for mistyped ones, units behind numbers.
 
-/// Names that other programs use for a thing, and the name here.
-const ELSEWHERE: [(&str, &str); 18] = [
-    ("gauss", "normal"),
-    ("gaussian", "normal"),
-    ("rectangular", "uniform"),
-    ("average", "mean"),
-    ("mu", "mean"),
-    ("last", "final"),
-    ("end", "final"),
-    ("std", "deviation"),
-    ("sd", "deviation"),
-    ("sigma", "deviation"),
-    ("variance", "deviation"),
-    ("lhs", "latin-hypercube"),
-    ("lhc", "latin-hypercube"),
-    ("random", "monte-carlo"),
-    ("mc", "monte-carlo"),
-    ("samples", "points"),
-    ("model", "fmu"),
-    ("value", "nominal"),
-];
+/// Names here, each with those that other programs use for the same thing.
+const ELSEWHERE: &str = include_str!("synonyms.txt");
+
+/// Whether other programs use a name for what is called `own` here.
+fn means(name: &str, own: &str) -> bool {
+    let mut lines = ELSEWHERE.lines().filter_map(|line| line.split_once(": "));
+    lines.any(|(here, elsewhere)| here == own && elsewhere.split(' ').any(|other| other == name))
+}
 
 /// The candidate that looks most like `name`, or that means the same, if any comes close.
 pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let wanted = name.to_lowercase();
     let candidates: Vec<&str> = candidates.into_iter().collect();
-    let meant = |candidate: &&&str| ELSEWHERE.contains(&(&*wanted, **candidate));
-    if let Some(meant) = candidates.iter().find(meant) {
+    if let Some(meant) = candidates.iter().find(|candidate| means(&wanted, candidate)) {
         return Some(meant);
     }
     candidates

@@ -164,25 +164,9 @@ fn suggest(message: &str) -> String {
 
 /// Says what is expected in words of the study, not in those of the program.
 fn plain(message: &str) -> String {
-    const WORDS: [(&str, &str); 13] = [
-        (
-            "missing field `share`",
-            "`share` is missing, the part of the points that must meet all criteria: share = \"90 %\"",
-        ),
-        ("missing field", "this key is missing:"),
-        ("wanted string or table", "expected a text in quotes"),
-        ("expected a map", "expected a section with keys"),
-        ("expected a sequence", "expected a list: a section in two brackets, [[NAME]]"),
-        ("expected f64", "expected a number"),
-        ("expected u64", "expected a whole number, not negative"),
-        ("expected usize", "expected a whole number, not negative"),
-        ("expected a string", "expected a text in quotes"),
-        ("expected path string", "expected a path in quotes"),
-        ("expected a boolean", "expected true or false"),
-        ("floating point `", "number `"),
-        (" as i128", " with more digits than can be read"),
-    ];
-    let message = WORDS.iter().fold(message.to_owned(), |text, (from, to)| text.replace(from, to));
+    // A line a word of the program: that, and the study's.
+    let words = include_str!("plain_words.txt").lines().filter_map(|line| line.split_once(" | "));
+    let message = words.fold(message.to_owned(), |text, (from, to)| text.replace(from, to));
     // The name of a struct says something to us alone.
     match message.split_once("expected struct ") {
         Some((before, _)) => format!("{before}expected a section with keys, or {{ key = value }}"),
