@@ -1,4 +1,6 @@
-//! `ModelStructure` (FMI 2.0.5, section 2.2.8): its lists name variables by their index, counted from 1.
+//! Rules about `ModelStructure` (FMI 2.0.5, section 2.2.8): its lists name variables by their index, counted from 1.
+//!
+//! Where a list has wrong entries, what it lacks or has too much is not asked: correcting them may change that.
 
 use std::collections::HashSet;
 
@@ -18,14 +20,17 @@ fn is_output(scalar: &Scalar) -> bool {
     scalar.causality == "output"
 }
 
-fn is_guessed(scalar: &Scalar) -> bool {
+/// Whether the FMU computes its value initially.
+fn is_computed(scalar: &Scalar) -> bool {
     ["calculated", "approx"].contains(&scalar.initial)
 }
 
+/// Entries of `Outputs` that are no outputs.
 pub fn outputs(document: &Document) -> Vec<Hit> {
     list(document, "Outputs", &|scalar| (!is_output(scalar)).then_some("is no output"))
 }
 
+/// Outputs that `Outputs` lacks.
 pub fn outputs_missing(document: &Document) -> Vec<Hit> {
     if !outputs(document).is_empty() {
         return Vec::new();
@@ -33,6 +38,7 @@ pub fn outputs_missing(document: &Document) -> Vec<Hit> {
     missing(document, "Outputs", &is_output)
 }
 
+/// Entries of `Derivatives` that are no state derivatives.
 pub fn derivatives(document: &Document) -> Vec<Hit> {
     list(document, "Derivatives", &|scalar| {
         if !scalar.typed.has_attribute("derivative") {
@@ -68,6 +74,7 @@ pub fn derivatives_missing(document: &Document) -> Vec<Hit> {
     })
 }
 
+/// Entries of `InitialUnknowns` that are known initially.
 pub fn initial_unknowns(document: &Document) -> Vec<Hit> {
     list(document, "InitialUnknowns", &|scalar| match scalar.causality {
         "parameter" => Some("is a parameter, so known initially"),
@@ -84,36 +91,11 @@ pub fn initial_unknowns_missing(document: &Document) -> Vec<Hit> {
     let states = states_and_derivatives(document);
     missing(document, "InitialUnknowns", &|scalar| {
         let computed = is_output(scalar) || states.contains(&scalar.position);
-        scalar.causality == "calculatedParameter" || computed && is_guessed(scalar)
+        scalar.causality == "calculatedParameter" || computed && is_computed(scalar)
     })
 }
 
-/// The positions of the states and their derivatives, as `Derivatives` lists them.
-fn states_and_derivatives(document: &Document) -> HashSet<usize> {
-    entries(document, "Derivatives").map(|scalar| scalar.position).chain(states(document)).collect()
-}
-
-/// The positions of the states: the variables of which `Derivatives` lists the derivatives.
-pub fn states(document: &Document) -> HashSet<usize> {
-    entries(document, "Derivatives").filter_map(|scalar| Some(state_of(document, scalar)?.position)).collect()
-}
-
-/// The variable of which this one is the derivative.
-fn state_of<'d, 'a>(document: &'d Document<'a>, scalar: &Scalar) -> Option<&'d Scalar<'a>> {
-    scalar_of(document, scalar.typed.attribute("derivative")?)
-}
-
-/// The variable of an index.
-pub fn scalar_of<'d, 'a>(document: &'d Document<'a>, index: &str) -> Option<&'d Scalar<'a>> {
-    document.scalars[position(document, index)?].as_ref()
-}
-
-/// The variables of one list.
-fn entries<'d, 'a>(document: &'d Document<'a>, name: &'static str) -> impl Iterator<Item = &'d Scalar<'a>> {
-    listed(document, name).filter_map(|unknown| scalar_of(document, unknown.attribute("index")?))
-}
-
-/// Entries that the list is not made for.
+/// Entries of `InitialUnknowns` that the list is not made for.
 pub fn initial_unknowns_surplus(document: &Document) -> Vec<Hit> {
     let Some(structure) = structure(document) else { return Vec::new() };
     if !initial_unknowns(document).is_empty() {
@@ -124,7 +106,7 @@ pub fn initial_unknowns_surplus(document: &Document) -> Vec<Hit> {
     let is_wanted = |scalar: &Scalar| {
         scalar.causality == "calculatedParameter"
             || is_output(scalar)
-            || states.contains(&scalar.position) && is_guessed(scalar)
+            || states.contains(&scalar.position) && is_computed(scalar)
     };
     let names: Vec<String> = entries(document, "InitialUnknowns")
         .filter(|scalar| !is_wanted(scalar))
@@ -138,6 +120,7 @@ pub fn initial_unknowns_surplus(document: &Document) -> Vec<Hit> {
     Vec::from_iter((!names.is_empty()).then(|| at(structure, text)))
 }
 
+/// An order of `InitialUnknowns` that is not that of the variables.
 pub fn initial_unknowns_unsorted(document: &Document) -> Vec<Hit> {
     if !initial_unknowns(document).is_empty() {
         return Vec::new();
@@ -163,6 +146,31 @@ pub fn no_outputs(document: &Document) -> Vec<Hit> {
     }
     let text = "no outputs: simulate records the local variables, and criteria may use them";
     vec![Hit::of(crate::document::NAME, text)]
+}
+
+/// The positions of the states and their derivatives, as `Derivatives` lists them.
+fn states_and_derivatives(document: &Document) -> HashSet<usize> {
+    entries(document, "Derivatives").map(|scalar| scalar.position).chain(states(document)).collect()
+}
+
+/// The positions of the states: the variables of which `Derivatives` lists the derivatives.
+pub fn states(document: &Document) -> HashSet<usize> {
+    entries(document, "Derivatives").filter_map(|scalar| Some(state_of(document, scalar)?.position)).collect()
+}
+
+/// The variable of which this one is the derivative.
+fn state_of<'d, 'a>(document: &'d Document<'a>, scalar: &Scalar) -> Option<&'d Scalar<'a>> {
+    scalar_of(document, scalar.typed.attribute("derivative")?)
+}
+
+/// The variable of an index.
+pub fn scalar_of<'d, 'a>(document: &'d Document<'a>, index: &str) -> Option<&'d Scalar<'a>> {
+    document.scalars[position(document, index)?].as_ref()
+}
+
+/// The variables of one list.
+fn entries<'d, 'a>(document: &'d Document<'a>, name: &'static str) -> impl Iterator<Item = &'d Scalar<'a>> {
+    listed(document, name).filter_map(|unknown| scalar_of(document, unknown.attribute("index")?))
 }
 
 /// The unknowns of one list, where there is a `ModelStructure`.

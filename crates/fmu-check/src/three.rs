@@ -14,10 +14,12 @@ use crate::{
     hit::Hit,
 };
 
+/// The value reference that an element states.
 fn reference(node: Node) -> Option<u32> {
     node.attribute("valueReference")?.trim().parse().ok()
 }
 
+/// A model description without its token.
 pub fn token(document: &Document) -> Vec<Hit> {
     if !document.read.guid.is_empty() {
         return Vec::new();
@@ -35,6 +37,7 @@ pub fn version(document: &Document) -> Vec<Hit> {
     Vec::from_iter((!is_known).then(|| at(document.root, text)))
 }
 
+/// Internal steps that are no steps.
 pub fn internal_step(document: &Document) -> Vec<Hit> {
     document
         .root
@@ -45,6 +48,7 @@ pub fn internal_step(document: &Document) -> Vec<Hit> {
         .collect()
 }
 
+/// Elements whose name is empty.
 pub fn empty_names(document: &Document) -> Vec<Hit> {
     document
         .root
@@ -57,6 +61,7 @@ pub fn empty_names(document: &Document) -> Vec<Hit> {
         .collect()
 }
 
+/// Why this program cannot set or judge a variable.
 pub fn unusable(scalar: Variable) -> Option<String> {
     // Unknown types and sizes, and clocks without event mode, are errors of other rules.
     let why = scalar.document.read.unusable.get(scalar.name);
@@ -64,6 +69,7 @@ pub fn unusable(scalar: Variable) -> Option<String> {
     Some(format!("it cannot be set or judged here: {why}"))
 }
 
+/// Variables that share a value reference.
 pub fn references(document: &Document) -> Vec<Hit> {
     let mut known: HashMap<u32, &str> = HashMap::new();
     document
@@ -79,6 +85,7 @@ pub fn references(document: &Document) -> Vec<Hit> {
         .collect()
 }
 
+/// The time: none, several, or one that is no time.
 pub fn independent(document: &Document) -> Vec<Hit> {
     let times: Vec<_> = document.known().filter(|s| s.causality == "independent").collect();
     let [one] = times[..] else {
@@ -90,6 +97,7 @@ pub fn independent(document: &Document) -> Vec<Hit> {
     Vec::from_iter((!is_right).then(|| one.finding(text)))
 }
 
+/// Start values that are missing, or have no place.
 pub fn starts(scalar: Variable) -> Option<String> {
     let Scalar { node, causality, initial, .. } = *scalar;
     // The time has a rule of its own.
@@ -110,6 +118,7 @@ pub fn starts(scalar: Variable) -> Option<String> {
     }
 }
 
+/// Ranges that hold no value, or not the start value.
 pub fn ranges(document: &Document) -> Vec<Hit> {
     let mut told = HashSet::new();
     let wrong = document.read.variables.values().filter_map(|variable| {
@@ -136,6 +145,7 @@ pub fn ranges(document: &Document) -> Vec<Hit> {
     wrong.collect()
 }
 
+/// Types and units that are not defined.
 pub fn declared(document: &Document) -> Vec<Hit> {
     document.of_each(|scalar| {
         let declared = scalar.typed.attribute("declaredType");
@@ -149,6 +159,7 @@ pub fn declared(document: &Document) -> Vec<Hit> {
     })
 }
 
+/// Dimensions that are no sizes.
 pub fn dimensions(document: &Document) -> Vec<Hit> {
     let sizes: HashSet<u32> = document
         .known()
@@ -180,6 +191,7 @@ fn known(document: &Document) -> HashSet<u32> {
     document.known().filter_map(|scalar| reference(scalar.node)).collect()
 }
 
+/// Outputs that `ModelStructure` does not list, and entries that are no outputs.
 pub fn outputs(document: &Document) -> Vec<Hit> {
     let list: HashSet<u32> = document.all("ModelStructure", "Output").filter_map(reference).collect();
     let is_output = |scalar: &Scalar| scalar.causality == "output";
@@ -198,6 +210,7 @@ pub fn outputs(document: &Document) -> Vec<Hit> {
     missing.into_iter().chain(surplus).collect()
 }
 
+/// Entries of `ModelStructure` that name no variables.
 pub fn structure(document: &Document) -> Vec<Hit> {
     let known = known(document);
     named(document.root, "ModelStructure")
