@@ -19,7 +19,7 @@ pub const TIMEOUT: &str = "timeout";
 
 /// The outcome of a probe.
 #[derive(Default)]
-pub struct Outcome {
+pub struct ProbeOutcome {
     /// Its observations, up to where it came.
     pub report: Option<Report>,
     /// How its process ended, where that was not in order, and during which call.
@@ -28,7 +28,7 @@ pub struct Outcome {
 }
 
 /// Runs a probe. `fill` is what fresh and freed memory is filled with.
-pub fn run(setup: &ProbeTask, scratch: &Path, patience: Duration, fill: Option<u8>) -> io::Result<Outcome> {
+pub fn run(setup: &ProbeTask, scratch: &Path, patience: Duration, fill: Option<u8>) -> io::Result<ProbeOutcome> {
     let recorder = Recorder {
         fmu: &setup.fmu,
         name: &setup.fmu,
@@ -37,7 +37,7 @@ pub fn run(setup: &ProbeTask, scratch: &Path, patience: Duration, fill: Option<u
         limits: PointLimits { time: patience, memory: MEMORY },
         echo: false,
     };
-    let mut outcome = Outcome::default();
+    let mut outcome = ProbeOutcome::default();
     let failure = recorder.send(bytes(setup), fill, |told| match read(told) {
         Some(ProbeNews::Stage(stage)) => outcome.stage = stage,
         Some(ProbeNews::Report(report)) => outcome.report = Some(report),

@@ -9,7 +9,7 @@ use std::{
 };
 
 use crate::{
-    child::{self, Outcome},
+    child::{self, ProbeOutcome},
     compare::{Change, changes, difference},
     conditions::Conditions,
     experiment,
@@ -66,7 +66,7 @@ impl<'a> Probes<'a> {
         })
     }
 
-    fn run(&mut self, life: Life, fill: Option<u8>, patience: Duration) -> io::Result<Outcome> {
+    fn run(&mut self, life: Life, fill: Option<u8>, patience: Duration) -> io::Result<ProbeOutcome> {
         let fresh = self.fresh_folder()?;
         let fmu = fresh.as_ref().map_or(&*self.setup.fmu, TempDir::path);
         let setup = ProbeTask { life, fmu: fmu.to_owned(), ..self.setup.clone() };
@@ -75,9 +75,9 @@ impl<'a> Probes<'a> {
 
     /// A probe of an FMU that has ended in time alone. Where this one does not, the machine may be busy: it gets another
     /// chance before it is said to hang.
-    fn later(&mut self, life: Life, fill: Option<u8>) -> io::Result<Outcome> {
+    fn later(&mut self, life: Life, fill: Option<u8>) -> io::Result<ProbeOutcome> {
         const LONGER: u32 = 3;
-        let timed_out = |outcome: &Outcome| outcome.fate.as_deref() == Some(child::TIMEOUT);
+        let timed_out = |outcome: &ProbeOutcome| outcome.fate.as_deref() == Some(child::TIMEOUT);
         let outcome = self.run(life, fill, self.patience)?;
         if !timed_out(&outcome) {
             return Ok(outcome);
@@ -161,7 +161,7 @@ impl<'a> Probes<'a> {
     }
 
     /// One simulation. A step that the FMU refuses and does not suggest itself is replaced by another, with a note.
-    fn alone(&mut self) -> io::Result<(Outcome, Option<Breach>)> {
+    fn alone(&mut self) -> io::Result<(ProbeOutcome, Option<Breach>)> {
         const STEPS: [f64; 5] = [1.0, 0.1, 0.01, 0.001, 0.0001];
         let first = self.run(Life::Alone, None, self.patience)?;
         let refused = self::first(&first).is_some_and(|run| run.refused);
@@ -360,7 +360,7 @@ impl<'a> Probes<'a> {
 }
 
 /// The runs of a process, as many as there must be, or why there are not.
-fn sound(outcome: &Outcome, count: usize) -> Result<&[Run], String> {
+fn sound(outcome: &ProbeOutcome, count: usize) -> Result<&[Run], String> {
     let report = outcome.report.as_ref();
     if let Some(text) = report.and_then(|report| report.unloadable.as_ref()) {
         return Err(format!("the binary cannot be loaded: {text}"));
@@ -377,7 +377,7 @@ fn sound(outcome: &Outcome, count: usize) -> Result<&[Run], String> {
 }
 
 /// The first of some runs, where there is one.
-fn first(outcome: &Outcome) -> Option<&Run> {
+fn first(outcome: &ProbeOutcome) -> Option<&Run> {
     outcome.report.as_ref()?.runs.first()
 }
 

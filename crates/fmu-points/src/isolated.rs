@@ -25,7 +25,7 @@ use crate::{
     quiet::Quiet,
     room::Room,
     task::Case,
-    wire::{Order, Origin, Outcome, Reply, Trouble},
+    wire::{Order, Origin, Reply, SimulationOutcome, Trouble},
 };
 use fmu_import::locked;
 
@@ -412,7 +412,7 @@ impl Worker for Isolated {
 }
 
 /// Reports the outcome of a point: what the FMU said before it failed comes first.
-fn tell(post: &mut Post, index: u64, outcome: Outcome) {
+fn tell(post: &mut Post, index: u64, outcome: SimulationOutcome) {
     let answer = outcome.map_err(|Trouble { failure, notices, .. }| {
         if !notices.is_empty() {
             post.send(Event::Said(index, notices));

@@ -12,7 +12,7 @@ use crate::{
     notices::Notices,
     points::{Job, Simulated},
     task::Case,
-    wire::{Origin, Outcome, Reply, Trouble},
+    wire::{Origin, Reply, SimulationOutcome, Trouble},
 };
 
 /// A point's simulations.
@@ -77,7 +77,7 @@ impl Join {
 
 /// The outcome of a point: that of its only case; or else the results of all cases, or the failure of the first one of the
 /// gravest kind.
-pub fn joined(cases: &[CasePart], mut outcomes: Vec<Outcome>) -> Outcome {
+pub fn joined(cases: &[CasePart], mut outcomes: Vec<SimulationOutcome>) -> SimulationOutcome {
     if outcomes.len() == 1 {
         return outcomes.remove(0);
     }
@@ -114,7 +114,7 @@ pub fn joined(cases: &[CasePart], mut outcomes: Vec<Outcome>) -> Outcome {
 }
 
 /// The results of a case, as far as there are any.
-fn known(outcome: &Outcome, count: usize) -> Vec<Option<f64>> {
+fn known(outcome: &SimulationOutcome, count: usize) -> Vec<Option<f64>> {
     match outcome {
         Ok(simulated) => simulated.values.iter().copied().map(Some).collect(),
         Err(trouble) => (0..count).map(|k| trouble.failure.value(k)).collect(),
@@ -147,11 +147,11 @@ mod tests {
         vec![case("slow"), case("fast")]
     }
 
-    fn reply(index: u64, answer: Outcome) -> Reply {
+    fn reply(index: u64, answer: SimulationOutcome) -> Reply {
         Reply { forkable: Some(true), ..Reply::new(index, answer) }
     }
 
-    fn failed(failure: Failure) -> Outcome {
+    fn failed(failure: Failure) -> SimulationOutcome {
         Err(Trouble::new(Origin::Fmu, failure))
     }
 

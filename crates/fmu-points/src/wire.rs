@@ -98,20 +98,20 @@ pub struct Reply {
     /// The index of the simulation.
     pub index: u64,
     /// Its results in the FMU's units, or why there are none.
-    pub answer: Outcome,
+    pub answer: SimulationOutcome,
     /// Whether the process that has loaded the FMU may be forked, where that has been looked at.
     pub forkable: Option<bool>,
 }
 
 impl Reply {
     /// An outcome of which no more is known.
-    pub fn new(index: u64, answer: Outcome) -> Self {
+    pub fn new(index: u64, answer: SimulationOutcome) -> Self {
         Self { index, answer, forkable: None }
     }
 }
 
 /// The outcome of a simulation.
-pub type Outcome = Result<Simulated, Trouble>;
+pub type SimulationOutcome = Result<Simulated, Trouble>;
 
 /// Why there are no results.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
