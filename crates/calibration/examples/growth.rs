@@ -2,7 +2,7 @@
 
 use calibration::objective::Objective;
 use calibration::outcome::IdentificationOutcome;
-use calibration::problem::{Case, Free, Measured, Problem, Quantity, Spacing};
+use calibration::problem::{Case, Free, Problem, Quantity, Spacing, UncertainValue};
 use calibration::search::{Effort, SearchError, search};
 use calibration::text;
 
@@ -25,7 +25,7 @@ fn main() -> Result<(), SearchError> {
     let case = |(time, level): (&f64, &f64)| Case {
         label: format!("{time} s"),
         latents: Vec::new(),
-        measured: vec![Measured { value: *level, accuracy: 0.1 }],
+        measured: vec![UncertainValue { value: *level, accuracy: 0.1 }],
     };
     let problem = Problem {
         free: vec![free("final level", 1.0, 100.0), free("time constant", 0.1, 100.0)],

@@ -17,7 +17,7 @@ const DOUBTFUL: f64 = 0.05;
 /// How well the model fits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Fit {
+pub enum FitVerdict {
     /// As a right model would.
     Good,
     /// With as many unknowns as measured values nothing could have shown.
@@ -36,7 +36,7 @@ impl IdentificationOutcome {
             Order::of(&curve.name, &residuals, estimates.iter().find(is_its))
         });
         self.orders = orders.collect();
-        self.ambiguous = self.has_several() && self.fit() != Fit::Misses;
+        self.ambiguous = self.has_several() && self.fit() != FitVerdict::Misses;
     }
 
     /// Whether there are several optima.
@@ -45,12 +45,12 @@ impl IdentificationOutcome {
     }
 
     /// How well the model fits.
-    pub fn fit(&self) -> Fit {
+    pub fn fit(&self) -> FitVerdict {
         match self.probability {
-            None if !self.is_out_of_reach() => Fit::Untested,
+            None if !self.is_out_of_reach() => FitVerdict::Untested,
             // Far within the stated uncertainties the order of the residuals is a doubt, and no miss.
-            Some(_) if self.is_too_close() || self.doubts().is_empty() => Fit::Good,
-            _ => Fit::Misses,
+            Some(_) if self.is_too_close() || self.doubts().is_empty() => FitVerdict::Good,
+            _ => FitVerdict::Misses,
         }
     }
 
@@ -92,8 +92,8 @@ impl IdentificationOutcome {
     pub fn interval(&self) -> &'static str {
         match self.fit() {
             _ if self.is_too_narrow() => "95 %, too narrow",
-            Fit::Misses => "95 % if the model were right",
-            Fit::Good | Fit::Untested => "95 %",
+            FitVerdict::Misses => "95 % if the model were right",
+            FitVerdict::Good | FitVerdict::Untested => "95 %",
         }
     }
 
@@ -159,7 +159,7 @@ fn times(probability: f64) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::problem::{Measured, Spacing};
+    use super::super::problem::{Spacing, UncertainValue};
     use super::super::search::search;
     use super::super::testing::{effort, free, measured, problem, said, starts};
     use super::super::{objective::Objective, text};
@@ -168,7 +168,7 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_distr::StandardNormal;
 
-    fn fitted(values: Vec<Measured>, model: &dyn Fn(f64, usize) -> f64) -> IdentificationOutcome {
+    fn fitted(values: Vec<UncertainValue>, model: &dyn Fn(f64, usize) -> f64) -> IdentificationOutcome {
         let count = values.len();
         let problem = problem(vec![free("p", Spacing::Linear, -10.0, 10.0)], vec![values]);
         let model = |_: usize, p: &[f64], _: &[f64]| Ok((0..count).map(|k| model(p[0], k)).collect());
@@ -185,17 +185,17 @@ mod tests {
     fn a_misfit_of_one_in_a_hundred_is_none_of_a_right_model() {
         let outcome = fitted(measured(&[0.0, 3.72], 1.0), &|p, _| p);
         assert!((outcome.probability.unwrap() - 0.0085).abs() < 1e-4);
-        assert_eq!(outcome.fit(), Fit::Misses);
+        assert_eq!(outcome.fit(), FitVerdict::Misses);
         let text = said(&outcome);
         assert!(text.contains("A right model would miss by this much in fewer than 1 of 100 tests"), "{text}");
         let outcome = fitted(measured(&[0.0, 2.0], 1.0), &|p, _| p);
-        assert_eq!(outcome.fit(), Fit::Good);
+        assert_eq!(outcome.fit(), FitVerdict::Good);
     }
 
     #[test]
     fn a_fit_that_was_certain_shows_nothing() {
         let outcome = fitted(measured(&[1.0], 1.0), &|p, _| p);
-        assert_eq!(outcome.fit(), Fit::Untested);
+        assert_eq!(outcome.fit(), FitVerdict::Untested);
         let text = said(&outcome);
         assert!(text.contains("As many unknowns as measured values: a fit was certain and shows nothing."), "{text}");
     }
@@ -224,7 +224,7 @@ mod tests {
     #[test]
     fn what_the_model_cannot_reach_is_no_certain_fit() {
         let outcome = fitted(measured(&[-5.0], 1.0), &|p, _| p * p);
-        assert_eq!(outcome.fit(), Fit::Misses);
+        assert_eq!(outcome.fit(), FitVerdict::Misses);
         let text = said(&outcome);
         assert!(text.starts_with("The model cannot reach the measured values"), "{text}");
     }
@@ -233,7 +233,7 @@ mod tests {
     #[test]
     fn of_several_optima_that_miss_none_is_said_to_fit() {
         let outcome = fitted(measured(&[49.0], 1.0), &|p, _| p.sin());
-        assert!(outcome.has_several() && !outcome.ambiguous && outcome.fit() == Fit::Misses);
+        assert!(outcome.has_several() && !outcome.ambiguous && outcome.fit() == FitVerdict::Misses);
         let section = text::fixed_section("s.toml", 0, &outcome, &[]);
         assert!(section.contains(": all miss the measured values."), "{section}");
         let text = said(&outcome);
@@ -259,13 +259,13 @@ mod tests {
         let values: Vec<f64> = (0..100).map(wave).collect();
         let outcome = fitted(measured(&values, 1.0), &|p, _| p);
         assert!(outcome.probability.unwrap() > 0.05);
-        assert_eq!(outcome.fit(), Fit::Misses);
+        assert_eq!(outcome.fit(), FitVerdict::Misses);
         let text = said(&outcome);
         assert!(text.contains("The residuals of curve are no noise"), "{text}");
         // A wave of a thousandth of the stated noise is told, and misses nothing.
         let values: Vec<f64> = (0..100).map(|k| 1e-3 * (0.2 * f64::from(k)).sin()).collect();
         let outcome = fitted(measured(&values, 1.0), &|p, _| p);
-        assert_eq!(outcome.fit(), Fit::Good);
+        assert_eq!(outcome.fit(), FitVerdict::Good);
         let text = said(&outcome);
         assert!(text.contains("The residuals of curve are no noise") && text.contains("fits so well"), "{text}");
     }

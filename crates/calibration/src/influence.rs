@@ -192,10 +192,10 @@ fn budget(rows: &Rows, covariance: &DMatrix<f64>, place: usize, (groups, all): (
 
 #[cfg(test)]
 mod tests {
-    use super::super::fit::Fit;
+    use super::super::fit::FitVerdict;
     use super::super::objective::Objective;
     use super::super::outcome::IdentificationOutcome;
-    use super::super::problem::{Channel, Effect, Measured, Mixed, Source, Spacing};
+    use super::super::problem::{Channel, Effect, Mixed, Source, Spacing, UncertainValue};
     use super::super::search::search;
     use super::super::testing::{effort, free, problem, said, starts};
     use super::*;
@@ -207,7 +207,7 @@ mod tests {
 
     /// A line through values with the standard uncertainty 1, with or without an offset that all share.
     fn line(values: &[f64], offset: f64) -> IdentificationOutcome {
-        let rows = values.iter().map(|&value| Measured { value, accuracy: 1.0 }).collect();
+        let rows = values.iter().map(|&value| UncertainValue { value, accuracy: 1.0 }).collect();
         let unknown = vec![free("a", Spacing::Linear, -100.0, 100.0), free("b", Spacing::Linear, -100.0, 100.0)];
         let mut problem = problem(unknown, vec![rows]);
         if offset > 0.0 {
@@ -247,7 +247,7 @@ mod tests {
         assert_eq!(told.quantity, "y0");
         assert!((told.leverage - 0.294_872).abs() < 1e-4, "{told:?}");
         assert!((told.studentised + 5.0 * (1.0_f64 - 0.294_872).sqrt()).abs() < 1e-3, "{told:?}");
-        assert_eq!(outcome.fit(), Fit::Misses);
+        assert_eq!(outcome.fit(), FitVerdict::Misses);
         let text = said(&outcome);
         assert!(text.contains("y0") && text.contains("nothing was left out"), "{text}");
     }
@@ -275,7 +275,7 @@ mod tests {
     #[test]
     fn the_error_of_a_single_value_is_told_by_its_parts() {
         let square: f64 = 0.09 + 0.04 + 0.16;
-        let row = vec![Measured { value: 1.0, accuracy: square.sqrt() }];
+        let row = vec![UncertainValue { value: 1.0, accuracy: square.sqrt() }];
         let mut problem = problem(vec![free("a", Spacing::Linear, -100.0, 100.0)], vec![row]);
         problem.mixed = vec![Mixed { case: 0, quantity: 0, parts: [0.09 / square, 0.04 / square] }];
         let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0]]);
@@ -319,7 +319,7 @@ mod tests {
     #[test]
     fn clean_records_are_hardly_ever_doubted() {
         let mut random = StdRng::seed_from_u64(5);
-        let doubted = (0..200).filter(|_| line(&noise(&mut random), 0.0).fit() != Fit::Good).count();
+        let doubted = (0..200).filter(|_| line(&noise(&mut random), 0.0).fit() != FitVerdict::Good).count();
         println!("{doubted} of 200 clean records doubted");
         assert!(doubted <= 10, "{doubted}");
     }

@@ -159,9 +159,9 @@ impl Interval {
     }
 }
 
-/// A measured value.
+/// A measured value with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Measured {
+pub struct UncertainValue {
     /// The value.
     pub value: f64,
     /// The standard uncertainty of its independent error, in the same unit: one standard deviation, without what it
@@ -228,7 +228,7 @@ pub struct Case {
     /// Where its latent parameters lie, in the order of [`Problem::latents`].
     pub latents: Vec<Interval>,
     /// Measured values, in the order of [`Problem::quantities`].
-    pub measured: Vec<Measured>,
+    pub measured: Vec<UncertainValue>,
 }
 
 /// An error that several measured values share, such as the zero error of a sensor: a number with mean 0 and standard deviation

@@ -9,7 +9,7 @@ use super::{
     objective::Objective,
     optima::Optimum,
     posterior::{Direction, Posterior, UNDETERMINED},
-    problem::{Case, Interval, Measured, NoPrediction, Prediction, Problem, Query, Simulate, Spacing},
+    problem::{Case, Interval, NoPrediction, Prediction, Problem, Query, Simulate, Spacing, UncertainValue},
     search::{SearchError, search},
     testing::{effort, free, named, starts},
 };
@@ -69,7 +69,7 @@ fn synthetic(seed: u64) -> (Problem, Vec<f64>) {
         let measured = exact
             .iter()
             .zip(ACCURACY)
-            .map(|(value, accuracy)| Measured { value: value + accuracy * noise.normal(), accuracy });
+            .map(|(value, accuracy)| UncertainValue { value: value + accuracy * noise.normal(), accuracy });
         problem.cases.push(Case {
             label: case.to_string(),
             latents: vec![Interval { min: printed - 0.1, max: printed + 0.1 }],

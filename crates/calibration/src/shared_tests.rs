@@ -405,7 +405,7 @@ fn a_gain_does_not_pull_a_fit_to_zero() {
 #[test]
 fn gain_errors_are_parts_of_what_the_fit_itself_predicts() {
     use super::influence::{Group, of_values};
-    use super::problem::Measured;
+    use super::problem::UncertainValue;
     use super::rounds::{Task, searched};
     let predicted = |p: &[f64]| -> Vec<f64> {
         let rows = || (0..12).map(f64::from);
@@ -413,8 +413,8 @@ fn gain_errors_are_parts_of_what_the_fit_itself_predicts() {
     };
     let of_truth = predicted(&[4.0, 0.8]);
     let values = of_truth.iter().enumerate().map(|(k, value)| match k {
-        0..12 => Measured { value: 1.04 * value + 0.1 * (1.7 * k as f64).sin() + 0.2, accuracy: 0.1 },
-        _ => Measured { value: 0.97 * value + 0.2 * (2.3 * (k - 12) as f64).sin(), accuracy: 0.2 },
+        0..12 => UncertainValue { value: 1.04 * value + 0.1 * (1.7 * k as f64).sin() + 0.2, accuracy: 0.1 },
+        _ => UncertainValue { value: 0.97 * value + 0.2 * (2.3 * (k - 12) as f64).sin(), accuracy: 0.2 },
     });
     let unknowns = vec![free("a", Spacing::Linear, 0.0, 10.0), free("b", Spacing::Linear, 0.0, 5.0)];
     let mut problem = problem(unknowns, vec![values.collect()]);

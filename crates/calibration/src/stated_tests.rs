@@ -8,7 +8,7 @@ use super::{
     objective::Objective,
     optima::Optimum,
     outcome::IdentificationOutcome,
-    problem::{Channel, Effect, Measured, NotNormal, Problem, SharedKind, Source, Spacing},
+    problem::{Channel, Effect, NotNormal, Problem, SharedKind, Source, Spacing, UncertainValue},
     sample::{evidence::Evidence, outcome::PosteriorOutcome, sample},
     search::search,
     testing::{effort, free, problem, settings, starts},
@@ -63,7 +63,7 @@ fn rectangular_zero_errors_are_those_of_a_grid() {
     const GAIN: f64 = 0.04;
     let levels = [2.0, 3.55];
     let value = |k: usize| levels[k / ROWS] + NOISE * (1.7 * k as f64).sin();
-    let values = (0..2 * ROWS).map(|k| Measured { value: value(k), accuracy: NOISE });
+    let values = (0..2 * ROWS).map(|k| UncertainValue { value: value(k), accuracy: NOISE });
     let unknown = vec![free("p", Spacing::Linear, 0.0, 6.0)];
     let mut problem = problem(unknown, vec![values.collect()]);
     let standard = 3.0_f64.sqrt().recip();
@@ -151,7 +151,7 @@ fn of_repeats(values: &[Vec<f64>]) -> Problem {
     let (values, laws): (Vec<f64>, Vec<Law>) = values.iter().map(|v| repeated(v)).unzip();
     let accuracy = |law: &Law| law.among(laws.len()).as_normal();
     let pairs = values.into_iter().zip(laws.iter().map(accuracy));
-    let measured = pairs.map(|(value, accuracy)| Measured { value, accuracy });
+    let measured = pairs.map(|(value, accuracy)| UncertainValue { value, accuracy });
     let measured = measured.collect();
     let unknown = vec![free("p", Spacing::Linear, -20.0, 20.0)];
     let mut problem = problem(unknown, vec![measured]);

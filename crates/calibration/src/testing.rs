@@ -3,7 +3,7 @@
 use super::{
     local::Limits,
     outcome::IdentificationOutcome,
-    problem::{Case, Free, Measured, Named, Problem, Spacing},
+    problem::{Case, Free, Named, Problem, Spacing, UncertainValue},
     sample::Settings,
     search::Effort,
     text,
@@ -33,16 +33,19 @@ pub fn named(name: &str) -> Named {
 }
 
 /// Values that are all as accurate.
-pub fn measured(values: &[f64], accuracy: f64) -> Vec<Measured> {
-    let measured = values.iter().map(|&value| Measured { value, accuracy });
+pub fn measured(values: &[f64], accuracy: f64) -> Vec<UncertainValue> {
+    let measured = values.iter().map(|&value| UncertainValue { value, accuracy });
     measured.collect()
 }
 
 /// Cases with these measured values, labelled from 0; the quantities are `y0`, `y1` and so on.
-pub fn problem(free: Vec<Free>, cases: Vec<Vec<Measured>>) -> Problem {
+pub fn problem(free: Vec<Free>, cases: Vec<Vec<UncertainValue>>) -> Problem {
     let quantities = 0..cases.first().map_or(0, Vec::len);
-    let case =
-        |(index, measured): (usize, Vec<Measured>)| Case { label: index.to_string(), latents: Vec::new(), measured };
+    let case = |(index, measured): (usize, Vec<UncertainValue>)| Case {
+        label: index.to_string(),
+        latents: Vec::new(),
+        measured,
+    };
     Problem {
         free,
         quantities: quantities.map(|k| named(&format!("y{k}"))).collect(),
@@ -56,7 +59,7 @@ pub fn one_case(bounds: &[(f64, f64)], measured: &[(f64, f64)]) -> Problem {
     let bounds = bounds.iter().enumerate();
     let free = bounds.map(|(k, &(min, max))| free(&format!("p{k}"), Spacing::Linear, min, max));
     let values = measured.iter();
-    let values = values.map(|&(value, accuracy)| Measured { value, accuracy });
+    let values = values.map(|&(value, accuracy)| UncertainValue { value, accuracy });
     problem(free.collect(), vec![values.collect()])
 }
 

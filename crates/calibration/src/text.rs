@@ -2,7 +2,7 @@
 
 use super::{
     failures::words,
-    fit::Fit,
+    fit::FitVerdict,
     influence::Influence,
     local::End,
     optima::Approximation,
@@ -19,7 +19,7 @@ pub fn digits(number: f64) -> String {
 
 /// The free parameters as the section `[fixed]` of a study, but for those that are no parameters of the model.
 pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome, others: &[String]) -> String {
-    let misses = outcome.fit() == Fit::Misses;
+    let misses = outcome.fit() == FitVerdict::Misses;
     let mut text = match outcome.optima.len() {
         0 | 1 => format!(
             "# The optimum of {study}{}.\n[fixed]\n",
@@ -50,7 +50,7 @@ pub fn fixed_section(study: &str, place: usize, outcome: &IdentificationOutcome,
 pub fn several(outcome: &IdentificationOutcome) -> Option<String> {
     let found = outcome.optima.len();
     outcome.has_several().then(|| match outcome.fit() {
-        Fit::Misses => format!("None of the {found} distinct sets of parameters found fits the measured values"),
+        FitVerdict::Misses => format!("None of the {found} distinct sets of parameters found fits the measured values"),
         _ => format!("{found} distinct sets of parameters fit the measured values"),
     })
 }
@@ -319,7 +319,8 @@ pub fn doubts(outcome: &IdentificationOutcome) -> Vec<String> {
     let doubts = (converged && !outcome.is_explained()).then(|| outcome.doubts()).into_iter().flatten();
     // A model is blamed where the search is sure of its optimum.
     let [lowest, searches] = [outcome.search.lowest(), outcome.search.minima.len()];
-    let is_unsure = converged && outcome.fit() == Fit::Misses && searches > 1 && lowest < searches.div_ceil(2).max(2);
+    let is_unsure =
+        converged && outcome.fit() == FitVerdict::Misses && searches > 1 && lowest < searches.div_ceil(2).max(2);
     let search = is_unsure.then(|| {
         format!(
             "Only {lowest} of {searches} searches ended as low as this, so a lower minimum may have been missed: give more `starts` \

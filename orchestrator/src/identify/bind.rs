@@ -2,7 +2,8 @@
 
 use super::late::Reading;
 use calibration::problem::{
-    Case, Channel, Effect, Free, Interval, Latent, Measured, Prior, Problem, Quantity, SharedKind, Source, Spacing,
+    Case, Channel, Effect, Free, Interval, Latent, Prior, Problem, Quantity, SharedKind, Source, Spacing,
+    UncertainValue,
 };
 use conformity::uncertainty::Uncertainty;
 use fmu_import::{
@@ -295,7 +296,7 @@ impl Binder<'_> {
                 self.values(text.column.as_deref(), text.value.as_ref(), (&scale, sense)).map_err(self.at(name))?;
             for (case, value) in bound.problem.cases.iter_mut().zip(values) {
                 let accuracy = deviation(text, value, &scale).map_err(self.at(name))?;
-                case.measured.push(Measured { value, accuracy });
+                case.measured.push(UncertainValue { value, accuracy });
             }
             bound.problem.quantities.push(Quantity { name: name.as_ref().clone(), unit: scale.unit.clone() });
             self.bind_shared(bound, name, text, &scale)?;

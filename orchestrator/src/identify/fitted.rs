@@ -1,7 +1,7 @@
 //! A measured curve whose rows are data.
 
 use super::late::{Read, Reading, late};
-use calibration::problem::{Estimate, Measured};
+use calibration::problem::{Estimate, UncertainValue};
 use fmu_points::{
     names::behind,
     task::{MeasuredCurve, Probe, Schedule},
@@ -15,7 +15,7 @@ use study::{CriterionText, EstimateText, Name};
 pub const LEAST: f64 = 0.05;
 
 /// The name of a measured number, and the number.
-pub type Value = (String, Measured);
+pub type Value = (String, UncertainValue);
 
 /// A measured curve of a criterion, whose rows are values of the problem from the number `first` on.
 pub struct FittedCurve<'a> {
@@ -102,7 +102,7 @@ impl FittedCurve<'_> {
         let data = self.curve.times.iter().zip(&self.curve.values).zip(own).map(|((time, &value), &accuracy)| {
             // Without the rounding of times that were shifted by a delay.
             let time = (time * 1e9).round() / 1e9;
-            (format!("{} at {time} s", self.name.as_ref()), Measured { value, accuracy })
+            (format!("{} at {time} s", self.name.as_ref()), UncertainValue { value, accuracy })
         });
         let read = if lags.0.is_empty() {
             let probes = self.curve.shown_times().map(|time| probe.at_row(self.curve, time));

@@ -16,7 +16,7 @@ use super::{
     unknowns::Unknowns,
 };
 use calibration::{
-    problem::{Case, Free, Measured, Mixed, NotNormal, Population, Problem, Quantity},
+    problem::{Case, Free, Mixed, NotNormal, Population, Problem, Quantity, UncertainValue},
     text::digits,
 };
 use conformity::uncertainty;
@@ -208,7 +208,7 @@ impl Gathering<'_> {
             let parts = [uncertainty.offset(), uncertainty.gain * value].map(|part| (part / accuracy).powi(2));
             bound.problem.mixed.push(Mixed { case: 0, quantity, parts });
         }
-        Ok((name.as_ref().clone(), Measured { value, accuracy }))
+        Ok((name.as_ref().clone(), UncertainValue { value, accuracy }))
     }
 }
 

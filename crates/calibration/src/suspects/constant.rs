@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::{
     super::{problem::NoPrediction, remembered::Remembered},
-    inquiry::{Candidate, Constant, Fault, Inquiry, Suspect},
+    inquiry::{Candidate, Constant, Inquiry, Suspect, Suspicion},
     linear::Linear,
 };
 
@@ -46,7 +46,7 @@ impl Inquiry<'_> {
         Ok(Suspect {
             value,
             unit: free.unit.clone(),
-            allowed: (constant.fault == Fault::Constant).then_some([constant.value; 2]),
+            allowed: (constant.fault == Suspicion::Constant).then_some([constant.value; 2]),
             departure,
             ..self.suspect(constant.fault.clone(), &free.name, &problem, &minimum)
         })

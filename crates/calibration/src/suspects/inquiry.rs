@@ -16,7 +16,7 @@ use super::super::{
 /// What may be wrong.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Fault {
+pub enum Suspicion {
     /// A parameter is beyond its range, or farther from where it was expected than its distribution allows.
     Range,
     /// A constant of the model is another one.
@@ -35,7 +35,7 @@ pub enum Fault {
 #[derive(Clone, Debug, Serialize)]
 pub struct Suspect {
     /// What may be wrong.
-    pub fault: Fault,
+    pub fault: Suspicion,
     /// With which parameter or sensor.
     pub name: String,
     /// The parameter's value; of a sensor what it adds to the values, by which part it enlarges them, or by how many seconds it is
@@ -115,7 +115,7 @@ pub struct Confusion {
 /// A constant of the model that could be another one, or an error of a recorded input's sensor, which is thought to be 0.
 pub struct Constant<'a> {
     /// What would be wrong.
-    pub fault: Fault,
+    pub fault: Suspicion,
     /// So far off is as odd as the whole of what was stated of another; 0: no such distance is known.
     pub usual: f64,
     /// Its name, unit and a range around the value that it has, within what the model allows.
@@ -161,10 +161,10 @@ pub struct Candidate<'a> {
 
 impl Inquiry<'_> {
     /// What a pattern of a sensor's values is among all values.
-    pub(super) fn column(&self, sensor: &Sensor, pattern: Vec<f64>) -> DVector<f64> {
+    pub(super) fn column(&self, sensor: &Sensor, pattern: &[f64]) -> DVector<f64> {
         let mut column = DVector::zeros(self.problem.values());
         for (&[case, quantity], part) in sensor.group.values.iter().zip(pattern) {
-            column[case * self.problem.quantities.len() + quantity] = part;
+            column[case * self.problem.quantities.len() + quantity] = *part;
         }
         column
     }
@@ -196,8 +196,8 @@ impl Inquiry<'_> {
     }
 
     /// The suspect of a minimum.
-    pub(super) fn suspect(&self, fault: Fault, name: &str, problem: &Problem, minimum: &Minimum) -> Suspect {
-        let more = usize::from(matches!(fault, Fault::Offset | Fault::Gain | Fault::Delay));
+    pub(super) fn suspect(&self, fault: Suspicion, name: &str, problem: &Problem, minimum: &Minimum) -> Suspect {
+        let more = usize::from(matches!(fault, Suspicion::Offset | Suspicion::Gain | Suspicion::Delay));
         let after = minimum.cost();
         Suspect {
             fault,

@@ -20,7 +20,7 @@ use std::{collections::HashSet, mem::discriminant};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
 
 use super::problem::NoPrediction;
-pub use inquiry::{Confusion, Constant, Fault, Inquiry, Sensor, Suspect};
+pub use inquiry::{Confusion, Constant, Inquiry, Sensor, Suspect, Suspicion};
 use linear::Linear;
 
 /// So many suspects are fitted.

@@ -2,7 +2,7 @@
 
 use super::{
     super::problem::{Free, NoPrediction, Spacing},
-    inquiry::{Candidate, Fault, Inquiry, Suspect},
+    inquiry::{Candidate, Inquiry, Suspect, Suspicion},
     linear::Linear,
 };
 
@@ -54,7 +54,7 @@ impl Inquiry<'_> {
             unit: old.unit.clone(),
             allowed: Some(allowed),
             departure: outside,
-            ..self.suspect(Fault::Range, &old.name, &problem, &minimum)
+            ..self.suspect(Suspicion::Range, &old.name, &problem, &minimum)
         })
     }
 }

@@ -4,28 +4,32 @@ use nalgebra::DVector;
 
 use super::{
     super::problem::{NoPrediction, SharedKind},
-    inquiry::{Candidate, Fault, Inquiry, Sensor, Suspect, WIDE, middle, spacing},
+    inquiry::{Candidate, Inquiry, Sensor, Suspect, Suspicion, WIDE, middle, spacing},
     linear::Linear,
 };
+
+/// An error that a sensor may have.
+struct SensorError {
+    fault: Suspicion,
+    /// By how much it moves each value where it is 1.
+    pattern: Vec<f64>,
+    unit: Option<String>,
+    /// The limit that is stated for it.
+    stated: Option<f64>,
+    /// What is usual where no limit is stated.
+    usual: f64,
+}
 
 impl Inquiry<'_> {
     /// Offsets, gains and delays of sensors.
     pub(super) fn of_sensors(&self, linear: &Linear) -> Vec<Candidate<'_>> {
         let mut candidates = Vec::new();
         for sensor in self.sensors {
-            let values = self.predicted(sensor);
-            let mut patterns = vec![(Fault::Offset, vec![1.0; values.len()])];
-            if values.len() > 2 {
-                patterns.push((Fault::Gain, values.clone()));
-            }
-            if !sensor.times.is_empty() && values.len() > 4 {
-                patterns.push((Fault::Delay, sensor.rates(&values)));
-            }
-            for (fault, pattern) in patterns {
-                let column = self.column(sensor, pattern);
+            for error in self.errors_of(sensor) {
+                let column = self.column(sensor, &error.pattern);
                 let weighted = column.component_div(&linear.accuracies);
                 if let Some((fall, size)) = linear.score(&weighted, None) {
-                    let fit = Box::new(move || self.sensor(sensor, &fault, &column, size));
+                    let fit = Box::new(move || self.with_error(sensor, &error, &column, size));
                     candidates.push(Candidate { fall, fit });
                 }
             }
@@ -33,45 +37,65 @@ impl Inquiry<'_> {
         candidates
     }
 
-    fn sensor(
+    /// The errors that a sensor has values enough for.
+    fn errors_of(&self, sensor: &Sensor) -> Vec<SensorError> {
+        const USUAL_GAIN: f64 = 0.02;
+        let values = self.predicted(sensor);
+        let mut errors = vec![SensorError {
+            fault: Suspicion::Offset,
+            pattern: vec![1.0; values.len()],
+            unit: sensor.unit.clone(),
+            stated: self.stated(sensor, SharedKind::Offset),
+            usual: 2.0 * self.accuracy(sensor),
+        }];
+        if values.len() > 2 {
+            errors.push(SensorError {
+                fault: Suspicion::Gain,
+                pattern: values.clone(),
+                unit: None,
+                stated: self.stated(sensor, SharedKind::Gain),
+                usual: USUAL_GAIN,
+            });
+        }
+        if !sensor.times.is_empty() && values.len() > 4 {
+            errors.push(SensorError {
+                fault: Suspicion::Delay,
+                pattern: sensor.rates(&values),
+                unit: Some("s".to_owned()),
+                stated: None,
+                usual: spacing(&sensor.times),
+            });
+        }
+        errors
+    }
+
+    /// The best fit in which the sensor has the error, begun with this size of it.
+    fn with_error(
         &self,
         sensor: &Sensor,
-        fault: &Fault,
-        pattern: &DVector<f64>,
+        error: &SensorError,
+        column: &DVector<f64>,
         size: f64,
     ) -> Result<Suspect, NoPrediction> {
         let scale = WIDE * size.abs().max(f64::MIN_POSITIVE);
         let mut problem = self.problem.clone();
-        self.free(&mut problem, sensor, pattern, scale);
+        self.free(&mut problem, sensor, column, scale);
         let minimum = self.minimised(&problem, self.model, self.optimum.minimum.places.clone())?;
         let amount = minimum.misfit.sources(&problem).last().copied().unwrap_or(0.0) * scale;
-        let kind = match fault {
-            Fault::Gain => SharedKind::Gain,
-            _ => SharedKind::Offset,
-        };
-        let channels = self.problem.channels.iter();
-        let is_its = |name: &str| sensor.criteria.iter().any(|criterion| criterion == name);
-        let stated = channels
-            .filter(|channel| is_its(&channel.name) && channel.kind == kind)
-            .map(|channel| channel.limit)
-            .reduce(f64::max)
-            .filter(|_| *fault != Fault::Delay);
-        let usual = match fault {
-            Fault::Gain => 0.02,
-            Fault::Delay => spacing(&sensor.times),
-            _ => 2.0 * self.accuracy(sensor),
-        };
         Ok(Suspect {
             value: amount,
-            unit: match fault {
-                Fault::Gain => None,
-                Fault::Delay => Some("s".to_owned()),
-                _ => sensor.unit.clone(),
-            },
-            allowed: stated.map(|stated| [-stated, stated]),
-            departure: (amount / stated.unwrap_or(usual)).abs(),
-            ..self.suspect(fault.clone(), &sensor.group.name, &problem, &minimum)
+            unit: error.unit.clone(),
+            allowed: error.stated.map(|limit| [-limit, limit]),
+            departure: (amount / error.stated.unwrap_or(error.usual)).abs(),
+            ..self.suspect(error.fault.clone(), &sensor.group.name, &problem, &minimum)
         })
+    }
+
+    /// The largest limit that is stated for an error of the sensor.
+    fn stated(&self, sensor: &Sensor, kind: SharedKind) -> Option<f64> {
+        let channels = self.problem.channels.iter();
+        let of_sensor = channels.filter(|channel| channel.kind == kind && sensor.criteria.contains(&channel.name));
+        of_sensor.map(|channel| channel.limit).reduce(f64::max)
     }
 
     /// The middle accuracy of a sensor's values.

@@ -4,9 +4,9 @@ use rand::{RngExt, SeedableRng, rngs::StdRng};
 use rand_distr::StandardNormal;
 
 use super::super::{
-    fit::Fit,
+    fit::FitVerdict,
     influence::Group,
-    problem::{Channel, Effect, Measured, Prior, SharedKind, Source, Spacing},
+    problem::{Channel, Effect, Prior, SharedKind, Source, Spacing, UncertainValue},
     rounds::{Searched, Task, searched},
     testing::{effort, free, problem, starts},
 };
@@ -40,7 +40,7 @@ enum Planted {
     Structure,
 }
 
-fn record(planted: Planted, seed: u64) -> (Vec<Suspect>, Fit) {
+fn record(planted: Planted, seed: u64) -> (Vec<Suspect>, FitVerdict) {
     let mut random = StdRng::seed_from_u64(seed);
     let mut truth = [4.0, 0.4, 1.0, 1.0];
     for (k, width) in [(0, 0.1), (1, 0.1), (2, 0.02)] {
@@ -73,7 +73,7 @@ fn record(planted: Planted, seed: u64) -> (Vec<Suspect>, Fit) {
             *value += size;
         }
     }
-    let measured = values.iter().enumerate().map(|(k, &value)| Measured { value, accuracy: accuracy(k) });
+    let measured = values.iter().enumerate().map(|(k, &value)| UncertainValue { value, accuracy: accuracy(k) });
     let unknown = [("stiffness", 4.0, 0.1), ("damping", 0.4, 0.1), ("mass", 1.0, 0.02)];
     let unknown = unknown.map(|(name, at, part)| free(name, Spacing::Linear, at * (1.0 - part), at * (1.0 + part)));
     let mut problem = problem(unknown.to_vec(), vec![measured.collect()]);
@@ -119,7 +119,7 @@ fn record(planted: Planted, seed: u64) -> (Vec<Suspect>, Fit) {
         sensors: &sensors,
         reach: &[[0.0, f64::INFINITY]; 3],
         constants: &[Constant {
-            fault: Fault::Constant,
+            fault: Suspicion::Constant,
             usual: 0.05,
             free: free("start", Spacing::Linear, 0.5, 1.5),
             value: 1.0,
@@ -127,7 +127,7 @@ fn record(planted: Planted, seed: u64) -> (Vec<Suspect>, Fit) {
             model: Box::new(simulate),
         }],
     };
-    let suspects = if outcome.fit() == Fit::Misses { inquiry.suspects().unwrap() } else { Vec::new() };
+    let suspects = if outcome.fit() == FitVerdict::Misses { inquiry.suspects().unwrap() } else { Vec::new() };
     (suspects, outcome.fit())
 }
 
@@ -135,15 +135,15 @@ fn record(planted: Planted, seed: u64) -> (Vec<Suspect>, Fit) {
 #[test]
 fn the_culprit_is_named_first() {
     let cases = [
-        (Planted::Parameter(0, 0.3), Fault::Range, "stiffness"),
-        (Planted::Parameter(1, 0.4), Fault::Range, "damping"),
-        (Planted::Parameter(2, 0.13), Fault::Range, "mass"),
-        (Planted::Offset(0.3), Fault::Offset, "force"),
-        (Planted::Gain(0.1), Fault::Gain, "place"),
-        (Planted::Delay(0.05), Fault::Delay, "place"),
-        (Planted::Sign, Fault::Unit("sign".to_owned()), "place"),
-        (Planted::Thousand, Fault::Unit("kilo".to_owned()), "place"),
-        (Planted::Start(0.15), Fault::Constant, "start"),
+        (Planted::Parameter(0, 0.3), Suspicion::Range, "stiffness"),
+        (Planted::Parameter(1, 0.4), Suspicion::Range, "damping"),
+        (Planted::Parameter(2, 0.13), Suspicion::Range, "mass"),
+        (Planted::Offset(0.3), Suspicion::Offset, "force"),
+        (Planted::Gain(0.1), Suspicion::Gain, "place"),
+        (Planted::Delay(0.05), Suspicion::Delay, "place"),
+        (Planted::Sign, Suspicion::Unit("sign".to_owned()), "place"),
+        (Planted::Thousand, Suspicion::Unit("kilo".to_owned()), "place"),
+        (Planted::Start(0.15), Suspicion::Constant, "start"),
     ];
     let mut wrong = Vec::new();
     for (planted, fault, name) in cases {
@@ -177,7 +177,7 @@ fn nobody_is_named_without_a_fault() {
 #[test]
 fn what_nothing_explains_is_not_put_on_somebody() {
     let (suspects, fit) = record(Planted::Structure, 1);
-    assert_eq!(fit, Fit::Misses);
+    assert_eq!(fit, FitVerdict::Misses);
     assert!(suspects.iter().all(|suspect| !suspect.explains()), "{suspects:?}");
 }
 
@@ -196,7 +196,7 @@ fn a_parameter_beyond_its_range_is_told_with_its_value() {
 fn a_prior_is_no_bound() {
     let mut free = free("a", Spacing::Linear, -10.0, 10.0);
     free.prior = Some(Prior { centre: 0.0, spread: 0.1 });
-    let values = [2.0, 2.01, 1.99, 2.0, 2.0].map(|value| Measured { value, accuracy: 0.02 });
+    let values = [2.0, 2.01, 1.99, 2.0, 2.0].map(|value| UncertainValue { value, accuracy: 0.02 });
     let problem = problem(vec![free], vec![values.to_vec()]);
     let model = |_: usize, p: &[f64], _: &[f64]| Ok(vec![p[0]; 5]);
     let starts = starts(1, 4);
@@ -213,7 +213,7 @@ fn a_prior_is_no_bound() {
         constants: &[],
     };
     let suspects = inquiry.suspects().unwrap();
-    assert_eq!(suspects[0].fault, Fault::Range);
+    assert_eq!(suspects[0].fault, Suspicion::Range);
     assert!((suspects[0].value - 2.0).abs() < 0.02 && suspects[0].departure > 5.0, "{suspects:?}");
 }
 
@@ -224,7 +224,7 @@ fn a_recording_that_is_late_by_a_row_is_told() {
     let model = |_: usize, p: &[f64], _: &[f64]| Ok(PATTERN.map(|part| p[0] * part).to_vec());
     for (rows, late) in [(1, 0.1), (2, 0.2), (-1, -0.1)] {
         let at = |k: usize| PATTERN[k.saturating_add_signed(-rows).min(PATTERN.len() - 1)];
-        let values = (0..PATTERN.len()).map(|k| Measured { value: 1.3 * at(k), accuracy: 0.01 });
+        let values = (0..PATTERN.len()).map(|k| UncertainValue { value: 1.3 * at(k), accuracy: 0.01 });
         let problem = problem(vec![free("a", Spacing::Linear, 0.5, 1.5)], vec![values.collect()]);
         let starts = starts(1, 16);
         let task = Task { problem: &problem, difference: 1e-4, starts: &starts, effort: effort(2, 40) };
@@ -249,7 +249,7 @@ fn a_recording_that_is_late_by_a_row_is_told() {
         };
         let suspects = inquiry.suspects().unwrap();
         let first = suspects.first().unwrap();
-        assert_eq!((&first.fault, &first.unit), (&Fault::Delay, &Some("s".to_owned())), "{suspects:?}");
+        assert_eq!((&first.fault, &first.unit), (&Suspicion::Delay, &Some("s".to_owned())), "{suspects:?}");
         assert!((first.value - late).abs() < 1e-9, "{suspects:?}");
     }
 }

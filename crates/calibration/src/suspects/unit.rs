@@ -6,7 +6,7 @@ use super::{
         problem::{NoPrediction, Problem},
         search::unknowns,
     },
-    inquiry::{Candidate, Confusion, Fault, Inquiry, Sensor, Suspect, WIDE, spacing},
+    inquiry::{Candidate, Confusion, Inquiry, Sensor, Suspect, Suspicion, WIDE, spacing},
 };
 
 impl Inquiry<'_> {
@@ -80,13 +80,13 @@ impl Inquiry<'_> {
         let spacing = spacing(&sensor.times);
         // What is left of a delay by whole rows.
         if confusion.rows != 0 {
-            let column = self.column(sensor, sensor.rates(&self.predicted(sensor)));
+            let column = self.column(sensor, &sensor.rates(&self.predicted(sensor)));
             self.free(&mut problem, sensor, &column, WIDE * spacing);
         }
         let minimum = self.minimised(&problem, self.model, from.to_vec())?;
         let fault = match confusion.rows {
-            0 => Fault::Unit(confusion.words.clone()),
-            _ => Fault::Delay,
+            0 => Suspicion::Unit(confusion.words.clone()),
+            _ => Suspicion::Delay,
         };
         let known = self.suspect(fault, &sensor.group.name, &problem, &minimum);
         Ok(match confusion.rows as f64 {

@@ -1,11 +1,11 @@
 //! What explains that the model misses the measured values, in sentences.
 
 use calibration::{
-    fit::Fit,
+    fit::FitVerdict,
     local::End,
     outcome::{FreeOutcome, IdentificationOutcome},
     problem::{Prior, SharedKind, Spacing},
-    suspects::{Fault, Suspect},
+    suspects::{Suspicion, Suspect},
 };
 use result_document::{Document, format::number};
 
@@ -63,10 +63,10 @@ pub fn headline(outcome: &IdentificationOutcome) -> Option<String> {
         .iter()
         .filter(|other| other.cost[1] - first.cost[1] < NEAR)
         .map(|other| match other.fault {
-            Fault::Range | Fault::Constant => other.name.clone(),
-            Fault::Offset | Fault::Gain => format!("the sensor of {}", other.name),
-            Fault::Delay => format!("the times of {}", other.name),
-            Fault::Unit(_) => format!("the unit of {}", other.name),
+            Suspicion::Range | Suspicion::Constant => other.name.clone(),
+            Suspicion::Offset | Suspicion::Gain => format!("the sensor of {}", other.name),
+            Suspicion::Delay => format!("the times of {}", other.name),
+            Suspicion::Unit(_) => format!("the unit of {}", other.name),
         })
         .collect();
     equals.dedup();
@@ -99,7 +99,7 @@ fn coarse(outcome: &IdentificationOutcome) -> Option<String> {
 pub fn causes(outcome: &IdentificationOutcome) -> Vec<String> {
     /// Of a parameter that the data determine they leave less of the prior's deviation.
     const DETERMINED: f64 = 0.5;
-    if outcome.end != End::Converged || outcome.fit() != Fit::Good || outcome.has_several() {
+    if outcome.end != End::Converged || outcome.fit() != FitVerdict::Good || outcome.has_several() {
         return headline(outcome).into_iter().collect();
     }
     if let Some(strained) = strained(outcome) {
@@ -138,7 +138,7 @@ fn strained(outcome: &IdentificationOutcome) -> Option<String> {
     };
     let far = || outcome.shared.iter().filter(|error| error.value.abs() * error.coverage > FAR * error.limit);
     let sensors = far().map(|error| {
-        let fault = if error.kind == SharedKind::Gain { Fault::Gain } else { Fault::Offset };
+        let fault = if error.kind == SharedKind::Gain { Suspicion::Gain } else { Suspicion::Offset };
         sentence(&suspect(fault, &error.name, error.value, &error.unit, [-error.limit, error.limit]))
     });
     // A study's distribution is its drawing. Of what the data tell nothing, the value is that of the prior.
@@ -149,7 +149,7 @@ fn strained(outcome: &IdentificationOutcome) -> Option<String> {
             Spacing::Linear => [centre - 2.0 * spread, centre + 2.0 * spread],
             Spacing::Log => [centre / spread.powi(2), centre * spread.powi(2)],
         };
-        let told = sentence(&suspect(Fault::Range, &free.name, free.value, &free.unit, allowed));
+        let told = sentence(&suspect(Suspicion::Range, &free.name, free.value, &free.unit, allowed));
         Some(format!("{told} ({} standard deviations from {})", number(free.strain().abs(), 2), number(centre, 4)))
     });
     let all: Vec<String> = sensors.chain(parameters).collect();
@@ -158,7 +158,7 @@ fn strained(outcome: &IdentificationOutcome) -> Option<String> {
     let strain: f64 = of_sensors.chain(off().map(FreeOutcome::strain)).map(|strain| strain * strain).sum();
     let freedom = outcome.degrees_of_freedom as f64;
     let fits = match outcome.fit() {
-        Fit::Misses if outcome.cost - strain > freedom + FAR * (2.0 * freedom).sqrt() => {
+        FitVerdict::Misses if outcome.cost - strain > freedom + FAR * (2.0 * freedom).sqrt() => {
             "Even with that the model misses: something else is missing in it, or in the stated uncertainties"
         }
         _ => "The model fits only with that",
@@ -173,13 +173,13 @@ fn sentence(suspect: &Suspect) -> String {
     let stated = suspect
         .allowed
         .map(|[_, limit]| match suspect.fault {
-            Fault::Gain => format!(" (stated: at most {} %)", percent(limit)),
+            Suspicion::Gain => format!(" (stated: at most {} %)", percent(limit)),
             _ => format!(" (stated: at most {}{unit})", number(limit, 3)),
         })
         .unwrap_or_default();
     let (high, late) = if suspect.value > 0.0 { ("high", "late") } else { ("low", "early") };
     match &suspect.fault {
-        Fault::Range => {
+        Suspicion::Range => {
             let [low, high] = suspect.allowed.unwrap_or([f64::NAN; 2]);
             let (side, end) = if suspect.value > high { ("above", high) } else { ("below", low) };
             let far = if end == 0.0 {
@@ -189,15 +189,15 @@ fn sentence(suspect: &Suspect) -> String {
             };
             format!("{name} is {value}{unit} instead of {} .. {}{unit}{far}", number(low, 4), number(high, 4))
         }
-        Fault::Constant => {
+        Suspicion::Constant => {
             let [given, _] = suspect.allowed.unwrap_or([f64::NAN; 2]);
             format!("{name}, which the study does not vary, is {value}{unit} instead of {}{unit}", number(given, 4))
         }
-        Fault::Offset => {
+        Suspicion::Offset => {
             format!("the sensor of {name} reads {}{unit} too {high}{stated}", number(suspect.value.abs(), 3))
         }
-        Fault::Gain => format!("the sensor of {name} reads {} % too {high}{stated}", percent(suspect.value)),
-        Fault::Delay => format!("{name} is recorded {} s too {late}", number(suspect.value.abs(), 3)),
-        Fault::Unit(words) => format!("{name} would fit if {words}"),
+        Suspicion::Gain => format!("the sensor of {name} reads {} % too {high}{stated}", percent(suspect.value)),
+        Suspicion::Delay => format!("{name} is recorded {} s too {late}", number(suspect.value.abs(), 3)),
+        Suspicion::Unit(words) => format!("{name} would fit if {words}"),
     }
 }

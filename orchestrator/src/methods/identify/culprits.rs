@@ -7,7 +7,7 @@ use calibration::{
     problem::{Free, NoPrediction, Problem, Query, Simulate},
     remembered::Remembered,
     rounds::{Searched, Task},
-    suspects::{Confusion, Constant, Fault, Inquiry, Sensor, Suspect},
+    suspects::{Confusion, Constant, Inquiry, Sensor, Suspect, Suspicion},
 };
 use fmu_import::{Content, Description, Value, units::Conversion};
 use fmu_points::task::{SensorError, Slot};
@@ -162,7 +162,7 @@ struct Given {
     slot: Slot,
     free: Free,
     value: f64,
-    fault: Fault,
+    fault: Suspicion,
     usual: f64,
 }
 
@@ -184,14 +184,14 @@ fn of_inputs(bound: &Bound, fmu: &Description) -> Vec<Given> {
         let most = series.values.iter().fold(0.0, |most: f64, value| most.max(value.abs()));
         let unit = fmu.variables.get(&series.slot.name).and_then(|variable| variable.unit().map(str::to_owned));
         let errors = [
-            (Fault::Offset, SensorError::Offset, most, unit),
-            (Fault::Gain, SensorError::Gain { about: 0.0 }, 0.5, None),
+            (Suspicion::Offset, SensorError::Offset, most, unit),
+            (Suspicion::Gain, SensorError::Gain { about: 0.0 }, 0.5, None),
         ];
         all.extend(errors.map(|(fault, error, width, unit)| Given {
             slot: Slot { error: Some(error), ..series.slot.clone() },
             free: Free::linear(series.slot.name.clone(), unit, [-width, width]),
             value: 0.0,
-            usual: ODD * if fault == Fault::Gain { 1.0 } else { most },
+            usual: ODD * if fault == Suspicion::Gain { 1.0 } else { most },
             fault,
         }));
     }
@@ -226,7 +226,7 @@ fn found(bound: &Bound, fmu: &Description) -> Vec<Given> {
         let bounds = [least.max(value - width), most.min(value + width)];
         let free = Free::linear(variable.name.clone(), variable.unit().map(str::to_owned), bounds);
         if free.check().is_ok() {
-            all.push(Given { slot, free, value, fault: Fault::Constant, usual: ODD * value.abs() });
+            all.push(Given { slot, free, value, fault: Suspicion::Constant, usual: ODD * value.abs() });
         }
     }
     all

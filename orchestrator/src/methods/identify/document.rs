@@ -3,7 +3,7 @@
 use std::{ops::Range, path::Path};
 
 use calibration::{
-    fit::Fit,
+    fit::FitVerdict,
     influence::Group,
     local::End,
     outcome::{FreeOutcome, IdentificationOutcome, OptimumOutcome, Residual},
@@ -104,9 +104,9 @@ impl Page<'_> {
         let headline = match fit {
             _ if outcome.end != End::Converged => "The search ended before it converged".to_owned(),
             _ if outcome.has_several() => text::several(outcome).unwrap_or_default(),
-            Fit::Good => "The model fits the measured values".to_owned(),
-            Fit::Untested => "Nothing is left to test the model by".to_owned(),
-            Fit::Misses => "The model misses the measured values".to_owned(),
+            FitVerdict::Good => "The model fits the measured values".to_owned(),
+            FitVerdict::Untested => "Nothing is left to test the model by".to_owned(),
+            FitVerdict::Misses => "The model misses the measured values".to_owned(),
         };
         let mut agreement = vec![format!(
             "{} measured value{}; sum of squares {} with {} degrees of freedom.",
@@ -120,14 +120,14 @@ impl Page<'_> {
             agreement.push("What follows is the fit without that.".to_owned());
         }
         agreement.extend(text::doubts(outcome));
-        if outcome.has_several() && fit != Fit::Misses {
+        if outcome.has_several() && fit != FitVerdict::Misses {
             agreement.push("None of them is \"the\" value: further measurements must decide.".to_owned());
         }
-        if let (Fit::Good, Some(p), [_]) = (fit, outcome.probability, &agreement[..]) {
+        if let (FitVerdict::Good, Some(p), [_]) = (fit, outcome.probability, &agreement[..]) {
             agreement.push(format!("A right model misses by more in {} % of such tests.", number(100.0 * p, 2)));
         }
         let is_one = outcome.end == End::Converged && !outcome.has_several();
-        (is_one && fit == Fit::Good && self.warnings().is_empty(), headline, agreement)
+        (is_one && fit == FitVerdict::Good && self.warnings().is_empty(), headline, agreement)
     }
 
     fn warnings(&self) -> Vec<String> {

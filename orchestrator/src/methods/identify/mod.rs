@@ -369,7 +369,7 @@ fn search_by(
     (outcome.farthest, outcome.influence) =
         calibration::influence::of_values(&searched.problem, &optima[0], &document::groups(bound));
     outcome.look_along(&document::curves(bound), &bound.problem.estimates);
-    if outcome.fit() == fit::Fit::Misses {
+    if outcome.fit() == fit::FitVerdict::Misses {
         outcome.notes.extend(offsets::held(bound));
         // On surrogates one would look for what their error explains.
         if let Asks::Model = asks {

@@ -3,7 +3,7 @@
 use std::{f64::consts::E, path::Path};
 
 use calibration::{
-    fit::Fit,
+    fit::FitVerdict,
     outcome::{FreeOutcome, IdentificationOutcome},
     problem::Spacing,
     text::digits,
@@ -72,7 +72,7 @@ pub fn study(
         of => format!("Optimum {} of {of}", place + 1),
     };
     let misses = match outcome.fit() {
-        Fit::Misses => ", which misses the measured values",
+        FitVerdict::Misses => ", which misses the measured values",
         _ if outcome.optima.len() > 1 => ", of which the data do not tell the right one",
         _ => "",
     };
