@@ -9,7 +9,7 @@ use std::{
 use serde::Deserialize;
 
 use crate::{
-    Error, Outcome, Result,
+    Error, PointOutcome, Result,
     header::Header,
     lines::{Line, Lines, open, path_in},
     note::{Note, PASSED, SAME_SET, SET},
@@ -191,7 +191,7 @@ impl Finished {
 }
 
 /// An outcome, with what the FMU said beside its results if it said anything.
-pub type Noted = (Outcome, Option<Notices>);
+pub type Noted = (PointOutcome, Option<Notices>);
 
 /// Reads outcomes from a journal.
 pub struct Outcomes<'a> {
@@ -206,7 +206,7 @@ impl Outcomes<'_> {
     ///
     /// # Errors
     /// When the journal cannot be read any more.
-    pub fn get(&mut self, index: u64) -> Result<Option<Outcome>> {
+    pub fn get(&mut self, index: u64) -> Result<Option<PointOutcome>> {
         Ok(self.get_noted(index)?.map(|(outcome, _)| outcome))
     }
 

@@ -27,7 +27,7 @@ use std::{
 use tempfile::NamedTempFile;
 
 use crate::{
-    Error, Outcome, Result,
+    Error, PointOutcome, Result,
     files::{draft, keep, make_output},
     finished::Finished,
     header::Header,
@@ -128,7 +128,7 @@ impl Journal {
     ///
     /// # Errors
     /// When the outcome cannot be written as text.
-    pub fn append(&mut self, index: u64, outcome: &Outcome, notices: Option<&Notices>) -> Result {
+    pub fn append(&mut self, index: u64, outcome: &PointOutcome, notices: Option<&Notices>) -> Result {
         // Writing to a String cannot fail.
         let _ = match outcome {
             Ok(values) => {

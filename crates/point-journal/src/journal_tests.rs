@@ -21,7 +21,7 @@ fn header() -> Header {
     }
 }
 
-fn written() -> (tempfile::TempDir, Vec<Outcome>) {
+fn written() -> (tempfile::TempDir, Vec<PointOutcome>) {
     let folder = tempfile::tempdir().unwrap();
     let outcomes =
         vec![Ok(vec![1.0 / 3.0, -2e-300]), Err(Failure::Error("it \"broke\"\nbadly".to_owned())), Ok(vec![0.1, 82.0])];

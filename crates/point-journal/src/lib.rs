@@ -15,5 +15,5 @@ pub use finished::Finished;
 pub use header::{Form, Header};
 pub use journal::Journal;
 pub use lock::Lock;
-pub use note::{Note, Outcome};
+pub use note::{Note, PointOutcome};
 pub use pipeline::Pipeline;

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use fmu_points::{Conduct, failure::Failure};
 
 /// A point's values, or why there are none.
-pub type Outcome = Result<Vec<f64>, Failure>;
+pub type PointOutcome = Result<Vec<f64>, Failure>;
 
 /// A line about many points.
 #[derive(Serialize, Deserialize)]

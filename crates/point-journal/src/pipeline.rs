@@ -17,7 +17,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use crate::{Error, Finished, Journal, Note, Outcome, Result};
+use crate::{Error, Finished, Journal, Note, PointOutcome, Result};
 use again::{Again, JobOfIndex};
 use fmu_points::{Conduct, Event, Isolation, Job, PointResult, Worker, crew::Crew, notices::Notices, stop, task::Case};
 use progress::Progress;
@@ -31,10 +31,10 @@ pub trait Model {
     fn values(&self, point: &[f64]) -> Vec<f64>;
 
     /// An answer of the FMU in the study's units.
-    fn outcome(&self, answer: PointResult) -> Outcome;
+    fn outcome(&self, answer: PointResult) -> PointOutcome;
 
     /// Whether the outcome meets all criteria.
-    fn is_verified(&self, outcome: &Outcome) -> bool;
+    fn is_verified(&self, outcome: &PointOutcome) -> bool;
 }
 
 /// Hands points to the workers, and writes every outcome into the journal.
@@ -146,7 +146,7 @@ impl<'a> Pipeline<'a> {
         &mut self,
         open: impl Iterator<Item = u64> + Send,
         job: &(dyn Fn(u64) -> Job + Sync),
-        receive: impl FnMut(u64, Outcome) -> ControlFlow<()>,
+        receive: impl FnMut(u64, PointOutcome) -> ControlFlow<()>,
     ) -> Result {
         self.recall(0..u64::MAX, job)?;
         self.run(open, job, receive)
@@ -157,7 +157,7 @@ impl<'a> Pipeline<'a> {
         &mut self,
         open: impl Iterator<Item = u64> + Send,
         job: &(dyn Fn(u64) -> Job + Sync),
-        mut receive: impl FnMut(u64, Outcome) -> ControlFlow<()>,
+        mut receive: impl FnMut(u64, PointOutcome) -> ControlFlow<()>,
     ) -> Result {
         // Points that share processes are known from the beginning, even if the run is killed.
         if self.crew.conduct().isolation != Isolation::Fresh {
@@ -188,7 +188,7 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Notes an event in the journal; the point that is done, if one is.
-    fn take(&mut self, event: Event, job: JobOfIndex) -> Result<Option<(u64, Outcome)>> {
+    fn take(&mut self, event: Event, job: JobOfIndex) -> Result<Option<(u64, PointOutcome)>> {
         Ok(match event {
             Event::Answer(index, mut answer) => {
                 let result = answer.as_mut().ok();
@@ -242,7 +242,7 @@ impl<'a> Pipeline<'a> {
     ///
     /// # Errors
     /// When not all points have an outcome: see [`Error`].
-    pub fn ask(&mut self, points: &[Vec<f64>]) -> Result<Vec<Outcome>> {
+    pub fn ask(&mut self, points: &[Vec<f64>]) -> Result<Vec<PointOutcome>> {
         if points.is_empty() {
             return Ok(Vec::new());
         }
@@ -261,7 +261,7 @@ impl<'a> Pipeline<'a> {
     ///
     /// # Errors
     /// When no worker can be started, and when Ctrl-C has ended the run.
-    pub fn apart(&self, cases: &[Case], points: &[Vec<f64>]) -> Result<Vec<Outcome>> {
+    pub fn apart(&self, cases: &[Case], points: &[Vec<f64>]) -> Result<Vec<PointOutcome>> {
         let size = self.crew.size().min(points.len());
         let mut workers: Vec<_> = (0..size).map(|_| self.crew.worker(cases)).collect();
         let values: Vec<Vec<f64>> = points.iter().map(|point| self.model.values(point)).collect();
@@ -277,7 +277,13 @@ impl<'a> Pipeline<'a> {
     }
 
     /// Computes the open points of a set.
-    fn fill(&mut self, first: u64, points: &[Vec<f64>], open: &[usize], outcomes: &mut [Option<Outcome>]) -> Result {
+    fn fill(
+        &mut self,
+        first: u64,
+        points: &[Vec<f64>],
+        open: &[usize],
+        outcomes: &mut [Option<PointOutcome>],
+    ) -> Result {
         let model = self.model;
         let values: Vec<Vec<f64>> = points.iter().map(|point| model.values(point)).collect();
         let job = |index: u64| Job { index, values: values[(index - first) as usize].clone() };
@@ -291,7 +297,7 @@ impl<'a> Pipeline<'a> {
     }
 
     /// The outcomes that the journal knows of the set that begins with this index.
-    fn known(&self, first: u64, count: usize) -> Result<Vec<Option<Outcome>>> {
+    fn known(&self, first: u64, count: usize) -> Result<Vec<Option<PointOutcome>>> {
         let Some(finished) = &self.finished else { return Ok(vec![None; count]) };
         let mut outcomes = finished.outcomes()?;
         (0..count as u64).map(|k| outcomes.get(first + k)).collect()

@@ -21,7 +21,7 @@ use fmu_points::{
     task::Case,
 };
 use point_journal::{
-    Finished, Outcome,
+    Finished, PointOutcome,
     files::{draft, keep},
     pipeline::{Model, difference},
 };
@@ -101,7 +101,7 @@ pub fn run(options: &Replay) -> Result<ExitCode> {
 }
 
 /// The outcome of a point that a folder's journal holds, where it does: results of a table have none.
-fn recorded(folder: &Path, index: u64) -> Option<Outcome> {
+fn recorded(folder: &Path, index: u64) -> Option<PointOutcome> {
     Finished::read(folder).ok()?.outcomes().ok()?.get(index).ok()?
 }
 

@@ -10,7 +10,7 @@ use fmu_points::{
     task::{Slot, Task},
 };
 use point_journal::{
-    Outcome,
+    PointOutcome,
     pipeline::{Model, Pipeline},
 };
 use sampling::statistics::moments::sorted;
@@ -20,13 +20,13 @@ impl Model for Bound {
         point.to_vec()
     }
 
-    fn outcome(&self, answer: PointResult) -> Outcome {
+    fn outcome(&self, answer: PointResult) -> PointOutcome {
         answer.map(|results| {
             results.iter().zip(&self.outputs).map(|(&value, conversion)| conversion.value(value)).collect()
         })
     }
 
-    fn is_verified(&self, _: &Outcome) -> bool {
+    fn is_verified(&self, _: &PointOutcome) -> bool {
         false
     }
 }
@@ -77,7 +77,7 @@ impl<'a, 'b> FmuModel<'a, 'b> {
     fn predicted(
         &self,
         queries: &[Query],
-        outcomes: Result<Vec<Outcome>, point_journal::Error>,
+        outcomes: Result<Vec<PointOutcome>, point_journal::Error>,
     ) -> Result<Vec<Prediction>, NoPrediction> {
         let outcomes = outcomes.map_err(|halt| {
             *self.halted.borrow_mut() = Some(halt.into());

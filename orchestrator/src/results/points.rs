@@ -15,7 +15,7 @@ use crate::error::{Error, Result};
 use conformity::{measured::Assessed, risk::Guard};
 use number_tables::csv_file;
 use parameter_regions::table::{CriterionColumn, ParameterColumn, PointTable};
-use point_journal::Outcome;
+use point_journal::PointOutcome;
 use sampling::statistics::moments::length;
 use study::{
     judge::{Criterion, Judge, PointVerdict},
@@ -72,7 +72,7 @@ impl Writer {
         &mut self,
         label: u64,
         parameters: &[f64],
-        outcome: &Outcome,
+        outcome: &PointOutcome,
         verdict: &PointVerdict,
     ) -> io::Result<()> {
         let record = &mut self.record;

@@ -10,7 +10,7 @@ use conformity::{
     conclusion::grouped,
     validation::{Comparison, Numerical, Spread},
 };
-use point_journal::Outcome;
+use point_journal::PointOutcome;
 use study::{
     concern::{Code, Concern},
     judge::Judge,
@@ -51,7 +51,7 @@ impl<'a> Survey<'a> {
     }
 
     /// Looks at a point, which may have gone `beyond` what the model is valid for.
-    pub fn add(&mut self, parameters: &[f64], outcome: &Outcome, beyond: bool) {
+    pub fn add(&mut self, parameters: &[f64], outcome: &PointOutcome, beyond: bool) {
         if self.first.len() < PLACED {
             self.first.push((parameters.to_vec(), outcome.is_err(), beyond));
         }

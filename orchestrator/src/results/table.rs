@@ -3,7 +3,7 @@
 use super::{Summary, points};
 use crate::error::{Error, Result};
 use parameter_regions::table::{ParameterColumn, PointTable};
-use point_journal::Outcome;
+use point_journal::PointOutcome;
 use std::path::Path;
 use study::{
     judge::{Judge, PointVerdict},
@@ -85,7 +85,7 @@ pub fn from_runs(
     varied: &[usize],
     judge: &Judge,
     points: &[Vec<f64>],
-    outcomes: Vec<Outcome>,
+    outcomes: Vec<PointOutcome>,
 ) -> PointTable {
     assert_eq!(points.len(), outcomes.len(), "each point has an outcome");
     let verdicts: Vec<PointVerdict> = outcomes.iter().map(|o| judge.verdict(o.as_deref().ok())).collect();

@@ -24,7 +24,7 @@ use fmu_points::{
     failure::Failure,
     notices::{Notices, Replicates},
 };
-use point_journal::Outcome;
+use point_journal::PointOutcome;
 use study::{
     Study,
     judge::{Judge, PointVerdict},
@@ -146,7 +146,7 @@ impl<'a> Tally<'a> {
         &mut self,
         label: u64,
         parameters: &[f64],
-        outcome: &Outcome,
+        outcome: &PointOutcome,
         notices: Option<&Notices>,
     ) -> PointVerdict {
         let conforming: &[Replicates] = notices.map_or(&[], |notices| &notices.conforming);
@@ -190,7 +190,7 @@ impl<'a> Tally<'a> {
         of_kind.points += 1;
     }
 
-    fn count_cases(&mut self, outcome: &Outcome, verdict: &PointVerdict, replicate: usize) {
+    fn count_cases(&mut self, outcome: &PointOutcome, verdict: &PointVerdict, replicate: usize) {
         for (number, case) in self.judge.cases.iter().enumerate() {
             let mut members = case.members.clone();
             let holds = verdict.passed[members.clone()].iter().all(|&passed| passed);

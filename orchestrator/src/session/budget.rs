@@ -21,7 +21,7 @@ use conformity::{
     looks::{History, spent},
     risk::Guard,
 };
-use point_journal::{Outcome, pipeline::Pipeline};
+use point_journal::{PointOutcome, pipeline::Pipeline};
 use run_budget::{Answers, Campaign, Share};
 use sampling::design::{Design, Method, Sampling};
 use study::{judge::Judge, plan::Plan};
@@ -151,7 +151,7 @@ pub fn guard(judge: &Judge) -> Result<f64, String> {
 }
 
 /// The values of a run as a surrogate sees it: none of one that failed or has no number.
-fn values(outcome: &Outcome) -> Option<Vec<f64>> {
+fn values(outcome: &PointOutcome) -> Option<Vec<f64>> {
     outcome.as_ref().ok().cloned()
 }
 
@@ -208,7 +208,7 @@ pub fn run(
             break;
         }
         let points: Vec<Vec<f64>> = batch.iter().map(|place| sample[*place].clone()).collect();
-        let outcomes: VecDeque<Outcome> = pipeline.ask(&points)?.into();
+        let outcomes: VecDeque<PointOutcome> = pipeline.ask(&points)?.into();
         for (k, outcome) in outcomes.iter().enumerate() {
             campaign.tell(done + k, values(outcome));
         }

@@ -29,7 +29,7 @@ use crate::{
     },
 };
 use point_journal::{
-    Finished, Outcome,
+    Finished, PointOutcome,
     files::{draft, keep, write_json},
 };
 use study::{
@@ -215,7 +215,7 @@ impl FileSet {
     ///
     /// # Errors
     /// When the system says no.
-    pub fn write(&mut self, label: u64, parameters: &[f64], outcome: &Outcome, verdict: &PointVerdict) -> Result {
+    pub fn write(&mut self, label: u64, parameters: &[f64], outcome: &PointOutcome, verdict: &PointVerdict) -> Result {
         self.points.write(label, parameters, outcome, verdict).map_err(Error::io(&self.folder))
     }
 

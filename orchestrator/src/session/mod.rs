@@ -11,7 +11,7 @@ mod verification;
 use crate::error::Result;
 use fmu_import::Package;
 use fmu_points::PointResult;
-use point_journal::{Header, Outcome, pipeline::Model};
+use point_journal::{Header, PointOutcome, pipeline::Model};
 use study::{Study, judge::Judge, plan::Plan, points};
 
 pub use finale::{FileSet, provenance};
@@ -89,7 +89,7 @@ impl Model for Session {
         values
     }
 
-    fn outcome(&self, answer: PointResult) -> Outcome {
+    fn outcome(&self, answer: PointResult) -> PointOutcome {
         match answer {
             Ok(mut values) => {
                 self.plan.to_study(&mut values);
@@ -99,7 +99,7 @@ impl Model for Session {
         }
     }
 
-    fn is_verified(&self, outcome: &Outcome) -> bool {
+    fn is_verified(&self, outcome: &PointOutcome) -> bool {
         self.judge.verdict(outcome.as_deref().ok()).verified()
     }
 }

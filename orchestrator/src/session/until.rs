@@ -7,7 +7,7 @@ use conformity::{
     looks::{History, Looks, Way},
     risk::Guard,
 };
-use point_journal::Outcome;
+use point_journal::PointOutcome;
 use sampling::design::Method;
 use study::judge::Judge;
 
@@ -102,7 +102,7 @@ impl Ending {
     }
 
     /// Whether a point counts for the share that is waited for.
-    pub fn counts(&self, judge: &Judge, outcome: &Outcome) -> Seen {
+    pub fn counts(&self, judge: &Judge, outcome: &PointOutcome) -> Seen {
         let Ok(values) = outcome.as_deref() else { return Seen::Failed };
         let counts = match (self.condition, self.guard) {
             (Condition::Verdict(..), Guard::Given(band)) => judge.measurement.margin(values) >= band,

@@ -14,7 +14,7 @@ use std::{
 
 use rand::{RngExt, SeedableRng, rngs::StdRng, seq::SliceRandom};
 
-use crate::{Outcome, Result, pipeline::Model};
+use crate::{PointOutcome, Result, pipeline::Model};
 use fmu_points::{Conduct, Event, Job, Post, Simulated, Worker, crew::Crew, failure::Failure, stop, task::Case};
 
 /// A point of an index that is known.
@@ -39,7 +39,7 @@ const PART_OF_DRAWN: u32 = 20;
 #[derive(Debug)]
 struct RecordedPoint {
     job: Job,
-    outcome: Outcome,
+    outcome: PointOutcome,
     /// When this run recorded it; none where an earlier one did.
     when: Option<Instant>,
     /// The host that answered it, where there are several.
@@ -83,7 +83,7 @@ impl Again {
     }
 
     /// Takes a point that an earlier part of the run has recorded.
-    pub fn recall(&mut self, job: Job, outcome: Outcome) {
+    pub fn recall(&mut self, job: Job, outcome: PointOutcome) {
         if self.earlier < EARLIER && outcome.is_ok() && self.points.iter().all(|point| point.job.index != job.index) {
             self.earlier += 1;
             self.points.push(RecordedPoint { job, outcome, when: None, host: None });
@@ -91,7 +91,7 @@ impl Again {
     }
 
     /// Takes a point that was just recorded, if it is one of the first, or drawn.
-    pub fn note(&mut self, crew: &Crew, index: u64, outcome: &Outcome, job: JobOfIndex) {
+    pub fn note(&mut self, crew: &Crew, index: u64, outcome: &PointOutcome, job: JobOfIndex) {
         let host = crew.take_host(index);
         if outcome.is_err() {
             return;
@@ -197,7 +197,7 @@ struct Tally {
 
 impl Tally {
     /// Adds a point that gave this now, so much later, on this host.
-    fn add(&mut self, point: &RecordedPoint, later: Option<Duration>, there: Option<String>, now: &Outcome) {
+    fn add(&mut self, point: &RecordedPoint, later: Option<Duration>, there: Option<String>, now: &PointOutcome) {
         self.count += 1;
         self.later.push(later);
         let Some(text) = difference(&point.outcome, now) else { return };
@@ -251,7 +251,7 @@ fn in_turn(drawn: BTreeMap<Option<String>, Draw>) -> impl Iterator<Item = Record
 }
 
 /// The first value in which two outcomes differ, if they do.
-pub fn difference(recorded: &Outcome, now: &Outcome) -> Option<String> {
+pub fn difference(recorded: &PointOutcome, now: &PointOutcome) -> Option<String> {
     match (recorded, now) {
         (Ok(recorded), Ok(now)) => {
             let mut pairs = recorded.iter().zip(now);

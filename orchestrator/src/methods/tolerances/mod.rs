@@ -27,7 +27,7 @@ use parameter_regions::{
         stated::{Parameter, Tolerances},
     },
 };
-use point_journal::{Outcome, pipeline::Pipeline};
+use point_journal::{PointOutcome, pipeline::Pipeline};
 use result_document::format::number;
 use sampling::{design::Joint, statistics::moments::mean};
 use study::{
@@ -336,7 +336,7 @@ impl Runs<'_, '_> {
         if let Some(stand) = &self.stand {
             return Ok(stand.values(&full).into_iter().map(Some).collect());
         }
-        let outcomes: Vec<Outcome> = self.pipeline.ask(&full)?;
+        let outcomes: Vec<PointOutcome> = self.pipeline.ask(&full)?;
         Ok(outcomes.into_iter().map(Result::ok).collect())
     }
 
