@@ -7,69 +7,82 @@ use crate::{
 };
 use fmu_import::{Causality, Description, Variable, Version};
 
-/// The FMU's declarations and remarks, apart from its values.
+/// What the FMU declares, and what its binary and its simulations show, apart from values.
 pub fn remarks(fmu: &Description, report: Option<&Report>) -> Vec<Breach> {
     let mut breaches = Vec::new();
-    let mut tell = |rule, text| breaches.push(breach(rule, text));
     if fmu.capabilities.needs_execution_tool {
-        tell("execution-tool", "it needs the tool that wrote it (needsExecutionTool)".to_owned());
+        breaches.push(breach("execution-tool", "it needs the tool that wrote it (needsExecutionTool)"));
     }
-    let Some(report) = report else { return breaches };
-    let (prefix, number) = (fmu.standard.prefix(), fmu.standard.number());
-    for (rule, function, usual, told) in [
-        ("binary-version", "GetVersion", number, &report.version),
-        ("binary-types", "GetTypesPlatform", "default", &report.types_platform),
-    ] {
-        let function = format!("{prefix}{function}");
-        // FMI 3.0.1 and 3.0.2 are 3.0, too.
-        let same = |told: &str| match fmu.standard {
-            Version::Two => told == usual,
-            Version::Three => told.starts_with(usual),
-        };
-        if let Some(other) = told.as_deref().filter(|told| !same(told)) {
-            tell(
-                rule,
-                format!("{function} returns \"{other}\", not \"{usual}\": build it with the standard's headers"),
-            );
-        }
-    }
-    if report.strays > 0 {
-        tell(
-            "logger-environment",
-            format!(
-                "the logger is called with an environment that is not the one of {prefix}Instantiate: pass {} on",
-                match fmu.standard {
-                    Version::Two => "componentEnvironment",
-                    Version::Three => "instanceEnvironment",
-                }
-            ),
-        );
-    }
-    if let Some(held) = &report.held {
-        tell(
-            "held",
-            format!("it holds a {held}, where points that run at the same time meet: run them one after the other"),
-        );
-    }
-    for run in &report.runs {
-        if run.warnings > 0 {
-            let first = run.first_warning.as_deref().unwrap_or_default();
-            tell("warnings", format!("calls that returned {prefix}Warning: {}; the first: {first}", run.warnings));
-        }
-        if let Some(time) = run.ended {
-            tell(
-                "early-end",
-                format!(
-                    "it ends the simulation by itself, at {time} s ({})",
-                    match fmu.standard {
-                        Version::Two => "fmi2Terminated",
-                        Version::Three => "terminateSimulation",
-                    }
-                ),
-            );
-        }
+    if let Some(report) = report {
+        breaches.extend(other_headers(fmu.standard, report));
+        breaches.extend(foreign_environment(fmu.standard, report));
+        breaches.extend(held(report));
+        breaches
+            .extend(report.runs.iter().flat_map(|run| [warned(fmu.standard, run), ended(fmu.standard, run)]).flatten());
     }
     breaches
+}
+
+/// A binary that names another version, or other types, than the headers of the standard make it name.
+fn other_headers(standard: Version, report: &Report) -> impl Iterator<Item = Breach> {
+    let of_function = move |rule, function, usual: &str, named: &Option<String>| {
+        let named = named.as_deref()?;
+        let same = match standard {
+            Version::Two => named == usual,
+            // FMI 3.0.1 and 3.0.2 are 3.0, too.
+            Version::Three => named.starts_with(usual),
+        };
+        let prefix = standard.prefix();
+        let text =
+            || format!("{prefix}{function} returns \"{named}\", not \"{usual}\": build it with the standard's headers");
+        (!same).then(|| breach(rule, text()))
+    };
+    [
+        of_function("binary-version", "GetVersion", standard.number(), &report.version),
+        of_function("binary-types", "GetTypesPlatform", "default", &report.types_platform),
+    ]
+    .into_iter()
+    .flatten()
+}
+
+/// Messages that the FMU passes to the logger with another environment than it was given.
+fn foreign_environment(standard: Version, report: &Report) -> Option<Breach> {
+    let environment = match standard {
+        Version::Two => "componentEnvironment",
+        Version::Three => "instanceEnvironment",
+    };
+    let text = || {
+        let prefix = standard.prefix();
+        format!(
+            "the logger is called with an environment that is not the one of {prefix}Instantiate: pass {environment} on"
+        )
+    };
+    (report.strays > 0).then(|| breach("logger-environment", text()))
+}
+
+/// What only one process of the machine can have at a time.
+fn held(report: &Report) -> Option<Breach> {
+    let held = report.held.as_ref()?;
+    let text = format!("it holds a {held}, where points that run at the same time meet: run them one after the other");
+    Some(breach("held", text))
+}
+
+/// Warnings of the functions in a simulation.
+fn warned(standard: Version, run: &Run) -> Option<Breach> {
+    let first = run.first_warning.as_deref().unwrap_or_default();
+    let (prefix, count) = (standard.prefix(), run.warnings);
+    let text = || format!("calls that returned {prefix}Warning: {count}; the first: {first}");
+    (count > 0).then(|| breach("warnings", text()))
+}
+
+/// The end of a simulation before its stop time by the FMU's own will.
+fn ended(standard: Version, run: &Run) -> Option<Breach> {
+    let time = run.ended?;
+    let by = match standard {
+        Version::Two => "fmi2Terminated",
+        Version::Three => "terminateSimulation",
+    };
+    Some(breach("early-end", format!("it ends the simulation by itself, at {time} s ({by})")))
 }
 
 /// Values that cannot be right: infinite ones, ones beyond their range, and, where the description counts, start values
