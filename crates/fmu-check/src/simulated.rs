@@ -94,8 +94,9 @@ pub fn values(columns: &[&Variable], run: &Run, described_well: bool) -> Vec<Bre
             continue;
         }
         let values = run.rows.iter().map(|row| row[place].number());
-        // Before the first step, some are not known yet.
-        if let Some(value) = values.clone().skip(1).find(|value| !value.is_finite()) {
+        // A variable of a clock has no value before its first tick.
+        let is_unset = |value: &f64| !variable.clocks.is_empty() && !value.is_finite();
+        if let Some(value) = values.clone().skip_while(is_unset).find(|value| !value.is_finite()) {
             infinite.push(format!("{} is {value}", variable.name));
         }
         breaches.extend(beyond(variable, values));
