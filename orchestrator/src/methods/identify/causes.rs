@@ -5,7 +5,7 @@ use calibration::{
     local::End,
     outcome::{FreeOutcome, IdentificationOutcome},
     problem::{Prior, SharedKind, Spacing},
-    suspects::{Suspicion, Suspect},
+    suspects::{Suspect, Suspicion},
 };
 use result_document::{Document, format::number};
 

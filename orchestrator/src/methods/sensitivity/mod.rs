@@ -103,8 +103,11 @@ impl Asked {
             })
         });
         let usual = method.transpose()?.unwrap_or(RUNS[0]);
-        let sizes = [options.base, options.morris];
-        let asked = RUNS.iter().zip(sizes).find_map(|(method, size)| Some((*method, Some(size?))));
+        let sizes = [("base", options.base), ("morris", options.morris)];
+        let asked = sizes.iter().find_map(|(option, size)| {
+            let method = RUNS.iter().find(|method| method.facts().option == *option)?;
+            Some((*method, Some((*size)?)))
+        });
         let (method, size) = match asked {
             Some(asked) => asked,
             None => {
