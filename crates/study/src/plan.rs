@@ -1,30 +1,24 @@
 //! A study that fits an FMU: its points in the FMU's units, their results in those of the study.
 
-use crate::{
-    Result,
-    concern::{Code, Concern},
-};
-use std::{
-    collections::BTreeSet,
-    ops::Range,
-    sync::{Arc, Mutex},
+mod concerns;
+mod places;
+
+use std::{ops::Range, sync::Arc};
+
+use fmu_import::{Description, units::Conversion};
+use fmu_points::task::{Case, Measure, Probe, Slot};
+use sampling::{
+    design::{Joint, correlation::Correlation},
+    distribution::Distribution,
 };
 
 use super::{
-    Study,
-    bind::Binder,
+    CaseText, Study,
+    bind::{Binder, Bound},
     inputs::{InputError, taken_as_exact},
     points,
 };
-use fmu_import::{Description, units::Conversion};
-use fmu_points::{
-    names::behind,
-    task::{Case, Measure, Probe, Slot},
-};
-use sampling::{
-    design::{self, Design, Joint, Sampling, correlation::Correlation},
-    distribution::Distribution,
-};
+use crate::{Result, concern::Concern};
 
 pub use super::{
     input::Input,
@@ -67,40 +61,55 @@ impl Plan {
             ));
         }
         let binder = Binder { study, fmu };
-        let (mut inputs, varied) = binder.parameters()?;
+        let (mut inputs, slots) = binder.parameters()?;
         let joints = binder.samples(&mut inputs)?;
-        binder.within(&inputs, &varied)?;
-        let (mut cases, mut outputs, mut of_inputs) = (Vec::new(), Vec::new(), Vec::new());
-        let mut input_errors = Vec::new();
+        binder.within(&inputs, &slots)?;
+        let mut plan = Self {
+            cases: Vec::new(),
+            slots,
+            inputs,
+            outputs: Vec::new(),
+            correlation: None,
+            joints,
+            input_errors: Vec::new(),
+            of_inputs: Vec::new(),
+        };
         for (case, study) in study.by_case() {
             study.once(fmu, study.set())?;
-            let binder = Binder { study: &study, fmu };
-            let bound = binder.task(case, varied.clone())?;
-            outputs.extend(bound.outputs);
-            for error in bound.errors {
-                let pairs = study.criteria.iter().zip(&bound.task.observed);
-                for ((name, _), _) in pairs.filter(|((_, text), probe)| error.is_missed(text, probe)) {
-                    of_inputs.push(taken_as_exact(&error.name, &format!("the product {}", name.as_ref())));
-                }
-                error.join(&mut input_errors, cases.len(), case);
-            }
-            let stated = case.iter().flat_map(|case| &case.concerns);
-            let remedy =
-                "Look at the recordings that `synchronise` doubts, and measure again where a sensor was at fault.";
-            let stated = stated.map(|text| Concern::new(Code::Doubtful, text).remedied(remedy));
-            of_inputs.extend(bound.concerns.into_iter().chain(stated).map(|doubt| match case {
-                Some(case) => Concern { text: format!("case {}: {}", case.name.as_ref(), doubt.text), ..doubt },
-                None => doubt,
-            }));
-            cases.push(Case { name: case.map(|case| case.name.as_ref().clone()), task: bound.task });
+            let bound = Binder { study: &study, fmu }.task(case, plan.slots.clone())?;
+            plan.add_case(case, &study, bound);
         }
-        let mut slots = varied;
-        for error in &input_errors {
-            for (number, case) in cases.iter_mut().enumerate() {
+        plan.add_input_errors();
+        plan.correlation = points::correlation(study, plan.inputs.len())?;
+        Ok(plan)
+    }
+
+    /// Adds a simulation, with the errors of its recorded inputs and the doubts about them.
+    fn add_case(&mut self, case: Option<&CaseText>, study: &Study, bound: Bound) {
+        let Bound { outputs, task, errors, concerns } = bound;
+        self.outputs.extend(outputs);
+        for error in errors {
+            let pairs = study.criteria.iter().zip(&task.observed);
+            for ((name, _), _) in pairs.filter(|((_, text), probe)| error.is_missed(text, probe)) {
+                self.of_inputs.push(taken_as_exact(&error.name, &format!("the product {}", name.as_ref())));
+            }
+            error.join(&mut self.input_errors, self.cases.len(), case);
+        }
+        self.of_inputs.extend(match case {
+            None => concerns,
+            Some(case) => concerns::of_case(case, concerns),
+        });
+        self.cases.push(Case { name: case.map(|case| case.name.as_ref().clone()), task });
+    }
+
+    /// Adds what the sensors of recorded inputs may read wrong as inputs of their own.
+    fn add_input_errors(&mut self) {
+        for error in &self.input_errors {
+            for (number, case) in self.cases.iter_mut().enumerate() {
                 case.task.varied.push(error.slot_of(number));
             }
-            slots.push(error.slot.clone());
-            inputs.push(Input {
+            self.slots.push(error.slot.clone());
+            self.inputs.push(Input {
                 name: error.name.clone(),
                 unit: error.unit.clone(),
                 distribution: Distribution::Normal { mean: 0.0, deviation: error.spread },
@@ -108,16 +117,6 @@ impl Plan {
                 is_whole: false,
             });
         }
-        Ok(Self {
-            correlation: points::correlation(study, inputs.len())?,
-            cases,
-            slots,
-            inputs,
-            outputs,
-            input_errors,
-            joints,
-            of_inputs,
-        })
     }
 
     /// Leaves out the draws of measured curves, which nothing but the risk of a verdict needs.
@@ -128,19 +127,6 @@ impl Plan {
                 Arc::make_mut(curve).resampling = None;
             }
         }
-    }
-
-    /// The points of a design over the parameters.
-    ///
-    /// # Errors
-    /// When the method cannot serve this number of parameters or points.
-    pub fn design(&self, design: &Sampling) -> Result<Design, String> {
-        let inputs = design::Inputs {
-            distributions: self.distributions(),
-            correlation: self.correlation.clone(),
-            joints: self.joints.clone(),
-        };
-        Design::new(design, inputs)
     }
 
     /// The parameters that vary, by their places among the inputs.
@@ -157,61 +143,6 @@ impl Plan {
         varied
     }
 
-    /// The parameters at a point of the unit cube. Its axes are the parameters that vary; the others have their medians.
-    pub fn from_cube(&self, cube: &[f64]) -> Vec<f64> {
-        // Away from the ends of the unit interval where a distribution reaches to infinity.
-        let given = self.varied().into_iter().zip(cube).map(|(k, &u)| match self.inputs[k].distribution.is_bounded() {
-            [true, true] => u,
-            _ => u.clamp(1e-6, 1.0 - 1e-6),
-        });
-        let places = self.with_fixed(given, 0.5);
-        let point = self.inputs.iter().zip(&places).map(|(input, &u)| input.distribution.quantile(u));
-        self.with_samples(&places, point.collect())
-    }
-
-    /// A number for each parameter: those that are given for the ones that vary, and `otherwise`.
-    fn with_fixed(&self, mut given: impl Iterator<Item = f64>, otherwise: f64) -> Vec<f64> {
-        let mut next = || given.next().expect("a number for each that varies");
-        self.inputs.iter().map(|input| if input.distribution.varies() { next() } else { otherwise }).collect()
-    }
-
-    fn distributions(&self) -> Vec<Distribution> {
-        self.inputs.iter().map(|input| input.distribution.clone()).collect()
-    }
-
-    /// Puts the rows of the samples into a point.
-    fn with_samples(&self, places: &[f64], mut point: Vec<f64>) -> Vec<f64> {
-        for joint in &self.joints {
-            joint.fill(places, &mut point);
-        }
-        point
-    }
-
-    /// The parameters at independent standard normal scores of those that vary, correlated as the study says.
-    pub fn at_scores(&self, scores: &[f64]) -> Vec<f64> {
-        let all = self.with_fixed(scores.iter().copied(), 0.0);
-        let inputs = self.distributions();
-        let point: Vec<f64> = match &self.correlation {
-            Some(correlation) => correlation.at_scores(&all, &inputs),
-            None => inputs.iter().zip(&all).map(|(input, &z)| input.at_score(z)).collect(),
-        };
-        let unit = Distribution::Uniform { min: 0.0, max: 1.0 };
-        let places: Vec<f64> = all.iter().map(|&z| unit.at_score(z)).collect();
-        self.with_samples(&places, point)
-    }
-
-    /// A point as a surrogate sees it: a model changes evenly with the logarithm of a quantity that is normal in it.
-    pub fn coordinates(&self, point: &[f64]) -> Vec<f64> {
-        self.inputs
-            .iter()
-            .zip(point)
-            .map(|(input, &value)| match &input.distribution {
-                Distribution::Lognormal { .. } => value.ln(),
-                _ => value,
-            })
-            .collect()
-    }
-
     /// Whether every parameter varies on its own.
     pub fn is_independent(&self) -> bool {
         self.correlation.is_none() && !self.joints.iter().any(Joint::binds)
@@ -225,62 +156,6 @@ impl Plan {
             .flat_map(Joint::inputs)
             .map(|&k| self.inputs[k].name.as_str())
             .collect()
-    }
-
-    /// Doubts about the study's numbers: parameters of which the FMU refuses a large part of the
-    /// distribution, recorded inputs that it cannot follow.
-    pub fn concerns(&self) -> Vec<Concern> {
-        const LARGE: f64 = 0.05;
-        self.inputs
-            .iter()
-            .zip(&self.slots)
-            .filter_map(|(input, slot)| {
-                let inverse = input.conversion.inverse();
-                let below = |limit: f64| match limit {
-                    f64::INFINITY => 1.0,
-                    f64::NEG_INFINITY => 0.0,
-                    limit => input.distribution.below(inverse.value(limit)),
-                };
-                let inside: f64 = slot.allowed().into_iter().map(|[low, high]| below(high) - below(low)).sum();
-                let unit = behind(input.unit.as_deref());
-                (1.0 - inside >= LARGE && input.distribution.varies()).then(|| {
-                    Concern::new(Code::RefusedDistribution, format!(
-                    "{}: {:.0} % of the distribution lies outside of what the FMU allows ({}{unit}); such points \
-                     fail and count as not verified",
-                    input.name,
-                    100.0 * (1.0 - inside),
-                    slot.allowed_text(|limit| inverse.value(limit)),
-                )).remedied(format!(
-                    "Cut the distribution of {} to what the FMU allows (`truncated-normal`), or correct it.",
-                    input.name
-                ))
-                })
-            })
-            .chain(self.of_inputs.iter().cloned())
-            .collect()
-    }
-
-    /// Tells at once of recorded inputs that the FMU gets otherwise, or at a great cost: every analysis rests on them.
-    pub fn tell_of_inputs(&self) {
-        // Who looks for causes reads the study once more.
-        static TOLD: Mutex<BTreeSet<String>> = Mutex::new(BTreeSet::new());
-        for doubt in &self.of_inputs {
-            let text = format!("{}: {doubt}", doubt.severity.name());
-            if TOLD.lock().is_ok_and(|mut told| told.insert(text.clone())) {
-                fmu_points::tell::line!("{text}");
-            }
-        }
-    }
-
-    /// Concerns about parameters from samples of so few points.
-    pub fn concerns_of_samples(&self, points: u64) -> Vec<Concern> {
-        self.joints.iter().filter(|joint| (joint.count() as u64) < points).map(|joint| {
-            let names = joint.inputs().iter().map(|&k| self.inputs[k].name.as_str()).collect::<Vec<_>>().join(", ");
-            Concern::new(Code::RepeatedSample, format!(
-                "{names}: {points} points repeat the {} rows of the sample, so the interval of the verified share is too narrow",
-                joint.count()
-            )).remedied(format!("Give {names} a sample of {points} rows or more."))
-        }).collect()
     }
 
     /// The observations of each criterion, in the order of the study.
@@ -313,14 +188,12 @@ impl Plan {
     /// The FMU's results in the study's units.
     pub fn to_study(&self, values: &mut [f64]) {
         assert_eq!(values.len(), self.outputs.len(), "a value for each criterion");
-        for (value, (conversion, probe)) in values
-            .iter_mut()
-            .zip(self.outputs.iter().zip(self.probes()))
+        for ((value, conversion), probe) in values.iter_mut().zip(&self.outputs).zip(self.probes()) {
+            let measure = &probe.measure;
             // A curve's number is in the study's unit already.
-            .filter(|(_, (_, probe))| probe.measure.curve().is_none())
-        {
-            *value =
-                if probe.measure.is_difference() { conversion.difference(*value) } else { conversion.value(*value) };
+            if measure.curve().is_none() {
+                *value = if measure.is_difference() { conversion.difference(*value) } else { conversion.value(*value) };
+            }
         }
     }
 }
