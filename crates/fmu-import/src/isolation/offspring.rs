@@ -70,7 +70,7 @@ pub fn become_keeper() {
     let _ = setrlimit(Resource::Core, limit);
 }
 
-/// The memory that a process occupies, bytes; 0 where that is not known.
+/// The memory that a process occupies, bytes; 0 where that is not known, so that no limit is passed there.
 pub fn resident(pid: u32) -> u64 {
     // The second number is the resident set in pages (proc(5)).
     let text = fs::read_to_string(format!("/proc/{pid}/statm"));
@@ -84,21 +84,21 @@ pub fn is_stopped(pid: u32) -> bool {
 }
 
 /// Ends and reaps the children of this process whose environment holds `mark`, except `spared`: processes that
-/// outlived the keeper that they belonged to. Whether there were any.
+/// outlived the keeper that they belonged to. Whether there were any. What has not ended after a moment stays for the next call.
 pub fn end_marked(mark: &str, spared: impl Fn(u32) -> bool) -> bool {
+    let until = Instant::now() + Duration::from_millis(50);
     let mut any = false;
-    for pid in children_of(std::process::id()) {
-        if spared(pid) {
-            continue;
-        }
-        let mut how = WaitOptions::NOHANG;
-        if is_marked(pid, mark) {
+    for pid in children_of(std::process::id()).into_iter().filter(|pid| !spared(*pid)) {
+        let killed = is_marked(pid, mark);
+        if killed {
             any = true;
             kill_group(pid);
-            how = WaitOptions::empty();
         }
         // One that has ended already has no environment any more; nobody else will wait for it.
-        let _ = Pid::from_raw(pid as i32).map(|pid| waitpid(Some(pid), how));
+        let reap = || waitpid(Pid::from_raw(pid as i32), WaitOptions::NOHANG);
+        while matches!(reap(), Ok(None)) && killed && Instant::now() < until {
+            std::thread::sleep(Duration::from_micros(200));
+        }
     }
     any
 }
@@ -123,8 +123,36 @@ fn children_of(parent: u32) -> Vec<u32> {
 
 /// State and parent of a process: the fields after its name, which may hold anything (proc(5), `stat`).
 fn state_and_parent(pid: u32) -> Option<(String, u32)> {
-    let stat = fs::read_to_string(format!("/proc/{pid}/stat")).ok()?;
+    let stat = fs::read(format!("/proc/{pid}/stat")).ok()?;
+    let stat = String::from_utf8_lossy(&stat);
     let (_, fields) = stat.rsplit_once(')')?;
     let mut fields = fields.split_ascii_whitespace();
     Some((fields.next()?.to_owned(), fields.next()?.parse().ok()?))
+}
+
+#[cfg(all(test, target_os = "linux"))]
+mod tests {
+    use std::{
+        ffi::OsStr,
+        os::unix::{ffi::OsStrExt, fs::symlink, process::CommandExt},
+        process::{Command, Stdio},
+    };
+
+    use super::*;
+
+    #[test]
+    fn a_process_is_found_and_ended_whatever_its_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let shell = folder.path().join(OsStr::from_bytes(b"\xff) Z 1"));
+        symlink("/bin/sh", &shell).unwrap();
+        let mut command = Command::new(&shell);
+        // It waits for what it is to do, and ends well if nothing comes.
+        let mut child = command.arg0("sh").env("OFFSPRING", "marked").stdin(Stdio::piped()).spawn().unwrap();
+        let until = Instant::now() + Duration::from_secs(10);
+        while !is_marked(child.id(), "OFFSPRING=marked") && Instant::now() < until {
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        assert!(end_marked("OFFSPRING=marked", |pid| pid != child.id()));
+        assert!(!child.wait().is_ok_and(|end| end.success()));
+    }
 }
