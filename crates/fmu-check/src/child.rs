@@ -1,6 +1,6 @@
 //! A process in which an FMU is probed: the side that waits for it.
 
-use std::{io, path::Path, time::Duration};
+use std::{fmt, io, path::Path, time::Duration};
 
 use fmu_points::{
     PointLimits,
@@ -14,16 +14,31 @@ use crate::probe::{ProbeNews, ProbeTask, Report};
 /// The most memory that a probe may use, bytes.
 const MEMORY: u64 = 8 << 30;
 
-/// The fate of a probe that takes too long.
-pub const TIMEOUT: &str = "timeout";
+/// How the process of a probe ended, where that was not in order.
+pub enum Fate {
+    /// It took too long.
+    Late,
+    /// It came to another end: why, with the FMU's last words.
+    Broken(String),
+}
+
+impl fmt::Display for Fate {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Self::Late => f.write_str("timeout"),
+            Self::Broken(text) => f.write_str(text),
+        }
+    }
+}
 
 /// The outcome of a probe.
 #[derive(Default)]
 pub struct ProbeOutcome {
     /// Its observations, up to where it came.
     pub report: Option<Report>,
-    /// How its process ended, where that was not in order, and during which call.
-    pub fate: Option<String>,
+    /// How its process ended, where that was not in order.
+    pub fate: Option<Fate>,
+    /// The last call that it began.
     pub stage: String,
 }
 
@@ -49,12 +64,29 @@ pub fn run(setup: &ProbeTask, scratch: &Path, patience: Duration, fill: Option<u
     Ok(outcome)
 }
 
-/// The fault at the end of the process, with the FMU's last output where it crashed.
-fn fate(failure: Failure) -> String {
-    match failure {
+/// What a failure of the process means for its probe.
+fn fate(failure: Failure) -> Fate {
+    Fate::Broken(match failure {
+        Failure::Timeout => return Fate::Late,
         Failure::Crashed(text) => text,
-        Failure::Exited(code, _) => format!("the FMU ended its process with code {code}"),
-        Failure::Timeout => TIMEOUT.to_owned(),
+        Failure::Exited(code, words) => {
+            let words = if words.is_empty() { words } else { format!(": {words}") };
+            format!("the FMU ended its process with code {code}{words}")
+        }
         other => other.to_string(),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_last_words_of_an_fmu_are_told_and_are_no_timeout() {
+        let exited = |words: &str| fate(Failure::Exited(3, words.to_owned())).to_string();
+        assert_eq!(exited(""), "the FMU ended its process with code 3");
+        assert_eq!(exited("no licence"), "the FMU ended its process with code 3: no licence");
+        assert!(matches!(fate(Failure::Crashed("SIGABRT: connection timeout".to_owned())), Fate::Broken(_)));
+        assert!(matches!(fate(Failure::Timeout), Fate::Late));
     }
 }

@@ -9,7 +9,7 @@ use std::{
 };
 
 use crate::{
-    child::{self, ProbeOutcome},
+    child::{self, Fate, ProbeOutcome},
     compare::{Change, changes, difference},
     conditions::Conditions,
     experiment,
@@ -77,7 +77,7 @@ impl<'a> Probes<'a> {
     /// chance before it is said to hang.
     fn later(&mut self, life: Life, fill: Option<u8>) -> io::Result<ProbeOutcome> {
         const LONGER: u32 = 3;
-        let timed_out = |outcome: &ProbeOutcome| outcome.fate.as_deref() == Some(child::TIMEOUT);
+        let timed_out = |outcome: &ProbeOutcome| matches!(outcome.fate, Some(Fate::Late));
         let outcome = self.run(life, fill, self.patience)?;
         if !timed_out(&outcome) {
             return Ok(outcome);
@@ -86,8 +86,8 @@ impl<'a> Probes<'a> {
         let mut outcome = self.run(life, fill, patience)?;
         if timed_out(&outcome) {
             let [longer, usual] = [patience, self.patience].map(|time| time.as_secs_f64());
-            outcome.fate =
-                Some(format!("not done after {longer} s, where a first simulation was done within {usual} s"));
+            let text = format!("not done after {longer} s, where a first simulation was done within {usual} s");
+            outcome.fate = Some(Fate::Broken(text));
         }
         Ok(outcome)
     }
@@ -116,16 +116,17 @@ impl<'a> Probes<'a> {
 
     /// All that the probes find. `described_well` says that the start values of the description count.
     pub fn findings(&mut self, described_well: bool) -> io::Result<Vec<Breach>> {
-        let (alone, refused) = self.alone()?;
+        let (mut alone, refused) = self.alone()?;
+        if matches!(alone.fate, Some(Fate::Late)) {
+            let text = format!("{} after {} s (`patience`)", Fate::Late, self.patience.as_secs_f64());
+            alone.fate = Some(Fate::Broken(text));
+        }
         let (since, setup) = (Instant::now(), self.setup.clone());
         let mut breaches = simulated::remarks(self.fmu, alone.report.as_ref());
         breaches.extend(refused);
         let whole = match sound(&alone, 1) {
             Ok(runs) => &runs[0],
             Err(mut text) => {
-                if text.ends_with(child::TIMEOUT) {
-                    text += &format!(" after {} s (`patience`)", self.patience.as_secs_f64());
-                }
                 if text.contains("DoStep") && self.fmu.default_experiment.step.is_none() {
                     text += "; the FMU suggests no step: set a `step`";
                 } else if text.contains("InitializationMode") {
@@ -322,7 +323,7 @@ impl<'a> Probes<'a> {
         self.setup.end.time = Some(TIME);
         let coarse = self.run(Life::Alone, None, self.patience)?;
         let coarse = match (&coarse.fate, sound(&coarse, 1)) {
-            (Some(fate), _) if fate == child::TIMEOUT => return Ok(None),
+            (Some(Fate::Late), _) => return Ok(None),
             (_, Ok(runs)) => &runs[0],
             (_, Err(text)) => {
                 return Ok(Some(breach(
@@ -370,7 +371,7 @@ fn sound(outcome: &ProbeOutcome, count: usize) -> Result<&[Run], String> {
         return Err(format!("a simulation failed: {text}"));
     }
     if runs.len() < count {
-        let fate = outcome.fate.as_deref().unwrap_or("it ended without a word");
+        let fate = outcome.fate.as_ref().map_or_else(|| "it ended without a word".to_owned(), Fate::to_string);
         return Err(format!("{} failed: {fate}", outcome.stage));
     }
     Ok(runs)
