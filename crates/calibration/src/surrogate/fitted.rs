@@ -3,16 +3,10 @@
 use nalgebra::{DMatrix, DVector};
 use run_budget::{Run as Known, Surrogate, Unfit};
 
-use super::super::problem::{NoPrediction, Prediction, Problem, Query, Simulate};
-
-/// More values of a case than this are replaced by few components.
-const PLAIN: usize = 8;
-
-/// The most components.
-const COMPONENTS: usize = 10;
-
-/// What the components leave of each run's values is less than this part of their accuracies, if they are not too many.
-const REST: f64 = 0.05;
+use super::{
+    super::problem::{NoPrediction, Prediction, Problem, Query, Simulate},
+    components::Components,
+};
 
 /// A place at which the model was run, and what it said of all cases.
 #[derive(Clone, Debug)]
@@ -36,61 +30,16 @@ fn of_case<T: Copy>(problem: &Problem, case: usize, all: &[T]) -> Vec<T> {
     [free, &all[problem.latents_of(case)]].concat()
 }
 
-/// A case's values over their accuracies as sums of few functions of the quantity: principal components, where there are many.
-#[derive(Clone, Debug)]
-struct Components {
-    centre: DVector<f64>,
-    /// A column a component.
-    vectors: DMatrix<f64>,
-    /// Root mean square of what they leave of each value.
-    rest: DVector<f64>,
-}
-
-impl Components {
-    /// Those of runs, a row each.
-    fn new(values: &DMatrix<f64>) -> Self {
-        let (runs, quantities) = values.shape();
-        let (centre, rest) = (DVector::zeros(quantities), DVector::zeros(quantities));
-        if quantities <= PLAIN {
-            return Self { centre, rest, vectors: DMatrix::identity(quantities, quantities) };
-        }
-        let centre = values.row_mean().transpose();
-        let mut left = values.clone();
-        left.row_iter_mut().for_each(|mut row| row -= centre.transpose());
-        let parts = left.clone().svd(false, true);
-        let rows = parts.v_t.expect("it was asked for");
-        let mut order: Vec<usize> = (0..rows.nrows()).collect();
-        order.sort_by(|a, b| parts.singular_values[*b].total_cmp(&parts.singular_values[*a]));
-        let mut vectors = DMatrix::zeros(quantities, 0);
-        for k in order.into_iter().take(COMPONENTS) {
-            if left.amax() < REST {
-                break;
-            }
-            let vector = rows.row(k).transpose();
-            left -= &left * &vector * vector.transpose();
-            let last = vectors.ncols();
-            vectors = vectors.insert_column(last, 0.0);
-            vectors.set_column(last, &vector);
-        }
-        let rest = DVector::from_fn(quantities, |q, _| left.column(q).norm() / (runs as f64).sqrt());
-        Self { centre, vectors, rest }
-    }
-
-    fn scores(&self, values: &DVector<f64>) -> DVector<f64> {
-        self.vectors.tr_mul(&(values - &self.centre))
-    }
-}
-
 /// The surrogate of a case.
 #[derive(Clone, Debug)]
-pub struct OfCase {
+pub struct CaseSurrogate {
     components: Components,
     pub surrogate: Surrogate,
     /// Errors of the values over their accuracies when each run is left out, a row a run.
     errors: DMatrix<f64>,
 }
 
-impl OfCase {
+impl CaseSurrogate {
     fn fit(problem: &Problem, case: usize, runs: &[&Run], region: &Bounds, seed: u64) -> Result<Self, Unfit> {
         let accuracies = problem.cases[case].measured.iter().map(|measured| measured.accuracy);
         let accuracies = DVector::from_iterator(problem.quantities.len(), accuracies);
@@ -107,11 +56,11 @@ impl OfCase {
         };
         let known: Vec<Known> = runs.iter().map(known).collect();
         // Two points that have mean and deviation of an even distribution in the box.
-        let like = [-1.0, 1.0].map(|side| {
+        let box_sample = [-1.0, 1.0].map(|side| {
             let place = |[low, high]: &[f64; 2]| 0.5 * (low + high) + side * (high - low) / 12.0_f64.sqrt();
             of_case(problem, case, &region.iter().map(place).collect::<Vec<_>>())
         });
-        let surrogate = Surrogate::fit(&known, &like, None, seed)?;
+        let surrogate = Surrogate::fit(&known, &box_sample, None, seed)?;
         let count = components.vectors.ncols();
         let missed = |i: usize, k: usize| components.scores(&ended[i])[k] - surrogate.left_out(k)[i][0];
         let errors = DMatrix::from_fn(ended.len(), count, missed) * components.vectors.transpose();
@@ -146,18 +95,18 @@ impl OfCase {
 pub struct Layer {
     /// The box.
     pub region: Bounds,
-    pub cases: Vec<OfCase>,
+    pub cases: Vec<CaseSurrogate>,
     /// The largest eigenvalue of the errors' correlations: with this factor independent errors are nowhere smaller than those
     /// of the surrogates, which go together.
-    pub together: f64,
+    pub error_correlation: f64,
 }
 
 impl Layer {
     fn fit(problem: &Problem, runs: &[Run], region: Bounds, seed: u64) -> Result<Self, Unfit> {
         let runs: Vec<&Run> = runs.iter().filter(|run| within(&run.places, &region)).collect();
-        let case = |case: usize| OfCase::fit(problem, case, &runs, &region, seed);
-        let cases: Vec<OfCase> = (0..problem.cases.len()).map(case).collect::<Result<_, _>>()?;
-        Ok(Self { together: together(&cases), region, cases })
+        let case = |case: usize| CaseSurrogate::fit(problem, case, &runs, &region, seed);
+        let cases: Vec<CaseSurrogate> = (0..problem.cases.len()).map(case).collect::<Result<_, _>>()?;
+        Ok(Self { error_correlation: error_correlation(&cases), region, cases })
     }
 
     /// Whether places lie in the box.
@@ -167,7 +116,7 @@ impl Layer {
 }
 
 /// The largest eigenvalue of the correlations of the errors.
-fn together(cases: &[OfCase]) -> f64 {
+fn error_correlation(cases: &[CaseSurrogate]) -> f64 {
     let columns = cases.iter().flat_map(|case| case.errors.column_iter());
     let columns: Vec<DVector<f64>> =
         columns.filter(|column| column.norm() > 0.0).map(|column| column.normalize()).collect();
@@ -212,7 +161,7 @@ impl Surrogates {
     }
 
     /// Fits all layers to further runs.
-    pub(super) fn again(&mut self, runs: &[Run], seed: u64) {
+    pub(super) fn refit(&mut self, runs: &[Run], seed: u64) {
         for layer in &mut self.layers {
             if let Ok(fitted) = Layer::fit(&self.problem, runs, layer.region.clone(), seed) {
                 *layer = fitted;

@@ -11,6 +11,7 @@
 //! independent ones that are as large in every direction are larger by the root of the largest eigenvalue of their correlations.
 //! A region is left only where errors of this size cannot bring the posterior back to it.
 
+mod components;
 mod fitted;
 pub mod outcome;
 #[cfg(test)]
@@ -197,6 +198,11 @@ impl Work<'_> {
     /// Runs the model with all cases at these places.
     fn run(&mut self, places: &[Vec<f64>]) -> Result<(), NoPrediction> {
         for (places, misfit) in places.iter().zip(self.model.misfits(places)?) {
+            // Values that overflow when they are squared would leave nothing of a fit.
+            let misfit = misfit.and_then(|misfit| match misfit.cost() {
+                cost if cost.is_finite() => Ok(misfit),
+                cost => Err(format!("the sum of squares is {cost}")),
+            });
             self.costs.push(misfit.as_ref().map_or(f64::INFINITY, Misfit::cost));
             self.runs.push(Run { places: places.clone(), predicted: misfit.map(|misfit| misfit.predicted) });
         }
@@ -252,7 +258,7 @@ impl Work<'_> {
     /// The errors that are counted, by case and quantity, where the posterior has these places.
     fn errors(&self, particles: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let problem = self.model.problem;
-        let factor = self.surrogates.last().together.sqrt() * self.fresh.missed.max(1.0);
+        let factor = self.surrogates.last().error_correlation.sqrt() * self.fresh.missed.max(1.0);
         let case = |case: usize| {
             let variances = self.surrogates.variances(case, particles).row_mean();
             let measured = problem.cases[case].measured.iter();
@@ -295,7 +301,7 @@ impl Work<'_> {
                 break;
             }
             self.run(&evenly(&places, BATCH.min(most - self.runs.len())))?;
-            self.surrogates.again(&self.runs, self.task.seed);
+            self.surrogates.refit(&self.runs, self.task.seed);
         }
         Ok(())
     }

@@ -196,6 +196,7 @@ fn where_runs_fail_there_is_no_surrogate() {
         if p[0] > 2.0 { Err("too thin".to_owned()) } else { Ok(vec![p[0] + p[1], p[0] * p[1]]) }
     };
     let unknown = vec![free("x", Spacing::Linear, 0.0, 3.0), free("y", Spacing::Linear, 0.0, 1.0)];
+    let nine = problem(unknown.clone(), vec![measured(&[1.0; 9], 0.05)]);
     let problem = problem(unknown, vec![measured(&[1.5, 0.5], 0.05)]);
     let replaced = made(&problem, &holed, 60, 1).unwrap();
     let at = |x: f64, y: f64| {
@@ -205,9 +206,11 @@ fn where_runs_fail_there_is_no_surrogate() {
     assert_eq!(at(2.8, 0.5), Err("too thin".to_owned()));
     assert!((at(1.0, 0.5).unwrap()[0] - 1.5).abs() < 0.01);
     assert!(replaced.told.holds && replaced.screened.iter().any(|ended| !ended));
-    let never = |_: usize, _: &[f64], _: &[f64]| Err("too thin".to_owned());
-    let error = made(&problem, &never, 60, 1).err().unwrap().to_string();
-    assert!(error.contains("too few") && error.contains("too thin"), "{error}");
+    for (answer, reason) in [(Err("too thin".to_owned()), "too thin"), (Ok(vec![1e308; 9]), "the sum of squares is")] {
+        let never = move |_: usize, _: &[f64], _: &[f64]| answer.clone();
+        let error = made(&nine, &never, 60, 1).err().unwrap().to_string();
+        assert!(error.contains("too few") && error.contains(reason), "{error}");
+    }
 }
 
 /// Many values of a curve are few components, and what these leave counts; each case has its own latent parameter.
