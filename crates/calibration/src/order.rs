@@ -19,11 +19,13 @@ pub struct Order {
 }
 
 impl Order {
-    /// That of residuals as they follow each other; none where they are too few to tell.
+    /// The order of residuals, which stand in the order of the curve; none where they are too few to tell.
     ///
     /// The correlation is Durbin & Watson's statistic in another form (1950, Testing for serial correlation in least squares
     /// regression I, Biometrika 37, 409-428), with the variance of Ljung & Box (1978, On a measure of lack of fit in time series
-    /// models, Biometrika 65, 297-303). That of the noise is known as from as many rows as its estimate has degrees of freedom.
+    /// models, Biometrika 65, 297-303), less what a correlation of the noise takes off it (Bartlett 1946, On the theoretical
+    /// specification and sampling properties of autocorrelated time-series, J. R. Stat. Soc. Suppl. 8, 27-41, for noise of which
+    /// each row holds a part of the one before). That of the noise is known as from as many rows as its estimate has degrees of freedom.
     pub fn of(name: &str, residuals: &[f64], noise: Option<&Estimate>) -> Option<Self> {
         const FEWEST: usize = 10;
         if residuals.len() < FEWEST {
@@ -33,10 +35,11 @@ impl Order {
         let squares: f64 = residuals.iter().map(|r| r * r).sum();
         let products = residuals.windows(2).map(|pair| pair[0] * pair[1]);
         let correlation = products.sum::<f64>() / squares;
-        let of_noise = noise.map_or(0.0, |noise| noise.correlation.max(0.0));
+        let of_noise = noise.map_or(0.0, |noise| noise.correlation.clamp(0.0, 1.0));
         // Where no recording told a correlation, none is assumed, and its estimate has no error.
         let known = noise.filter(|noise| noise.correlation != 0.0).map_or(0.0, |noise| noise.freedom.recip());
-        let deviation = ((n - 1.0) / (n * (n + 2.0)) + known).sqrt();
+        let variance = (1.0 - of_noise * of_noise) * (n - 1.0) / (n * (n + 2.0));
+        let deviation = (variance + known).sqrt();
         correlation.is_finite().then(|| Self {
             name: name.to_owned(),
             correlation,
@@ -60,10 +63,10 @@ mod tests {
     use rand::{RngExt, SeedableRng};
     use rand_distr::StandardNormal;
 
-    /// How many of 200 records of so many residuals are doubted whose noise nobody has stated, so that it was estimated from
-    /// differences of neighbours; each residual holds this part of the one before.
-    fn doubted(count: usize, memory: f64) -> usize {
-        let noise = Estimate { quantities: 0..count, freedom: 0.6 * count as f64, correlation: 0.0, rows: 1.0 };
+    /// How many of 200 records of so many residuals are doubted, of which each holds this part of the one before, where that of
+    /// the noise is `known`.
+    fn doubted(count: usize, memory: f64, known: f64) -> usize {
+        let noise = Estimate { quantities: 0..count, freedom: f64::INFINITY, correlation: known, rows: 1.0 };
         let mut random = StdRng::seed_from_u64(23);
         let records = (0..200).filter(|_| {
             let mut last: f64 = random.sample(StandardNormal);
@@ -83,8 +86,16 @@ mod tests {
     #[test]
     fn noise_that_remembers_is_told_where_nobody_stated_it() {
         for (count, least) in [(25, 160), (50, 190), (200, 200)] {
-            assert!(doubted(count, 0.8) >= least, "{count}: {}", doubted(count, 0.8));
-            assert!(doubted(count, 0.0) <= 10, "{count}: {}", doubted(count, 0.0));
+            assert!(doubted(count, 0.8, 0.0) >= least, "{count}: {}", doubted(count, 0.8, 0.0));
+            assert!(doubted(count, 0.0, 0.0) <= 10, "{count}: {}", doubted(count, 0.0, 0.0));
         }
+    }
+
+    /// Of noise that remembers the correlation scatters less than of independent noise, which would show the first of these in
+    /// about 40 records.
+    #[test]
+    fn more_order_than_that_of_the_noise_is_told() {
+        assert!(doubted(200, 0.95, 0.8) >= 130, "{}", doubted(200, 0.95, 0.8));
+        assert!(doubted(200, 0.8, 0.8) <= 5, "{}", doubted(200, 0.8, 0.8));
     }
 }
