@@ -4,6 +4,9 @@ use super::signal::SignalError;
 use serde::Deserialize;
 use std::{f64::consts::PI, fmt};
 
+/// The highest order of a filter.
+const MOST_ORDER: usize = 20;
+
 /// How a signal is smoothed.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(tag = "method", rename_all = "kebab-case", deny_unknown_fields)]
@@ -14,7 +17,7 @@ pub enum Smoothing {
     Butterworth {
         /// The frequency at which one run damps by 3 dB, Hz.
         cutoff: f64,
-        /// Order of one run.
+        /// Order of one run, from 1 to 20.
         order: usize,
     },
 }
@@ -52,14 +55,19 @@ struct Section {
 /// (odd), and each run starts in the steady state of its first sample, so that no transient stays
 /// (Gustafsson 1996, "Determining the initial states in forward-backward filtering").
 fn butterworth(values: &[f64], cutoff: f64, order: usize) -> Result<Vec<f64>, SignalError> {
-    if !(cutoff > 0.0 && cutoff < 0.5) || order == 0 {
+    if !(1..=MOST_ORDER).contains(&order) {
         return Err(SignalError::Setting(format!(
-            "a Butterworth filter needs an order of at least 1 and a cutoff between 0 and half the sampling frequency; {cutoff} of the sampling frequency is not"
+            "a Butterworth filter needs an order from 1 to {MOST_ORDER}; {order} is not"
         )));
     }
+    if !(cutoff > 0.0 && cutoff < 0.5) {
+        return Err(SignalError::Setting(format!(
+            "a Butterworth filter needs a cutoff between 0 and half the sampling frequency; {cutoff} of the sampling frequency is not"
+        )));
+    }
+    let (Some(&first), Some(&last)) = (values.first(), values.last()) else { return Ok(Vec::new()) };
     let sections = sections(cutoff, order);
     let pad = (3 * (order + 1)).max((1.5 / cutoff) as usize).min(values.len() - 1);
-    let (first, last) = (values[0], values[values.len() - 1]);
     let n = values.len();
     let mut extended: Vec<f64> = (1..=pad).rev().map(|k| 2.0 * first - values[k]).collect();
     extended.extend_from_slice(values);
@@ -74,19 +82,20 @@ fn butterworth(values: &[f64], cutoff: f64, order: usize) -> Result<Vec<f64>, Si
 }
 
 fn sections(cutoff: f64, order: usize) -> Vec<Section> {
-    let w = (PI * cutoff).tan();
+    // The cutoff, prewarped.
+    let tangent = (PI * cutoff).tan();
     let pair = |k: usize| {
-        // Of poles at angle theta from the negative real axis.
+        // A pair of poles at the angle (2k+1)pi/2n from the imaginary axis: s^2 + damping s + 1.
         let damping = 2.0 * (PI * (2 * k + 1) as f64 / (2 * order) as f64).sin();
-        let scale = 1.0 + damping * w + w * w;
-        let b = w * w / scale;
-        let last = (1.0 - damping * w + w * w) / scale;
-        Section { b: [b, 2.0 * b, b], a: [2.0 * (w * w - 1.0) / scale, last] }
+        let scale = 1.0 + damping * tangent + tangent * tangent;
+        let b = tangent * tangent / scale;
+        let last = (1.0 - damping * tangent + tangent * tangent) / scale;
+        Section { b: [b, 2.0 * b, b], a: [2.0 * (tangent * tangent - 1.0) / scale, last] }
     };
     let mut sections: Vec<Section> = (0..order / 2).map(pair).collect();
     if order % 2 == 1 {
-        let b = w / (1.0 + w);
-        sections.push(Section { b: [b, b, 0.0], a: [(w - 1.0) / (1.0 + w), 0.0] });
+        let b = tangent / (1.0 + tangent);
+        sections.push(Section { b: [b, b, 0.0], a: [(tangent - 1.0) / (1.0 + tangent), 0.0] });
     }
     sections
 }
@@ -155,6 +164,15 @@ mod tests {
 
     #[test]
     fn unsuitable_settings_are_refused() {
-        assert!(butterworth(&signal(), 0.5, 4).is_err());
+        let refused = |cutoff, order| butterworth(&signal(), cutoff, order).unwrap_err().to_string();
+        assert!(refused(0.5, 4).contains("0.5 of the sampling frequency"));
+        for order in [0, MOST_ORDER + 1, usize::MAX] {
+            assert!(refused(0.1, order).contains("an order from 1 to 20"));
+        }
+    }
+
+    #[test]
+    fn nothing_is_smoothed_to_nothing() {
+        assert!(butterworth(&[], 0.1, 4).unwrap().is_empty());
     }
 }
