@@ -70,7 +70,7 @@ mod tests {
         problem.estimates = vec![estimate(0, 60.0, 1.0)];
         let estimated = Expected::new(&problem, 100, 0);
         assert!((estimated.chance(120.0).unwrap() - 0.223_257).abs() < 1e-5);
-        // Of three, sums as drawn from their own distributions: 5 % are less probable than 5 %.
+        // Sums of three curves, drawn from their true distributions: 5 % of them must have a chance below 5 %.
         problem.estimates = (0..3).map(|k| estimate(100 * k, 60.0, 2.0)).collect();
         let three = Expected::new(&problem, 300, 2);
         assert_eq!(three.freedom, 148.0);

@@ -69,9 +69,10 @@ impl Moments {
 /// nothing tells how far their mean is off: do not ask.
 ///
 /// Few of the numbers may carry the whole mean, as those near a limit carry a risk. A sample that has missed them scatters
-/// little, so that its scatter alone promises too much. So independent numbers have the narrower ends of two intervals that
-/// both hold: Clopper and Pearson's with the sum as the count (numbers between 0 and 1 scatter no more than zeros and ones of
-/// the same mean), and Student's, drawn out by what so many numbers may have missed.
+/// little, so that its scatter alone promises too much. So independent numbers have the narrower ends of two intervals:
+/// Clopper and Pearson's with the sum as the count (numbers between 0 and 1 scatter no more than zeros and ones of the same
+/// mean), and Student's, drawn out by what so many numbers may have missed. Their narrower ends are no theorem; `coverage_tests`
+/// tries them.
 ///
 /// The points of a net may lie in clumps, of which no net says how large they are: in small nets some coordinates share their
 /// first digits, so that a corner of five of them holds half of one net and no point of sixteen others. Scatter over the nets
@@ -119,7 +120,7 @@ fn drawn_out(ends: [f64; 2], numbers: Moments, confidence: f64) -> [f64; 2] {
 /// Wilson's interval is narrower, but at small shares its lower limit is too high too often: one of
 /// 100 points would show a share of 0.18 %, which by chance has that point in 16 % of the studies.
 pub fn clopper_pearson(hits: f64, trials: f64, confidence: f64) -> [f64; 2] {
-    // Of less than a tenth of a hit the limit is below 1e-15.
+    // Below a tenth of a hit the limit is next to nothing; 0 is on the safe side.
     const NONE: f64 = 0.1;
     let tail = 0.5 * (1.0 - confidence);
     let misses = trials - hits;

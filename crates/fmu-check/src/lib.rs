@@ -143,7 +143,8 @@ impl Findings {
     fn look(&mut self, mut package: Package, conditions: &Conditions) -> Result<(), CheckError> {
         self.version = package.description().standard;
         self.described(&mut package)?;
-        // Probes of the binary would only repeat the description's errors.
+        // Start values are compared with the binary's only if the description has no error: else the same error would be said
+        // twice.
         let described_well = self.count(Severity::Error) == 0;
         let files = files::broken(&mut package)?;
         let others = references::broken(&mut package)?;

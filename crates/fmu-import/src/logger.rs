@@ -332,7 +332,7 @@ mod tests {
         assert_eq!((warnings.count, warnings.first.as_deref()), (2, Some("astray")));
         one.forget_warnings();
         assert_eq!(one.warnings(), Warnings::default());
-        // An error outlasts what comes after it; a wild status is none.
+        // `last` stays at the last error, whatever is logged after it. A status that the standard does not know is no error.
         say(ticket_of(&one), -5, c"wild");
         assert_eq!(one.last().as_deref(), Some("of one"));
         fmu_import_log(ticket_of(&one), 0, ptr::null(), ptr::null());

@@ -104,7 +104,7 @@ pub fn joined(cases: &[CasePart], mut outcomes: Vec<SimulationOutcome>) -> Simul
         (Origin::Loading, failure) => failure,
         (_, mut failure) => {
             if let Failure::NotFinite(partial) = &mut failure {
-                // They stand among those of all cases.
+                // `values` below holds them already, with those of the other cases.
                 partial.values.clear();
             }
             Failure::InCase(Box::new(OfCase { case, failure, values }))

@@ -189,7 +189,8 @@ fn mean_gaps() -> Vec<Node> {
         (node.mean, node.content) = ([gap, open], [content, films[2]]);
         nodes.push(node);
     }
-    // Where all of the film is connected, its content is the mean gap.
+    // From here on all of the film is connected, so its content is the mean gap. The integral began at an unknown constant:
+    // shift it so that both meet here.
     let whole = ((LEAST_FOR_FLOW - LEAST) * PER_UNIT) as usize;
     let closed = nodes[whole].mean[0] - nodes[whole].content[0];
     for node in &mut nodes[..whole] {

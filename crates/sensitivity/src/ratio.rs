@@ -216,7 +216,7 @@ pub fn combined(first: &[f64], second: &[f64], under: &Parts) -> Combined {
         terms.iter().zip(under.means()).map(|(term, v)| term - ratio * v).collect()
     };
     let (one, other) = (deviations(first), deviations(second));
-    // The products whose sums give the weight, a point each.
+    // The weight with the least variance is the sum of the first products over that of the second.
     let products: Vec<[f64; 2]> =
         one.iter().zip(&other).map(|(one, other)| [one * (one - other), (other - one).powi(2)]).collect();
     let points = products.len();

@@ -80,7 +80,8 @@ impl Aim {
             // The film's shear goes as 1/sqrt(1 - e^2), contact as a power of 1/(1 - e).
             Self::Heat => {
                 let e = start.norm().max(end.norm());
-                // Rough surfaces whose mean planes cross feel it over their roughness.
+                // Mean planes of rough surfaces may cross (e > 1). Then the heat changes over the height of the roughness, here
+                // a hundredth of the clearance.
                 let gap = if e < 1.0 { (1.0 - e).max(1e-6) } else { 1e-2 };
                 miss * e / gap
             }

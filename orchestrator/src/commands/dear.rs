@@ -53,7 +53,8 @@ pub fn sensitivity(mut options: sensitivity::Options, runs: u64) -> Result<Deliv
 /// Says what a budget costs and what it can be expected to answer.
 fn tried(options: &Verify, mut verification: Verification, folder: &Path) -> Result<ExitCode> {
     let spent = verification.session.request.budget.clone().unwrap_or_default();
-    // The first points are plain; the others take as long.
+    // Which later points are run depends on the earlier answers. All take equally long, so the first points of the net stand
+    // for them.
     let places = (0..spent.points() as u64).collect();
     verification.source = PointSource::Chosen { design: net(&verification), places };
     output::print(&verify::plan(&verification, folder));

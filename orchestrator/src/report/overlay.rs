@@ -84,7 +84,7 @@ mod tests {
         let of = |model: &[f64]| measured.residuals("y", "m", &[0.0, 2.0], model).unwrap();
         // A line in the middle of the picture, or one that leaves it.
         let path = |svg: String| svg.split("class=\"line\" d=\"").nth(1).unwrap().split('"').next().unwrap().to_owned();
-        // Behind the first place, the steps down from one to the next.
+        // An SVG path has steps after its first point: the second number of each leads down.
         let steps = |svg: String| {
             let down = |step: &str| step.split_once(',').unwrap().1.parse::<f64>().unwrap();
             path(svg).split('l').skip(1).map(down).collect::<Vec<_>>()

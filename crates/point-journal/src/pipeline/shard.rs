@@ -146,7 +146,7 @@ mod tests {
                 assert!(most < 1.3, "seed {seed}, parameter {parameter}: {most}");
             }
         }
-        // Grids: the slowest of their levels, and the fastest one.
+        // In a grid, one level of the slowest parameter is a block of points, and one of the fastest is every tenth point.
         assert!(unevenness(|index| index < 410) < 1.3);
         assert!(unevenness(|index| index % 10 == 0) < 1.3);
     }

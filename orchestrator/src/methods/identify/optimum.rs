@@ -53,7 +53,8 @@ pub fn study(
             .enumerate()
             .flat_map(|(k, &a)| told[k + 1..].iter().map(move |&b| [a, b]))
             .map(|[a, b]| {
-                // Rounding leaves no matrix positive definite that is nearly none.
+                // A nearly singular correlation matrix may stop being positive definite by rounding. Slightly smaller
+                // coefficients prevent that.
                 const LESS: f64 = 0.999;
                 let names = [a, b].map(|k| Value::from(all[k].name.clone()));
                 let coefficient = Value::from(LESS * outcome.correlations[a][b]);
