@@ -66,15 +66,15 @@ pub fn run(setup: &ProbeTask, scratch: &Path, patience: Duration, fill: Option<u
 
 /// What a failure of the process means for its probe.
 fn fate(failure: Failure) -> Fate {
-    Fate::Broken(match failure {
-        Failure::Timeout => return Fate::Late,
-        Failure::Crashed(text) => text,
+    match failure {
+        Failure::Timeout => Fate::Late,
+        Failure::Crashed(text) => Fate::Broken(text),
         Failure::Exited(code, words) => {
             let words = if words.is_empty() { words } else { format!(": {words}") };
-            format!("the FMU ended its process with code {code}{words}")
+            Fate::Broken(format!("the FMU ended its process with code {code}{words}"))
         }
-        other => other.to_string(),
-    })
+        other => Fate::Broken(other.to_string()),
+    }
 }
 
 #[cfg(test)]
