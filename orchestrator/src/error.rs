@@ -73,6 +73,14 @@ pub enum Error {
         /// The problem.
         message: String,
     },
+    /// A run would replace what is there.
+    #[error("{what}; {remedy}")]
+    Taken {
+        /// What is there.
+        what: String,
+        /// What to do.
+        remedy: &'static str,
+    },
     /// The request does not fit to what is there.
     #[error("{0}")]
     Refused(String),

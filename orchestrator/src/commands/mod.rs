@@ -1,6 +1,7 @@
 //! The commands, one file each; those of the methods are in [`methods`](crate::methods).
 
 mod best;
+mod carried;
 mod check;
 mod compare;
 mod completion;
@@ -86,7 +87,7 @@ fn dispatch(cli: Cli) -> Result<ExitCode> {
         Command::Simulate(options) => simulate::run(&options),
         Command::Verify(options) => match options.rare {
             Some(event) => deliver(rare::run(&options.rare(event))?),
-            None if pack::is_fmu(&options.work.study) => pack::run_carried(*options),
+            None if carried::is_fmu(&options.work.study) => carried::run(*options),
             None => match options.budget {
                 Some(runs) => dear::run(&options, runs),
                 None => verify::run(&options),

@@ -70,12 +70,9 @@ impl Request {
                 continue;
             }
             let then = Self::read(place)?;
-            let of = |what: &str, then: &Path| {
-                Error::Refused(format!(
-                    "{} holds results of {what}, {}; choose another --output, or replace them with --force",
-                    folder.display(),
-                    then.display()
-                ))
+            let of = |what: &str, then: &Path| Error::Taken {
+                what: format!("{} holds results of {what}, {}", folder.display(), then.display()),
+                remedy: "choose another --output, or replace them with --force",
             };
             if !is_same(then.own_study(), self.own_study()) {
                 return Err(of("another study file", then.own_study()));
@@ -100,11 +97,13 @@ impl Request {
         let files = [STUDY, "points.csv", "summary.json", "report.html"].map(|file| folder.join(file));
         let is_file = |file: &PathBuf| file.symlink_metadata().is_ok_and(|entry| !entry.is_dir());
         match files.into_iter().find(|file| is_file(file) && !is_same(file, self.own_study())) {
-            Some(file) => Err(Error::Refused(format!(
-                "{} was there before any run wrote into this folder, and would be replaced; choose another --output, or \
-                 replace it with --force",
-                file.display()
-            ))),
+            Some(file) => Err(Error::Taken {
+                what: format!(
+                    "{} was there before any run wrote into this folder, and would be replaced",
+                    file.display()
+                ),
+                remedy: "choose another --output, or replace it with --force",
+            }),
             None => Ok(()),
         }
     }

@@ -291,10 +291,13 @@ fn pack_runs_the_study_and_files_that_only_this_machine_has_are_refused() {
     let said = bench.run(&["pack", "studies/lag.toml", "--fmu", "carrier.fmu", "--output", "carrier.fmu", "--force"]);
     said.is_mistake(&["another FMU", "name that by --from"]);
     assert!(!said.err.contains("--force"), "{}", said.err);
-    // The folder of the study's results is that of another study.
-    bench.write("models/lag.toml", STUDY);
-    let said = bench.run(&["pack", "models/lag.toml", "--output", "carrier.fmu", "--force"]);
-    said.is_mistake(&["results/lag holds results of another study file", "name that by --from"]);
+    // The folder of the study's results is that of another study, and its name may hold any sign.
+    for folder in ["studies", "models"] {
+        bench.write(&format!("{folder}/la;g.toml"), STUDY);
+    }
+    assert_eq!(bench.run(&["verify", "studies/la;g.toml"]).code, 0);
+    let said = bench.run(&["pack", "models/la;g.toml", "--output", "carrier.fmu", "--force"]);
+    said.is_mistake(&["results/la;g holds results of another study file", "name that by --from"]);
     assert!(!said.err.contains("--force"), "{}", said.err);
     // A study in the folder itself.
     bench.write("here.toml", &STUDY.replace("../", ""));
@@ -306,6 +309,26 @@ fn pack_runs_the_study_and_files_that_only_this_machine_has_are_refused() {
     bench.run(&["verify", "studies/lag.toml", "--output", "out", "--force"]);
     let said = bench.run(&["pack", "studies/lag.toml", "--from", "out", "--output", "carrier.fmu", "--force"]);
     said.is_mistake(&["absolute path"]);
+}
+
+/// A number of points or runs that would say nothing.
+#[test]
+fn a_carried_study_keeps_its_points() {
+    let bench = bench();
+    packed(&bench);
+    let said = bench.run(&["verify", "new/carrier.fmu", "--budget", "30"]);
+    said.is_mistake(&["--budget", "give a budget to a study's file"]);
+    bench.write("table.csv", "lag.rate\n0.8\n0.9\n1\n1.1\n1.2\n");
+    let said = bench.run(&["verify", "studies/lag.toml", "--points-from", "table.csv", "--output", "table"]);
+    assert!(said.code < 2, "{}", said.err);
+    let said = bench.run(&["pack", "studies/lag.toml", "--from", "table", "--output", "table.fmu"]);
+    assert_eq!(said.code, 0, "{}{}", said.out, said.err);
+    for option in ["--points", "--seed"] {
+        bench.run(&["verify", "table.fmu", option, "9"]).is_mistake(&[option, "has a table of points"]);
+    }
+    let said = bench.run(&["verify", "table.fmu", "--output", "there"]);
+    assert!(said.code < 2, "{}", said.err);
+    assert_eq!(bench.summary("there")["points"], 5);
 }
 
 #[test]
