@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::failures;
 use super::outputs::{Sensitivity, by_surrogate};
 use crate::error::Error;
 use crate::methods::known;
@@ -62,8 +63,11 @@ pub fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensitivity, 
     let inputs = asked.varied.iter().map(|&k| (&plan.inputs[k].name, &plan.inputs[k].unit));
     let criteria = judge.criteria.iter().map(|criterion| (&criterion.name, &criterion.unit));
     let parameters: Vec<String> = inputs.clone().map(|(name, _)| name.clone()).collect();
+    // A run that failed is not verified.
+    let missing = table.criteria.iter().map(|column| failures::missing(&column.values[..runs.len()])).chain([0]);
+    let names = criteria.clone().map(|(name, _)| &**name).chain(["verified"]);
     let mut outputs = Vec::new();
-    for (name, found) in criteria.clone().map(|(name, _)| &**name).chain(["verified"]).zip(found) {
+    for ((name, missing), found) in names.zip(missing).zip(found) {
         if let Err(why) = &found {
             warnings.push(format!(
                 "{name}: no indices from these points: {why}; verify twice as many (`--resume --points {}`), or run a design \
@@ -71,7 +75,7 @@ pub fn find(session: &Session, folder: &Path, seed: u64) -> Result<Sensitivity, 
                 2 * table.len()
             ));
         }
-        outputs.push(by_surrogate(name.to_owned(), found.ok(), &parameters, seed));
+        outputs.push(by_surrogate(name.to_owned(), missing, found.ok(), &parameters, seed));
     }
     let of_what = if asked.correlation.is_some() { "Shapley effects" } else { "Sobol indices and Shapley effects" };
     let of_all = match runs.len() < table.len() {

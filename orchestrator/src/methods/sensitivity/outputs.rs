@@ -78,7 +78,7 @@ impl Output {
 fn most_important(shown: &[Measure], parameters: &[String]) -> Option<String> {
     let surest = &shown.iter().find(|measure| measure.drawn)?.estimates;
     // A parameter without a number could be the most important.
-    if surest.iter().any(|estimate| estimate.value.is_nan()) {
+    if surest.iter().any(|estimate| !estimate.value.is_finite()) {
         return None;
     }
     let index = dominant(surest)?;
@@ -95,19 +95,19 @@ fn unused(seed: u64) -> KeyedResults {
 pub fn from_runs(method: &dyn FromRuns, design: &[Vec<f64>], rows: &PointTable, settled: &Settled) -> Sensitivity {
     let parameters: Vec<String> = rows.parameters.iter().map(|p| p.name.clone()).collect();
     let mut warnings = failures::warnings(rows);
-    let outputs = outputs(rows).into_iter().map(|(name, values)| {
+    let mut told_outputs = Vec::new();
+    for (name, values) in outputs(rows) {
         let mut told = unused(settled.seed);
         told.extend(method.tell(design, &values, settled));
-        let above = first_above_total(&told, &parameters).into_iter().map(|parameter| {
-            format!(
+        for parameter in first_above_total(&told, &parameters) {
+            warnings.push(format!(
                 "the first-order index of {parameter} in {name} is above its total by more than its error, which no model has: \
                  take more base points"
-            )
-        });
-        warnings.extend(above);
+            ));
+        }
         let dominant = most_important(&method.shown(&told), &parameters);
-        Output { missing: failures::missing(&values), name, told, dominant }
-    }).collect();
+        told_outputs.push(Output { missing: failures::missing(&values), name, told, dominant });
+    }
     let tried = method.facts().tried_size;
     if settled.size < tried {
         warnings.push(format!(
@@ -120,7 +120,7 @@ pub fn from_runs(method: &dyn FromRuns, design: &[Vec<f64>], rows: &PointTable, 
     let units = of_parameters.chain(of_criteria).filter(|(_, unit)| !unit.is_empty());
     Sensitivity {
         units: units.map(|(name, unit)| (name.clone(), unit.clone())).collect(),
-        outputs,
+        outputs: told_outputs,
         method: method.done(rows.len(), settled),
         runs: rows.len(),
         failed: failures::failed(rows),
@@ -129,9 +129,11 @@ pub fn from_runs(method: &dyn FromRuns, design: &[Vec<f64>], rows: &PointTable, 
     }
 }
 
-/// Sobol indices of independent parameters and Shapley effects that a surrogate told of an output, if it told any.
+/// Sobol indices of independent parameters and Shapley effects that a surrogate told of an output, if it told any; so many runs
+/// have no value of it.
 pub fn by_surrogate(
     name: String,
+    missing: usize,
     found: Option<(Option<Indices>, Effects)>,
     parameters: &[String],
     seed: u64,
@@ -141,7 +143,7 @@ pub fn by_surrogate(
         told.insert("sobol".to_owned(), json!(indices));
         told.insert(shapley::KEY.to_owned(), json!(effects));
     }
-    let mut output = Output { missing: 0, dominant: None, name, told };
+    let mut output = Output { missing, dominant: None, name, told };
     output.dominant = most_important(&output.shown(), parameters);
     output
 }
