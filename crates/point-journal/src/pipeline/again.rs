@@ -250,7 +250,7 @@ fn in_turn(drawn: BTreeMap<Option<String>, Draw>) -> impl Iterator<Item = Record
     all.into_iter().map(|(_, point)| point)
 }
 
-/// The first value in which two outcomes differ, if they do.
+/// The first value or the failure in which two outcomes differ, if they do.
 pub fn difference(recorded: &PointOutcome, now: &PointOutcome) -> Option<String> {
     match (recorded, now) {
         (Ok(recorded), Ok(now)) => {
@@ -258,7 +258,8 @@ pub fn difference(recorded: &PointOutcome, now: &PointOutcome) -> Option<String>
             let (then, now) = pairs.find(|(then, now)| then.to_bits() != now.to_bits())?;
             Some(format!("{then} recorded, {now} now"))
         }
-        (_, Err(failure)) => Some(format!("it failed now: {failure}")),
+        (Err(then), Err(now)) => (then != now).then(|| format!("{then} recorded, {now} now")),
+        (Ok(_), Err(failure)) => Some(format!("it failed now: {failure}")),
         (Err(_), Ok(_)) => Some("it gave results now".to_owned()),
     }
 }
@@ -274,5 +275,15 @@ mod tests {
         let text = difference(&outcome(0.1), &outcome(0.1_f64.next_up())).unwrap();
         assert_eq!(text, "0.1 recorded, 0.10000000000000002 now");
         assert_eq!(difference(&outcome(0.0), &outcome(-0.0)).as_deref(), Some("0 recorded, -0 now"));
+    }
+
+    #[test]
+    fn the_same_failure_is_no_difference() {
+        let failed = |why: &str| Err(Failure::Crashed(why.to_owned()));
+        assert_eq!(difference(&failed("SIGSEGV"), &failed("SIGSEGV")), None);
+        let text = difference(&failed("SIGSEGV"), &failed("SIGBUS")).unwrap();
+        assert_eq!(text, "crashed: SIGSEGV recorded, crashed: SIGBUS now");
+        assert_eq!(difference(&Ok(vec![]), &failed("SIGBUS")).as_deref(), Some("it failed now: crashed: SIGBUS"));
+        assert_eq!(difference(&failed("SIGBUS"), &Ok(vec![])).as_deref(), Some("it gave results now"));
     }
 }
