@@ -5,7 +5,12 @@ use std::ops::Range;
 use nalgebra::Vector2;
 
 use super::{
-    asperities, compression, diagnostics::Diagnostics, geometry::Geometry, stage::FilmStage, workspace::Workspace,
+    asperities,
+    compression::{self, Powers},
+    diagnostics::Diagnostics,
+    geometry::Geometry,
+    stage::FilmStage,
+    workspace::Workspace,
 };
 use crate::{
     reynolds::{
@@ -27,12 +32,9 @@ struct FilmSums {
     rough: f64,
     /// Moment of the pressure on the form errors of journal and bush.
     form: [f64; 2],
-    /// Dissipation by the pressure flow, and by oil that fills an emptier gap.
-    loss: f64,
-    /// Power of the pressures of bath and feeds on the oil that enters, less that on the oil that leaves.
-    bath: f64,
-    /// Power stored in the oil's compression.
-    stored: f64,
+    /// What the oil dissipates by its pressure flow and where it fills an emptier gap, what it stores, and the power of the
+    /// pressures of bath and feeds on the oil that enters, less that on the oil that leaves.
+    powers: Powers,
     max_pressure: f64,
 }
 
@@ -51,18 +53,18 @@ pub fn diagnose(work: &Workspace, stage: &FilmStage, drive: &Drive) -> Diagnosti
     let journal_torque = shear + moment * (0.5 * (sums.rise + sums.rough) - sums.form[0]);
     let bush_torque = shear - moment * (0.5 * (sums.rise - sums.rough) - sums.form[1]);
     let velocity = work.state.velocity;
-    let heat = shear * sliding + moment * sums.loss;
-    let stored = moment * sums.stored;
+    let heat = shear * sliding + moment * sums.powers.loss;
+    let stored = moment * sums.powers.stored;
     let works = [
         journal_torque * drive.journal_speed,
         -bush_torque * drive.bush_speed,
         moment * sums.load.dot(&velocity),
-        moment * sums.bath,
+        moment * sums.powers.bath,
     ];
     // The energy error of a film at rest would be rounding over rounding. Its scale is therefore at least the power that
     // moves it by a millionth of the clearance, and a billionth of what the bath could spend on flow through the film.
-    let bath = work.balance.open.iter().sum::<f64>() * stage.side.powi(2);
-    let still = moment * ((1e-6 / stage.duration).powi(2) + 1e-9 * bath);
+    let through_flow = work.balance.open.iter().sum::<f64>() * stage.side.powi(2);
+    let still = moment * ((1e-6 / stage.duration).powi(2) + 1e-9 * through_flow);
     let through = works.iter().map(|work| work.abs()).sum::<f64>() + heat.abs() + still;
     let flow = work.balance.end_flow();
     let volume = settings.clearance * radius * settings.width;
@@ -87,29 +89,24 @@ pub fn diagnose(work: &Workspace, stage: &FilmStage, drive: &Drive) -> Diagnosti
 
 /// Sums the contributions of cells and edges.
 fn sum(work: &Workspace, stage: &FilmStage, drive: &Drive) -> FilmSums {
-    let (cells, gap, balance) = (&work.geometry.cells, &work.geometry.gap, &work.balance);
+    let (cells, gap) = (&work.geometry.cells, &work.geometry.gap);
     let (settings, field) = (&work.geometry.settings, &work.state.field);
     let roughness = work.geometry.form.roughness;
     let mut sums = FilmSums {
         load: work.pressure_load().force,
         shear: shear(work, drive.rotation()),
+        powers: powers(work, stage, drive),
         max_pressure: largest(&field.pressure),
         ..FilmSums::default()
     };
     for (i, range) in cells.columns() {
         let opening = opening(work, i);
-        let squeeze = squeeze(work, drive, i);
         let pressed = dot(&gap.pressed[range.clone()], &field.pressure[range.clone()]);
         sums.form[0] += opening[0] * pressed;
         sums.form[1] += opening[1] * pressed;
-        // The mean gap of rough surfaces does not close in step with the journal, so it needs this term too.
-        if cells.conserves_mass() || gap.rough {
-            sums.loss += filling_loss(work, stage, i, squeeze);
-        }
     }
     for (behind, before) in cells.neighbours() {
         let p = [&field.pressure[before], &field.pressure[behind.clone()]];
-        sums.loss += lost(&balance.along[behind.clone()], p);
         let (share, h) = (&cells.share[behind.clone()], &gap.edge[behind.clone()]);
         sums.rise += sum_of([share, h, p[0], p[1]], |[share, h, before, behind]| share * h * (behind - before));
         if let Some(journal_share) = settings.flow_factors() {
@@ -120,22 +117,43 @@ fn sum(work: &Workspace, stage: &FilmStage, drive: &Drive) -> FilmSums {
             sums.rough += excess * rough;
         }
     }
-    let n = field.pressure.len();
-    let p = &field.pressure;
-    sums.loss += lost(&balance.across[1..n], [&p[..n - 1], &p[1..]]);
+    sums
+}
+
+/// The powers of the oil, with those of the feeds.
+fn powers(work: &Workspace, stage: &FilmStage, drive: &Drive) -> Powers {
+    let squeeze = |column| squeeze(work, drive, column);
+    let mut powers = if work.geometry.settings.is_compressible() {
+        compression::powers(work, stage, squeeze)
+    } else {
+        of_constant_density(work, stage, squeeze)
+    };
+    let [loss, spent] = fed(work, stage);
+    powers.loss += loss;
+    powers.bath += spent;
+    powers
+}
+
+/// The powers of oil that cannot be compressed. `squeeze` computes how fast the surfaces approach in a column.
+fn of_constant_density(work: &Workspace, stage: &FilmStage, squeeze: impl Fn(usize) -> f64) -> Powers {
+    let (cells, balance, p) = (&work.geometry.cells, &work.balance, &work.state.field.pressure);
+    let mut loss = 0.0;
+    // The mean gap of rough surfaces does not close in step with the journal, so it needs this term too.
+    if cells.conserves_mass() || work.geometry.gap.rough {
+        for (i, _) in cells.columns() {
+            loss += filling_loss(work, stage, i, squeeze(i));
+        }
+    }
+    for (behind, before) in cells.neighbours() {
+        loss += lost(&balance.along[behind.clone()], [&p[before], &p[behind]]);
+    }
+    let n = p.len();
+    loss += lost(&balance.across[1..n], [&p[..n - 1], &p[1..]]);
     let out = |(open, p): (&f64, &f64)| open * (p - stage.side);
     let open: f64 = balance.open.iter().zip(p).map(out).sum();
     let pressed: f64 = (balance.open.iter().zip(p)).map(|of| out(of) * of.1).sum();
-    sums.loss += pressed - open * stage.side;
-    sums.bath = -open * stage.side;
-    let [loss, spent] = fed(work, stage);
-    (sums.loss, sums.bath) = (sums.loss + loss, sums.bath + spent);
-    if settings.is_compressible() {
-        let powers = compression::powers(work, stage, |column| squeeze(work, drive, column));
-        (sums.loss, sums.bath) = (powers.loss + loss, powers.bath + spent);
-        sums.stored = powers.stored;
-    }
-    sums
+    loss += pressed - open * stage.side;
+    Powers { loss, bath: -open * stage.side, ..Powers::default() }
 }
 
 /// Power lost on the way from a feed's supply into its cells, and power that its pressure spends.
@@ -246,6 +264,7 @@ fn filling_loss(work: &Workspace, stage: &FilmStage, column: usize, squeeze: f64
     for k in 0..w {
         let cell = first + k;
         let p = field.pressure[cell];
+        // Cells that are not full have no pressure, and nothing is lost in them.
         if p == 0.0 {
             continue;
         }
