@@ -151,15 +151,10 @@ pub fn by_surrogate(
 /// The parameters whose first-order index lies above the total one by more than the error of both.
 fn first_above_total(told: &KeyedResults, parameters: &[String]) -> Vec<String> {
     let indices = told.get("sobol").and_then(|told| serde_json::from_value::<Indices>(told.clone()).ok());
-    indices
-        .map(|indices| indices.first.into_iter().zip(indices.total).collect::<Vec<_>>())
-        .unwrap_or_default()
-        .into_iter()
-        .zip(parameters)
-        .filter(|((first, total), _)| {
-            let half = |estimate: &Estimate| 0.5 * (estimate.high - estimate.low);
-            first.value - total.value > half(first).hypot(half(total))
-        })
+    let Some(Indices { first, total, .. }) = indices else { return Vec::new() };
+    let half = |estimate: &Estimate| 0.5 * (estimate.high - estimate.low);
+    let all = first.into_iter().zip(total).zip(parameters);
+    all.filter(|((first, total), _)| first.value - total.value > half(first).hypot(half(total)))
         .map(|(_, parameter)| parameter.clone())
         .collect()
 }
