@@ -96,7 +96,7 @@ def test_each_command_has_its_words():
     said = subprocess.run([PROGRAM, "--help"], check=True, capture_output=True, text=True).stdout
     commands = re.findall(r"^  ([a-z]+) ", said.partition("Commands:")[2].partition("Options:")[0], re.MULTILINE)
     assert len(commands) > 15
-    assert [name for name in commands if f"`{name}`" not in text_of("docs/commands.md") and name != "help"] == []
+    assert [name for name in commands if not re.search(f"`{name}[` ]", text_of("docs/commands.md")) and name != "help"] == []
 
 
 def blocks():
