@@ -111,8 +111,10 @@ fn told_by_points(points: u32, words: &str) {
     let [value, low, high] = ["value", "low", "high"].map(|key| total[key].as_f64().unwrap());
     assert!((value - 4.0 / 14.0).abs() < 0.01 && low < 4.0 / 14.0 && 4.0 / 14.0 < high, "{total}");
     assert!(number(&told["failed"]) > 0.0);
-    assert_eq!(output(&told, "holed")["missing"], told["failed"]);
-    assert_eq!(output(&told, "linear")["missing"], 0);
+    // The table of points has no value of a failed one, whichever criterion it failed by.
+    for name in ["holed", "linear"] {
+        assert_eq!(output(&told, name)["missing"], told["failed"], "{name}");
+    }
     // Surrogates are told of failed runs.
     let said = bench.run(&["robustness", "study.toml", "--from", "out"]);
     assert!(said.out.contains(&format!("of {points} points failed")), "{}{}", said.out, said.err);
