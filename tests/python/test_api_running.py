@@ -13,27 +13,8 @@ from python_package import ENVIRONMENT, same
 from supervised import GRACE
 
 from fmu_orchestrator import OrchestratorError, Study
-from fmu_orchestrator._progress import Journal
+from fmu_orchestrator._progress import Journal, Text
 
-LONG = """
-fmu = "{fmu}"
-[simulation]
-stop = 10
-step = 0.001
-[design]
-method = "sobol"
-points = {points}
-[parameters."bearing.radialClearance"]
-distribution = "normal"
-mean = 0.02
-deviation = 0.002
-unit = "mm"
-[criteria.P]
-variable = "sensor.frictionPower"
-statistic = "mean"
-nominal = 14
-tolerance = "50 %"
-"""
 RUNNER = """
 import signal, sys
 from fmu_orchestrator import Interrupted, Study
@@ -95,32 +76,51 @@ def test_ctrl_c_keeps_what_is_done(send, tmp_path, monkeypatch):
     same(folder, Study.load(study).verify(output=tmp_path / "whole").folder)
 
 
-def test_progress_is_told(fmu, tmp_path, monkeypatch):
+@pytest.fixture
+def held(tmp_path, monkeypatch):
+    """A study of 40 points that a file holds before their end, however fast the machine is; and the file."""
+    monkeypatch.setenv("FAULTY_FOLDER", str(tmp_path))
     monkeypatch.setattr("fmu_orchestrator._progress.QUIET", 0.0)
     monkeypatch.setattr("fmu_orchestrator._program.GLANCE", 0.01)
-    study = tmp_path / "study.toml"
-    study.write_text(LONG.format(fmu=fmu, points=8))
+    Workshop(tmp_path).study(tmp_path / "study.toml")
+    return Study.load(tmp_path / "study.toml"), tmp_path / "held"
+
+
+def test_progress_is_told(held, tmp_path):
+    study, file = held
     told = []
+
+    def progress(*counts):
+        told.append(counts)
+        file.unlink(missing_ok=True)
+
     for attempt in range(2):
         told.clear()
-        Study.load(study).verify(output=tmp_path / "out", extra_runs=0, progress=lambda *counts: told.append(counts))
-        # The second run replaces the journal that is there, and does not begin with its 8 points.
-        assert told and told[0][0] < 8 and {total for _, total in told} == {8}
+        file.touch()
+        study.verify(output=tmp_path / "out", extra_runs=0, progress=progress)
+        # The second run replaces the journal that is there, and does not begin with its 40 points.
+        assert told and told[0][0] < 40 and {total for _, total in told} == {40}
         assert [done for done, _ in told] == sorted(done for done, _ in told)
     journal = Journal(tmp_path / "out", resume=True)
-    assert journal.look() and journal.done == 8
+    assert journal.look() and journal.done == 40
 
 
-def test_a_log_gets_a_line_now_and_then(fmu, tmp_path, monkeypatch, capsys):
-    monkeypatch.setattr("fmu_orchestrator._progress.QUIET", 0.0)
-    monkeypatch.setattr("fmu_orchestrator._program.GLANCE", 0.01)
-    study = tmp_path / "study.toml"
-    study.write_text(LONG.format(fmu=fmu, points=8))
+def test_a_log_gets_a_line_now_and_then(held, tmp_path, monkeypatch, capsys):
+    study, file = held
+    words = Text.words
+
+    def released(self, *counts):
+        file.unlink(missing_ok=True)
+        return words(self, *counts)
+
+    monkeypatch.setattr(Text, "words", released)
     for seldom, progress, told in [(0.0, None, True), (0.0, False, False), (10.0, None, False)]:
         monkeypatch.setattr("fmu_orchestrator._progress.SELDOM", seldom)
-        Study.load(study).verify(output=tmp_path / "out", extra_runs=0, progress=progress)
+        if progress is None:
+            file.touch()
+        study.verify(output=tmp_path / "out", extra_runs=0, progress=progress)
         lines = capsys.readouterr().err.splitlines()
-        assert any(" of 8 points" in line for line in lines) == told and not any("\r" in line for line in lines), lines
+        assert any(" of 40 points" in line for line in lines) == told and not any("\r" in line for line in lines), lines
 
 
 def test_the_command_finds_the_packages_studies(tmp_path):
