@@ -18,7 +18,7 @@ mod curve;
 mod curves;
 mod differences;
 mod equilibrium;
-mod orbit;
+pub mod orbit;
 mod stiff;
 
 use crate::{

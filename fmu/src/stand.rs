@@ -22,10 +22,10 @@ mod remembered;
 mod resting;
 mod scout;
 mod slowest;
-mod steady;
+pub mod steady;
 mod stiff;
 mod stuck;
-mod validity;
+pub mod validity;
 
 use crate::{
     Result,
@@ -116,7 +116,7 @@ pub struct Stand {
     /// The inputs.
     pub inputs: Inputs,
     /// The coefficients of the oil's laws. They are kept as they may come from a file, which is read only at the start.
-    fluid: Properties,
+    pub fluid: Properties,
     /// The oil's viscosity around the film's temperature.
     #[serde(skip)]
     nearby: Nearby,
@@ -144,10 +144,10 @@ pub struct Stand {
 }
 
 /// The unknowns: eccentricity ratio along x and y, temperatures of film, bush, shaft and oil, wear depth.
-type Unknowns = [f64; 7];
+pub type Unknowns = [f64; 7];
 
 /// The error of each unknown that a relative tolerance of one allows: the whole clearance, 100 K, 10 um.
-const SCALES: Unknowns = [1.0, 1.0, 100.0, 100.0, 100.0, 100.0, 1e-5];
+pub const SCALES: Unknowns = [1.0, 1.0, 100.0, 100.0, 100.0, 100.0, 1e-5];
 
 /// The log category for the set-up and the steps.
 const EVENTS: &str = "logEvents";
@@ -204,7 +204,7 @@ impl Stand {
     }
 
     /// The part of the motion that the time integration needs.
-    fn drift(
+    pub fn drift(
         &self,
         tau: f64,
         eccentricity: [f64; 2],

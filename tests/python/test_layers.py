@@ -1,5 +1,5 @@
 """The layers of the house: which module of the orchestrator may use which, and that no files import each other in a circle: those of a
-crate, and those of the Python package, not even for their types.
+crate, and those of the Python package, not even for their types. And that unit tests which lie beside the code are compiled.
 
 A module on a floor may use modules of the floors below it, and no others. To put a module elsewhere, move its name in FLOORS, the only
 place that knows the order.
@@ -7,6 +7,7 @@ place that knows the order.
 
 import ast
 import re
+import tomllib
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
@@ -320,6 +321,58 @@ def test_the_names_of_a_group_are_told_apart(write):
         ("high/mod.rs", "high"), ("high/part.rs", "Part"), ("high/part.rs", "g"), ("high/part.rs", "part")]
     assert {name: path for (module, name), path in tree.handed_on.items() if module == ("low",)} == {
         "own": ("low",), "high": ("high",), "Own": ("high", "part", "Part"), "g": ("high", "part", "g"), "Part": ("high", "Part")}
+
+
+# A library without a harness of its own (`[lib] test = false`) has its unit tests in one of its test programs, which this file lists.
+UNITS = "tests/stand/units.rs"
+# What only a harness would run.
+UNHEARD = re.compile(r"#\s*!?\s*\[\s*(?:test\s*\]|cfg(?:_attr)?\s*\((?:[^]]*\W)?test\b)")
+
+
+def without_harness():
+    """The folders of the packages whose library has none."""
+    with (ROOT / "Cargo.toml").open("rb") as file:
+        members = tomllib.load(file)["workspace"]["members"]
+    for folder in [folder for member in members for folder in ROOT.glob(member)]:
+        with (folder / "Cargo.toml").open("rb") as file:
+            if not tomllib.load(file).get("lib", {}).get("test", True):
+                yield folder
+
+
+def unheard(folder):
+    """Files of such a package with tests that nothing runs."""
+    units = folder / UNITS
+    listed = {(units.parent / path).resolve() for path in re.findall(r'#\[path = "(.*)"]', units.read_text(encoding="utf-8"))}
+    for file in sorted((folder / "src").rglob("*.rs")):
+        if file.name.endswith("tests.rs"):
+            missing = file.resolve() not in listed
+        else:
+            code, _ = cut(file.read_text(encoding="utf-8"), SILENT, end_of_silence)
+            missing = UNHEARD.search(code)
+        if missing:
+            yield file.relative_to(folder).as_posix()
+
+
+def test_unit_tests_beside_the_code_are_compiled():
+    folders = list(without_harness())
+    assert ROOT / "fmu" in folders
+    for folder in folders:
+        assert not list(unheard(folder)), (
+            f"nothing in {folder.name} runs the tests of these: put them into a file ..._tests.rs beside the code, and name it in {UNITS}")
+
+
+def test_a_unit_test_that_nothing_runs_is_found(tmp_path):
+    for name, text in {
+        UNITS: '#[path = "../../src/a_tests.rs"]\nmod a;',
+        "src/a.rs": '// #[cfg(test)]\nconst A: &str = "#[test]";\n#[cfg(not(windows))]\nmod latest;',
+        "src/a_tests.rs": "#[test]\nfn f() {}",
+        "src/b.rs": "#[cfg(test)]\nmod tests {}",
+        "src/c.rs": "#[cfg(all(unix, test))]\nmod c_tests;",
+        "src/d/tests.rs": "",
+    }.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(text)
+    assert list(unheard(tmp_path)) == ["src/b.rs", "src/c.rs", "src/d/tests.rs"]
 
 
 def imports(text: str) -> set[str]:

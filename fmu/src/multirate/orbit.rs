@@ -14,6 +14,7 @@ const PEDESTAL: f64 = 1e-3;
 const LEAST: f64 = 1e-18;
 
 impl Orbit {
+    /// Of the place where it begins, and its flows averaged over the turn.
     pub fn new(place: [f64; 2], flows: &Flows) -> Self {
         let viscous = flows.viscous.max(LEAST);
         let boundary = flows.boundary.max(0.0) + PEDESTAL * viscous;
@@ -22,10 +23,12 @@ impl Orbit {
         Self([x, y, viscous.ln(), boundary.ln(), side_flow.ln()].into())
     }
 
+    /// The eccentricity-ratio vector at its beginning, 1.
     pub fn place(&self) -> Vector2<f64> {
         self.0.fixed_rows::<2>(0).into()
     }
 
+    /// The flows averaged over the turn.
     pub fn flows(&self) -> Flows {
         let viscous = self.0[2].exp();
         Flows { viscous, boundary: self.0[3].exp() - PEDESTAL * viscous, side_flow: self.0[4].exp() - LEAST, feed: 0.0 }
@@ -51,6 +54,7 @@ pub struct Piece {
     pub x: [f64; 4],
     /// The divided differences.
     coefficients: [SVector<f64, 5>; 4],
+    /// The node next to the gap.
     pub nearest: Orbit,
     /// Weights of viscous and boundary friction in the heat of the nearest orbit.
     weights: [f64; 2],
@@ -103,43 +107,5 @@ impl Piece {
             sum += last;
         }
         (Orbit(sum), last)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn orbit(x: f64) -> Orbit {
-        let heat = 3.0 + x - 0.2 * x * x + 0.05 * x * x * x;
-        Orbit([0.1 * x, -0.2, heat, heat - 4.0, 0.5 * x].into())
-    }
-
-    #[test]
-    fn a_cubic_is_its_own_piece_from_every_gap() {
-        let nodes = [-1.0, -0.8, -0.3, 0.5, 0.9, 1.0].map(|x| (x, orbit(x)));
-        for gap in 0..=nodes.len() {
-            let piece = Piece::new(&nodes, gap);
-            for x in [-1.2, -0.5, 0.0, 0.7] {
-                let (value, _) = piece.at(x);
-                assert!((value.0 - orbit(x).0).norm() < 1e-10, "{gap} {x}");
-            }
-        }
-    }
-
-    #[test]
-    fn the_last_term_shows_what_a_piece_of_lower_order_lacks() {
-        let nodes = [-0.5, 0.0, 0.5].map(|x| (x, orbit(x)));
-        let (whole, last) = Piece::new(&nodes, 2).at(0.2);
-        let (line, _) = Piece::new(&nodes[1..], 1).at(0.2);
-        assert!((whole.0 - line.0 - last).norm() < 1e-12);
-    }
-
-    #[test]
-    fn flows_come_back() {
-        let flows = Flows { viscous: 12.0, boundary: 0.0, side_flow: 3e-7, feed: 0.0 };
-        let back = Orbit::new([0.1, 0.2], &flows).flows();
-        assert!((back.viscous - 12.0).abs() < 1e-12 && back.boundary.abs() < 1e-12);
-        assert!((back.side_flow / 3e-7 - 1.0).abs() < 1e-9);
     }
 }

@@ -1,6 +1,6 @@
 //! The steady start: temperatures at which heat in, averaged over the load's turn on its periodic orbit, equals heat out.
 //!
-//! The averaged heat balance ([`multirate::equilibrium`]) finds the equilibrium that the given temperatures reach. It holds
+//! The averaged heat balance ([`multirate::equilibrium()`]) finds the equilibrium that the given temperatures reach. It holds
 //! the film's temperature constant within a turn, and its orbits have the errors of a leap. Newton's method on turns that are
 //! resolved with all unknowns removes both. The stand is on its periodic orbit when a turn changes nothing: `P(y) = y`. The
 //! temperatures' part of the turn's derivative is nearly `exp(J*T)`, with J of the averaged balance, so that
@@ -16,7 +16,7 @@
 //!
 //! Where speed and load repeat themselves only after several turns of the shaft, a turn here is all of these.
 
-mod newton;
+pub mod newton;
 
 use super::{EVENTS, Stand, State, Unknowns, unknowns, validity::SeenByLimits};
 use crate::{

@@ -20,6 +20,7 @@ mod plane;
 mod resting;
 mod steady;
 mod stribeck;
+mod units;
 mod validity;
 mod warm;
 mod whole;
