@@ -204,9 +204,8 @@ impl Belongings {
         let names = |folder: &'static str| names_in(Path::new(folder));
         let maps = fs::read_to_string("/proc/self/maps").unwrap_or_default();
         let is_shared = |line: &&str| {
-            let mut words = line.split_whitespace();
-            let is_device = |path: &str| path.starts_with("/dev/") && !path.starts_with("/dev/shm/");
-            words.nth(1).is_some_and(|access| access.ends_with('s')) || words.nth(3).is_some_and(is_device)
+            line.split(' ').nth(1).is_some_and(|access| access.ends_with('s'))
+                || line.contains(" /dev/") && !line.contains(" /dev/shm")
         };
         Self {
             threads: names("/proc/self/task").count(),
