@@ -31,18 +31,25 @@ debian() {
 }
 
 # python_packages FILE: a private virtual environment in .venv with the packages of a requirements file. uv unpacks in seconds what
-# takes pip a minute of a core; it does not read pip's settings, and where it finds no packages, pip does the work. None of the
-# 10,000 modules is compiled, of which few are ever imported: Python compiles these, once.
+# takes pip a minute of a core. It does not read pip's settings: where there are any that it is not given here, pip does the work.
+# None of the 10,000 modules is compiled, of which few are ever imported: Python compiles these, once.
 unset PYTHONDONTWRITEBYTECODE
 python_packages() {
     local stamp=.venv/.$(sha256sum "$1" | cut -c1-16)
     [ -e "$stamp" ] && return
     say "Python packages of $1 into .venv"
-    [ -x .venv/bin/python ] || python3 -m venv .venv
-    local pip=(.venv/bin/python -m pip install --quiet --no-compile)
-    "${pip[@]}" uv && env ${PIP_CERT+SSL_CERT_FILE="$PIP_CERT"} .venv/bin/uv pip install --quiet --python .venv \
-        ${PIP_INDEX_URL+--default-index "$PIP_INDEX_URL"} ${PIP_FIND_LINKS+--find-links "$PIP_FIND_LINKS"} --requirement "$1" ||
-        "${pip[@]}" --requirement "$1"
+    local new=(python3 -m venv --without-pip .venv) pip=(python3 -m pip --python .venv/bin/python install --quiet --no-compile)
+    local known='^(:env:\.find-links|.*\.(cert|default-timeout|timeout|disable-pip-version-check|no-cache-dir|root-user-action))='
+    local place links=()
+    [ -x .venv/bin/python ] || "${new[@]}"
+    for place in ${PIP_FIND_LINKS-}; do links+=(--find-links "$place"); done
+    if python3 -m pip config list | grep -qvE "$known" || ! "${pip[@]}" --only-binary=:all: uv; then
+        "${pip[@]}" --requirement "$1" pip
+    elif ! env ${PIP_CERT:+SSL_CERT_FILE="$PIP_CERT"} .venv/bin/uv pip install --quiet --python .venv "${links[@]}" --requirement "$1" pip; then
+        echo "uv cannot install them; pip does"
+        "${new[@]}" --clear
+        "${pip[@]}" --requirement "$1" pip
+    fi
     touch "$stamp"
 }
 

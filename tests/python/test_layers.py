@@ -325,6 +325,7 @@ def test_the_names_of_a_group_are_told_apart(write):
 
 # A library without a harness of its own (`[lib] test = false`) has its unit tests in one of its test programs, which this file lists.
 UNITS = "tests/stand/units.rs"
+LISTED = re.compile(r'^#\[path = "(.*)"]\nmod \w+;$', re.MULTILINE)
 # What only a harness would run.
 UNHEARD = re.compile(r"#\s*!?\s*\[\s*(?:test\s*\]|cfg(?:_attr)?\s*\((?:[^]]*\W)?test\b)")
 
@@ -342,7 +343,12 @@ def without_harness():
 def unheard(folder):
     """Files of such a package with tests that nothing runs."""
     units = folder / UNITS
-    listed = {(units.parent / path).resolve() for path in re.findall(r'#\[path = "(.*)"]', units.read_text(encoding="utf-8"))}
+    text = units.read_text(encoding="utf-8")
+    listed = {(units.parent / path).resolve() for path in LISTED.findall(text)}
+    if re.sub(r"//.*", "", LISTED.sub("", text)).strip():
+        yield f"{UNITS}, which lists files and nothing else"
+    if "\nmod units;\n" not in re.sub(r"^#\[.*\n.*", "", units.with_name("main.rs").read_text(encoding="utf-8"), flags=re.MULTILINE):
+        yield f"{UNITS}, which main.rs does not name"
     for file in sorted((folder / "src").rglob("*.rs")):
         if file.name.endswith("tests.rs"):
             missing = file.resolve() not in listed
@@ -361,9 +367,21 @@ def test_unit_tests_beside_the_code_are_compiled():
             f"nothing in {folder.name} runs the tests of these: put them into a file ..._tests.rs beside the code, and name it in {UNITS}")
 
 
-def test_a_unit_test_that_nothing_runs_is_found(tmp_path):
+NAMED = '#[path = "../../src/a_tests.rs"]\nmod a;\n'
+
+
+@pytest.mark.parametrize("units, main, found", [
+    (NAMED, "#![allow(x)]\nmod bush;\nmod units;\n", []),
+    (NAMED, "mod bush;\n", [f"{UNITS}, which main.rs does not name"]),
+    (NAMED, "mod bush;\n#[cfg(any())]\nmod units;\n", [f"{UNITS}, which main.rs does not name"]),
+    (NAMED, "mod bush;\n// mod units;\n", [f"{UNITS}, which main.rs does not name"]),
+    (f"#[cfg(any())]\n{NAMED}", "\nmod units;\n", [f"{UNITS}, which lists files and nothing else"]),
+    (f"// {NAMED.replace(chr(10) + 'mod', chr(10) + '// mod')}", "\nmod units;\n", ["src/a_tests.rs"]),
+])
+def test_a_unit_test_that_nothing_runs_is_found(units, main, found, tmp_path):
     for name, text in {
-        UNITS: '#[path = "../../src/a_tests.rs"]\nmod a;',
+        UNITS: units,
+        "tests/stand/main.rs": main,
         "src/a.rs": '// #[cfg(test)]\nconst A: &str = "#[test]";\n#[cfg(not(windows))]\nmod latest;',
         "src/a_tests.rs": "#[test]\nfn f() {}",
         "src/b.rs": "#[cfg(test)]\nmod tests {}",
@@ -372,7 +390,7 @@ def test_a_unit_test_that_nothing_runs_is_found(tmp_path):
     }.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / name).write_text(text)
-    assert list(unheard(tmp_path)) == ["src/b.rs", "src/c.rs", "src/d/tests.rs"]
+    assert list(unheard(tmp_path)) == [*found, "src/b.rs", "src/c.rs", "src/d/tests.rs"]
 
 
 def imports(text: str) -> set[str]:

@@ -191,6 +191,12 @@ fn tell(notices: &Notices) {
     }
 }
 
+/// Whether a line of a process's maps is that of a device, or of memory mapped for several processes.
+fn is_shared(line: &str) -> bool {
+    line.split(' ').nth(1).is_some_and(|access| access.ends_with('s'))
+        || line.contains(" /dev/") && !line.contains(" /dev/shm")
+}
+
 /// Resources of a process that its forks would lack or share.
 struct Belongings {
     threads: usize,
@@ -203,14 +209,10 @@ impl Belongings {
     fn now() -> Self {
         let names = |folder: &'static str| names_in(Path::new(folder));
         let maps = fs::read_to_string("/proc/self/maps").unwrap_or_default();
-        let is_shared = |line: &&str| {
-            line.split(' ').nth(1).is_some_and(|access| access.ends_with('s'))
-                || line.contains(" /dev/") && !line.contains(" /dev/shm")
-        };
         Self {
             threads: names("/proc/self/task").count(),
             descriptors: names("/proc/self/fd").collect(),
-            shared: maps.lines().filter(is_shared).map(str::to_owned).collect(),
+            shared: maps.lines().filter(|line| is_shared(line)).map(str::to_owned).collect(),
         }
     }
 
@@ -244,4 +246,24 @@ fn paint_stack(byte: u8) {
     let mut paint = [0_u8; SIZE];
     paint.fill(byte);
     std::hint::black_box(&mut paint);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_device_is_shared_and_a_library_is_not() {
+        let mapped = |access: &str, path: &str| format!("7f00-7f01 {access} 00000000 00:1a 77          {path}");
+        for (access, path, shared) in [
+            ("rw-s", "/tmp/numbers", true),
+            ("rw-s", "/dev/shm/numbers", true),
+            ("rw-p", "/dev/nvidia0", true),
+            ("r-xp", "/dev/shm/fmu/lag.so", false),
+            ("r-xp", "/home/dev/lag.so", false),
+            ("rw-p", "", false),
+        ] {
+            assert_eq!(is_shared(&mapped(access, path)), shared, "{access} {path}");
+        }
+    }
 }

@@ -76,7 +76,7 @@ pub struct Passing {
 }
 
 /// Says how a limit is passed, where it is.
-pub type Passed = fn(&Stand, &SeenByLimits, &Strain) -> Option<String>;
+type Passed = fn(&Stand, &SeenByLimits, &Strain) -> Option<String>;
 
 /// The limits: the bit of each, and what says how it is passed.
 pub static LIMITS: [(i32, Passed); 8] = [

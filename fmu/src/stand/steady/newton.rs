@@ -47,9 +47,9 @@ pub struct Newton {
     settle: LU<f64, Const<4>, Const<4>>,
     /// Derivative of the orbit's beginning over the temperatures, 1/K.
     shift: SMatrix<f64, 2, 4>,
-    /// Derivatives of a turn's end over its beginning: the place's, 1,
+    /// Derivative of the place at a turn's end over that at its beginning, 1.
     slope: Matrix2<f64>,
-    /// and the temperatures', K.
+    /// Derivative of the temperatures at a turn's end over the place at its beginning, K.
     pub warming: SMatrix<f64, 4, 2>,
     isothermal: bool,
     last: Option<Turn>,
