@@ -192,7 +192,7 @@ fn tell(notices: &Notices) {
 }
 
 /// Whether a line of a process's maps is that of a device, or of memory mapped for several processes.
-fn is_shared(line: &str) -> bool {
+fn is_shared(line: &&str) -> bool {
     line.split(' ').nth(1).is_some_and(|access| access.ends_with('s'))
         || line.contains(" /dev/") && !line.contains(" /dev/shm")
 }
@@ -212,7 +212,7 @@ impl Belongings {
         Self {
             threads: names("/proc/self/task").count(),
             descriptors: names("/proc/self/fd").collect(),
-            shared: maps.lines().filter(|line| is_shared(line)).map(str::to_owned).collect(),
+            shared: maps.lines().filter(is_shared).map(str::to_owned).collect(),
         }
     }
 
@@ -263,7 +263,7 @@ mod tests {
             ("r-xp", "/home/dev/lag.so", false),
             ("rw-p", "", false),
         ] {
-            assert_eq!(is_shared(&mapped(access, path)), shared, "{access} {path}");
+            assert_eq!(is_shared(&&*mapped(access, path)), shared, "{access} {path}");
         }
     }
 }
