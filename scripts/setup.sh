@@ -43,7 +43,7 @@ python_packages() {
     local place links=()
     [ -x .venv/bin/python ] || "${new[@]}"
     for place in ${PIP_FIND_LINKS-}; do links+=(--find-links "$place"); done
-    if python3 -m pip config list | grep -qvE "$known" || ! "${pip[@]}" --only-binary=:all: uv; then
+    if python3 -m pip config list | grep -vE "$known" >/dev/null || ! "${pip[@]}" --only-binary=:all: uv; then
         "${pip[@]}" --requirement "$1" pip
     elif ! env ${PIP_CERT:+SSL_CERT_FILE="$PIP_CERT"} .venv/bin/uv pip install --quiet --python .venv "${links[@]}" --requirement "$1" pip; then
         echo "uv cannot install them; pip does"
